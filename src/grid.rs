@@ -1,0 +1,158 @@
+//! Uniform P1 grids of the square (-1/2, 1/2)^2 and the order of their nodes.
+
+/// Coarsest grid that has an interior node.
+pub const MIN_CELLS: usize = 2;
+
+/// The uniform right-triangle grid with `n` cells of width `h = 1/n` along each side.
+///
+/// Nodes are numbered row by row, `x` fastest, from the lower left corner; a *nodal vector* has
+/// `(n + 1)^2` entries in that order. Boundary nodes are numbered counter-clockwise from the lower
+/// left corner; a *boundary vector* has `4 n` entries in that order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Grid {
+    n: usize,
+}
+
+/// A grid, or a sequence of grids, that the method cannot use.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GridError {
+    /// Fewer than [`MIN_CELLS`] cells per side.
+    #[error(
+        "a grid needs at least {MIN_CELLS} cells per side, not {0}; use h = 1/{MIN_CELLS} or finer"
+    )]
+    TooCoarse(usize),
+    /// A grid that is not the halving of the one before it.
+    #[error("grid 1/{fine} does not nest in 1/{coarse}: each grid must halve the one before; use 1/{want}", want = 2 * coarse)]
+    NotNested {
+        /// Cells per side of the grid before.
+        coarse: usize,
+        /// Cells per side of the grid that does not fit.
+        fine: usize,
+    },
+    /// No grid at all.
+    #[error("no grids given; give at least one, such as 1/4")]
+    Empty,
+}
+
+impl Grid {
+    /// The grid with `n` cells per side.
+    ///
+    /// # Errors
+    /// [`GridError::TooCoarse`] if `n` is below [`MIN_CELLS`].
+    pub fn new(n: usize) -> Result<Self, GridError> {
+        if n < MIN_CELLS {
+            return Err(GridError::TooCoarse(n));
+        }
+        Ok(Self { n })
+    }
+
+    /// Cells per side.
+    pub fn cells(self) -> usize {
+        self.n
+    }
+
+    /// Nodes per side, `n + 1`: the stride between rows of a nodal vector.
+    pub fn side(self) -> usize {
+        self.n + 1
+    }
+
+    /// Length of a nodal vector.
+    pub fn nodes(self) -> usize {
+        self.side() * self.side()
+    }
+
+    /// Length of a boundary vector.
+    pub fn boundary_nodes(self) -> usize {
+        4 * self.n
+    }
+
+    /// Mesh width.
+    pub fn h(self) -> f64 {
+        1.0 / self.n as f64
+    }
+
+    /// Coordinate of the `i`-th grid line, in [-1/2, 1/2].
+    pub fn coordinate(self, i: usize) -> f64 {
+        // The quotient is rounded once, so that lines shared by nested grids coincide to the bit.
+        i as f64 / self.n as f64 - 0.5
+    }
+
+    /// Position in a nodal vector of the node in column `i` and row `j`.
+    pub fn index(self, i: usize, j: usize) -> usize {
+        j * self.side() + i
+    }
+
+    /// Column and row of the `b`-th boundary node, counter-clockwise from the lower left corner.
+    pub fn boundary_node(self, b: usize) -> (usize, usize) {
+        let (n, along) = (self.n, b % self.n);
+        match b / n {
+            0 => (along, 0),
+            1 => (n, along),
+            2 => (n - along, n),
+            _ => (0, n - along),
+        }
+    }
+
+    /// Positions of the boundary nodes in a nodal vector, in boundary order.
+    pub fn boundary(self) -> impl Iterator<Item = usize> {
+        (0..self.boundary_nodes()).map(move |b| {
+            let (i, j) = self.boundary_node(b);
+            self.index(i, j)
+        })
+    }
+
+    /// Whether boundary node `b` is a corner of the square.
+    pub fn is_corner(self, b: usize) -> bool {
+        b.is_multiple_of(self.n)
+    }
+}
+
+/// The nested grids with `cells[k]` cells per side, each the halving of the one before.
+///
+/// # Errors
+/// [`GridError`] if the list is empty, a grid is too coarse, or two neighbours do not nest.
+pub fn nested(cells: &[usize]) -> Result<Vec<Grid>, GridError> {
+    if cells.is_empty() {
+        return Err(GridError::Empty);
+    }
+    for pair in cells.windows(2) {
+        if pair[1] != 2 * pair[0] {
+            return Err(GridError::NotNested {
+                coarse: pair[0],
+                fine: pair[1],
+            });
+        }
+    }
+    cells.iter().map(|&n| Grid::new(n)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boundary_runs_once_around_counter_clockwise() {
+        let grid = Grid::new(4).unwrap();
+        let nodes: Vec<_> = (0..16).map(|b| grid.boundary_node(b)).collect();
+        assert_eq!(nodes[..5], [(0, 0), (1, 0), (2, 0), (3, 0), (4, 0)]);
+        assert_eq!(nodes[5..9], [(4, 1), (4, 2), (4, 3), (4, 4)]);
+        assert_eq!(
+            nodes[9..],
+            [(3, 4), (2, 4), (1, 4), (0, 4), (0, 3), (0, 2), (0, 1)]
+        );
+    }
+
+    #[test]
+    fn only_halvings_nest() {
+        assert!(nested(&[4, 8, 16]).is_ok());
+        assert_eq!(nested(&[]), Err(GridError::Empty));
+        assert_eq!(nested(&[1]), Err(GridError::TooCoarse(1)));
+        assert_eq!(
+            nested(&[4, 12]),
+            Err(GridError::NotNested {
+                coarse: 4,
+                fine: 12
+            })
+        );
+    }
+}

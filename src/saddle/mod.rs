@@ -1,0 +1,90 @@
+//! Saddle-point methods for the modified Lagrange functional (7), and their run over nested grids.
+
+mod arrow_hurwicz;
+mod stopping;
+mod sweep;
+
+pub use arrow_hurwicz::{Iteration, Outcome, Params, arrow_hurwicz};
+pub use stopping::{StopReason, StopRule};
+
+use crate::grid::Grid;
+use crate::transfer::{Prolongation, prolong, prolong_boundary};
+use std::ops::ControlFlow;
+
+/// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Nodal vector.
+    pub y: Vec<f64>,
+    /// Boundary vector, non-negative.
+    pub a: Vec<f64>,
+}
+
+impl Pair {
+    /// The zero pair, from which the paper starts on its coarsest grid.
+    pub fn zero(grid: Grid) -> Self {
+        Self {
+            y: vec![0.0; grid.nodes()],
+            a: vec![0.0; grid.boundary_nodes()],
+        }
+    }
+
+    /// The linear interpolation of both components on the grid of half the width.
+    pub fn prolonged(&self, grid: Grid, rule: Prolongation) -> Self {
+        Self {
+            y: prolong(grid, &self.y, rule),
+            a: prolong_boundary(&self.a),
+        }
+    }
+}
+
+/// The paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
+pub fn tolerance(level: usize) -> f64 {
+    // A power of ten up to 10^22 is exact, so that the quotient is the double nearest to 10^-level.
+    1.0 / 10f64.powi(level as i32)
+}
+
+/// Solves on each of the nested `grids` in turn, starting from zero and then from the prolonged pair.
+///
+/// `loads[k]` is the load vector on `grids[k]`. On the k-th grid `params.tolerance` is replaced by
+/// [`tolerance`]`(k)`. Stops early when `monitor`, called with the level counted from 1, breaks.
+/// Returns the outcome on each grid and the last pair.
+///
+/// # Panics
+/// If the grids are not as [`crate::grid::nested`] gives them, or a load vector has the wrong length.
+pub fn solve_nested(
+    grids: &[Grid],
+    loads: &[Vec<f64>],
+    params: &Params,
+    prolongation: Prolongation,
+    mut monitor: Option<&mut dyn FnMut(usize, &Iteration) -> ControlFlow<()>>,
+) -> (Vec<Outcome>, Pair) {
+    let mut pair = Pair::zero(grids[0]);
+    let mut outcomes = Vec::with_capacity(grids.len());
+    for (k, (&grid, load)) in grids.iter().zip(loads).enumerate() {
+        let level = k + 1;
+        if k > 0 {
+            pair = pair.prolonged(grids[k - 1], prolongation);
+        }
+        let params = Params {
+            tolerance: tolerance(level),
+            ..*params
+        };
+        let outcome = match monitor.as_mut() {
+            Some(monitor) => {
+                let mut on_level = |iteration: &Iteration| monitor(level, iteration);
+                arrow_hurwicz(grid, load, &params, &mut pair, Some(&mut on_level))
+            }
+            None => arrow_hurwicz(grid, load, &params, &mut pair, None),
+        };
+        let go_on = matches!(
+            outcome.stop,
+            StopReason::Converged | StopReason::IterationLimit
+        );
+        outcomes.push(outcome);
+        if !go_on {
+            break;
+        }
+    }
+    (outcomes, pair)
+}

@@ -1,0 +1,70 @@
+//! When the iteration stops: criterion (13) as printed, the reading that reproduces the tables, and the dual one.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Which norm of the gradient (8), evaluated at (y^(n), a^(n)), must fall below the tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopRule {
+    /// `max_i dM/dy_i`, no absolute value: what the published counts agree with.
+    #[default]
+    Signed,
+    /// `max_i |dM/dy_i|`: (13) as printed.
+    Printed,
+    /// The signed rule, and `max_i |a_i^(n) - a_i^(n-1)|` below the tolerance as well.
+    SignedDual,
+    /// The printed rule, and the change of the multiplier below the tolerance as well.
+    PrintedDual,
+}
+
+impl StopRule {
+    /// The name used in scenes and artifacts.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Signed => "signed",
+            Self::Printed => "printed",
+            Self::SignedDual => "signed-dual",
+            Self::PrintedDual => "printed-dual",
+        }
+    }
+
+    pub(super) fn is_printed(self) -> bool {
+        matches!(self, Self::Printed | Self::PrintedDual)
+    }
+
+    pub(super) fn asks_dual(self) -> bool {
+        matches!(self, Self::SignedDual | Self::PrintedDual)
+    }
+}
+
+impl fmt::Display for StopRule {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
+
+/// Why an iteration ended. Every one is an outcome, none an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// The stopping rule was met.
+    Converged,
+    /// The cap on iterations was hit first.
+    IterationLimit,
+    /// A value left the range of numbers: y or a is infinite or NaN.
+    Diverged,
+    /// The monitor asked to stop.
+    Interrupted,
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "iteration-limit",
+            Self::Diverged => "diverged",
+            Self::Interrupted => "interrupted",
+        })
+    }
+}
