@@ -1,10 +1,19 @@
 //! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
 
+pub mod cli;
+pub mod error;
 pub mod exact;
+pub mod fields;
 pub mod grid;
 pub mod kkt;
 pub mod load;
+pub mod paper;
+pub mod pipeline;
+pub mod project;
 pub mod saddle;
+pub mod scene;
 pub mod source;
+pub mod stages;
 pub mod stiffness;
+pub mod table;
 pub mod transfer;

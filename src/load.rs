@@ -8,11 +8,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "rule", deny_unknown_fields)]
 pub enum LoadRule {
-    /// `F_i = w_i h^2 f(M_i)`, w = 1 inside, 1/2 on edges, 1/4 at corners; a tie rule decides on jumps.
+    /// `F_i = f(M_i)` times the integral of the i-th hat function; a tie rule decides on jumps.
+    ///
+    /// The integral is `h^2` inside, `h^2 / 2` on edges, and at a corner `h^2 / 6` for each triangle
+    /// there. Without a diagonal it is replaced by the trapezoidal weight `h^2 / 4` at all corners.
     Nodal {
         /// Side from which f is taken at a node on a jump.
         #[serde(default)]
         tie: Tie,
+        /// How the squares are cut into triangles.
+        diagonal: Option<Diagonal>,
     },
     /// The integral itself: exact for constant pieces, degree 5 quadrature for smooth f.
     Exact {
@@ -37,19 +42,17 @@ pub enum Diagonal {
 
 impl Default for LoadRule {
     fn default() -> Self {
-        Self::Nodal {
-            tie: Tie::default(),
-        }
+        Self::Nodal { tie: Tie::default(), diagonal: Some(Diagonal::default()) }
     }
 }
 
 /// The load vector of `f` on `grid`, a nodal vector.
 pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
     match rule {
-        LoadRule::Nodal { tie } => lumped(grid, |x, y| f.sample(x, y, tie)),
+        LoadRule::Nodal { tie, diagonal } => lumped(grid, diagonal, |x, y| f.sample(x, y, tie)),
         LoadRule::LumpedAverage => {
             let q = 0.25 * grid.h();
-            lumped(grid, |x, y| {
+            lumped(grid, None, |x, y| {
                 let (mut sum, mut count) = (0.0, 0.0);
                 for (px, py) in [
                     (x - q, y - q),
@@ -75,14 +78,23 @@ pub fn integral(f: &Source) -> f64 {
     integrated(grid, f, Diagonal::Rising).iter().sum()
 }
 
-fn lumped(grid: Grid, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+fn lumped(grid: Grid, diagonal: Option<Diagonal>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let (n, h) = (grid.cells(), grid.h());
-    let weight = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
+    let on_border = |i: usize| i == 0 || i == n;
+    let weight = |i: usize, j: usize| match (on_border(i), on_border(j)) {
+        (false, false) => 1.0,
+        (true, true) => match diagonal {
+            None => 0.25,
+            // A diagonal gives the corners it ends in two triangles, the others one.
+            Some(cut) if (cut == Diagonal::Rising) == (i == j) => 1.0 / 3.0,
+            Some(_) => 1.0 / 6.0,
+        },
+        _ => 0.5,
+    };
     let mut load = Vec::with_capacity(grid.nodes());
     for j in 0..=n {
         for i in 0..=n {
-            let area = weight(i) * weight(j) * h * h;
-            load.push(area * f(grid.coordinate(i), grid.coordinate(j)));
+            load.push(weight(i, j) * h * h * f(grid.coordinate(i), grid.coordinate(j)));
         }
     }
     load
@@ -151,7 +163,7 @@ fn split(mut polygon: Vec<Point>, planes: &[[f64; 3]]) -> (Vec<Point>, Vec<Vec<P
 }
 
 /// Sutherland and Hodgman's clipping of a convex polygon by `a x + b y <= c`.
-fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
+pub(crate) fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
     let excess = |p: Point| a * p[0] + b * p[1] - c;
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (k, &p) in polygon.iter().enumerate() {
@@ -317,7 +329,7 @@ mod tests {
             load(grid, &f, LoadRule::LumpedAverage)[grid.index(2, 2)],
             2.0 * h2
         );
-        let tied = |tie| load(grid, &f, LoadRule::Nodal { tie })[grid.index(2, 2)];
+        let tied = |tie| load(grid, &f, LoadRule::Nodal { tie, diagonal: None })[grid.index(2, 2)];
         assert_eq!(tied(Tie::LowerLeft), 4.0 * h2);
         assert_eq!(tied(Tie::UpperRight), 0.0);
     }

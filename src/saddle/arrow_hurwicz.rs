@@ -38,7 +38,7 @@ impl Default for Params {
 }
 
 /// What the monitor sees after each iteration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iteration {
     /// Iterations done on this grid.
     pub number: usize,

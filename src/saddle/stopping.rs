@@ -19,6 +19,9 @@ pub enum StopRule {
 }
 
 impl StopRule {
+    /// All rules.
+    pub const ALL: [Self; 4] = [Self::Signed, Self::Printed, Self::SignedDual, Self::PrintedDual];
+
     /// The name used in scenes and artifacts.
     pub fn name(self) -> &'static str {
         match self {

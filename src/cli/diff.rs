@@ -1,0 +1,104 @@
+//! `diff`: our tables beside the published ones.
+
+use super::pipeline::{Workplace, bring_up_to_date};
+use super::{CacheArgs, say, say_json, styled};
+use crate::error::{Error, Result};
+use crate::paper::{Comparison, RowComparison, TableComparison};
+use crate::pipeline::Stage;
+use crate::stages::diff::DIFF;
+use anstyle::AnsiColor;
+use clap::Args;
+
+/// Arguments of `diff`.
+#[derive(Args)]
+pub(super) struct DiffArgs {
+    /// Print JSON
+    #[arg(long, conflicts_with = "md")]
+    json: bool,
+    /// Print Markdown, for a pull request
+    #[arg(long)]
+    md: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
+    if tasks.is_empty() {
+        return Err(Error::input("no scene has a `paper_table`; add one to compare with the paper"));
+    }
+    let manifests = bring_up_to_date(&workplace, &tasks)?;
+    let mut tables = Vec::new();
+    for manifest in manifests.values().filter(|manifest| manifest.outputs.contains_key(DIFF)) {
+        let artifacts = workplace.store.artifacts(&manifest.task, &manifest.outputs)?;
+        let table: TableComparison = serde_json::from_slice(&artifacts[DIFF])
+            .map_err(|e| Error::input(format!("{}: {e}; run again with --force", manifest.task)))?;
+        tables.push(table);
+    }
+    tables.sort_by_key(|table| table.table);
+    let comparison = Comparison { schema: 1, tables };
+    if args.json {
+        say_json(&comparison)?;
+    } else {
+        let print = if args.md { markdown } else { text };
+        say(&comparison.tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
+    }
+    Ok(u8::from(!comparison.holds()))
+}
+
+/// Iterations with their mark: `=` exact, `~` within tolerance, `!` outside.
+fn mark(row: &RowComparison, level: usize) -> char {
+    match (row.ours[level] == row.paper[level], row.within[level]) {
+        (true, _) => '=',
+        (false, true) => '~',
+        (false, false) => '!',
+    }
+}
+
+fn summary(table: &TableComparison) -> String {
+    format!(
+        "{} of {} counts exact, {} within tolerance; Delta a: {} of {} to the printed digits, {} within tolerance ({})",
+        table.exact, table.cells, table.within_tolerance, table.delta_a_exact, table.rows.len(),
+        table.delta_a_within, table.tolerance
+    )
+}
+
+fn text(table: &TableComparison) -> String {
+    let levels = table.rows.first().map_or(0, |row| row.paper.len());
+    let mut out = format!("{}\n{:>10}  ", styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan), "r");
+    (0..levels).for_each(|level| out += &format!("{:>14}", format!("grid {}", level + 1)));
+    out += &format!("{:>22}\n{:>10}  ", "Delta a", "");
+    (0..levels).for_each(|_| out += &format!("{:>14}", "ours paper"));
+    out += &format!("{:>22}\n", "ours   paper");
+    for row in &table.rows {
+        out += &format!("{:>10}  ", row.r);
+        for level in 0..levels {
+            let pair = format!("{:>5}{} {:>5}", row.ours[level], mark(row, level), row.paper[level]);
+            out += &format!("{pair:>14}");
+        }
+        let sign = if row.delta_a_within { ' ' } else { '!' };
+        out += &format!("{:>22}\n", format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
+    }
+    out + &format!("{}\n= exact, ~ within tolerance, ! outside\n", summary(table))
+}
+
+fn markdown(table: &TableComparison) -> String {
+    let levels = table.rows.first().map_or(0, |row| row.paper.len());
+    let mut out = format!("**Table {}** ({}): {}\n\n| r |", table.table, table.scene, summary(table));
+    (1..=levels).for_each(|level| out += &format!(" grid {level} |"));
+    out += " Δa ours | Δa paper |\n|---:|";
+    (0..levels + 2).for_each(|_| out += "---:|");
+    out.push('\n');
+    for row in &table.rows {
+        out += &format!("| {} |", row.r);
+        for level in 0..levels {
+            out += &match mark(row, level) {
+                '=' => format!(" {} |", row.ours[level]),
+                mark => format!(" **{}** {mark} {} |", row.ours[level], row.paper[level]),
+            };
+        }
+        out += &format!(" {:.2e} | {:.1e} |\n", row.delta_a_ours, row.delta_a_paper);
+    }
+    out
+}

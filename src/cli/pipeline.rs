@@ -1,0 +1,372 @@
+//! `run`, `status`, `explain`, `dag`, `report`, `gc`: the commands that walk the plan.
+
+use super::{CacheArgs, concerns, current_folder, say, say_json, styled};
+use crate::error::{Error, IoContext, Result};
+use crate::pipeline::{
+    CacheLock, LockFile, Manifest, Options, Progress, Reason, Stage, Store, Summary, Task, Verdict,
+    execute,
+};
+use crate::project::Project;
+use crate::stages::plan;
+use anstyle::AnsiColor;
+use clap::Args;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::process::Command;
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Arguments of `run`.
+#[derive(Args, Clone, Debug)]
+pub(super) struct RunArgs {
+    /// Scenes to run [default: all, and the book]
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Only this stage, and what it needs
+    #[arg(long, value_name = "STAGE")]
+    only: Option<Stage>,
+    /// Say what would run, and why; change nothing
+    #[arg(short = 'n', long)]
+    dry_run: bool,
+    /// Run everything again, and overwrite figures and pages edited by hand
+    #[arg(short, long)]
+    force: bool,
+    /// After a failure, go on with what does not depend on it
+    #[arg(short, long)]
+    keep_going: bool,
+    /// Threads [default: one per core]; results do not depend on it
+    #[arg(short, long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    jobs: usize,
+    /// Fail if the results differ from pipeline/lock.toml, instead of updating it
+    #[arg(long)]
+    locked: bool,
+    /// A line for every task that runs, with the reason
+    #[arg(short, long)]
+    verbose: bool,
+    /// No progress
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Arguments of `status`.
+#[derive(Args)]
+pub(super) struct StatusArgs {
+    /// Scenes to look at [default: all]
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Exit with 1 if anything is stale
+    #[arg(long)]
+    exit_code: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Arguments of `explain`.
+#[derive(Args)]
+pub(super) struct ExplainArgs {
+    /// A stage (solve, tabulate, diff, figures, report) or the beginning of a task's id
+    stage: String,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Arguments of `dag`.
+#[derive(Args)]
+pub(super) struct DagArgs {
+    /// For Mermaid, which draws it in Markdown
+    #[arg(long, conflicts_with = "dot")]
+    mermaid: bool,
+    /// For Graphviz
+    #[arg(long)]
+    dot: bool,
+}
+
+/// Arguments of `report`.
+#[derive(Args)]
+pub(super) struct ReportArgs {
+    /// Open the book in the browser
+    #[arg(long)]
+    open: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Arguments of `gc`.
+#[derive(Args)]
+pub(super) struct GcArgs {
+    /// Count only; remove nothing
+    #[arg(short = 'n', long)]
+    dry_run: bool,
+    /// Keep this many latest runs of each task
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    keep: usize,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// The project around the current folder, and its cache.
+pub(super) struct Workplace {
+    pub project: Project,
+    pub store: Store,
+}
+
+impl Workplace {
+    pub fn open(cache: &CacheArgs) -> Result<Self> {
+        let project = Project::read(Project::find(&current_folder()?)?)?;
+        let folder = cache.cache_dir.clone().unwrap_or_else(|| project.root.join(".signorini"));
+        Ok(Self { store: Store::new(&folder)?, project })
+    }
+
+    pub fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Vec<Task>> {
+        Ok(plan(&self.project, &self.project.select(scenes)?, only))
+    }
+
+    pub fn judge(&self, tasks: &[Task]) -> Result<Summary> {
+        let options = Options { dry_run: true, ..Options::default() };
+        self.walk(tasks, options, &Progress::new(false, true))
+    }
+
+    pub fn walk(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
+        let _lock =
+            if options.dry_run { None } else { Some(CacheLock::take(self.store.folder())?) };
+        execute(tasks, &self.store, &self.project.root, options, progress, interrupted())
+    }
+}
+
+/// Set by the first Ctrl-C; the second ends the process at once.
+fn interrupted() -> &'static AtomicBool {
+    static FLAG: AtomicBool = AtomicBool::new(false);
+    static HANDLER: Once = Once::new();
+    HANDLER.call_once(|| {
+        // Without a handler Ctrl-C still ends the process, and the cache survives that.
+        let _ = ctrlc::set_handler(|| {
+            if FLAG.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(Error::Interrupted.exit_code()));
+            }
+        });
+    });
+    &FLAG
+}
+
+pub(super) fn run(args: &RunArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let tasks = workplace.tasks(&args.scenes, args.only)?;
+    if tasks.is_empty() {
+        return Err(Error::input("the scenes ask for nothing here; see `outputs` in the scene, or drop --only"));
+    }
+    let options = Options {
+        force: args.force,
+        keep_going: args.keep_going,
+        jobs: args.jobs,
+        dry_run: args.dry_run,
+    };
+    let progress = Progress::new(args.verbose, args.quiet);
+    let summary = workplace.walk(&tasks, options, &progress)?;
+    if args.dry_run {
+        return say(&verdicts(&summary));
+    }
+    if !summary.failed.is_empty() {
+        return Err(Error::Stage(summary.failed));
+    }
+    let whole = args.scenes.is_empty() && args.only.is_none();
+    if whole {
+        let (found, ours) = (LockFile::read(&workplace.project.root)?, summary.lock_file());
+        let differences = found.differences(&ours);
+        if !args.locked {
+            ours.write(&workplace.project.root)?;
+        } else if !differences.is_empty() {
+            let lines = differences.join("\n  ");
+            say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
+            return Ok(1);
+        }
+    }
+    if summary.nothing_to_do() {
+        return say("nothing to do\n");
+    }
+    say(&account(&summary, whole))
+}
+
+/// One line per stage that ran: how many tasks, how long, why.
+fn account(summary: &Summary, whole: bool) -> String {
+    let mut text = String::new();
+    for stage in Stage::ALL {
+        let ran: Vec<_> = summary.ran.iter().filter(|ran| ran.stage == stage).collect();
+        let all = summary.verdicts.iter().filter(|(id, _)| concerns(stage.name(), stage, id)).count();
+        let Some(first) = ran.first() else { continue };
+        let time: Duration = ran.iter().map(|ran| ran.time).sum();
+        let others = ran.iter().filter(|ran| ran.reason != first.reason).count();
+        let more = if others > 0 { format!(" (others differ: {others})") } else { String::new() };
+        text += &format!(
+            "{:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}{more}\n",
+            stage.name(), ran.len(), time.as_secs_f64(), first.reason
+        );
+    }
+    text += &format!("{} files written to figures/ and report/\n", summary.exported);
+    if whole && summary.exports.contains_key("report/book/index.html") {
+        text += "the book: report/book/index.html\n";
+    }
+    text
+}
+
+fn verdicts(summary: &Summary) -> String {
+    let stale: Vec<_> = summary.verdicts.iter().filter(|(_, v)| *v != Verdict::Fresh).collect();
+    if stale.is_empty() {
+        return if summary.exported == 0 {
+            "nothing to do\n".into()
+        } else {
+            "would only write files that are missing in figures/ or report/\n".into()
+        };
+    }
+    stale.iter().map(|(id, verdict)| format!("{id}: {verdict}\n")).collect()
+}
+
+pub(super) fn status(args: &StatusArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?)?;
+    let stale = !summary.nothing_to_do();
+    if args.json {
+        let tasks: BTreeMap<_, _> = summary.verdicts.iter().cloned().collect();
+        say_json(&serde_json::json!({ "schema": 1, "stale": stale, "tasks": tasks }))?;
+    } else {
+        let mut text = String::new();
+        for stage in Stage::ALL {
+            let of: Vec<_> =
+                summary.verdicts.iter().filter(|(id, _)| concerns(stage.name(), stage, id)).collect();
+            let waiting: Vec<_> = of.iter().filter(|(_, v)| *v != Verdict::Fresh).collect();
+            text += &match waiting.first() {
+                _ if of.is_empty() => continue,
+                None => format!("{:<9} {} {:>3} tasks\n", stage.name(), styled("up to date", AnsiColor::Green), of.len()),
+                Some((id, verdict)) => format!(
+                    "{:<9} {}      {:>3} of {} tasks; {id}: {verdict}\n",
+                    stage.name(), styled("stale", AnsiColor::Yellow), waiting.len(), of.len()
+                ),
+            };
+        }
+        if summary.exported > 0 {
+            text += "files in figures/ or report/ are missing or old\n";
+        }
+        say(&text)?;
+    }
+    Ok(u8::from(args.exit_code && stale))
+}
+
+pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
+    let stage_of = |id: &str| Stage::ALL.into_iter().find(|s| id.starts_with(s.name()));
+    let asked: Vec<_> = summary
+        .verdicts
+        .iter()
+        .filter(|(id, _)| stage_of(id).is_some_and(|stage| concerns(&args.stage, stage, id)))
+        .collect();
+    if asked.is_empty() {
+        let names = Stage::ALL.map(Stage::name).join(", ");
+        return Err(Error::input(format!(
+            "no stage or task `{}`; stages are {names}, `signorini dag` lists the tasks", args.stage
+        )));
+    }
+    if args.json {
+        let tasks: BTreeMap<_, _> = asked.into_iter().cloned().collect();
+        return say_json(&serde_json::json!({ "schema": 1, "tasks": tasks }));
+    }
+    let mut text = String::new();
+    for (id, verdict) in asked {
+        match verdict {
+            Verdict::Stale(Reason::Changed(changes)) => {
+                text += &format!("{id}: stale\n");
+                changes.iter().for_each(|change| text += &format!("  {change}\n"));
+            }
+            other => text += &format!("{id}: {other}\n"),
+        }
+    }
+    say(&text)
+}
+
+pub(super) fn dag(args: &DagArgs) -> Result<u8> {
+    let project = Project::read(Project::find(&current_folder()?)?)?;
+    let tasks = plan(&project, &project.select(&[])?, None);
+    let number: BTreeMap<&str, usize> = tasks.iter().enumerate().map(|(k, t)| (t.id.as_str(), k)).collect();
+    let edges = || tasks.iter().flat_map(|t| t.needs.iter().map(move |need| (need.as_str(), t.id.as_str())));
+    let mut text = String::new();
+    if args.mermaid {
+        text += "graph LR\n";
+        tasks.iter().for_each(|t| text += &format!("  t{}[\"{}\"]\n", number[t.id.as_str()], t.id));
+        edges().for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
+    } else if args.dot {
+        text += "digraph signorini {\n  rankdir=LR; node [shape=box];\n";
+        tasks.iter().for_each(|t| text += &format!("  \"{}\";\n", t.id));
+        edges().for_each(|(from, to)| text += &format!("  \"{from}\" -> \"{to}\";\n"));
+        text += "}\n";
+    } else {
+        for task in &tasks {
+            let needs = if task.needs.is_empty() { String::new() } else { format!(" <- {}", task.needs.join(", ")) };
+            text += &format!("{}{needs}\n", task.id);
+        }
+    }
+    say(&text)
+}
+
+pub(super) fn report(args: &ReportArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let tasks = workplace.tasks(&[], Some(Stage::Report))?;
+    let summary = workplace.walk(&tasks, Options::default(), &Progress::new(false, false))?;
+    if !summary.failed.is_empty() {
+        return Err(Error::Stage(summary.failed));
+    }
+    let book = workplace.project.root.join("report/book/index.html");
+    if args.open {
+        open(&book)?;
+    }
+    say(&format!("{}\n", book.display()))
+}
+
+fn open(page: &Path) -> Result<()> {
+    let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let status = Command::new(opener).arg(page).status().context("open", page)?;
+    if status.success() {
+        return Ok(());
+    }
+    Err(Error::input(format!("`{opener}` did not open {0}; open it by hand", page.display())))
+}
+
+pub(super) fn gc(args: &GcArgs) -> Result<u8> {
+    if args.keep == 0 {
+        return Err(Error::input("--keep must be at least 1; to drop everything, remove the cache folder"));
+    }
+    let workplace = Workplace::open(&args.cache)?;
+    let wanted: BTreeSet<String> = workplace.tasks(&[], None)?.into_iter().map(|t| t.id).collect();
+    let _lock = CacheLock::take(workplace.store.folder())?;
+    let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;
+    let verb = if args.dry_run { "would remove" } else { "removed" };
+    say(&format!(
+        "{verb} {} files, {}; kept {} files, {}\n",
+        garbage.files, size(garbage.bytes), garbage.kept_files, size(garbage.kept_bytes)
+    ))
+}
+
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..10_000 => format!("{bytes} B"),
+        10_000..10_000_000 => format!("{} kB", bytes / 1000),
+        _ => format!("{} MB", bytes / 1_000_000),
+    }
+}
+
+/// The manifests of tasks, run if need be.
+pub(super) fn bring_up_to_date(workplace: &Workplace, tasks: &[Task]) -> Result<BTreeMap<String, Manifest>> {
+    // Looking needs no lock and no writing, and is enough when nothing is stale.
+    let mut summary = workplace.judge(tasks)?;
+    if !summary.nothing_to_do() {
+        summary = workplace.walk(tasks, Options::default(), &Progress::new(false, false))?;
+    }
+    if summary.failed.is_empty() { Ok(summary.manifests) } else { Err(Error::Stage(summary.failed)) }
+}

@@ -1,0 +1,76 @@
+//! The one error type above the mathematics: a line that names the remedy, and an exit code.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a command ended early. Each kind has its exit code; see [`Error::exit_code`].
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Wrong input or configuration; the text names the remedy.
+    #[error("{0}")]
+    Input(String),
+    /// The system refused to read or write.
+    #[error("cannot {verb} {}: {source}; {remedy}", path.display())]
+    Io {
+        /// What was tried: `read`, `write`, ...
+        verb: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// The system's words.
+        source: io::Error,
+        /// What the user can do.
+        remedy: &'static str,
+    },
+    /// Tasks that failed, each with its reason.
+    #[error("{}", .0.join("\n"))]
+    Stage(Vec<String>),
+    /// Ctrl-C.
+    #[error("interrupted; what was finished is kept, run again to go on")]
+    Interrupted,
+}
+
+/// What every fallible function above the mathematics returns.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// Wrong input or configuration.
+    pub fn input(text: impl Into<String>) -> Self {
+        Self::Input(text.into())
+    }
+
+    /// Exit code of the process: 2 for input and I/O, 3 for a failed stage, 130 when interrupted.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) | Self::Io { .. } => 2,
+            Self::Stage(_) => 3,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+/// Turns an I/O result into ours, with the path and a remedy that fits the kind of failure.
+pub trait IoContext<T> {
+    /// Names what was tried on which path.
+    ///
+    /// # Errors
+    /// The I/O error, as [`Error::Io`].
+    fn context(self, verb: &'static str, path: &Path) -> Result<T>;
+}
+
+impl<T> IoContext<T> for io::Result<T> {
+    fn context(self, verb: &'static str, path: &Path) -> Result<T> {
+        self.map_err(|source| {
+            let remedy = match source.kind() {
+                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                    "free some space (`signorini gc` helps) and run again: finished cells are kept"
+                }
+                io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                    "make it accessible, or give a cache elsewhere with --cache-dir"
+                }
+                io::ErrorKind::NotFound => "check the path",
+                _ => "run again; if it persists, remove the cache with `rm -r .signorini`",
+            };
+            Error::Io { verb, path: path.to_path_buf(), source, remedy }
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! Nodal vectors as files: VTK image data for ParaView, NPY for NumPy.
+
+use crate::error::{Error, Result};
+use crate::grid::Grid;
+use std::path::Path;
+
+const ENDINGS: [&str; 2] = ["vti", "npy"];
+
+/// Checks that the ending of `path` names a format, before anything is computed.
+///
+/// # Errors
+/// [`Error::Input`] with the known endings.
+pub fn check_ending(path: &Path) -> Result<&str> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    if ENDINGS.contains(&ending) {
+        return Ok(ending);
+    }
+    Err(Error::input(format!(
+        "--out {}: unknown ending; use one of .{}", path.display(), ENDINGS.join(", .")
+    )))
+}
+
+/// The bytes of a file with the nodal vector `y`, in the format of the path's ending.
+///
+/// # Errors
+/// [`Error::Input`] if the ending is unknown.
+pub fn write(path: &Path, grid: Grid, y: &[f64], name: &str) -> Result<Vec<u8>> {
+    Ok(match check_ending(path)? {
+        "npy" => npy(grid, y),
+        _ => vti(grid, y, name),
+    })
+}
+
+/// NPY version 1.0: an array of shape (n + 1, n + 1), first index y, second x, little-endian doubles.
+pub fn npy(grid: Grid, y: &[f64]) -> Vec<u8> {
+    let side = grid.side();
+    let mut header =
+        format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({side}, {side}), }}");
+    // The data must begin at a multiple of 64 bytes; magic, version and length take ten.
+    header += &" ".repeat(63 - (10 + header.len()) % 64);
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.bytes());
+    bytes.extend(y.iter().flat_map(|v| v.to_le_bytes()));
+    bytes
+}
+
+/// VTK XML image data with point data `v`, appended raw little-endian doubles.
+pub fn vti(grid: Grid, y: &[f64], name: &str) -> Vec<u8> {
+    let (n, h) = (grid.cells(), grid.h());
+    let mut bytes = format!(
+        "<?xml version=\"1.0\"?>\n<!-- {name}, solution v of the scalar Signorini problem -->\n\
+        <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+        <ImageData WholeExtent=\"0 {n} 0 {n} 0 0\" Origin=\"-0.5 -0.5 0\" Spacing=\"{h} {h} 1\">\n\
+        <Piece Extent=\"0 {n} 0 {n} 0 0\"><PointData Scalars=\"v\">\n\
+        <DataArray type=\"Float64\" Name=\"v\" format=\"appended\" offset=\"0\"/>\n\
+        </PointData></Piece></ImageData>\n<AppendedData encoding=\"raw\">\n_"
+    )
+    .into_bytes();
+    bytes.extend((8 * y.len() as u64).to_le_bytes());
+    bytes.extend(y.iter().flat_map(|v| v.to_le_bytes()));
+    bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn npy_header_is_aligned_and_data_follow() {
+        let grid = Grid::new(2).unwrap();
+        let y: Vec<f64> = (0..9).map(f64::from).collect();
+        let bytes = npy(grid, &y);
+        let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        assert_eq!((header % 64, bytes[header - 1], bytes.len()), (0, b'\n', header + 72));
+        assert_eq!(bytes[header + 8..header + 16], 1f64.to_le_bytes());
+    }
+
+    #[test]
+    fn unknown_endings_are_refused() {
+        assert!(check_ending(Path::new("v.vti")).is_ok());
+        assert!(check_ending(Path::new("v.doc")).unwrap_err().to_string().contains(".npy"));
+        assert!(check_ending(Path::new("v")).is_err());
+    }
+}

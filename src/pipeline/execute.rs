@@ -1,0 +1,203 @@
+//! Walks the plan stage by stage: looks each task up, runs what is stale in parallel, exports the results.
+
+use super::export::Exports;
+use super::manifest::{Manifest, Reason, Verdict};
+use super::store::Store;
+use super::{Artifacts, Hashes, Inputs, LockFile, Progress, Stage, Task};
+use crate::error::{Error, Result};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// How to walk the plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Run everything, and overwrite edited exports.
+    pub force: bool,
+    /// After a failure go on with what does not depend on it.
+    pub keep_going: bool,
+    /// Threads; 0 means one per core. Results do not depend on it.
+    pub jobs: usize,
+    /// Judge only; write nothing.
+    pub dry_run: bool,
+}
+
+/// A task that ran.
+#[derive(Clone, Debug)]
+pub struct Ran {
+    /// Task id.
+    pub task: String,
+    /// Its stage.
+    pub stage: Stage,
+    /// Why it ran.
+    pub reason: Reason,
+    /// How long its work took.
+    pub time: Duration,
+}
+
+/// What a walk found and did.
+#[derive(Debug, Default)]
+pub struct Summary {
+    /// Verdict on every task, in the plan's order.
+    pub verdicts: Vec<(String, Verdict)>,
+    /// Tasks that ran, in the plan's order.
+    pub ran: Vec<Ran>,
+    /// Files written to or removed from the project folder.
+    pub exported: usize,
+    /// Tasks that failed or could not run because of one that did, each with its reason.
+    pub failed: Vec<String>,
+    /// Manifests of all tasks that are up to date now.
+    pub manifests: BTreeMap<String, Manifest>,
+    /// What is exported where, by hash.
+    pub exports: Hashes,
+}
+
+impl Summary {
+    /// Whether nothing was, or in a dry run would be, run or exported.
+    pub fn nothing_to_do(&self) -> bool {
+        self.exported == 0 && self.verdicts.iter().all(|(_, verdict)| *verdict == Verdict::Fresh)
+    }
+
+    /// The lock file that this walk supports.
+    pub fn lock_file(&self) -> LockFile {
+        LockFile {
+            tasks: self.manifests.iter().map(|(id, m)| (id.clone(), m.digest())).collect(),
+            exports: self.exports.clone(),
+        }
+    }
+}
+
+/// Walks `tasks`, which are in an order that respects their needs.
+///
+/// `interrupted` is looked at before each task starts; what has started is finished.
+///
+/// # Errors
+/// [`Error::Input`] or [`Error::Io`] if the cache or the project folder refuses; [`Error::Interrupted`].
+/// Tasks that fail are in the summary, not errors.
+pub fn execute(
+    tasks: &[Task],
+    store: &Store,
+    project: &Path,
+    options: Options,
+    progress: &Progress,
+    interrupted: &AtomicBool,
+) -> Result<Summary> {
+    let known = LockFile::read(project)?.exports;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.jobs)
+        .build()
+        .map_err(|e| Error::input(format!("cannot start threads: {e}; use fewer with -j")))?;
+    let mut summary = Summary::default();
+    let mut outputs: BTreeMap<String, Hashes> = BTreeMap::new();
+    // Tasks whose artifacts are not to be had: stale in a dry run, failed otherwise.
+    let mut missing: BTreeSet<String> = BTreeSet::new();
+    for stage in Stage::ALL {
+        let mut stale = Vec::new();
+        for task in tasks.iter().filter(|task| task.stage == stage) {
+            if let Some(on) = task.needs.iter().find(|need| missing.contains(*need)) {
+                missing.insert(task.id.clone());
+                summary.verdicts.push((task.id.clone(), Verdict::Waits(on.clone())));
+                if !options.dry_run {
+                    summary.failed.push(format!("{}: not run, because {on} failed", task.id));
+                }
+                continue;
+            }
+            let inputs = task.inputs(&outputs);
+            let found = match store.lookup(&task.id, &inputs) {
+                Ok(_) if options.force => Err(Reason::Forced),
+                found => found,
+            };
+            let verdict = match found {
+                Ok(manifest) => {
+                    outputs.insert(task.id.clone(), manifest.outputs.clone());
+                    summary.manifests.insert(task.id.clone(), manifest);
+                    Verdict::Fresh
+                }
+                Err(reason) => {
+                    if options.dry_run {
+                        missing.insert(task.id.clone());
+                    }
+                    stale.push((task, inputs, reason.clone()));
+                    Verdict::Stale(reason)
+                }
+            };
+            summary.verdicts.push((task.id.clone(), verdict));
+        }
+        if !options.dry_run && !stale.is_empty() {
+            progress.begin(stage, stale.len());
+            let failed = AtomicBool::new(false);
+            let results = Mutex::new(Vec::new());
+            pool.install(|| {
+                stale.into_par_iter().enumerate().for_each(|(k, (task, inputs, reason))| {
+                    let give_up = failed.load(Ordering::Relaxed) && !options.keep_going;
+                    if give_up || interrupted.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    let start = Instant::now();
+                    let result = run(task, inputs, &outputs, store);
+                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
+                    let ran =
+                        Ran { task: task.id.clone(), stage, reason, time: start.elapsed() };
+                    progress.done(&ran, result.is_ok());
+                    results.lock().expect("no panic above").push((k, ran, result));
+                });
+            });
+            progress.end();
+            let mut results = results.into_inner().expect("no panic above");
+            results.sort_by_key(|(k, ..)| *k);
+            for (_, ran, result) in results {
+                match result {
+                    Ok(manifest) => {
+                        outputs.insert(ran.task.clone(), manifest.outputs.clone());
+                        summary.manifests.insert(ran.task.clone(), manifest);
+                        summary.ran.push(ran);
+                    }
+                    Err(Error::Stage(reasons)) => {
+                        missing.insert(ran.task.clone());
+                        summary.failed.extend(reasons);
+                    }
+                    Err(other) => return Err(other),
+                }
+            }
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
+            if !summary.failed.is_empty() && !options.keep_going {
+                return Ok(summary);
+            }
+        }
+        for task in tasks.iter().filter(|task| task.stage == stage) {
+            let Some(manifest) = summary.manifests.get(&task.id) else { continue };
+            let exports =
+                Exports::plan(project, store, task, manifest, &known, options.force)?;
+            if let Some(folder) = task.export {
+                let path = |(name, hash): (&String, &String)| (format!("{folder}/{name}"), hash.clone());
+                summary.exports.extend(manifest.outputs.iter().map(path));
+            }
+            if options.dry_run {
+                summary.exported += usize::from(!exports.is_empty());
+            } else {
+                summary.exported += exports.perform(project, store)?;
+            }
+        }
+    }
+    Ok(summary)
+}
+
+fn run(
+    task: &Task,
+    inputs: BTreeMap<String, String>,
+    outputs: &BTreeMap<String, Hashes>,
+    store: &Store,
+) -> Result<Manifest> {
+    let mut artifacts = BTreeMap::<String, Artifacts>::new();
+    for need in &task.needs {
+        artifacts.insert(need.clone(), store.artifacts(need, &outputs[need])?);
+    }
+    let made = (task.work)(&Inputs { files: &task.files, artifacts: &artifacts })
+        .map_err(|reason| Error::Stage(vec![format!("{}: {reason}", task.id)]))?;
+    store.record(&task.id, inputs, &made)
+}

@@ -1,0 +1,67 @@
+//! `pipeline/lock.toml`: the hashes that everyone's run must reproduce, committed with the scenes.
+
+use super::store::write_atomically;
+use super::Hashes;
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the committed figures.\n\
+    # Written by `signorini run`; `signorini run --locked` fails when a run differs.\n\n";
+
+/// The committed record of a full run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LockFile {
+    /// Task id -> hash of all its artifacts.
+    pub tasks: Hashes,
+    /// Exported file -> hash.
+    pub exports: Hashes,
+}
+
+impl LockFile {
+    /// Path in the project.
+    pub fn path(project: &Path) -> PathBuf {
+        project.join("pipeline").join("lock.toml")
+    }
+
+    /// Reads the lock file; an absent one is empty.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it is damaged.
+    pub fn read(project: &Path) -> Result<Self> {
+        let path = Self::path(project);
+        let Ok(text) = fs::read_to_string(&path) else { return Ok(Self::default()) };
+        toml::from_str(&text).map_err(|_| {
+            Error::input(format!(
+                "{} is damaged; restore it with `git checkout`, or delete it and run again",
+                path.display()
+            ))
+        })
+    }
+
+    /// Writes the lock file if that changes it.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn write(&self, project: &Path) -> Result<()> {
+        let path = Self::path(project);
+        let text = HEADER.to_owned() + &toml::to_string(self).expect("hashes are plain data");
+        if fs::read_to_string(&path).is_ok_and(|old| old == text) {
+            return Ok(());
+        }
+        write_atomically(&path, text.as_bytes())
+    }
+
+    /// One line for each entry of `self` that `other` lacks or has differently, and vice versa.
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let one = |ours: &BTreeMap<_, String>, theirs: &BTreeMap<_, String>| -> Vec<String> {
+            super::manifest::changes(ours, theirs).iter().map(ToString::to_string).collect()
+        };
+        let mut lines = one(&self.tasks, &other.tasks);
+        lines.extend(one(&self.exports, &other.exports));
+        lines
+    }
+}

@@ -1,0 +1,196 @@
+//! Manifests: what a task read and wrote, whole, so that a change can be explained and not only noticed.
+
+use super::{Hashes, Task, hash};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// The record of one run of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Task id.
+    pub task: String,
+    /// Counts the runs of the task; the highest is the latest, whatever the clock says.
+    pub generation: u64,
+    /// `signorini`, `stage version`, `parameter ...`, `file ...`, `artifact ...` -> value or hash.
+    pub inputs: BTreeMap<String, String>,
+    /// Artifact name -> hash.
+    pub outputs: Hashes,
+}
+
+/// The manifest as stored: with a hash of itself, so that an edited one is not believed.
+#[derive(Serialize, Deserialize)]
+struct Sealed {
+    schema: u8,
+    seal: String,
+    #[serde(flatten)]
+    manifest: Manifest,
+}
+
+const SCHEMA: u8 = 1;
+
+impl Manifest {
+    /// Text to store.
+    pub(super) fn to_json(&self) -> String {
+        let sealed = Sealed { schema: SCHEMA, seal: self.seal(), manifest: self.clone() };
+        serde_json::to_string_pretty(&sealed).expect("a manifest is plain data")
+    }
+
+    /// The manifest in a stored text; `None` if it was truncated, edited, or is of another schema.
+    pub(super) fn from_json(text: &str) -> Option<Self> {
+        let sealed: Sealed = serde_json::from_str(text).ok()?;
+        (sealed.schema == SCHEMA && sealed.seal == sealed.manifest.seal())
+            .then_some(sealed.manifest)
+    }
+
+    fn seal(&self) -> String {
+        hash(&serde_json::to_vec(self).expect("a manifest is plain data"))
+    }
+
+    /// Hash of all artifacts with their names.
+    pub fn digest(&self) -> String {
+        hash(&serde_json::to_vec(&self.outputs).expect("hashes are plain data"))
+    }
+}
+
+impl Task {
+    /// Today's inputs; `upstream` holds the outputs of every task that this one needs.
+    pub(super) fn inputs(&self, upstream: &BTreeMap<String, Hashes>) -> BTreeMap<String, String> {
+        let mut inputs = BTreeMap::from([
+            ("signorini".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("stage version".to_owned(), self.stage.version().to_string()),
+        ]);
+        inputs.extend(self.parameters.iter().map(|(k, v)| (format!("parameter {k}"), v.clone())));
+        inputs.extend(self.files.iter().map(|(path, bytes)| (format!("file {path}"), hash(bytes))));
+        for need in &self.needs {
+            for (name, hash) in &upstream[need] {
+                inputs.insert(format!("artifact {need}/{name}"), hash.clone());
+            }
+        }
+        inputs
+    }
+}
+
+/// One input that is not what it was.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Change {
+    /// Which input.
+    pub input: String,
+    /// Its value or hash when the task last ran; `None` if it was not an input then.
+    pub old: Option<String>,
+    /// Its value or hash today; `None` if it no longer is an input.
+    pub new: Option<String>,
+}
+
+/// The inputs that differ between a stored manifest and today.
+pub(super) fn changes(
+    old: &BTreeMap<String, String>,
+    new: &BTreeMap<String, String>,
+) -> Vec<Change> {
+    let keys: BTreeSet<_> = old.keys().chain(new.keys()).collect();
+    keys.into_iter()
+        .filter(|key| old.get(*key) != new.get(*key))
+        .map(|key| Change {
+            input: key.clone(),
+            old: old.get(key).cloned(),
+            new: new.get(key).cloned(),
+        })
+        .collect()
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Hashes are for machines; twelve digits tell two of them apart.
+        let brief = |value: &Option<String>| match value {
+            None => "absent".to_owned(),
+            Some(v) if v.len() == 64 && v.bytes().all(|b| b.is_ascii_hexdigit()) => v[..12].into(),
+            Some(v) => v.clone(),
+        };
+        write!(out, "{}: {} -> {}", self.input, brief(&self.old), brief(&self.new))
+    }
+}
+
+/// Why a task has to run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "why", content = "what")]
+pub enum Reason {
+    /// No record of an earlier run.
+    NeverRan,
+    /// Inputs changed since the last run.
+    Changed(Vec<Change>),
+    /// This artifact is missing, truncated or edited.
+    Damaged(String),
+    /// `--force`.
+    Forced,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NeverRan => out.write_str("never ran"),
+            Self::Changed(changes) => match &changes[..] {
+                [one] => write!(out, "{one}"),
+                [first, rest @ ..] => write!(out, "{first} (and {} more)", rest.len()),
+                [] => out.write_str("inputs changed"),
+            },
+            Self::Damaged(name) => write!(out, "artifact {name} is missing, truncated or edited"),
+            Self::Forced => out.write_str("forced"),
+        }
+    }
+}
+
+/// What becomes of a task.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "state", content = "reason")]
+pub enum Verdict {
+    /// Up to date.
+    Fresh,
+    /// To be run.
+    Stale(Reason),
+    /// Cannot be told before this task, which is stale, has run.
+    Waits(String),
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fresh => out.write_str("up to date"),
+            Self::Stale(reason) => write!(out, "stale: {reason}"),
+            Self::Waits(on) => write!(out, "waits for {on}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Manifest {
+        Manifest {
+            task: "solve/a".into(),
+            generation: 3,
+            inputs: BTreeMap::from([("parameter r".into(), "10".into())]),
+            outputs: BTreeMap::from([("cell.json".into(), hash(b"x"))]),
+        }
+    }
+
+    #[test]
+    fn a_stored_manifest_is_believed_only_unedited() {
+        let text = sample().to_json();
+        assert_eq!(Manifest::from_json(&text), Some(sample()));
+        assert_eq!(Manifest::from_json(&text.replace("\"10\"", "\"11\"")), None);
+        assert_eq!(Manifest::from_json(&text[..text.len() - 2]), None);
+    }
+
+    #[test]
+    fn changes_tell_old_from_new() {
+        let old = sample().inputs;
+        let mut new = old.clone();
+        new.insert("parameter r".into(), "5".into());
+        new.insert("file a".into(), hash(b"y"));
+        let text: Vec<_> = changes(&old, &new).iter().map(Change::to_string).collect();
+        let hash = &hash(b"y")[..12];
+        assert_eq!(text, [format!("file a: absent -> {hash}"), "parameter r: 10 -> 5".into()]);
+        assert!(changes(&old, &old).is_empty());
+    }
+}

@@ -1,0 +1,98 @@
+//! A project folder: the scenes, published values and templates that a run reads, and where it writes.
+
+use crate::error::{Error, IoContext, Result};
+use crate::paper::Paper;
+use crate::pipeline::Artifacts;
+use crate::scene::{Scene, read_scenes};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder with `pipeline/scenes/`, read and validated.
+#[derive(Debug)]
+pub struct Project {
+    /// The folder.
+    pub root: PathBuf,
+    /// All scenes, by name.
+    pub scenes: Vec<Scene>,
+    /// The published tables.
+    pub paper: Paper,
+    /// `pipeline/paper.toml` as read.
+    pub paper_text: Vec<u8>,
+    /// Everything under `report/` that is not generated, by path from there.
+    pub templates: Artifacts,
+}
+
+impl Project {
+    /// The nearest project folder at or above `from`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is none.
+    pub fn find(from: &Path) -> Result<PathBuf> {
+        from.ancestors()
+            .find(|folder| folder.join("pipeline").join("scenes").is_dir())
+            .map(Path::to_path_buf)
+            .ok_or_else(|| {
+                Error::input(format!(
+                    "no pipeline/scenes in {} or above; run inside a clone of signorini, or use `signorini solve --f ...`",
+                    from.display()
+                ))
+            })
+    }
+
+    /// Reads the project in `root`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::Input`] from its parts.
+    pub fn read(root: PathBuf) -> Result<Self> {
+        let scenes = read_scenes(&root.join("pipeline").join("scenes"))?;
+        let path = root.join("pipeline").join("paper.toml");
+        let paper_text = fs::read(&path).context("read", &path)?;
+        let paper = Paper::parse(&String::from_utf8_lossy(&paper_text))?;
+        let mut templates = Artifacts::new();
+        read_tree(&root.join("report"), "", &mut templates)?;
+        Ok(Self { root, scenes, paper, paper_text, templates })
+    }
+
+    /// The scenes with these names, or all if no name is given.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the known names if one is unknown.
+    pub fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
+        if names.is_empty() {
+            return Ok(self.scenes.iter().collect());
+        }
+        names.iter().map(|name| self.scene(name)).collect()
+    }
+
+    /// The scene with this name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the known names if there is none.
+    pub fn scene(&self, name: &str) -> Result<&Scene> {
+        self.scenes.iter().find(|scene| scene.name == name).ok_or_else(|| {
+            let known: Vec<_> = self.scenes.iter().map(|scene| scene.name.as_str()).collect();
+            Error::input(format!("no scene `{name}`; there are: {}", known.join(", ")))
+        })
+    }
+}
+
+/// Folders under `report/` that a run writes.
+const GENERATED: [&str; 2] = ["src", "book"];
+
+fn read_tree(folder: &Path, prefix: &str, out: &mut Artifacts) -> Result<()> {
+    for entry in fs::read_dir(folder).context("read", folder)? {
+        let path = entry.context("read", folder)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let generated = prefix.is_empty() && GENERATED.contains(&name.as_str());
+        if name.starts_with('.') || generated {
+            continue;
+        }
+        let name = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
+        if path.is_dir() {
+            read_tree(&path, &name, out)?;
+        } else {
+            out.insert(name, fs::read(&path).context("read", &path)?);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,234 @@
+//! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
+
+use crate::error::{Error, IoContext, Result};
+use crate::grid::{Grid, nested};
+use crate::load::{LoadRule, integral};
+use crate::saddle::StopRule;
+use crate::source::Source;
+use crate::transfer::Prolongation;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::Path;
+
+/// What a scene may ask for. What it does not ask for is not computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Output {
+    /// Table of iteration counts and Delta a.
+    Table,
+    /// Map of f.
+    Source,
+    /// Surface of the solution on the finest grid.
+    Surface,
+    /// Residuals against iterations.
+    History,
+    /// Trace and multiplier along the unrolled boundary.
+    Contact,
+}
+
+/// A validated scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// File name without its ending.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Number of the published table to compare with, if there is one.
+    pub paper_table: Option<u8>,
+    /// Right-hand side.
+    pub f: Source,
+    /// Quadrature of the load vector.
+    pub load: LoadRule,
+    /// Interpolation to the next grid.
+    pub prolongation: Prolongation,
+    /// Nested grids, coarsest first.
+    pub grids: Vec<Grid>,
+    /// Duality parameters.
+    pub r: Vec<f64>,
+    /// Stopping rules; the first is the one compared with the paper.
+    pub stop: Vec<StopRule>,
+    /// Cap on iterations per grid.
+    pub max_iterations: usize,
+    /// Wanted outputs, sorted.
+    pub outputs: Vec<Output>,
+    /// The r whose solution is drawn.
+    pub draw_r: f64,
+}
+
+/// The file as written; unknown keys are errors.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    title: String,
+    paper_table: Option<u8>,
+    f: String,
+    #[serde(default)]
+    load: LoadRule,
+    #[serde(default)]
+    prolongation: Prolongation,
+    #[serde(default = "paper_grids")]
+    grids: Vec<usize>,
+    #[serde(default = "paper_r")]
+    r: Vec<f64>,
+    #[serde(default = "paper_stop")]
+    stop: Vec<StopRule>,
+    #[serde(default = "default_cap")]
+    max_iterations: usize,
+    outputs: Vec<Output>,
+    draw_r: Option<f64>,
+}
+
+fn paper_grids() -> Vec<usize> {
+    vec![4, 8, 16, 32, 64]
+}
+
+fn paper_r() -> Vec<f64> {
+    vec![1e6, 10.0, 5.0, 1.0, 0.5]
+}
+
+fn paper_stop() -> Vec<StopRule> {
+    vec![StopRule::Signed]
+}
+
+fn default_cap() -> usize {
+    crate::saddle::Params::default().max_iterations
+}
+
+impl Scene {
+    /// Parses and validates the text of a scene file; `name` names the scene in messages.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
+    pub fn parse(name: &str, text: &str) -> Result<Self> {
+        let wrong = |what: String| Error::input(format!("scene `{name}`: {what}"));
+        let file: SceneFile = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            wrong(format!("line {line}: {}", e.message().replace('\n', " ")))
+        })?;
+        let f: Source = file.f.parse().map_err(|e| wrong(format!("{e}")))?;
+        solvable(&f).map_err(|e| wrong(e.to_string()))?;
+        let grids = nested(&file.grids).map_err(|e| wrong(e.to_string()))?;
+        if file.r.is_empty() || file.stop.is_empty() {
+            return Err(wrong("`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]".into()));
+        }
+        for &r in &file.r {
+            positive_r(r).map_err(|e| wrong(e.to_string()))?;
+        }
+        if file.max_iterations == 0 {
+            return Err(wrong("`max_iterations` must be at least 1".into()));
+        }
+        let draw_r = file.draw_r.unwrap_or(file.r[file.r.len() / 2]);
+        if !file.r.contains(&draw_r) {
+            return Err(wrong(format!("`draw_r` = {draw_r} is not among `r`; add it there")));
+        }
+        let mut outputs = file.outputs;
+        outputs.sort();
+        outputs.dedup();
+        Ok(Self {
+            name: name.into(),
+            title: file.title,
+            paper_table: file.paper_table,
+            f,
+            load: file.load,
+            prolongation: file.prolongation,
+            grids,
+            r: file.r,
+            stop: file.stop,
+            max_iterations: file.max_iterations,
+            outputs,
+            draw_r,
+        })
+    }
+
+    /// Whether the scene asks for this output.
+    pub fn wants(&self, output: Output) -> bool {
+        self.outputs.contains(&output)
+    }
+
+    /// The finest grid.
+    pub fn finest(&self) -> Grid {
+        *self.grids.last().expect("validated: at least one grid")
+    }
+}
+
+/// Checks the condition (2) for solvability: the integral of f must be negative.
+///
+/// # Errors
+/// [`Error::Input`] with the integral.
+pub fn solvable(f: &Source) -> Result<f64> {
+    let integral = integral(f);
+    if integral < 0.0 {
+        return Ok(integral);
+    }
+    Err(Error::input(format!(
+        "the integral of f is {integral:.3e}, but (2) asks for a negative one; lower f somewhere"
+    )))
+}
+
+/// Checks that r is a positive number.
+///
+/// # Errors
+/// [`Error::Input`] otherwise.
+pub fn positive_r(r: f64) -> Result<f64> {
+    if r > 0.0 && r.is_finite() {
+        return Ok(r);
+    }
+    Err(Error::input(format!("r = {r} must be a positive number; the paper takes 0.5 to 1e6")))
+}
+
+/// Reads every `*.toml` in `folder`, sorted by name.
+///
+/// # Errors
+/// [`Error::Io`] if the folder or a file cannot be read, [`Error::Input`] if a scene is wrong.
+pub fn read_scenes(folder: &Path) -> Result<Vec<Scene>> {
+    let mut scenes = Vec::new();
+    for entry in fs::read_dir(folder).context("read", folder)? {
+        let path = entry.context("read", folder)?.path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            scenes.push(Scene::parse(&name, &fs::read_to_string(&path).context("read", &path)?)?);
+        }
+    }
+    if scenes.is_empty() {
+        return Err(Error::input(format!("no scenes in {}; add one as the README shows", folder.display())));
+    }
+    scenes.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(scenes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "title = \"t\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
+
+    fn error(text: &str) -> String {
+        Scene::parse("s", text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn defaults_are_the_papers() {
+        let scene = Scene::parse("s", GOOD).unwrap();
+        assert_eq!(scene.finest().cells(), 64);
+        assert_eq!(scene.r, [1e6, 10.0, 5.0, 1.0, 0.5]);
+        assert_eq!(scene.stop, [StopRule::Signed]);
+        assert!(scene.wants(Output::Table) && !scene.wants(Output::Surface));
+    }
+
+    #[test]
+    fn each_mistake_has_its_own_message() {
+        assert!(error(&GOOD.replace("title", "titel")).contains("line 1"));
+        assert!(error(&format!("{GOOD}colour = 3\n")).contains("unknown field `colour`"));
+        assert!(error(&GOOD.replace("-1", "1")).contains("(2) asks for a negative one"));
+        assert!(error(&GOOD.replace("-1", "0")).contains("(2) asks for a negative one"));
+        assert!(error(&GOOD.replace("-1", "nan")).contains("not a finite number"));
+        assert!(error(&format!("{GOOD}r = [0.0]\n")).contains("must be a positive number"));
+        assert!(error(&format!("{GOOD}r = [nan]\n")).contains("must be a positive number"));
+        assert!(error(&format!("{GOOD}r = []\n")).contains("must not be empty"));
+        assert!(error(&format!("{GOOD}grids = [4, 12]\n")).contains("does not nest"));
+        assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
+        assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
+        assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));
+        assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("unknown variant `never`"));
+    }
+}

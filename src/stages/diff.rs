@@ -1,0 +1,41 @@
+//! The `diff` stage: the table of one scene against the published one.
+
+use super::tabulate;
+use super::{artifact, to_json};
+use crate::paper::Paper;
+use crate::pipeline::{Artifacts, Stage, Task};
+use crate::project::Project;
+use crate::scene::Scene;
+use crate::table::read_table;
+use std::collections::BTreeMap;
+
+/// Artifact with a [`crate::paper::TableComparison`].
+pub const DIFF: &str = "diff.json";
+
+/// Id of the task that compares a scene with the paper.
+pub fn id(scene: &Scene) -> String {
+    format!("diff/{}", scene.name)
+}
+
+/// The task that compares a scene with the published table of this number.
+pub fn task(project: &Project, scene: &Scene, number: u8) -> Task {
+    let need = tabulate::id(scene, scene.stop[0]);
+    let name = scene.name.clone();
+    Task {
+        id: id(scene),
+        stage: Stage::Diff,
+        parameters: BTreeMap::from([("table".into(), number.to_string())]),
+        files: Artifacts::from([(PAPER.into(), project.paper_text.clone())]),
+        needs: vec![need.clone()],
+        export: None,
+        work: Box::new(move |inputs| {
+            let text = String::from_utf8_lossy(&inputs.files[PAPER]);
+            let paper = Paper::parse(&text).map_err(|e| e.to_string())?;
+            let rows = read_table(artifact(inputs, &need, tabulate::TABLE)?)?;
+            let diff = paper.compare(number, &name, &rows).map_err(|e| e.to_string())?;
+            Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
+        }),
+    }
+}
+
+const PAPER: &str = "pipeline/paper.toml";

@@ -1,0 +1,173 @@
+//! Parts that several figures share: plot frames with ticks, colour bars and legends.
+
+use super::palette::{INK, MUTED, RULE, series};
+use super::picture::{NORMAL, Pen, Place, SMALL, Type, text_width};
+use super::text::Ticks;
+use plotters::style::RGBColor;
+
+/// A rectangle of the picture with a linear scale along each side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// Left and right end in display pixels.
+    pub(super) across: (f64, f64),
+    /// Top and bottom in display pixels.
+    pub(super) down: (f64, f64),
+    /// Values at the left and right end.
+    pub(super) x: (f64, f64),
+    /// Values at the bottom and the top.
+    pub(super) y: (f64, f64),
+}
+
+impl Frame {
+    /// Place of the value `x` on the horizontal axis.
+    pub(super) fn right(&self, x: f64) -> f64 {
+        scale(x, self.x, self.across)
+    }
+
+    /// Place of the value `y` on the vertical axis.
+    pub(super) fn up(&self, y: f64) -> f64 {
+        scale(y, self.y, (self.down.1, self.down.0))
+    }
+
+    /// Place of (x, y).
+    pub(super) fn at(&self, x: f64, y: f64) -> Place {
+        (self.right(x), self.up(y))
+    }
+
+    /// The four sides.
+    pub(super) fn outline(&self, pen: &mut Pen) {
+        let (x, y) = (self.across, self.down);
+        pen.outline((x.0, y.0), (x.1, y.1), INK, 1.0);
+    }
+
+    /// Horizontal rules across the frame at `values`.
+    pub(super) fn rules(&self, pen: &mut Pen, values: impl IntoIterator<Item = f64>) {
+        for y in values {
+            let y = self.up(y);
+            pen.path([(self.across.0, y), (self.across.1, y)], RULE, 0.75);
+        }
+    }
+
+    /// Ticks and numbers below the frame.
+    pub(super) fn label_below(
+        &self,
+        pen: &mut Pen,
+        ticks: impl IntoIterator<Item = (f64, String)>,
+    ) {
+        let y = self.down.1;
+        for (value, text) in ticks {
+            let x = self.right(value);
+            pen.path([(x, y), (x, y + 4.0)], INK, 1.0);
+            pen.text(&text, (x, y + 14.0), Type::size(SMALL));
+        }
+    }
+
+    /// Ticks and numbers to the left of the frame.
+    pub(super) fn label_left(&self, pen: &mut Pen, ticks: impl IntoIterator<Item = (f64, String)>) {
+        let x = self.across.0;
+        for (value, text) in ticks {
+            let y = self.up(value);
+            pen.path([(x - 4.0, y), (x, y)], INK, 1.0);
+            pen.text(&text, (x - 7.0, y), Type::size(SMALL).right());
+        }
+    }
+
+    /// A filled rectangle between two values of x, from top to bottom.
+    pub(super) fn band(&self, pen: &mut Pen, (from, to): (f64, f64), color: RGBColor) {
+        pen.rect(
+            (self.right(from), self.down.0),
+            (self.right(to), self.down.1),
+            color,
+        );
+    }
+}
+
+fn scale(value: f64, (v0, v1): (f64, f64), (p0, p1): (f64, f64)) -> f64 {
+    let t = if v1 == v0 {
+        0.5
+    } else {
+        (value - v0) / (v1 - v0)
+    };
+    p0 + t * (p1 - p0)
+}
+
+/// Steps in which a colour bar is painted.
+const SHADES: usize = 128;
+
+/// A horizontal colour bar over `range`, numbers below it, its name to the left.
+pub(super) fn colour_bar(
+    pen: &mut Pen,
+    across: (f64, f64),
+    top: f64,
+    range: (f64, f64),
+    color: impl Fn(f64) -> RGBColor,
+    name: &str,
+) {
+    let frame = Frame {
+        across,
+        down: (top, top + 12.0),
+        x: range,
+        y: (0.0, 1.0),
+    };
+    for k in 0..SHADES {
+        let value = |k: usize| range.0 + (range.1 - range.0) * k as f64 / SHADES as f64;
+        // Each shade reaches to the end: the next covers the rest, and no seam shows.
+        frame.band(
+            pen,
+            (value(k), range.1),
+            color(0.5 * (value(k) + value(k + 1))),
+        );
+    }
+    frame.outline(pen);
+    let most = ((across.1 - across.0) / 42.0) as usize;
+    frame.label_below(pen, Ticks::inside(range.0, range.1, most).labelled());
+    let kind = Type::size(NORMAL).italic().right();
+    pen.text(name, (across.0 - 10.0, top + 6.0), kind);
+}
+
+/// Height of one row of a legend.
+pub(super) const LEGEND_ROW: f64 = 19.0;
+
+/// A legend of coloured strokes: where each entry begins, in rows no wider than `width`.
+pub(super) struct Legend<'a> {
+    entries: Vec<(&'a str, Place)>,
+    /// Rows needed.
+    pub(super) rows: usize,
+}
+
+const STROKE: f64 = 22.0;
+
+impl<'a> Legend<'a> {
+    /// Lays out `labels`, in the order of the colours of [`series`].
+    pub(super) fn new(labels: impl IntoIterator<Item = &'a str>, width: f64) -> Self {
+        let (mut x, mut row) = (0.0, 0);
+        let mut entries = Vec::new();
+        for label in labels {
+            let wide = STROKE + 6.0 + text_width(label, SMALL) + 16.0;
+            if x > 0.0 && x + wide > width {
+                (x, row) = (0.0, row + 1);
+            }
+            entries.push((label, (x, LEGEND_ROW * row as f64)));
+            x += wide;
+        }
+        Self {
+            entries,
+            rows: row + 1,
+        }
+    }
+
+    /// Draws it with the first entry's middle height at `at`.
+    pub(super) fn draw(&self, pen: &mut Pen, (left, top): Place) {
+        for (k, &(label, (x, y))) in self.entries.iter().enumerate() {
+            let (x, y) = (left + x, top + y);
+            pen.path([(x, y), (x + STROKE, y)], series(k), 2.5);
+            pen.text(label, (x + STROKE + 6.0, y), Type::size(SMALL).left());
+        }
+    }
+}
+
+/// A key that explains a line style, in secondary ink; returns where it ends.
+pub(super) fn key(pen: &mut Pen, (x, y): Place, text: &str) -> f64 {
+    pen.text(text, (x, y), Type::size(SMALL).left().color(MUTED));
+    x + text_width(text, SMALL)
+}

@@ -1,0 +1,87 @@
+//! Colours that readers with any colour vision tell apart, on white.
+
+use plotters::style::RGBColor;
+
+/// Text and axes.
+pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// Secondary text.
+pub(super) const MUTED: RGBColor = RGBColor(0x59, 0x59, 0x59);
+/// Grid lines.
+pub(super) const RULE: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+/// Shaded ground.
+pub(super) const SHADE: RGBColor = RGBColor(0xee, 0xee, 0xee);
+/// Paper.
+pub(super) const WHITE: RGBColor = RGBColor(0xff, 0xff, 0xff);
+/// The part of the boundary in contact: the one hue viridis does not hold.
+pub(super) const CONTACT: RGBColor = RGBColor(0xd5, 0x2b, 0x00);
+
+/// The palette of Okabe and Ito without its yellow, which is lost on white; then it repeats.
+pub(super) fn series(k: usize) -> RGBColor {
+    const OKABE_ITO: [RGBColor; 7] = [
+        RGBColor(0x00, 0x72, 0xb2),
+        RGBColor(0xd5, 0x5e, 0x00),
+        RGBColor(0x00, 0x9e, 0x73),
+        RGBColor(0xcc, 0x79, 0xa7),
+        RGBColor(0xe6, 0x9f, 0x00),
+        RGBColor(0x56, 0xb4, 0xe9),
+        RGBColor(0x00, 0x00, 0x00),
+    ];
+    OKABE_ITO[k % OKABE_ITO.len()]
+}
+
+/// Viridis at `t` in [0, 1]: perceptually uniform, lightness rising with t.
+pub(super) fn viridis(t: f64) -> RGBColor {
+    const STOPS: [u32; 11] = [
+        0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151,
+        0xbddf26, 0xfde725,
+    ];
+    between(&STOPS, t)
+}
+
+/// Blue through white to red at `t` in [-1, 1] (Brewer's RdBu, reversed): white is 0.
+pub(super) fn diverging(t: f64) -> RGBColor {
+    const STOPS: [u32; 9] = [
+        0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b,
+    ];
+    between(&STOPS, 0.5 * (t + 1.0))
+}
+
+/// Piecewise linear through equally spaced stops, t clamped to [0, 1].
+fn between(stops: &[u32], t: f64) -> RGBColor {
+    let last = stops.len() - 1;
+    let place = t.clamp(0.0, 1.0) * last as f64;
+    let k = (place as usize).min(last - 1);
+    let s = place - k as f64;
+    let channel = |shift: u32| {
+        let [low, high] = [stops[k], stops[k + 1]].map(|c| f64::from(c >> shift & 0xff));
+        (low + s * (high - low)).round() as u8
+    };
+    RGBColor(channel(16), channel(8), channel(0))
+}
+
+/// `color` with its light scaled by `factor`, clamped.
+pub(super) fn lit(color: RGBColor, factor: f64) -> RGBColor {
+    let scale = |c: u8| (f64::from(c) * factor).round().clamp(0.0, 255.0) as u8;
+    RGBColor(scale(color.0), scale(color.1), scale(color.2))
+}
+
+/// White or ink, whichever contrasts more with `ground`.
+pub(super) fn legible_on(ground: RGBColor) -> RGBColor {
+    let luma =
+        0.299 * f64::from(ground.0) + 0.587 * f64::from(ground.1) + 0.114 * f64::from(ground.2);
+    if luma < 140.0 { WHITE } else { INK }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn diverging_colours_are_neutral_at_zero_and_viridis_brightens() {
+        assert_eq!(diverging(0.0), RGBColor(0xf7, 0xf7, 0xf7));
+        assert!(diverging(-1.0).2 > diverging(-1.0).0 && diverging(1.0).0 > diverging(1.0).2);
+        let green: Vec<u8> = (0..=20).map(|k| viridis(f64::from(k) / 20.0).1).collect();
+        assert!(green.is_sorted());
+        assert_eq!(viridis(7.0), RGBColor(0xfd, 0xe7, 0x25));
+    }
+}

@@ -1,0 +1,297 @@
+//! The canvas: layers of shapes drawn by plotters on a finer raster, put together into one SVG.
+
+use super::palette::{INK, WHITE};
+use super::{Caption, FigureError};
+use plotters::backend::{DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
+use std::fmt::Write as _;
+
+/// Canvas pixels per display pixel: plotters has whole pixels only, too coarse for a mesh.
+const FINE: f64 = 4.0;
+/// plotters divides every font size by this.
+const FONT_UNIT: f64 = 1.24;
+/// Smallest text, in display pixels.
+pub(super) const SMALL: f64 = 12.0;
+/// Axis names.
+pub(super) const NORMAL: f64 = 13.0;
+/// Titles of panels.
+pub(super) const LARGE: f64 = 14.0;
+
+/// A place in display pixels, y downwards.
+pub(super) type Place = (f64, f64);
+
+/// Width to allow for `text`: fonts are not measured, so a wide sans-serif is assumed.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    0.6 * size * text.chars().count() as f64
+}
+
+/// A picture under construction.
+pub(super) struct Picture {
+    width: f64,
+    height: f64,
+    body: String,
+}
+
+impl Picture {
+    /// An empty picture of this size in display pixels.
+    pub(super) fn new(width: f64, height: f64) -> Self {
+        Self {
+            width,
+            height,
+            body: String::new(),
+        }
+    }
+
+    fn canvas(&self) -> (u32, u32) {
+        ((self.width * FINE) as u32, (self.height * FINE) as u32)
+    }
+
+    /// Adds a layer; its shapes inherit `attributes`, such as a dash pattern, in canvas pixels.
+    pub(super) fn layer(
+        &mut self,
+        attributes: &str,
+        draw: impl FnOnce(&mut Pen),
+    ) -> Result<(), FigureError> {
+        let mut svg = String::new();
+        let mut pen = Pen {
+            backend: SVGBackend::with_string(&mut svg, self.canvas()),
+            failure: None,
+        };
+        draw(&mut pen);
+        let failure = pen.failure.take();
+        drop(pen);
+        if let Some(message) = failure {
+            return Err(FigureError::Backend(message));
+        }
+        if !attributes.is_empty() {
+            let _ = writeln!(self.body, "<g {attributes}>");
+        }
+        for line in svg.lines() {
+            if line.starts_with("<svg") || line.starts_with("</svg") {
+                continue;
+            }
+            if line.starts_with('<') && !line.starts_with("</") {
+                // Attributes that say nothing; and text is centred on its capitals, not on its x.
+                let line = line
+                    .replace(" opacity=\"1\"", "")
+                    .replace(" \"/>", "\"/>")
+                    .replace("dy=\"0.5ex\"", "dy=\"0.36em\"");
+                self.body.push_str(&line);
+            } else {
+                self.body.push_str(line);
+            }
+            // plotters puts text on a line of its own; joined again, it gets no stray spaces.
+            if !line.starts_with("<text") && line.starts_with('<') {
+                self.body.push('\n');
+            }
+        }
+        if !attributes.is_empty() {
+            self.body.push_str("</g>\n");
+        }
+        Ok(())
+    }
+
+    /// The SVG document: scalable, shown at its size in display pixels where nothing else is said.
+    pub(super) fn finish(self, caption: Caption) -> String {
+        let (width, height) = self.canvas();
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
+             viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\">\n\
+             <title>{}</title>\n<desc>{}</desc>\n\
+             <rect width=\"{width}\" height=\"{height}\" rx=\"32\" fill=\"#FFFFFF\"/>\n{}</svg>\n",
+            self.width,
+            self.height,
+            escaped(caption.title),
+            escaped(caption.description),
+            self.body
+        )
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.chars()
+        .filter(|c| !c.is_control() || *c == '\n')
+        .map(|c| match c {
+            '<' => "&lt;".into(),
+            '>' => "&gt;".into(),
+            '&' => "&amp;".into(),
+            other => other.to_string(),
+        })
+        .collect()
+}
+
+/// How a text is set.
+#[derive(Clone, Copy)]
+pub(super) struct Type {
+    size: f64,
+    color: RGBColor,
+    style: FontStyle,
+    align: HPos,
+    upwards: bool,
+}
+
+impl Type {
+    /// Upright ink of this size in display pixels, centred on its place both ways.
+    pub(super) fn size(size: f64) -> Self {
+        Self {
+            size,
+            color: INK,
+            style: FontStyle::Normal,
+            align: HPos::Center,
+            upwards: false,
+        }
+    }
+
+    /// Starts at its place.
+    pub(super) fn left(self) -> Self {
+        Self {
+            align: HPos::Left,
+            ..self
+        }
+    }
+
+    /// Ends at its place.
+    pub(super) fn right(self) -> Self {
+        Self {
+            align: HPos::Right,
+            ..self
+        }
+    }
+
+    /// Bold, for titles.
+    pub(super) fn bold(self) -> Self {
+        Self {
+            style: FontStyle::Bold,
+            ..self
+        }
+    }
+
+    /// Italic, for variables.
+    pub(super) fn italic(self) -> Self {
+        Self {
+            style: FontStyle::Italic,
+            ..self
+        }
+    }
+
+    /// Reads from below to above.
+    pub(super) fn upwards(self) -> Self {
+        Self {
+            upwards: true,
+            ..self
+        }
+    }
+
+    /// In another colour.
+    pub(super) fn color(self, color: RGBColor) -> Self {
+        Self { color, ..self }
+    }
+}
+
+/// Draws shapes given in display pixels.
+pub(super) struct Pen<'a> {
+    backend: SVGBackend<'a>,
+    failure: Option<String>,
+}
+
+fn fine((x, y): Place) -> (i32, i32) {
+    ((x * FINE).round() as i32, (y * FINE).round() as i32)
+}
+
+fn style(color: RGBColor, width: f64, filled: bool) -> ShapeStyle {
+    ShapeStyle {
+        color: color.to_rgba(),
+        filled,
+        stroke_width: (width * FINE).round().max(1.0) as u32,
+    }
+}
+
+impl Pen<'_> {
+    fn note<E: std::fmt::Display>(&mut self, result: Result<(), E>) {
+        if let Err(error) = result {
+            self.failure.get_or_insert_with(|| error.to_string());
+        }
+    }
+
+    /// An open polygon, `width` display pixels thick.
+    pub(super) fn path(
+        &mut self,
+        places: impl IntoIterator<Item = Place>,
+        color: RGBColor,
+        width: f64,
+    ) {
+        let mut path: Vec<_> = places.into_iter().map(fine).collect();
+        path.dedup();
+        let result = self.backend.draw_path(path, &style(color, width, false));
+        self.note(result);
+    }
+
+    /// A filled polygon.
+    pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
+        let result = self
+            .backend
+            .fill_polygon(places.into_iter().map(fine), &style(color, 0.0, true));
+        self.note(result);
+    }
+
+    /// A filled rectangle between opposite corners.
+    pub(super) fn rect(&mut self, (x0, y0): Place, (x1, y1): Place, color: RGBColor) {
+        let low = fine((x0.min(x1), y0.min(y1)));
+        let high = fine((x0.max(x1), y0.max(y1)));
+        let result = self
+            .backend
+            .draw_rect(low, high, &style(color, 0.0, true), true);
+        self.note(result);
+    }
+
+    /// The outline of a rectangle.
+    pub(super) fn outline(
+        &mut self,
+        (x0, y0): Place,
+        (x1, y1): Place,
+        color: RGBColor,
+        width: f64,
+    ) {
+        // Begun in the middle of a side, so that all four corners are joined.
+        let middle = (0.5 * (x0 + x1), y0);
+        self.path(
+            [middle, (x1, y0), (x1, y1), (x0, y1), (x0, y0), middle],
+            color,
+            width,
+        );
+    }
+
+    /// A disc with a white core.
+    pub(super) fn ring(&mut self, at: Place, radius: f64, color: RGBColor) {
+        for (radius, color) in [(radius, color), (radius - 1.5, WHITE)] {
+            let result = self.backend.draw_circle(
+                fine(at),
+                (radius * FINE).round() as u32,
+                &style(color, 0.0, true),
+                true,
+            );
+            self.note(result);
+        }
+    }
+
+    /// A line of text whose middle height is at `at`.
+    pub(super) fn text(&mut self, text: &str, at: Place, kind: Type) {
+        let transform = if kind.upwards {
+            FontTransform::Rotate270
+        } else {
+            FontTransform::None
+        };
+        let font = ("sans-serif", kind.size * FINE * FONT_UNIT)
+            .into_font()
+            .style(kind.style)
+            .transform(transform);
+        let style = TextStyle::from(font)
+            .color(&kind.color)
+            .pos(Pos::new(kind.align, VPos::Center));
+        // XML has no control characters, not even escaped ones.
+        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        let result = self.backend.draw_text(&text, &style, fine(at));
+        self.note(result);
+    }
+}

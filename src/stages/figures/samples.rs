@@ -1,0 +1,211 @@
+//! Pictures for the tests: every figure of the paper's two problems, and odd cases.
+
+use super::*;
+use crate::load::{LoadRule, load};
+use crate::saddle::{Pair, Params, solve_nested};
+use crate::transfer::Prolongation;
+use std::ops::ControlFlow;
+
+const SOURCES: [&str; 2] = [
+    "quadrant(ll)=2.93; else=-1.006",
+    "quadrant(ll)=-6.7; quadrant(lr)=3.27; quadrant(ul)=2.08; quadrant(ur)=1.35",
+];
+pub(super) const CAPTION: Caption = Caption {
+    title: "Title <1> & more",
+    description: "made by `signorini run`",
+};
+
+fn solved(f: &str, r: f64, finest: usize) -> (Vec<Grid>, Vec<Vec<Iteration>>, Pair) {
+    let f: Source = f.parse().unwrap();
+    let cells: Vec<_> = [4, 8, 16, 32, 64]
+        .into_iter()
+        .filter(|&n| n <= finest)
+        .collect();
+    let grids = crate::grid::nested(&cells).unwrap();
+    let loads: Vec<_> = grids
+        .iter()
+        .map(|&g| load(g, &f, LoadRule::default()))
+        .collect();
+    let mut levels = vec![Vec::new(); grids.len()];
+    let mut monitor = |level: usize, i: &Iteration| {
+        levels[level - 1].push(*i);
+        ControlFlow::Continue(())
+    };
+    let params = Params {
+        r,
+        ..Params::default()
+    };
+    let (_, pair) = solve_nested(
+        &grids,
+        &loads,
+        &params,
+        Prolongation::Bilinear,
+        Some(&mut monitor),
+    );
+    (grids, levels, pair)
+}
+
+/// Every figure, of both problems.
+pub(super) fn all() -> Vec<(&'static str, String)> {
+    let titles = ["a) problem 1", "b) problem 2"];
+    let fs = SOURCES.map(|text| text.parse::<Source>().unwrap());
+    let maps: Vec<_> = titles
+        .iter()
+        .zip(&fs)
+        .map(|(title, f)| FMap { title, f })
+        .collect();
+    let runs: Vec<Vec<_>> = SOURCES
+        .iter()
+        .map(|f| [1e6, 10.0, 5.0, 1.0, 0.5].map(|r| solved(f, r, 64)).into())
+        .collect();
+    let labels = ["r = 10\u{2076}", "r = 10", "r = 5", "r = 1", "r = 0.5"];
+    let grid = Grid::new(64).unwrap();
+    let shapes: Vec<_> = (0..2)
+        .map(|k| Surface {
+            title: titles[k],
+            grid,
+            y: &runs[k][1].2.y,
+            a: &runs[k][1].2.a,
+            view: View::uphill(grid, &runs[k][1].2.y),
+        })
+        .collect();
+    let curves: Vec<Vec<History>> = runs
+        .iter()
+        .map(|runs| {
+            runs.iter()
+                .zip(labels)
+                .map(|(run, label)| History {
+                    label,
+                    levels: &run.1,
+                })
+                .collect()
+        })
+        .collect();
+    let histories_of: Vec<_> = (0..2)
+        .map(|k| HistoryPanel {
+            title: titles[k],
+            grids: &runs[k][0].0,
+            curves: &curves[k],
+        })
+        .collect();
+    let lines: Vec<Vec<ContactLine>> = runs
+        .iter()
+        .map(|runs| {
+            let line = |(label, k): (_, usize)| ContactLine {
+                label,
+                y: &runs[k].2.y,
+                a: &runs[k].2.a,
+            };
+            labels.into_iter().zip(0..).map(line).collect()
+        })
+        .collect();
+    let contacts: Vec<_> = (0..2)
+        .map(|k| ContactPanel {
+            title: titles[k],
+            grid,
+            lines: &lines[k],
+        })
+        .collect();
+    vec![
+        ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
+        ("figure2", surfaces(CAPTION, &shapes).unwrap()),
+        (
+            "histories",
+            histories(CAPTION, Span::AllGrids, &histories_of).unwrap(),
+        ),
+        (
+            "finest",
+            histories(CAPTION, Span::FinestGrid, &histories_of).unwrap(),
+        ),
+        ("contact", contact(CAPTION, &contacts).unwrap()),
+    ]
+}
+
+/// One panel, few nodes, other shapes of f, more curves than colours, a long run.
+pub(super) fn unusual() -> Vec<(String, String)> {
+    let mut figures = Vec::new();
+    let shapes =
+        "disc(0.1,0.1,0.3)=1; rect(-0.5,-0.2,-0.1,0.02)=-1.5; halfplane(1,1,-0.4)=2; else=-1";
+    let texts = ["else=0", "exact(full-contact)", shapes];
+    let fs = texts.map(|text| text.parse::<Source>().unwrap());
+    let maps: Vec<_> = texts
+        .iter()
+        .zip(&fs)
+        .map(|(title, f)| FMap {
+            title: &title[..title.len().min(30)],
+            f,
+        })
+        .collect();
+    figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap()));
+    figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap()));
+    let (grids, _, pair) = solved(SOURCES[0], 10.0, 8);
+    let (title, grid, y, a) = ("one", grids[1], &pair.y, &pair.a);
+    for azimuth in [0.0, 52.5, 90.0] {
+        let view = View {
+            azimuth,
+            ..View::default()
+        };
+        let panel = Surface {
+            title,
+            grid,
+            y,
+            a,
+            view,
+        };
+        figures.push((
+            format!("view{azimuth}"),
+            surfaces(CAPTION, &[panel]).unwrap(),
+        ));
+    }
+    let line = |label| ContactLine { label, y, a };
+    let lines = [
+        "printed",
+        "signed",
+        "signed, and the dual change",
+        "projected conjugate gradients",
+    ]
+    .map(line);
+    let panel = ContactPanel {
+        title,
+        grid,
+        lines: &lines,
+    };
+    figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap()));
+    let long: Vec<_> = (1..=30_000)
+        .map(|number| {
+            let size = 1.0 / number as f64;
+            let gradient_signed = if number % 5000 < 900 { 0.0 } else { 0.3 * size };
+            Iteration {
+                number,
+                gradient_signed,
+                gradient_abs: size,
+                delta_a: 0.0,
+            }
+        })
+        .collect();
+    let labels: Vec<String> = (1..=9).map(|k| format!("curve number {k}")).collect();
+    let levels = [vec![long[0]; 7], long];
+    let curves: Vec<_> = labels
+        .iter()
+        .map(|label| History {
+            label,
+            levels: &levels,
+        })
+        .collect();
+    let panel = HistoryPanel {
+        title,
+        grids: &grids,
+        curves: &curves,
+    };
+    figures.push((
+        "long".into(),
+        histories(CAPTION, Span::AllGrids, &[panel]).unwrap(),
+    ));
+    figures
+}
+
+/// All of them, by name.
+pub(super) fn every() -> impl Iterator<Item = (String, String)> {
+    let usual = all().into_iter().map(|(name, svg)| (name.to_string(), svg));
+    usual.chain(unusual())
+}

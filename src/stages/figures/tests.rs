@@ -1,0 +1,201 @@
+//! Tests that hold for every figure.
+
+use super::samples::{CAPTION, all, every, unusual};
+use super::*;
+
+/// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
+fn well_formed(svg: &str) {
+    let mut open = Vec::new();
+    let mut rest = svg;
+    while let Some(start) = rest.find('<') {
+        assert!(!rest[..start].contains('>'), "stray >");
+        for entity in rest[..start].split('&').skip(1) {
+            assert!(entity.find(';').is_some_and(|end| end <= 5), "bare &");
+        }
+        let end = start + rest[start..].find('>').expect("an open tag");
+        let tag = &rest[start + 1..end];
+        assert!(
+            tag.matches('"').count().is_multiple_of(2) && !tag.contains('<'),
+            "{tag}"
+        );
+        let name = |tag: &str| tag.split_whitespace().next().unwrap_or("").to_string();
+        if let Some(closing) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name(closing)));
+        } else if !tag.ends_with('/') {
+            open.push(name(tag));
+        }
+        rest = &rest[end + 1..];
+    }
+    assert!(open.is_empty() && rest.trim().is_empty());
+}
+
+#[test]
+fn figures_are_deterministic_well_formed_labelled_and_small() {
+    let figures = all();
+    assert_eq!(figures, all());
+    for (name, svg) in &figures {
+        well_formed(svg);
+        assert!(svg.starts_with("<svg xmlns=") && svg.contains("role=\"img\""));
+        assert!(svg.contains("<title>Title &lt;1&gt; &amp; more</title>"));
+        assert!(svg.contains("<desc>made by `signorini run`</desc>"));
+        assert!(svg.contains(">a) problem 1</text>") && svg.contains(">b) problem 2</text>"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf\""));
+        assert!(svg.len() < 400_000, "{name} has {} bytes", svg.len());
+    }
+    let svg = |name: &str| &figures.iter().find(|(n, _)| *n == name).unwrap().1;
+    for label in [
+        "2.93",
+        "\u{2212}1.006",
+        "\u{2212}6.7",
+        "3.27",
+        "2.08",
+        "1.35",
+    ] {
+        assert!(
+            svg("figure1").contains(&format!(">{label}</text>")),
+            "{label}"
+        );
+    }
+    for name in ["x", "y", "v", "\u{2212}0.5"] {
+        assert!(svg("figure2").contains(&format!(">{name}</text>")));
+    }
+    assert!(svg("histories").contains("h = 1/4</text>"));
+    assert!(!svg("finest").contains("h = 1/4</text>"));
+    assert!(svg("contact").contains(">upper left</text>"));
+}
+
+#[test]
+fn text_is_large_enough_and_inside_the_picture() {
+    for (name, svg) in every() {
+        let number = |line: &str, key: &str| -> f64 {
+            let start = line.find(key).unwrap() + key.len();
+            line[start..].split('"').next().unwrap().parse().unwrap()
+        };
+        let head = svg.lines().next().unwrap();
+        let (width, height) = (
+            4.0 * number(head, " width=\""),
+            4.0 * number(head, " height=\""),
+        );
+        for line in svg.lines().filter(|line| line.starts_with("<text")) {
+            let size = number(line, "font-size=\"");
+            assert!(size >= 48.0, "{name}: {line}");
+            let words = line.split_once('>').unwrap().1.trim_end_matches("</text>");
+            let words = &words.replace("&gt;", ">");
+            let wide = picture::text_width(words, size);
+            let (x, y) = (number(line, " x=\""), number(line, " y=\""));
+            let (left, right) = match () {
+                () if line.contains("rotate(") => (x - size / 2.0, x + size / 2.0),
+                () if line.contains("\"start\"") => (x, x + wide),
+                () if line.contains("\"end\"") => (x - wide, x),
+                () => (x - wide / 2.0, x + wide / 2.0),
+            };
+            assert!(left >= 0.0 && right <= width, "{name}: {line}");
+            assert!(
+                y - size / 2.0 >= 0.0 && y + size / 2.0 <= height,
+                "{name}: {line}"
+            );
+        }
+    }
+}
+
+#[test]
+fn bad_data_is_refused_with_its_place() {
+    let grid = Grid::new(4).unwrap();
+    let (mut y, a) = (vec![0.0; 25], vec![0.0; 16]);
+    assert!(matches!(
+        maps_of_f(CAPTION, &[]),
+        Err(FigureError::Empty("panels"))
+    ));
+    let surface = |y: &[f64], a: &[f64]| {
+        let view = View::default();
+        surfaces(
+            CAPTION,
+            &[Surface {
+                title: "t",
+                grid,
+                y,
+                a,
+                view,
+            }],
+        )
+    };
+    assert!(surface(&y, &a).is_ok(), "a flat surface is a picture");
+    assert!(matches!(
+        surface(&y[1..], &a),
+        Err(FigureError::Length {
+            got: 24,
+            want: 25,
+            ..
+        })
+    ));
+    y[7] = f64::NAN;
+    let message = surface(&y, &a).unwrap_err().to_string();
+    assert!(message.contains("entry 7 of y"), "{message}");
+    let lines = [ContactLine {
+        label: "l",
+        y: &y,
+        a: &a,
+    }];
+    assert!(
+        contact(
+            CAPTION,
+            &[ContactPanel {
+                title: "t",
+                grid,
+                lines: &lines
+            }]
+        )
+        .is_err()
+    );
+    let bad = Iteration {
+        number: 1,
+        gradient_signed: 1.0,
+        gradient_abs: f64::INFINITY,
+        delta_a: 0.0,
+    };
+    let levels = [vec![bad]];
+    let curves = [History {
+        label: "l",
+        levels: &levels,
+    }];
+    let panel = HistoryPanel {
+        title: "t",
+        grids: &[grid],
+        curves: &curves,
+    };
+    assert!(histories(CAPTION, Span::AllGrids, &[panel]).is_err());
+    let curves = [History {
+        label: "l",
+        levels: &[],
+    }];
+    let panel = HistoryPanel {
+        curves: &curves,
+        ..panel
+    };
+    assert_eq!(
+        histories(CAPTION, Span::AllGrids, &[panel]),
+        Err(FigureError::Empty("iterations"))
+    );
+    let f = Source::constant(f64::NAN);
+    assert!(maps_of_f(CAPTION, &[FMap { title: "t", f: &f }]).is_err());
+}
+
+#[test]
+fn unusual_pictures_are_drawn_too() {
+    for (name, svg) in unusual() {
+        well_formed(&svg);
+        assert!(svg.len() < 400_000, "{name} has {} bytes", svg.len());
+    }
+}
+
+/// Writes all figures to the folder named by `SIGNORINI_FIGURES`, to be looked at.
+#[test]
+#[ignore = "writes files to look at"]
+fn write_all() {
+    let Ok(folder) = std::env::var("SIGNORINI_FIGURES") else {
+        return;
+    };
+    for (name, svg) in every() {
+        std::fs::write(format!("{folder}/{name}.svg"), svg).unwrap();
+    }
+}

@@ -1,0 +1,70 @@
+//! The stages of the replication, and the plan that ties them together.
+
+pub mod diff;
+pub mod figures;
+pub mod solve;
+pub mod tabulate;
+
+use crate::pipeline::{Inputs, Stage, Task};
+use crate::project::Project;
+use crate::scene::{Output, Scene};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
+
+/// The tasks that `scenes` ask for, in running order; with `only`, those of one stage and what they need.
+///
+/// Figures that show several scenes together, and the book, belong to the project as a whole: they
+/// are planned when all scenes concerned are among `scenes`.
+pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for scene in scenes {
+        for (k, &stop) in scene.stop.iter().enumerate() {
+            let table = scene.wants(Output::Table);
+            for &r in &scene.r {
+                let drawn = (scene.wants(Output::History) && k == 0)
+                    || (r == scene.draw_r
+                        && (scene.wants(Output::Contact) || (scene.wants(Output::Surface) && k == 0)));
+                if table || drawn {
+                    tasks.push(solve::task(scene, stop, r));
+                }
+            }
+            if table {
+                tasks.push(tabulate::task(scene, stop));
+            }
+        }
+        if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {
+            tasks.push(diff::task(project, scene, number));
+        }
+    }
+    tasks.sort_by_key(|task| task.stage);
+    if let Some(stage) = only {
+        let mut wanted: BTreeSet<String> =
+            tasks.iter().filter(|task| task.stage == stage).map(|task| task.id.clone()).collect();
+        // Needs are of earlier stages, so that one walk from the end finds them all.
+        for task in tasks.iter().rev() {
+            if wanted.contains(&task.id) {
+                wanted.extend(task.needs.iter().cloned());
+            }
+        }
+        tasks.retain(|task| wanted.contains(&task.id));
+    }
+    tasks
+}
+
+/// Pretty JSON with a final newline.
+fn to_json(value: &impl Serialize) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec_pretty(value).expect("artifacts are plain data");
+    bytes.push(b'\n');
+    bytes
+}
+
+fn artifact<'a>(inputs: &'a Inputs, task: &str, name: &str) -> Result<&'a [u8], String> {
+    let found = inputs.artifacts.get(task).and_then(|artifacts| artifacts.get(name));
+    found.map(Vec::as_slice).ok_or_else(|| format!("{task} has no artifact {name}"))
+}
+
+fn from_json<T: DeserializeOwned>(inputs: &Inputs, task: &str, name: &str) -> Result<T, String> {
+    serde_json::from_slice(artifact(inputs, task, name)?)
+        .map_err(|e| format!("{name} of {task} is not what this version writes: {e}"))
+}

@@ -1,0 +1,127 @@
+//! The `solve` stage: one cell is a problem, a stopping rule and an r, solved on all nested grids.
+
+use crate::grid::{Grid, nested};
+use crate::load::{LoadRule, load};
+use crate::pipeline::{Artifacts, Stage, Task, parameters};
+use crate::saddle::{Iteration, Outcome, Pair, Params, StopReason, StopRule, solve_nested};
+use crate::scene::{Output, Scene};
+use crate::source::Source;
+use crate::transfer::Prolongation;
+use super::to_json;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// Everything a cell depends on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cell {
+    /// Right-hand side, canonical text.
+    f: String,
+    load: LoadRule,
+    prolongation: Prolongation,
+    grids: Vec<usize>,
+    r: f64,
+    stop: StopRule,
+    max_iterations: usize,
+    /// Whether the pair on the finest grid is drawn.
+    keep_pair: bool,
+    /// Whether the history of residuals is drawn.
+    keep_history: bool,
+}
+
+/// `outcomes.json`.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Outcomes {
+    schema: u8,
+    /// Duality parameter.
+    pub r: f64,
+    /// Per grid, coarsest first.
+    pub levels: Vec<Outcome>,
+}
+
+/// Artifact with an [`Outcomes`].
+pub const OUTCOMES: &str = "outcomes.json";
+/// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
+pub const PAIR: &str = "pair.f64";
+/// Artifact with every [`Iteration`], per grid.
+pub const HISTORY: &str = "history.json";
+
+/// Id of the task that solves a cell of a scene.
+pub fn id(scene: &Scene, stop: StopRule, r: f64) -> String {
+    format!("solve/{}/{stop}/r={r}", scene.name)
+}
+
+/// The task that solves a cell of a scene.
+pub fn task(scene: &Scene, stop: StopRule, r: f64) -> Task {
+    let drawn_rule = stop == scene.stop[0];
+    let cell = Cell {
+        f: scene.f.to_string(),
+        load: scene.load,
+        prolongation: scene.prolongation,
+        grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
+        r,
+        stop,
+        max_iterations: scene.max_iterations,
+        keep_pair: r == scene.draw_r
+            && ((scene.wants(Output::Surface) && drawn_rule) || scene.wants(Output::Contact)),
+        keep_history: scene.wants(Output::History) && drawn_rule,
+    };
+    Task {
+        id: id(scene, stop, r),
+        stage: Stage::Solve,
+        parameters: parameters(&cell),
+        files: Artifacts::new(),
+        needs: Vec::new(),
+        export: None,
+        work: Box::new(move |_| solve(&cell)),
+    }
+}
+
+fn solve(cell: &Cell) -> Result<Artifacts, String> {
+    let f: Source = cell.f.parse().map_err(|e| format!("{e}"))?;
+    let grids = nested(&cell.grids).map_err(|e| e.to_string())?;
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, cell.load)).collect();
+    let params = Params {
+        r: cell.r,
+        rule: cell.stop,
+        max_iterations: cell.max_iterations,
+        ..Params::default()
+    };
+    let mut history: Vec<Vec<Iteration>> = vec![Vec::new(); grids.len()];
+    let mut record = |level: usize, iteration: &Iteration| {
+        history[level - 1].push(*iteration);
+        ControlFlow::Continue(())
+    };
+    let monitor: Option<&mut dyn FnMut(usize, &Iteration) -> ControlFlow<()>> =
+        if cell.keep_history { Some(&mut record) } else { None };
+    let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, monitor);
+    if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
+        return Err(format!(
+            "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
+            last.cells, last.iterations, cell.r
+        ));
+    }
+    let outcomes = Outcomes { schema: 1, r: cell.r, levels };
+    let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);
+    if cell.keep_pair {
+        let bytes = pair.y.iter().chain(&pair.a).flat_map(|v| v.to_le_bytes()).collect();
+        artifacts.insert(PAIR.into(), bytes);
+    }
+    if cell.keep_history {
+        artifacts.insert(HISTORY.into(), to_json(&history));
+    }
+    Ok(artifacts)
+}
+
+/// The pair in a [`PAIR`] artifact.
+///
+/// # Errors
+/// If it does not belong to `grid`.
+pub fn read_pair(grid: Grid, bytes: &[u8]) -> Result<Pair, String> {
+    let values: Vec<f64> =
+        bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
+    if values.len() != grid.nodes() + grid.boundary_nodes() {
+        return Err(format!("{PAIR} is not for grid 1/{}", grid.cells()));
+    }
+    let (y, a) = values.split_at(grid.nodes());
+    Ok(Pair { y: y.to_vec(), a: a.to_vec() })
+}
