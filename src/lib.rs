@@ -1,6 +1,7 @@
 //! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
 
 pub mod cli;
+pub mod draw;
 pub mod error;
 pub mod exact;
 pub mod fields;

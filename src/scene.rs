@@ -26,6 +26,19 @@ pub enum Output {
     Contact,
 }
 
+impl Output {
+    /// The name used in scenes and file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Table => "table",
+            Self::Source => "source",
+            Self::Surface => "surface",
+            Self::History => "history",
+            Self::Contact => "contact",
+        }
+    }
+}
+
 /// A validated scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {

@@ -5,7 +5,6 @@ mod pipeline;
 mod solve;
 
 use crate::error::{Error, Result};
-use crate::pipeline::Stage;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
@@ -136,11 +135,6 @@ fn say_json(value: &impl serde::Serialize) -> Result<u8> {
 fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     let style = anstyle::Style::new().fg_color(Some(color.into())).bold();
     format!("{style}{text}{style:#}")
-}
-
-/// A stage, or the beginning of task ids.
-fn concerns(target: &str, stage: Stage, id: &str) -> bool {
-    target == stage.name() || id == target || id.starts_with(&format!("{target}/"))
 }
 
 fn current_folder() -> Result<PathBuf> {

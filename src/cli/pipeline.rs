@@ -1,6 +1,6 @@
 //! `run`, `status`, `explain`, `dag`, `report`, `gc`: the commands that walk the plan.
 
-use super::{CacheArgs, concerns, current_folder, say, say_json, styled};
+use super::{CacheArgs, current_folder, say, say_json, styled};
 use crate::error::{Error, IoContext, Result};
 use crate::pipeline::{
     CacheLock, LockFile, Manifest, Options, Progress, Reason, Stage, Store, Summary, Task, Verdict,
@@ -200,7 +200,7 @@ fn account(summary: &Summary, whole: bool) -> String {
     let mut text = String::new();
     for stage in Stage::ALL {
         let ran: Vec<_> = summary.ran.iter().filter(|ran| ran.stage == stage).collect();
-        let all = summary.verdicts.iter().filter(|(id, _)| concerns(stage.name(), stage, id)).count();
+        let all = summary.verdicts.iter().filter(|judged| judged.stage == stage).count();
         let Some(first) = ran.first() else { continue };
         let time: Duration = ran.iter().map(|ran| ran.time).sum();
         let others = ran.iter().filter(|ran| ran.reason != first.reason).count();
@@ -218,7 +218,7 @@ fn account(summary: &Summary, whole: bool) -> String {
 }
 
 fn verdicts(summary: &Summary) -> String {
-    let stale: Vec<_> = summary.verdicts.iter().filter(|(_, v)| *v != Verdict::Fresh).collect();
+    let stale: Vec<_> = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
     if stale.is_empty() {
         return if summary.exported == 0 {
             "nothing to do\n".into()
@@ -226,7 +226,7 @@ fn verdicts(summary: &Summary) -> String {
             "would only write files that are missing in figures/ or report/\n".into()
         };
     }
-    stale.iter().map(|(id, verdict)| format!("{id}: {verdict}\n")).collect()
+    stale.iter().map(|judged| format!("{}: {}\n", judged.task, judged.verdict)).collect()
 }
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
@@ -234,22 +234,25 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?)?;
     let stale = !summary.nothing_to_do();
     if args.json {
-        let tasks: BTreeMap<_, _> = summary.verdicts.iter().cloned().collect();
+        let tasks: BTreeMap<_, _> = summary.verdicts.iter().map(|j| (&j.task, &j.verdict)).collect();
         say_json(&serde_json::json!({ "schema": 1, "stale": stale, "tasks": tasks }))?;
     } else {
         let mut text = String::new();
         for stage in Stage::ALL {
-            let of: Vec<_> =
-                summary.verdicts.iter().filter(|(id, _)| concerns(stage.name(), stage, id)).collect();
-            let waiting: Vec<_> = of.iter().filter(|(_, v)| *v != Verdict::Fresh).collect();
-            text += &match waiting.first() {
-                _ if of.is_empty() => continue,
-                None => format!("{:<9} {} {:>3} tasks\n", stage.name(), styled("up to date", AnsiColor::Green), of.len()),
-                Some((id, verdict)) => format!(
-                    "{:<9} {}      {:>3} of {} tasks; {id}: {verdict}\n",
-                    stage.name(), styled("stale", AnsiColor::Yellow), waiting.len(), of.len()
-                ),
+            let of: Vec<_> = summary.verdicts.iter().filter(|j| j.stage == stage).collect();
+            let stale: Vec<_> = of.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
+            let Some(first) = stale.first() else {
+                if !of.is_empty() {
+                    let state = styled("up to date", AnsiColor::Green);
+                    text += &format!("{:<9} {state}  {} tasks\n", stage.name(), of.len());
+                }
+                continue;
             };
+            let state = styled("stale", AnsiColor::Yellow);
+            text += &format!(
+                "{:<9} {state}       {} of {} tasks, e.g. {}: {}\n",
+                stage.name(), stale.len(), of.len(), first.task, first.verdict
+            );
         }
         if summary.exported > 0 {
             text += "files in figures/ or report/ are missing or old\n";
@@ -262,11 +265,11 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
-    let stage_of = |id: &str| Stage::ALL.into_iter().find(|s| id.starts_with(s.name()));
+    let prefix = format!("{}/", args.stage);
     let asked: Vec<_> = summary
         .verdicts
         .iter()
-        .filter(|(id, _)| stage_of(id).is_some_and(|stage| concerns(&args.stage, stage, id)))
+        .filter(|j| j.task == args.stage || j.task.starts_with(&prefix))
         .collect();
     if asked.is_empty() {
         let names = Stage::ALL.map(Stage::name).join(", ");
@@ -275,17 +278,17 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
         )));
     }
     if args.json {
-        let tasks: BTreeMap<_, _> = asked.into_iter().cloned().collect();
+        let tasks: BTreeMap<_, _> = asked.into_iter().map(|j| (&j.task, &j.verdict)).collect();
         return say_json(&serde_json::json!({ "schema": 1, "tasks": tasks }));
     }
     let mut text = String::new();
-    for (id, verdict) in asked {
-        match verdict {
+    for judged in asked {
+        match &judged.verdict {
             Verdict::Stale(Reason::Changed(changes)) => {
-                text += &format!("{id}: stale\n");
+                text += &format!("{}: stale\n", judged.task);
                 changes.iter().for_each(|change| text += &format!("  {change}\n"));
             }
-            other => text += &format!("{id}: {other}\n"),
+            other => text += &format!("{}: {other}\n", judged.task),
         }
     }
     say(&text)

@@ -3,7 +3,7 @@
 use super::export::Exports;
 use super::manifest::{Manifest, Reason, Verdict};
 use super::store::Store;
-use super::{Artifacts, Hashes, Inputs, LockFile, Progress, Stage, Task};
+use super::{Artifacts, Hashes, Inputs, LockFile, Progress, Stage, Task, hash};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,11 +38,22 @@ pub struct Ran {
     pub time: Duration,
 }
 
+/// A task with its verdict.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Task id.
+    pub task: String,
+    /// Its stage.
+    pub stage: Stage,
+    /// What is to become of it.
+    pub verdict: Verdict,
+}
+
 /// What a walk found and did.
 #[derive(Debug, Default)]
 pub struct Summary {
-    /// Verdict on every task, in the plan's order.
-    pub verdicts: Vec<(String, Verdict)>,
+    /// Verdict on every task as it was before the walk, in the plan's order.
+    pub verdicts: Vec<Judged>,
     /// Tasks that ran, in the plan's order.
     pub ran: Vec<Ran>,
     /// Files written to or removed from the project folder.
@@ -58,7 +69,7 @@ pub struct Summary {
 impl Summary {
     /// Whether nothing was, or in a dry run would be, run or exported.
     pub fn nothing_to_do(&self) -> bool {
-        self.exported == 0 && self.verdicts.iter().all(|(_, verdict)| *verdict == Verdict::Fresh)
+        self.exported == 0 && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
     }
 
     /// The lock file that this walk supports.
@@ -96,10 +107,13 @@ pub fn execute(
     let mut missing: BTreeSet<String> = BTreeSet::new();
     for stage in Stage::ALL {
         let mut stale = Vec::new();
+        let mut judge = |task: &Task, verdict| {
+            summary.verdicts.push(Judged { task: task.id.clone(), stage, verdict });
+        };
         for task in tasks.iter().filter(|task| task.stage == stage) {
             if let Some(on) = task.needs.iter().find(|need| missing.contains(*need)) {
                 missing.insert(task.id.clone());
-                summary.verdicts.push((task.id.clone(), Verdict::Waits(on.clone())));
+                judge(task, Verdict::Waits(on.clone()));
                 if !options.dry_run {
                     summary.failed.push(format!("{}: not run, because {on} failed", task.id));
                 }
@@ -124,7 +138,7 @@ pub fn execute(
                     Verdict::Stale(reason)
                 }
             };
-            summary.verdicts.push((task.id.clone(), verdict));
+            judge(task, verdict);
         }
         if !options.dry_run && !stale.is_empty() {
             progress.begin(stage, stale.len());
@@ -197,7 +211,8 @@ fn run(
     for need in &task.needs {
         artifacts.insert(need.clone(), store.artifacts(need, &outputs[need])?);
     }
-    let made = (task.work)(&Inputs { files: &task.files, artifacts: &artifacts })
+    let digest = hash(&serde_json::to_vec(&inputs).expect("inputs are plain data"));
+    let made = (task.work)(&Inputs { files: &task.files, artifacts: &artifacts, digest: &digest })
         .map_err(|reason| Error::Stage(vec![format!("{}: {reason}", task.id)]))?;
     store.record(&task.id, inputs, &made)
 }

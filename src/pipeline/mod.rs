@@ -14,7 +14,7 @@ mod manifest;
 mod progress;
 mod store;
 
-pub use execute::{Options, Ran, Summary, execute};
+pub use execute::{Judged, Options, Ran, Summary, execute};
 pub use lock::CacheLock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict};
@@ -78,6 +78,8 @@ pub struct Inputs<'a> {
     pub files: &'a Artifacts,
     /// Artifacts of the tasks it needs, by task id.
     pub artifacts: &'a BTreeMap<String, Artifacts>,
+    /// Hash of everything the task depends on, to be shown in what it makes.
+    pub digest: &'a str,
 }
 
 /// Computes a task's artifacts from its inputs; an error text ends the task, not the run's siblings.

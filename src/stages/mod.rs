@@ -37,6 +37,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Vec<Ta
             tasks.push(diff::task(project, scene, number));
         }
     }
+    tasks.extend(figures::tasks(project, scenes));
     tasks.sort_by_key(|task| task.stage);
     if let Some(stage) = only {
         let mut wanted: BTreeSet<String> =

@@ -1,0 +1,197 @@
+//! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
+
+use super::solve::{self, HISTORY, PAIR, read_pair};
+use super::{artifact, from_json};
+use crate::draw::{
+    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel, Span, Surface, View,
+    contact, histories, maps_of_f, surfaces,
+};
+use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::project::Project;
+use crate::saddle::{Iteration, Pair};
+use crate::scene::{Output, Scene};
+use std::collections::BTreeMap;
+
+/// The kinds of figure, with the name each has when the paper's problems share it.
+const KINDS: [(Output, &str); 4] = [
+    (Output::Source, "figure1"),
+    (Output::Surface, "figure2"),
+    (Output::History, "histories"),
+    (Output::Contact, "contact"),
+];
+
+/// What a figure is drawn from: a scene reduced to what matters for it.
+struct Panel {
+    scene: Scene,
+    /// The same for hashing; drawing reads nothing else.
+    parameters: BTreeMap<String, String>,
+}
+
+/// The figure tasks of `scenes`; shared ones only if all scenes of `project` that share them are there.
+pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for (kind, shared_name) in KINDS {
+        let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
+        let shared: Vec<&Scene> = scenes.iter().copied().filter(|s| shares(&s)).collect();
+        if !shared.is_empty() && shared.len() == project.scenes.iter().filter(shares).count() {
+            tasks.push(task(kind, shared_name.into(), &shared));
+        }
+        for scene in scenes.iter().filter(|s| s.paper_table.is_none() && s.wants(kind)) {
+            tasks.push(task(kind, format!("{}-{}", scene.name, kind.name()), &[scene]));
+        }
+    }
+    tasks
+}
+
+/// File name of a figure task's picture, which is its only artifact.
+pub fn file(task: &Task) -> String {
+    format!("{}.svg", task.id.trim_start_matches("figures/"))
+}
+
+/// The kind of picture that a figure task draws.
+pub fn kind(task: &Task) -> &str {
+    &task.parameters["kind"]
+}
+
+fn task(kind: Output, name: String, scenes: &[&Scene]) -> Task {
+    let panels: Vec<Panel> = scenes.iter().map(|scene| Panel::new(kind, scene)).collect();
+    let mut hashed = BTreeMap::from([("kind".into(), kind.name().into())]);
+    for panel in &panels {
+        let name = &panel.scene.name;
+        hashed.extend(panel.parameters.iter().map(|(k, v)| (format!("{name}.{k}"), v.clone())));
+    }
+    let picture = format!("{name}.svg");
+    Task {
+        id: format!("figures/{name}"),
+        stage: Stage::Figures,
+        parameters: hashed,
+        files: Artifacts::new(),
+        needs: panels.iter().flat_map(|panel| panel.needs(kind)).collect(),
+        export: Some("figures"),
+        work: Box::new(move |inputs| {
+            let svg = draw(kind, &panels, inputs)?;
+            Ok(Artifacts::from([(picture.clone(), svg.into_bytes())]))
+        }),
+    }
+}
+
+impl Panel {
+    fn new(kind: Output, scene: &Scene) -> Self {
+        let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
+        let mut value = serde_json::json!({ "title": scene.title });
+        match kind {
+            Output::Source => value["f"] = scene.f.to_string().into(),
+            _ => value["grids"] = cells.into(),
+        }
+        Self { scene: scene.clone(), parameters: parameters(&value) }
+    }
+
+    fn needs(&self, kind: Output) -> Vec<String> {
+        let scene = &self.scene;
+        match kind {
+            Output::Source | Output::Table => Vec::new(),
+            Output::Surface => vec![solve::id(scene, scene.stop[0], scene.draw_r)],
+            Output::History => scene.r.iter().map(|&r| solve::id(scene, scene.stop[0], r)).collect(),
+            Output::Contact => scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect(),
+        }
+    }
+
+    fn pair(&self, inputs: &Inputs, task: &str) -> Result<Pair, String> {
+        read_pair(self.scene.finest(), artifact(inputs, task, PAIR)?)
+    }
+}
+
+fn draw(kind: Output, panels: &[Panel], inputs: &Inputs) -> Result<String, String> {
+    let description = format!(
+        "Made by `signorini run --only figures` from inputs {} (blake3).", &inputs.digest[..12]
+    );
+    let titles: Vec<&str> = panels.iter().map(|panel| panel.scene.title.as_str()).collect();
+    let title = format!("{}: {}", caption(kind), titles.join("; "));
+    let caption = Caption { title: &title, description: &description };
+    let picture: Result<String, FigureError> = match kind {
+        Output::Source => {
+            let maps: Vec<_> =
+                panels.iter().map(|p| FMap { title: &p.scene.title, f: &p.scene.f }).collect();
+            maps_of_f(caption, &maps)
+        }
+        Output::Surface => {
+            let pairs = panels
+                .iter()
+                .map(|panel| panel.pair(inputs, &panel.needs(kind)[0]))
+                .collect::<Result<Vec<_>, _>>()?;
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(&pairs)
+                .map(|(panel, pair)| {
+                    let grid = panel.scene.finest();
+                    let view = View::uphill(grid, &pair.y);
+                    Surface { title: &panel.scene.title, grid, y: &pair.y, a: &pair.a, view }
+                })
+                .collect();
+            surfaces(caption, &panels)
+        }
+        Output::History => {
+            let mut curves = Vec::new();
+            for panel in panels {
+                let mut of_panel = Vec::new();
+                for (task, r) in panel.needs(kind).iter().zip(&panel.scene.r) {
+                    let levels: Vec<Vec<Iteration>> = from_json(inputs, task, HISTORY)?;
+                    of_panel.push((format!("r = {r}"), levels));
+                }
+                curves.push(of_panel);
+            }
+            let curves: Vec<Vec<History>> = curves
+                .iter()
+                .map(|of_panel| of_panel.iter().map(|(label, levels)| History { label, levels }).collect())
+                .collect();
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(&curves)
+                .map(|(panel, curves)| HistoryPanel {
+                    title: &panel.scene.title, grids: &panel.scene.grids, curves,
+                })
+                .collect();
+            histories(caption, Span::AllGrids, &panels)
+        }
+        Output::Contact => {
+            let mut pairs = Vec::new();
+            for panel in panels {
+                let mut of_panel = Vec::new();
+                for (task, stop) in panel.needs(kind).iter().zip(&panel.scene.stop) {
+                    let label = format!("stop: {stop}, r = {}", panel.scene.draw_r);
+                    of_panel.push((label, panel.pair(inputs, task)?));
+                }
+                pairs.push(of_panel);
+            }
+            let lines: Vec<Vec<ContactLine>> = pairs
+                .iter()
+                .map(|of_panel| {
+                    of_panel
+                        .iter()
+                        .map(|(label, pair)| ContactLine { label, y: &pair.y, a: &pair.a })
+                        .collect()
+                })
+                .collect();
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(&lines)
+                .map(|(panel, lines)| ContactPanel {
+                    title: &panel.scene.title, grid: panel.scene.finest(), lines,
+                })
+                .collect();
+            contact(caption, &panels)
+        }
+        Output::Table => return Err("a table is not a figure".into()),
+    };
+    picture.map_err(|e| e.to_string())
+}
+
+fn caption(kind: Output) -> &'static str {
+    match kind {
+        Output::Source => "Right-hand side f",
+        Output::Surface => "Solution v",
+        Output::History => "Residuals against iterations",
+        Output::Contact => "Trace and multiplier along the boundary",
+        Output::Table => "Table",
+    }
+}
