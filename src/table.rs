@@ -13,7 +13,8 @@ pub fn levels_csv(columns: &[(f64, Vec<Outcome>)]) -> Result<Vec<u8>, String> {
     let all: Vec<(f64, &Outcome)> =
         columns.iter().flat_map(|(r, levels)| levels.iter().map(move |o| (*r, o))).collect();
     let float = |of: fn(&Outcome) -> f64| all.iter().map(|(_, o)| of(o)).collect::<Vec<_>>();
-    let count = |of: fn(&Outcome) -> usize| all.iter().map(|(_, o)| of(o) as u64).collect::<Vec<_>>();
+    let count =
+        |of: fn(&Outcome) -> usize| all.iter().map(|(_, o)| of(o) as u64).collect::<Vec<_>>();
     let frame = df!(
         "r" => all.iter().map(|(r, _)| *r).collect::<Vec<_>>(),
         "cells" => count(|o| o.cells),
