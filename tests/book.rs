@@ -236,6 +236,7 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
                 .collect(),
             load: "nodal".into(),
             tie: "lower-left".into(),
+            diagonal: "rising".into(),
             printed: columns(&source, StopRule::Printed),
             signed_dual: columns(&source, StopRule::SignedDual),
             signed,
@@ -310,7 +311,8 @@ fn columns(source: &Source, rule: StopRule) -> Vec<Column> {
     R.iter()
         .map(|&r| {
             let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
-            let (outcomes, _) = solve_nested(&grids, &loads, &params, Prolongation::Bilinear, None);
+            let (outcomes, _) =
+                solve_nested(&grids, &loads, &params, Prolongation::Bilinear, &mut ());
             Column { r, outcomes }
         })
         .collect()

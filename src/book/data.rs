@@ -39,6 +39,8 @@ pub struct Problem {
     pub load: String,
     /// The tie rule on jumps of f, by its name in scenes.
     pub tie: String,
+    /// The diagonal of the grid's squares, by its name in scenes, if the load rule uses one.
+    pub diagonal: String,
     /// One column per r, stopped by the signed rule.
     pub signed: Vec<Column>,
     /// The same, stopped by (13) as printed.

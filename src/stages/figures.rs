@@ -32,7 +32,7 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
     for (kind, shared_name) in KINDS {
         let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
-        let shared: Vec<&Scene> = scenes.iter().copied().filter(|s| shares(&s)).collect();
+        let shared: Vec<&Scene> = scenes.iter().copied().filter(shares).collect();
         if !shared.is_empty() && shared.len() == project.scenes.iter().filter(shares).count() {
             tasks.push(task(kind, shared_name.into(), &shared));
         }

@@ -144,7 +144,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
     let [signed, printed, signed_dual] = RULES.map(columns);
     let drawn = solve::id(scene, scene.stop[0], scene.draw_r);
     let pair = read_pair(scene.finest(), artifact(inputs, &drawn, PAIR)?)?;
-    let (load, tie) = load_names(scene.load);
+    let [load, tie, diagonal] = load_names(scene.load);
     Ok(Problem {
         number: usize::from(comparison.table),
         title: scene.title.clone(),
@@ -153,6 +153,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
         pieces: pieces(&scene.f),
         load,
         tie,
+        diagonal,
         signed: signed?,
         printed: printed?,
         signed_dual: signed_dual?,
@@ -189,10 +190,10 @@ fn rows(comparison: &TableComparison) -> Vec<Row> {
     comparison.rows.iter().map(of_row).collect()
 }
 
-fn load_names(rule: LoadRule) -> (String, String) {
+/// Rule, tie and diagonal as scenes name them; empty where the rule has none.
+fn load_names(rule: LoadRule) -> [String; 3] {
     let value = serde_json::to_value(rule).expect("plain data");
-    let name = |key: &str| value[key].as_str().unwrap_or_default().to_owned();
-    (name("rule"), name("tie"))
+    ["rule", "tie", "diagonal"].map(|key| value[key].as_str().unwrap_or_default().to_owned())
 }
 
 fn pieces(f: &Source) -> Vec<Piece> {
