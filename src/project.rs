@@ -53,7 +53,7 @@ impl Project {
         Ok(Self { root, scenes, paper, paper_text, templates })
     }
 
-    /// The scenes with these names, or all if no name is given.
+    /// The scenes with these names, each once, or all if no name is given.
     ///
     /// # Errors
     /// [`Error::Input`] with the known names if one is unknown.
@@ -61,7 +61,10 @@ impl Project {
         if names.is_empty() {
             return Ok(self.scenes.iter().collect());
         }
-        names.iter().map(|name| self.scene(name)).collect()
+        let mut scenes = names.iter().map(|name| self.scene(name)).collect::<Result<Vec<_>>>()?;
+        scenes.sort_by(|a, b| a.name.cmp(&b.name));
+        scenes.dedup_by(|a, b| a.name == b.name);
+        Ok(scenes)
     }
 
     /// The scene with this name.

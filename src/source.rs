@@ -220,7 +220,7 @@ impl FromStr for Source {
         {
             return Exact::named(name.trim())
                 .map(Self::Exact)
-                .ok_or_else(|| SourceError::UnknownExact(name.trim().into()));
+                .ok_or_else(|| SourceError::UnknownExact(one_line(name)));
         }
         let (mut background, mut pieces) = (None, Vec::new());
         for item in text
@@ -255,10 +255,15 @@ impl FromStr for Source {
             }),
             None => Err(SourceError::Syntax(format!(
                 "{}` without `else=value",
-                text.trim()
+                one_line(text)
             ))),
         }
     }
+}
+
+/// A text to be quoted in a message.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn number(text: &str) -> Result<f64, SourceError> {
