@@ -64,7 +64,13 @@ impl<T> IoContext<T> for io::Result<T> {
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                     "free some space (`signorini gc` helps) and run again: finished cells are kept"
                 }
-                io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                io::ErrorKind::FileTooLarge => {
+                    "raise the limit on file sizes (`ulimit -f`) and run again: finished cells are kept"
+                }
+                io::ErrorKind::InvalidData => "save it as UTF-8",
+                io::ErrorKind::PermissionDenied
+                | io::ErrorKind::ReadOnlyFilesystem
+                | io::ErrorKind::NotADirectory => {
                     "make it accessible, or give a cache elsewhere with --cache-dir"
                 }
                 io::ErrorKind::NotFound => "check the path",

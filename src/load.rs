@@ -243,9 +243,16 @@ mod tests {
     fn every_rule_integrates_a_constant_to_one_weight_per_node() {
         let grid = Grid::new(4).unwrap();
         let one = Source::constant(1.0);
-        let nodal = load(grid, &one, LoadRule::default());
+        let tie = Tie::LowerLeft;
+        let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: None });
         assert_eq!((nodal[6], nodal[1], nodal[0]), (1.0 / 16.0, 0.5 / 16.0, 0.25 / 16.0));
         assert_eq!(load(grid, &one, LoadRule::LumpedAverage), nodal);
+        // With a constant f, the nodal rule on triangles is the exact one.
+        for diagonal in [Diagonal::Rising, Diagonal::Falling] {
+            let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: Some(diagonal) });
+            let exact = load(grid, &one, LoadRule::Exact { diagonal });
+            assert!(nodal.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-15));
+        }
         let exact = load(grid, &one, LoadRule::Exact { diagonal: Diagonal::Rising });
         // A corner belongs to one or two triangles, depending on the diagonal.
         assert!((exact[0] - 2.0 / 6.0 / 16.0).abs() < 1e-16);

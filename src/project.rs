@@ -55,7 +55,7 @@ impl Project {
         Ok(Self { root, scenes, scene_files, paper, paper_text, templates })
     }
 
-    /// The scenes with these names, or all if no name is given.
+    /// The scenes with these names, each once, or all if no name is given.
     ///
     /// # Errors
     /// [`Error::Input`] with the known names if one is unknown.
@@ -63,7 +63,10 @@ impl Project {
         if names.is_empty() {
             return Ok(self.scenes.iter().collect());
         }
-        names.iter().map(|name| self.scene(name)).collect()
+        let mut scenes = names.iter().map(|name| self.scene(name)).collect::<Result<Vec<_>>>()?;
+        scenes.sort_by(|a, b| a.name.cmp(&b.name));
+        scenes.dedup_by(|a, b| a.name == b.name);
+        Ok(scenes)
     }
 
     /// The scene with this name.
@@ -105,12 +108,17 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
     let (mut scenes, mut files) = (Vec::new(), Artifacts::new());
     for entry in fs::read_dir(&folder).context("read", &folder)? {
         let path = entry.context("read", &folder)?.path();
-        if path.extension().is_some_and(|e| e == "toml") {
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let bytes = fs::read(&path).context("read", &path)?;
-            scenes.push(Scene::parse(&name, &String::from_utf8_lossy(&bytes))?);
-            files.insert(format!("pipeline/scenes/{name}.toml"), bytes);
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        // Editors keep locks and backups as hidden files.
+        if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
+            continue;
         }
+        let bytes = fs::read(&path).context("read", &path)?;
+        let text = std::str::from_utf8(&bytes).map_err(|_| {
+            Error::input(format!("scene `{name}` is not UTF-8 text; save it as such"))
+        })?;
+        scenes.push(Scene::parse(&name, text)?);
+        files.insert(format!("pipeline/scenes/{name}.toml"), bytes);
     }
     if scenes.is_empty() {
         let folder = folder.display();

@@ -124,8 +124,20 @@ impl Scene {
                 "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]".into(),
             ));
         }
+        let finest = grids.last().map_or(0, |grid| grid.cells());
+        if finest > MAX_CELLS {
+            return Err(wrong(format!(
+                "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
+            )));
+        }
         for &r in &file.r {
             positive_r(r).map_err(|e| wrong(e.to_string()))?;
+        }
+        if let Some(r) = repeated(&file.r) {
+            return Err(wrong(format!("`r` lists {r} twice; remove one")));
+        }
+        if let Some(rule) = repeated(&file.stop) {
+            return Err(wrong(format!("`stop` lists {rule} twice; remove one")));
         }
         if file.max_iterations == 0 {
             return Err(wrong("`max_iterations` must be at least 1".into()));
@@ -164,6 +176,14 @@ impl Scene {
     }
 }
 
+/// Finest grid for which two nodal vectors fit comfortably in memory.
+pub const MAX_CELLS: usize = 8192;
+
+/// The first item that is there twice.
+fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
+}
+
 /// Checks the condition (2) for solvability: the integral of f must be negative.
 ///
 /// # Errors
@@ -178,15 +198,17 @@ pub fn solvable(f: &Source) -> Result<f64> {
     )))
 }
 
-/// Checks that r is a positive number.
+/// Checks that r is a positive number, and one that can be written out as the name of a cell.
 ///
 /// # Errors
 /// [`Error::Input`] otherwise.
 pub fn positive_r(r: f64) -> Result<f64> {
-    if r > 0.0 && r.is_finite() {
+    if (1e-12..=1e12).contains(&r) {
         return Ok(r);
     }
-    Err(Error::input(format!("r = {r} must be a positive number; the paper takes 0.5 to 1e6")))
+    Err(Error::input(format!(
+        "r = {r:e} must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6"
+    )))
 }
 
 #[cfg(test)]
@@ -219,6 +241,9 @@ mod tests {
         assert!(error(&format!("{GOOD}r = [nan]\n")).contains("must be a positive number"));
         assert!(error(&format!("{GOOD}r = []\n")).contains("must not be empty"));
         assert!(error(&format!("{GOOD}grids = [4, 12]\n")).contains("does not nest"));
+        assert!(error(&format!("{GOOD}r = [10, 1, 10]\n")).contains("lists 10 twice"));
+        assert!(error(&format!("{GOOD}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
+        assert!(error(&format!("{GOOD}grids = [8192, 16384]\n")).contains("more memory"));
         assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
         assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
         assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));

@@ -207,7 +207,7 @@ impl FromStr for Source {
         if let Some(name) = text.trim().strip_prefix("exact(").and_then(|t| t.strip_suffix(')')) {
             return Exact::named(name.trim())
                 .map(Self::Exact)
-                .ok_or_else(|| SourceError::UnknownExact(name.trim().into()));
+                .ok_or_else(|| SourceError::UnknownExact(one_line(name)));
         }
         let (mut background, mut pieces) = (None, Vec::new());
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
@@ -229,9 +229,14 @@ impl FromStr for Source {
         match background {
             Some(background) => Ok(Self::Pieces { background, pieces }),
             None if covered => Ok(Self::Pieces { background: 0.0, pieces }),
-            None => Err(SourceError::Syntax(format!("{}` without `else=value", text.trim()))),
+            None => Err(SourceError::Syntax(format!("{}` without `else=value", one_line(text)))),
         }
     }
+}
+
+/// A text to be quoted in a message.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn number(text: &str) -> Result<f64, SourceError> {

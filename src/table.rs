@@ -95,7 +95,7 @@ mod tests {
         let bytes = table_csv(&rows, &[4, 8]).unwrap();
         expect_test::expect![[r#"
             r,1/4,1/8,delta_a
-            1000000.0,1,149,0.00003333333333333333
+            1000000.0,1,149,0.000033333333333333335
             0.5,3,55,0.000353
         "#]]
         .assert_eq(std::str::from_utf8(&bytes).unwrap());

@@ -102,7 +102,9 @@ pub fn main() -> ExitCode {
     match dispatch(cli) {
         Ok(code) => ExitCode::from(code),
         Err(e) => {
-            anstream::eprintln!("{}: {e}", styled("error", anstyle::AnsiColor::Red));
+            // The exit code still tells if nobody reads this.
+            let _ =
+                writeln!(anstream::stderr(), "{}: {e}", styled("error", anstyle::AnsiColor::Red));
             ExitCode::from(e.exit_code())
         }
     }

@@ -7,7 +7,7 @@ use crate::grid::{Grid, nested};
 use crate::load::{LoadRule, load};
 use crate::project::Project;
 use crate::saddle::{Outcome, Params, StopReason, StopRule, solve_nested};
-use crate::scene::{Scene, positive_r, solvable};
+use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::source::Source;
 use crate::transfer::Prolongation;
 use clap::{Args, ValueEnum};
@@ -211,9 +211,6 @@ fn cells(h: &str) -> Result<usize> {
     }
     Ok(n)
 }
-
-/// Finest grid for which two nodal vectors fit comfortably in memory.
-const MAX_CELLS: usize = 8192;
 
 /// Grids from the coarsest that halves down to `finest`, with at least four cells if possible.
 fn hierarchy(finest: usize) -> Result<Vec<Grid>> {

@@ -125,7 +125,8 @@ pub fn execute(
                 found => found,
             };
             let verdict = match found {
-                Ok(manifest) => {
+                Ok(hit) => {
+                    let manifest = if options.dry_run { hit.manifest } else { store.renew(hit)? };
                     outputs.insert(task.id.clone(), manifest.outputs.clone());
                     summary.manifests.insert(task.id.clone(), manifest);
                     Verdict::Fresh

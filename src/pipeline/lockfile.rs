@@ -2,10 +2,11 @@
 
 use super::Hashes;
 use super::store::write_atomically;
-use crate::error::{Error, Result};
+use crate::error::{Error, IoContext, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the committed figures.\n\
@@ -33,8 +34,11 @@ impl LockFile {
     /// [`Error::Input`] if it is damaged.
     pub fn read(project: &Path) -> Result<Self> {
         let path = Self::path(project);
-        let Ok(text) = fs::read_to_string(&path) else { return Ok(Self::default()) };
-        toml::from_str(&text).map_err(|_| {
+        let bytes = match fs::read(&path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Self::default()),
+            read => read.context("read", &path)?,
+        };
+        toml::from_str(&String::from_utf8_lossy(&bytes)).map_err(|_| {
             Error::input(format!(
                 "{} is damaged; restore it with `git checkout`, or delete it and run again",
                 path.display()

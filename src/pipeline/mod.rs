@@ -19,7 +19,7 @@ pub use lock::CacheLock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict};
 pub use progress::Progress;
-pub use store::{Garbage, Store};
+pub use store::{Garbage, Hit, Store};
 
 use serde::Serialize;
 use std::collections::BTreeMap;

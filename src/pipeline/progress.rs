@@ -2,7 +2,7 @@
 
 use super::{Ran, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 
 /// Reports the walk of the plan.
@@ -47,7 +47,8 @@ impl Progress {
             );
             match &self.bar {
                 Some(bar) => bar.println(line),
-                None => eprintln!("{line}"),
+                // A reader that has gone away is no reason to stop.
+                None => drop(writeln!(std::io::stderr(), "{line}")),
             }
         }
         if let Some(bar) = &self.bar {

@@ -7,7 +7,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Layout of the cache; another layout lives in another folder, so that versions do not collide.
 const LAYOUT: &str = "v1";
@@ -17,6 +16,15 @@ const LAYOUT: &str = "v1";
 pub struct Store {
     cache: PathBuf,
     root: PathBuf,
+}
+
+/// An intact earlier run of a task with the inputs asked for.
+#[derive(Clone, Debug)]
+pub struct Hit {
+    /// Its record.
+    pub manifest: Manifest,
+    /// Latest generation of the task; higher if an edit was reverted.
+    latest: u64,
 }
 
 /// What `gc` found that nothing refers to.
@@ -71,7 +79,7 @@ impl Store {
         &self,
         task: &str,
         inputs: &BTreeMap<String, String>,
-    ) -> std::result::Result<Manifest, Reason> {
+    ) -> std::result::Result<Hit, Reason> {
         let manifests = self.manifests(task);
         let Some(latest) = manifests.first() else { return Err(Reason::NeverRan) };
         let Some(same) = manifests.iter().find(|manifest| manifest.inputs == *inputs) else {
@@ -79,8 +87,23 @@ impl Store {
         };
         match same.outputs.iter().find(|(_, hash)| self.get(hash).is_none()) {
             Some((name, _)) => Err(Reason::Damaged(name.clone())),
-            None => Ok(same.clone()),
+            None => Ok(Hit { manifest: same.clone(), latest: latest.generation }),
         }
+    }
+
+    /// Makes a hit the latest generation of its task, so that `gc` keeps what is in use.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn renew(&self, hit: Hit) -> Result<Manifest> {
+        let Hit { mut manifest, latest } = hit;
+        if manifest.generation < latest {
+            let old = self.manifest_file(&manifest);
+            manifest.generation = latest + 1;
+            write_atomically(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
+            fs::remove_file(&old).context("remove", &old)?;
+        }
+        Ok(manifest)
     }
 
     /// The artifact with this hash, if it is stored and intact.
@@ -130,14 +153,14 @@ impl Store {
             _ => manifests.first().map_or(1, |latest| latest.generation + 1),
         };
         let manifest = Manifest { task: task.into(), generation, inputs, outputs };
-        let path = self.task_folder(task).join(format!("{generation:06}.json"));
-        write_atomically(&path, manifest.to_json().as_bytes())?;
+        write_atomically(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
         Ok(manifest)
     }
 
     /// Removes what the `keep` latest generations of the tasks in `wanted` do not need.
     ///
-    /// With `dry`, only counts. Temporary files left by killed runs and other layouts go as well.
+    /// With `dry`, only counts. Temporary files left by killed runs and other layouts go as well;
+    /// files that are none of ours stay, whatever folder was named as the cache.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -150,14 +173,12 @@ impl Store {
         let mut needed = BTreeSet::new();
         for task in wanted {
             for manifest in self.manifests(task).into_iter().take(keep) {
-                let file = format!("{:06}.json", manifest.generation);
-                needed.insert(self.task_folder(task).join(file));
+                needed.insert(self.manifest_file(&manifest));
                 needed.extend(manifest.outputs.values().map(|hash| self.object(hash)));
             }
         }
-        needed.insert(self.cache.join(super::lock::FILE));
         let mut garbage = Garbage::default();
-        for path in walk(&self.cache) {
+        for path in self.layouts().iter().flat_map(|folder| walk(folder)) {
             let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
             if needed.contains(&path) {
                 garbage.kept_files += 1;
@@ -168,8 +189,9 @@ impl Store {
             garbage.bytes += bytes;
             if !dry {
                 fs::remove_file(&path).context("remove", &path)?;
-                // Fails, as it should, while the folder still holds something.
-                let _ = path.parent().map(fs::remove_dir);
+                // Fails, as it should, at the first folder that still holds something.
+                let folders = path.ancestors().skip(1).take_while(|folder| *folder != self.cache);
+                folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
             }
         }
         Ok(garbage)
@@ -182,6 +204,21 @@ impl Store {
     fn task_folder(&self, task: &str) -> PathBuf {
         self.root.join("tasks").join(task)
     }
+
+    fn manifest_file(&self, manifest: &Manifest) -> PathBuf {
+        self.task_folder(&manifest.task).join(format!("{:06}.json", manifest.generation))
+    }
+
+    /// The folders of this layout and of all others.
+    fn layouts(&self) -> Vec<PathBuf> {
+        let ours = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let version = name.strip_prefix('v').unwrap_or_default();
+            !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
+        };
+        let versions = list(&self.cache).into_iter().filter(ours);
+        versions.flat_map(|version| ["objects", "tasks"].map(|part| version.join(part))).collect()
+    }
 }
 
 /// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
@@ -189,11 +226,13 @@ impl Store {
 /// # Errors
 /// [`Error::Io`].
 pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
     let folder = path.parent().expect("a file lies in a folder");
     fs::create_dir_all(folder).context("create", folder)?;
-    let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-    let temporary = folder.join(format!(".tmp-{}-{unique}", std::process::id()));
+    // Unique among threads, the same in every process: what a killed run leaves behind is
+    // overwritten and renamed by the next.
+    let thread = rayon::current_thread_index().map_or(0, |index| index + 1);
+    let name = path.file_name().expect("a file has a name").to_string_lossy();
+    let temporary = folder.join(format!(".{name}.tmp{thread}"));
     let written = (|| {
         let mut file = File::create(&temporary)?;
         file.write_all(bytes)?;

@@ -116,6 +116,9 @@ pub fn arrow_hurwicz(
         }
     };
     let (gradient_signed, gradient_abs) = gradient.extrema(pair);
+    let (energy, kkt) = (energy(grid, &pair.y, load), kkt(grid, &pair.y, load));
+    let finite = [energy, gradient_abs, kkt.natural, kkt.min_lambda].iter().all(|v| v.is_finite());
+    let stop = if finite { stop } else { StopReason::Diverged };
     Outcome {
         cells: grid.cells(),
         iterations,
@@ -123,9 +126,9 @@ pub fn arrow_hurwicz(
         gradient_signed,
         gradient_abs,
         delta_a,
-        energy: energy(grid, &pair.y, load),
+        energy,
         sum_load: load.iter().sum(),
-        kkt: kkt(grid, &pair.y, load),
+        kkt,
     }
 }
 

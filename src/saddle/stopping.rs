@@ -55,7 +55,7 @@ pub enum StopReason {
     Converged,
     /// The cap on iterations was hit first.
     IterationLimit,
-    /// A value left the range of numbers: y or a is infinite or NaN.
+    /// A value left the range of numbers: y, a, or what is reported of them, is infinite or NaN.
     Diverged,
     /// The monitor asked to stop.
     Interrupted,

@@ -1,0 +1,287 @@
+//! The command line: what it prints where, in which format, and with which exit code.
+
+mod common;
+
+use common::{Project, TABLE};
+use expect_test::{expect, expect_file};
+use std::fs;
+use std::process::Stdio;
+
+const BUMP: &str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
+
+#[test]
+fn help_is_as_reviewed() {
+    let project = Project::with(TABLE);
+    let mut text = String::new();
+    let commands =
+        ["", "run", "status", "explain", "dag", "diff", "solve", "report", "gc", "completions"];
+    for command in commands {
+        let args: Vec<&str> =
+            [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
+        let said = project.run(&args);
+        assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+        text += &format!("$ signorini {}\n{}\n", args.join(" "), said.out);
+    }
+    assert!(text.lines().all(|line| line.chars().count() <= 112), "fits a terminal");
+    expect_file!["snapshots/help.txt"].assert_eq(&text);
+}
+
+#[test]
+fn solve_json_has_every_promised_field() {
+    let project = Project::with(TABLE);
+    let said = project.run(&["solve", "a", "--h", "1/16", "--json"]);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
+    let json = said.json();
+    assert_eq!(json["schema"], 1);
+    assert_eq!(json["scene"], "a");
+    assert_eq!(json["solver"], "arrow-hurwicz");
+    assert_eq!(json["stop"], "converged");
+    assert_eq!(json["h"], 0.0625);
+    assert_eq!(json["unknowns"], 17 * 17);
+    assert_eq!(json["integral_f"], -1.0);
+    assert!(json["iterations"].as_u64().unwrap() > 1);
+    let energy = json["energy"].as_f64().unwrap();
+    assert!((-1.0..0.0).contains(&energy), "below the energy of v = 0: {energy}");
+    let kkt = |name: &str| json["kkt"][name].as_f64().unwrap_or_else(|| panic!("{name}"));
+    assert!(kkt("stationarity") >= 0.0 && kkt("complementarity") >= 0.0);
+    assert!(kkt("min_y").abs() < 1e-2 && kkt("min_lambda") > -0.1, "{json}");
+    for phase in ["setup", "solve"] {
+        assert!((0.0..10.0).contains(&json["seconds"][phase].as_f64().unwrap()), "{phase}");
+    }
+}
+
+#[test]
+fn printed_rule_leaves_a_residual_of_its_tolerance() {
+    let project = Project::with(TABLE);
+    // Grids 1/4, 1/8, 1/16, ...: the tolerance on the k-th is 10^-k.
+    for (h, tolerance) in [("1/16", 1e-3), ("1/32", 1e-4), ("1/64", 1e-5)] {
+        let json =
+            project.run(&["solve", "--f", BUMP, "--h", h, "--stop", "printed", "--json"]).json();
+        assert_eq!((&json["stop"], &json["scene"]), (&"converged".into(), &"custom".into()));
+        let natural = json["kkt"]["natural"].as_f64().unwrap();
+        assert!(natural > 0.0 && natural <= tolerance, "{h}: {natural}");
+    }
+}
+
+#[test]
+fn solutions_are_written_as_npy_and_vti() {
+    let project = Project::with(TABLE);
+    for name in ["v.npy", "v.vti"] {
+        let said = project.run(&["solve", "a", "--out", name]);
+        assert!(said.lines().contains(&format!("wrote {name}").as_str()), "{said:?}");
+    }
+    let doubles = |bytes: &[u8]| -> Vec<f64> {
+        bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap())).collect()
+    };
+    let npy = fs::read(project.path("v.npy")).unwrap();
+    assert_eq!(&npy[..8], b"\x93NUMPY\x01\x00");
+    let data = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
+    let header = std::str::from_utf8(&npy[10..data]).unwrap().trim_end();
+    assert_eq!(header, "{'descr': '<f8', 'fortran_order': False, 'shape': (9, 9), }");
+    let from_npy = doubles(&npy[data..]);
+    assert_eq!((from_npy.len(), npy.len() - data), (81, 81 * 8));
+    assert!(
+        from_npy[40] < -0.01 && from_npy.iter().all(|v| v.is_finite()),
+        "deepest in the middle"
+    );
+
+    let vti = fs::read(project.path("v.vti")).unwrap();
+    let raw = 1 + vti.windows(2).position(|two| two == b"\n_").unwrap();
+    let head = std::str::from_utf8(&vti[..raw]).unwrap();
+    assert!(
+        head.contains("WholeExtent=\"0 8 0 8 0 0\"") && head.contains("Spacing=\"0.125 0.125 1\""),
+        "{head}"
+    );
+    let size = u64::from_le_bytes(vti[raw + 1..raw + 9].try_into().unwrap()) as usize;
+    assert_eq!(doubles(&vti[raw + 9..raw + 9 + size]), from_npy);
+    assert_eq!(&vti[raw + 9 + size..], b"\n</AppendedData>\n</VTKFile>\n");
+}
+
+#[test]
+fn solve_refuses_in_one_line() {
+    let project = Project::with(TABLE);
+    for (args, remedy) in [
+        (&["--f", "else=1"][..], "lower f somewhere"),
+        (&["--f", "else=nan"], "give a decimal"),
+        (&["--f", "rect(0,1,0,1)=-1"], "write e.g. 'rect("),
+        (&["--f", "else=-1", "--r", "0"], "must be a positive number"),
+        (&["--f", "else=-1", "--r", "nan"], "must be a positive number"),
+        (&["--f", "else=-1", "--h", "0.3"], "write the width as 1/N"),
+        (&["--f", "else=-1", "--h", "1/99999999"], "is the finest"),
+        (&["--f", "else=-1", "--stop", "never"], "choose one of signed, printed"),
+        (&["--f", "else=-1", "--out", "v.doc"], "unknown ending; use one of"),
+        (&["--f", "else=-1", "--h", "1/8", "--out", "no/v.npy"], "cannot write no/v.npy"),
+        (&["nobody"], "no scene `nobody`; there are: a"),
+    ] {
+        let said = project.run(&[&["solve"], args].concat());
+        assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
+    }
+    let wild =
+        project.run(&["solve", "--f", "else=-1e308", "--h", "1/8", "--max-iterations", "50"]);
+    assert_eq!(wild.code, Some(3), "{wild:?}");
+    assert!(wild.err.contains("diverged on grid 1/"), "{wild:?}");
+}
+
+#[test]
+fn diff_marks_what_is_outside_and_exits_with_one() {
+    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
+    let said = project.run(&["diff"]);
+    assert_eq!(said.code, Some(1), "{said:?}");
+    expect![[r#"
+        Table 1 (a)
+                 r          grid 1        grid 2               Delta a
+                        ours paper    ours paper          ours   paper
+                10        1=     1      4~     2       2.12e-2  1.0e-4
+                 1        1=     1     7! 100000       3.19e-2  1.0e-4
+        2 of 4 counts exact, 3 within tolerance; Delta a: 0 of 2 to the printed digits, 2 within tolerance (a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1000000000000000000000000000000)
+        = exact, ~ within tolerance, ! outside
+    "#]].assert_eq(&said.out);
+    let md = project.run(&["diff", "--md"]);
+    assert_eq!(md.code, Some(1));
+    expect![[r#"
+        **Table 1** (a): 2 of 4 counts exact, 3 within tolerance; Delta a: 0 of 2 to the printed digits, 2 within tolerance (a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1000000000000000000000000000000)
+
+        | r | grid 1 | grid 2 | Δa ours | Δa paper |
+        |---:|---:|---:|---:|---:|
+        | 10 | 1 | **4** ~ 2 | 2.12e-2 | 1.0e-4 |
+        | 1 | 1 | **7** ! 100000 | 3.19e-2 | 1.0e-4 |
+    "#]].assert_eq(&md.out);
+    let json = project.run(&["diff", "--json"]);
+    assert_eq!((json.code, json.err.as_str()), (Some(1), ""));
+    let json = json.json();
+    let table = &json["tables"][0];
+    assert_eq!(
+        (&json["schema"], &table["table"], &table["cells"]),
+        (&1.into(), &1.into(), &4.into())
+    );
+    assert_eq!((&table["within_tolerance"], &table["delta_a_within"]), (&3.into(), &2.into()));
+    let row = &table["rows"][1];
+    assert_eq!(
+        (&row["r"], &row["paper"][1], &row["within"][1]),
+        (&1.0.into(), &100_000.into(), &false.into())
+    );
+    // With a tolerance that allows for it, the same numbers hold.
+    let allowed = common::PAPER.replace("count_slack = 1000", "count_slack = 100000");
+    project.write("pipeline/paper.toml", allowed);
+    let said = project.run(&["diff"]);
+    assert!(!said.lines().iter().any(|line| line.contains("! 100000")), "{said:?}");
+    project.scene("a", TABLE);
+    assert!(project.run(&["diff"]).refusal().contains("no scene has a `paper_table`; add one"));
+}
+
+#[test]
+fn the_graph_names_every_task_and_need() {
+    let project = Project::with(TABLE);
+    expect![[r#"
+        solve/a/signed/r=10
+        solve/a/signed/r=1
+        tabulate/a/signed <- solve/a/signed/r=10, solve/a/signed/r=1
+    "#]]
+    .assert_eq(&project.run(&["dag"]).out);
+    expect![[r#"
+        graph LR
+          t0["solve/a/signed/r=10"]
+          t1["solve/a/signed/r=1"]
+          t2["tabulate/a/signed"]
+          t0 --> t2
+          t1 --> t2
+    "#]]
+    .assert_eq(&project.run(&["dag", "--mermaid"]).out);
+    assert!(
+        project
+            .run(&["dag", "--dot"])
+            .out
+            .contains("\"solve/a/signed/r=1\" -> \"tabulate/a/signed\";")
+    );
+}
+
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    for args in [
+        &["dag"][..],
+        &["status", "--json"],
+        &["run"],
+        &["solve", "a"],
+        &["completions", "zsh"],
+        &["--help"],
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = project.command(args).stdout(writer).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!((output.status.code(), &output.stderr[..]), (Some(0), &b""[..]), "{args:?}");
+    }
+    // Nor is a standard error that nobody reads.
+    for (args, code) in
+        [(&["run", "--force", "-v"][..], 0), (&["run", "nobody"], 2), (&["frobnicate"], 2)]
+    {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let status = project.command(args).stdout(Stdio::null()).stderr(writer).status().unwrap();
+        assert_eq!(status.code(), Some(code), "{args:?}");
+    }
+}
+
+#[test]
+fn a_full_standard_output_is_an_error() {
+    let project = Project::with(TABLE);
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = project.command(&["dag"]).stdout(full).stderr(Stdio::piped()).output().unwrap();
+    let said = common::Said::from(output);
+    assert!(said.refusal().contains("cannot write to standard output"), "{said:?}");
+}
+
+#[test]
+fn colour_is_for_those_who_see_it() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    let escapes = |args: &[&str], env: &[(&str, &str)]| {
+        let output = project.command(args).envs(env.iter().copied()).output().unwrap();
+        output.stdout.contains(&0x1b) || output.stderr.contains(&0x1b)
+    };
+    for args in [&["status"][..], &["run", "nobody"], &["--help"]] {
+        assert!(!escapes(args, &[]), "not a terminal: {args:?}");
+        assert!(escapes(args, &[("CLICOLOR_FORCE", "1")]), "asked for: {args:?}");
+        assert!(
+            !escapes(args, &[("NO_COLOR", "1"), ("CLICOLOR_FORCE", "1")]),
+            "NO_COLOR: {args:?}"
+        );
+    }
+    assert!(!escapes(&["run", "-f", "-v"], &[]), "no bar without a terminal");
+}
+
+#[test]
+fn completions_exist_for_each_shell() {
+    let project = Project::with(TABLE);
+    for (shell, word) in
+        [("bash", "complete -F"), ("zsh", "#compdef signorini"), ("fish", "complete -c signorini")]
+    {
+        let said = project.run(&["completions", shell]);
+        assert!(
+            said.code == Some(0) && said.out.contains(word) && said.out.contains("explain"),
+            "{shell}"
+        );
+    }
+    assert_eq!(project.run(&["completions", "teco"]).code, Some(2));
+}
+
+#[test]
+fn data_go_to_standard_output_and_talk_to_standard_error() {
+    let project = Project::with(TABLE);
+    let run = project.run(&["run", "-v"]);
+    assert_eq!(run.ran().len(), 3);
+    assert!(run.out.lines().all(|line| !line.starts_with("ran ")), "{run:?}");
+    for args in
+        [&["status", "--json"][..], &["explain", "solve", "--json"], &["solve", "a", "--json"]]
+    {
+        let said = project.run(args);
+        assert_eq!((said.json()["schema"].as_u64(), said.err.as_str()), (Some(1), ""), "{args:?}");
+    }
+    let quiet = project.run(&["run", "-f", "-v", "-q"]);
+    assert_eq!((quiet.code, quiet.err.as_str()), (Some(0), ""));
+    // A wrong word on the command line is clap's business, but goes the same way.
+    let wrong = project.run(&["run", "--frce"]);
+    assert_eq!((wrong.code, wrong.out.as_str()), (Some(2), ""));
+    assert!(wrong.err.contains("--force"), "{wrong:?}");
+}

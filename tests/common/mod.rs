@@ -1,0 +1,212 @@
+//! A small project in a temporary folder, and the binary run in it.
+
+#![allow(dead_code)] // Each test crate uses its own part.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::SystemTime;
+use tempfile::TempDir;
+
+/// Both kinds of output: a table, and every figure.
+pub const EVERYTHING: &str = "[\"table\", \"source\", \"surface\", \"history\", \"contact\"]";
+
+/// Two cells, one table.
+pub const TABLE: &str =
+    "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4, 8]\nr = [10, 1]\noutputs = [\"table\"]\n";
+
+/// Published values for grids 1/4, 1/8 and r = 10, 1; the last count is one that nobody computes.
+pub const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\
+    delta_a = [1e-4, 1e-4]\ncount_share = 0.1\ncount_slack = 1000\ndelta_a_factor = 1e30\n";
+
+/// [`TABLE`] with other outputs.
+pub fn wanting(outputs: &str) -> String {
+    TABLE.replace("[\"table\"]", outputs)
+}
+
+/// A project folder with its cache inside.
+pub struct Project {
+    folder: TempDir,
+}
+
+/// What a command said and how it ended.
+#[derive(Debug)]
+pub struct Said {
+    /// Exit code; `None` if a signal ended it.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).expect("UTF-8 on standard output"),
+            err: String::from_utf8(output.stderr).expect("UTF-8 on standard error"),
+        }
+    }
+}
+
+impl Said {
+    /// The lines of a successful command.
+    #[track_caller]
+    pub fn lines(&self) -> Vec<&str> {
+        assert_eq!(self.code, Some(0), "{self:?}");
+        self.out.lines().collect()
+    }
+
+    /// The only line on standard error of a command that refused with exit code 2.
+    #[track_caller]
+    pub fn refusal(&self) -> &str {
+        assert_eq!(self.code, Some(2), "{self:?}");
+        assert_eq!(self.out, "", "{self:?}");
+        assert!(self.err.starts_with("error: ") && self.err.ends_with('\n'), "{self:?}");
+        assert_eq!(self.err.lines().count(), 1, "{self:?}");
+        self.err.trim_end()
+    }
+
+    /// Ids of the tasks that `run -v` says it ran.
+    #[track_caller]
+    pub fn ran(&self) -> Vec<&str> {
+        assert_eq!(self.code, Some(0), "{self:?}");
+        let mut ran: Vec<_> = self
+            .err
+            .lines()
+            .filter_map(|line| line.strip_prefix("ran ")?.split(" (").next())
+            .collect();
+        ran.sort_unstable();
+        ran
+    }
+
+    /// Standard output as JSON.
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {self:?}"))
+    }
+}
+
+impl Project {
+    /// A project with one scene, `a`.
+    pub fn with(scene: &str) -> Self {
+        let project = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        fs::create_dir_all(project.path("pipeline/scenes")).unwrap();
+        fs::create_dir_all(project.path("report")).unwrap();
+        project.write("pipeline/paper.toml", PAPER);
+        project.scene("a", scene);
+        project
+    }
+
+    /// Writes a scene file.
+    pub fn scene(&self, name: &str, text: &str) {
+        self.write(&format!("pipeline/scenes/{name}.toml"), text);
+    }
+
+    /// Writes a file of the project.
+    pub fn write(&self, path: &str, text: impl AsRef<[u8]>) {
+        fs::write(self.path(path), text).unwrap();
+    }
+
+    /// A path in the project.
+    pub fn path(&self, path: &str) -> PathBuf {
+        self.folder.path().join(path)
+    }
+
+    /// The binary, to be run in the project, without anything of the environment that changes its talk.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
+        command.args(args).current_dir(self.folder.path()).stdin(Stdio::null());
+        for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"] {
+            command.env_remove(name);
+        }
+        command
+    }
+
+    /// Runs the binary to its end.
+    pub fn run(&self, args: &[&str]) -> Said {
+        self.command(args).output().expect("the binary starts").into()
+    }
+
+    /// Starts the binary with silent outputs.
+    pub fn start(&self, args: &[&str]) -> Child {
+        let mut command = self.command(args);
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().expect("the binary starts")
+    }
+
+    /// Ids of the tasks that a run would run, now or after others.
+    pub fn stale(&self) -> Vec<String> {
+        let status = self.run(&["status", "--json"]).json();
+        let tasks = status["tasks"].as_object().expect("tasks by id");
+        let stale = tasks.iter().filter(|(_, verdict)| verdict["state"] != "fresh");
+        stale.map(|(id, _)| id.clone()).collect()
+    }
+
+    /// All files under a folder of the project with their contents, by path from there.
+    pub fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
+        let mut files = BTreeMap::new();
+        let root = self.path(folder);
+        walk(&root, &mut |path| {
+            let name = path.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
+            files.insert(name, fs::read(path).unwrap());
+        });
+        files
+    }
+
+    /// When each file under the project was last written.
+    pub fn times(&self) -> BTreeMap<PathBuf, SystemTime> {
+        let mut times = BTreeMap::new();
+        walk(self.folder.path(), &mut |path| {
+            times.insert(path.into(), fs::metadata(path).unwrap().modified().unwrap());
+        });
+        times
+    }
+
+    /// What a run makes, as far as it must be reproducible: objects, manifests, figures, lock file.
+    pub fn made(&self) -> BTreeMap<String, Vec<u8>> {
+        let mut made = BTreeMap::new();
+        for folder in ["figures", ".signorini/v1"] {
+            let files = self.files(folder).into_iter();
+            made.extend(files.map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
+        }
+        made.insert("lock.toml".into(), fs::read(self.path("pipeline/lock.toml")).unwrap());
+        made
+    }
+}
+
+fn walk(folder: &Path, visit: &mut dyn FnMut(&Path)) {
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            walk(&path, visit);
+        } else {
+            visit(&path);
+        }
+    }
+}
+
+/// Compares two sets of files and names those that differ.
+#[track_caller]
+pub fn assert_same(ours: &BTreeMap<String, Vec<u8>>, theirs: &BTreeMap<String, Vec<u8>>) {
+    let names: std::collections::BTreeSet<_> = ours.keys().chain(theirs.keys()).collect();
+    let differ: Vec<_> =
+        names.into_iter().filter(|name| ours.get(*name) != theirs.get(*name)).collect();
+    assert!(differ.is_empty(), "differ or exist once only: {differ:?}");
+}
+
+/// Deterministic numbers that look random: xorshift64*.
+pub struct Dice(pub u64);
+
+impl Dice {
+    /// A number below `bound`.
+    pub fn below(&mut self, bound: u64) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) % bound
+    }
+}

@@ -1,0 +1,389 @@
+//! Faults: whatever breaks, a run ends with the right result or one clear line, and the next run repairs.
+
+mod common;
+
+use common::{Dice, EVERYTHING, PAPER, Project, TABLE, assert_same, wanting};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Task id before the first slash, or `objects`: the kinds of file in a cache.
+fn by_kind(project: &Project) -> BTreeMap<String, Vec<PathBuf>> {
+    let mut kinds = BTreeMap::<String, Vec<PathBuf>>::new();
+    for name in project.files(".signorini/v1").into_keys() {
+        let parts: Vec<&str> = name.split('/').collect();
+        let kind = if parts[0] == "tasks" { parts[1] } else { parts[0] };
+        kinds.entry(kind.into()).or_default().push(project.path(".signorini/v1").join(&name));
+    }
+    kinds
+}
+
+#[test]
+fn every_damaged_file_of_the_cache_is_noticed_and_repaired() {
+    let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
+    project.run(&["run"]).lines();
+    let made = project.made();
+    let kinds = by_kind(&project);
+    let names: Vec<&str> = kinds.keys().map(String::as_str).collect();
+    assert_eq!(names, ["diff", "figures", "objects", "solve", "tabulate"]);
+    let mut dice = Dice(1);
+    let mut repaired = 0;
+    // Each object, and one manifest of each kind of task.
+    for (kind, files) in kinds {
+        let count = if kind == "objects" { files.len() } else { 1 };
+        for file in &files[..count] {
+            let bytes = fs::read(file).unwrap();
+            let mut flipped = bytes.clone();
+            // Half way in: inside a value of a manifest, not in white space.
+            let at =
+                (bytes.len() / 2..).find(|&k| bytes[k].is_ascii_alphanumeric() || bytes[k] == 0);
+            flipped[at.unwrap()] ^= 1 << dice.below(4);
+            let truncated = &bytes[..dice.below(bytes.len() as u64) as usize];
+            for damage in [None, Some(truncated), Some(&flipped), Some(b"")] {
+                match damage {
+                    None => fs::remove_file(file).unwrap(),
+                    Some(bytes) => fs::write(file, bytes).unwrap(),
+                }
+                assert_eq!(
+                    project.run(&["status", "--exit-code"]).code,
+                    Some(1),
+                    "{}",
+                    file.display()
+                );
+                let ran = project.run(&["run", "-v"]);
+                assert_eq!(ran.ran().len(), 1, "only what was damaged: {ran:?}");
+                assert_same(&project.made(), &made);
+                repaired += 1;
+            }
+        }
+    }
+    assert!(repaired >= 60, "{repaired}");
+}
+
+#[test]
+fn a_figure_edited_by_hand_is_never_lost() {
+    let project = Project::with(&wanting("[\"table\", \"source\"]"));
+    project.run(&["run"]).lines();
+    let figure = fs::read(project.path("figures/a-source.svg")).unwrap();
+    project.write("figures/a-source.svg", "<svg>mine</svg>");
+    let line = project.run(&["run"]);
+    assert_eq!(
+        line.refusal(),
+        "error: figures/a-source.svg was edited by hand; move it away, or overwrite it with --force"
+    );
+    assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), b"<svg>mine</svg>");
+    // Neither a new f nor a lost cache changes that.
+    project.scene("a", &wanting("[\"table\", \"source\"]").replace("else=-1", "else=-2"));
+    fs::remove_dir_all(project.path(".signorini")).unwrap();
+    project.run(&["run"]).refusal();
+    assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), b"<svg>mine</svg>");
+    project.scene("a", &wanting("[\"table\", \"source\"]"));
+    project.run(&["run", "--force"]).lines();
+    assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), figure);
+}
+
+#[test]
+fn a_deleted_figure_comes_back_without_drawing_it_again() {
+    let project = Project::with(&wanting("[\"source\"]"));
+    project.run(&["run"]).lines();
+    let made = project.made();
+    fs::remove_dir_all(project.path("figures")).unwrap();
+    assert_eq!(project.run(&["status", "--exit-code"]).code, Some(1));
+    assert_eq!(project.run(&["run", "-v"]).ran(), [""; 0]);
+    assert_same(&project.made(), &made);
+}
+
+#[test]
+fn a_figure_is_ours_even_when_the_cache_is_lost() {
+    let project = Project::with(&wanting("[\"source\"]"));
+    project.run(&["run"]).lines();
+    fs::remove_dir_all(project.path(".signorini")).unwrap();
+    project.scene("a", &wanting("[\"source\"]").replace("else=-1", "else=-2"));
+    assert_eq!(project.run(&["run", "-v"]).ran(), ["figures/a-source"]);
+}
+
+#[test]
+fn a_damaged_lock_file_is_refused_and_kept() {
+    let project = Project::with(TABLE);
+    for garbage in
+        [&b"tasks = 3"[..], b"[tasks\n", b"\xff\xfe\x00", b"[tasks]\n[exports]\n[more]\n"]
+    {
+        project.write("pipeline/lock.toml", garbage);
+        let said = project.run(&["run"]);
+        assert!(said.refusal().contains("lock.toml is damaged; restore it with `git checkout`"));
+        assert_eq!(fs::read(project.path("pipeline/lock.toml")).unwrap(), garbage);
+    }
+    fs::remove_file(project.path("pipeline/lock.toml")).unwrap();
+    project.run(&["run"]).lines();
+}
+
+#[test]
+fn a_second_run_at_once_is_told_who_runs() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    let lock = project.path(".signorini/lock");
+    fs::write(&lock, "process 4711\n").unwrap();
+    let held = File::options().read(true).write(true).open(&lock).unwrap();
+    held.try_lock().unwrap();
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("another signorini (process 4711) is using "), "{said:?}");
+    assert!(said.refusal().contains("wait for it, or give --cache-dir"), "{said:?}");
+    project.run(&["gc"]).refusal();
+    // To look is allowed, and so is another cache.
+    assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
+    project.run(&["run", "--cache-dir", "elsewhere"]).lines();
+    drop(held);
+    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+}
+
+/// Two dozen cells and six figures: long enough to be killed anywhere in it.
+fn long() -> Project {
+    let scene = wanting(EVERYTHING).replace("[10, 1]", "[1e6, 100, 20, 10, 5, 2, 1, 0.5]")
+        + "stop = [\"signed\", \"printed\", \"signed-dual\"]\npaper_table = 1\n";
+    let project = Project::with(&scene);
+    project.scene(
+        "b",
+        &wanting("[\"surface\", \"source\"]").replace("else=-1", "disc(0,0,0.3)=1; else=-2"),
+    );
+    project
+}
+
+/// Kills as many runs, each at a random moment of its life; what is left must be resumed or redone.
+fn killed_runs_resume(kills: usize, seed: u64) {
+    let reference = long();
+    let start = Instant::now();
+    reference.run(&["run"]).lines();
+    // Kept near the time that a run takes, which varies with the load of the machine.
+    let mut bound = start.elapsed().as_micros() as u64;
+    let made = reference.made();
+    let all = reference.run(&["dag"]).lines().len();
+
+    let mut dice = Dice(seed);
+    let (mut project, mut killed, mut partial) = (long(), 0, 0);
+    for attempt in 0.. {
+        // By turns from nothing, on top of what the last one left, and rewriting a whole cache.
+        if attempt % 4 == 0 {
+            project = long();
+        }
+        let mut child = project.start(if attempt % 4 > 1 { &["run", "--force"] } else { &["run"] });
+        std::thread::sleep(Duration::from_micros(dice.below(bound)));
+        let too_late = child.try_wait().unwrap().is_some();
+        child.kill().unwrap();
+        child.wait().unwrap();
+        killed += usize::from(!too_late);
+        bound = if too_late { bound * 8 / 10 } else { bound * 21 / 20 };
+        let stale = project.stale().len();
+        partial += usize::from(stale > 0 && stale < all);
+        if attempt % 4 % 2 == 1 {
+            let said = project.run(&["run"]);
+            assert_eq!(
+                (said.code, said.err.as_str()),
+                (Some(0), ""),
+                "attempt {attempt}: {said:?}"
+            );
+            project.run(&["gc"]).lines();
+            assert_same(&project.made(), &made);
+            assert!(attempt < 10 * kills, "only {killed} of {attempt} runs were killed in time");
+            if killed >= kills {
+                break;
+            }
+        }
+    }
+    eprintln!("{killed} runs killed, {partial} of them with some tasks done and some not");
+    assert!(partial >= kills / 16, "{partial} of {killed}");
+}
+
+#[test]
+fn runs_killed_at_32_random_moments_resume() {
+    killed_runs_resume(32, 0x5165_6e6f);
+}
+
+#[test]
+#[ignore = "takes a minute; run with --ignored"]
+fn runs_killed_at_200_random_moments_resume() {
+    killed_runs_resume(200, 0x7269_6e69);
+}
+
+#[test]
+fn ctrl_c_keeps_finished_cells() {
+    // Cells that never converge: each takes its cap of iterations.
+    let text = TABLE
+        .replace("[4, 8]", "[4, 8, 16, 32, 64]")
+        .replace("[10, 1]", "[1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9]");
+    let project = Project::with(&(text + "stop = [\"printed\"]\nmax_iterations = 20000\n"));
+    let mut command = project.command(&["run", "-v", "-j", "1"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = String::new();
+    let mut reader = child.stderr.take().unwrap();
+    let mut byte = [0];
+    while !said.contains('\n') && reader.read(&mut byte).unwrap() == 1 {
+        said.push(char::from(byte[0]));
+    }
+    assert!(said.starts_with("ran solve/a/printed/"), "{said}");
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    reader.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
+    assert!(
+        said.ends_with("error: interrupted; what was finished is kept, run again to go on\n"),
+        "{said}"
+    );
+    let finished = said.lines().filter(|line| line.starts_with("ran ")).count();
+    assert!((1..6).contains(&finished), "{said}");
+    assert_eq!(project.stale().len(), 7 - finished, "cells that are not done, and the table");
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_one_clear_line() {
+    let project = Project::with(TABLE);
+    project.write("file", "I am no folder");
+    let said = project.run(&["run", "--cache-dir", "file"]);
+    assert!(said.refusal().contains("file is not a folder; move it away"), "{said:?}");
+    let said = project.run(&["run", "--cache-dir", "file/below"]);
+    assert!(said.refusal().contains("give a cache elsewhere with --cache-dir"), "{said:?}");
+    let said = project.run(&["run", "--cache-dir", "/proc/signorini"]);
+    assert!(said.refusal().contains("cannot create /proc/signorini"), "{said:?}");
+    assert_eq!(fs::read(project.path("file")).unwrap(), b"I am no folder");
+    assert!(!project.path("pipeline/lock.toml").exists());
+}
+
+/// Runs a script as root of a mount namespace of its own; `None`, with the reason, where that is not allowed.
+fn with_mounts(project: &Project, script: &str) -> Option<std::process::Output> {
+    let mut probe = Command::new("unshare");
+    if !probe
+        .args(["-rm", "mount", "-t", "tmpfs", "tmpfs", "/mnt"])
+        .output()
+        .is_ok_and(|o| o.status.success())
+    {
+        eprintln!("skipped: mounting in a namespace of one's own is not allowed here");
+        return None;
+    }
+    let script = script.replace("signorini", env!("CARGO_BIN_EXE_signorini"));
+    let mut command = Command::new("unshare");
+    command.args(["-rm", "sh", "-c", &script]).current_dir(project.path("."));
+    Some(command.output().unwrap())
+}
+
+#[test]
+fn a_read_only_file_system_is_one_clear_line() {
+    let project = Project::with(TABLE);
+    fs::create_dir(project.path("cache")).unwrap();
+    let script = "mount -t tmpfs -o ro tmpfs cache && exec signorini run --cache-dir cache";
+    let Some(output) = with_mounts(&project, script) else { return };
+    let said = common::Said::from(output);
+    assert!(said.refusal().contains("Read-only file system"), "{said:?}");
+    assert!(said.refusal().contains("give a cache elsewhere with --cache-dir"), "{said:?}");
+    project.run(&["run", "--cache-dir", "cache"]).lines();
+}
+
+#[test]
+fn a_full_disk_is_one_clear_line_and_finished_cells_stay() {
+    let project = Project::with(&wanting(EVERYTHING));
+    fs::create_dir(project.path("cache")).unwrap();
+    // A disk of nine pages, then the same with room: what was finished in the first run is not run again.
+    let script = "mount -t tmpfs -o size=48k tmpfs cache && { signorini run -v --cache-dir cache; echo $? >&2; } && \
+        mount -o remount,size=10M cache && signorini run -v --cache-dir cache";
+    let Some(output) = with_mounts(&project, script) else { return };
+    let said = common::Said::from(output);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let (first, second) = said.err.split_once("\n2\n").unwrap_or_else(|| panic!("{said:?}"));
+    let error = first.lines().last().unwrap();
+    assert!(
+        error.starts_with("error: cannot ") && error.contains("No space left on device"),
+        "{error}"
+    );
+    assert!(error.contains("free some space"), "{error}");
+    assert_eq!(first.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{first}");
+    let done = first.lines().filter(|line| line.starts_with("ran ")).count();
+    assert!(done > 0, "{first}");
+    assert_eq!(done + second.lines().count(), 7, "each task succeeded once: {said:?}");
+}
+
+#[test]
+fn a_file_size_limit_is_one_clear_line_and_the_next_run_completes() {
+    let reference = Project::with(&wanting(EVERYTHING));
+    reference.run(&["run"]).lines();
+    let project = Project::with(&wanting(EVERYTHING));
+    let script = format!("trap '' XFSZ; ulimit -f 8; exec {} run", env!("CARGO_BIN_EXE_signorini"));
+    let output =
+        Command::new("sh").args(["-c", &script]).current_dir(project.path(".")).output().unwrap();
+    let said = common::Said::from(output);
+    assert!(said.refusal().contains("raise the limit on file sizes"), "{said:?}");
+    assert!(!project.stale().contains(&"solve/a/signed/r=10".into()), "finished cells are kept");
+    project.run(&["run"]).lines();
+    assert_same(&project.made(), &reference.made());
+}
+
+#[test]
+fn a_cache_of_an_older_layout_is_ignored_and_collected() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    fs::rename(project.path(".signorini/v1"), project.path(".signorini/v0")).unwrap();
+    assert_eq!(project.run(&["run", "-v"]).ran().len(), 3, "nothing of it is believed");
+    assert!(project.path(".signorini/v0/tasks").exists(), "a run removes nothing");
+    project.run(&["gc"]).lines();
+    assert!(!project.path(".signorini/v0").exists());
+    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+}
+
+#[test]
+fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
+    let project = Project::with(TABLE);
+    for (wrong, remedy) in [
+        (TABLE.replace("title", "titel"), "line 1: unknown field `titel`"),
+        (TABLE.to_owned() + "colour = 3\n", "line 6: unknown field `colour`, expected one of"),
+        (TABLE.replace("else=-1", "else=1"), "(2) asks for a negative one; lower f somewhere"),
+        (TABLE.replace("else=-1", "else=0"), "(2) asks for a negative one"),
+        (
+            TABLE.replace("else=-1", "else=nan"),
+            "is not a finite number; give a decimal such as -1.5",
+        ),
+        (TABLE.replace("else=-1", "exact(what)"), "choose one of full-contact"),
+        (TABLE.replace("\"else=-1\"", "'''disc(0,0,1)=-1\ndisc(0,0,2)=-2'''"), "write e.g. 'rect("),
+        (TABLE.replace("\"else=-1\"", "'''exact(what\nelse)'''"), "choose one of full-contact"),
+        (TABLE.replace("[10, 1]", "[0]"), "must be a positive number from 1e-12 to 1e12"),
+        (TABLE.replace("[10, 1]", "[-3]"), "must be a positive number"),
+        (TABLE.replace("[10, 1]", "[nan]"), "must be a positive number"),
+        (TABLE.replace("[10, 1]", "[1e300]"), "must be a positive number"),
+        (TABLE.replace("[10, 1]", "[10, 10.0]"), "lists 10 twice; remove one"),
+        (TABLE.replace("[10, 1]", "[]"), "must not be empty; e.g. r = [10]"),
+        (TABLE.replace("[4, 8]", "[4, 12]"), "each grid must halve the one before; use 1/8"),
+        (TABLE.replace("[4, 8]", "[]"), "give at least one, such as 1/4"),
+        (TABLE.replace("[4, 8]", "[1048576]"), "1/8192 is the finest"),
+        (TABLE.replace("[\"table\"]", "[\"poem\"]"), "unknown variant `poem`, expected one of"),
+        (TABLE[..TABLE.len() / 2].to_owned(), "line "),
+        (String::new(), "missing field `title`"),
+    ] {
+        project.scene("a", &wrong);
+        let said = project.run(&["run"]);
+        assert!(said.refusal().starts_with("error: scene `a`: "), "{said:?}");
+        assert!(said.refusal().contains(remedy), "{remedy} is not in {said:?}");
+    }
+    project.write("pipeline/scenes/a.toml", b"title = \"\xff\"");
+    assert!(
+        project
+            .run(&["run"])
+            .refusal()
+            .contains("a.toml: stream did not contain valid UTF-8; save it as UTF-8")
+    );
+    project.scene("a", TABLE);
+    assert!(project.run(&["run", "none"]).refusal().ends_with("no scene `none`; there are: a"));
+    project.write("pipeline/paper.toml", PAPER.replace("[1, 2], ", ""));
+    assert!(project.run(&["run"]).refusal().contains("table 1 does not have one full row per r"));
+    project.write("pipeline/paper.toml", PAPER);
+    // An editor's lock, a link to nowhere, is no scene.
+    std::os::unix::fs::symlink("user@host.1", project.path("pipeline/scenes/.#a.toml")).unwrap();
+    project.run(&["run"]).lines();
+    fs::remove_file(project.path("pipeline/scenes/a.toml")).unwrap();
+    assert!(project.run(&["run"]).refusal().contains("no scenes in "));
+    fs::remove_dir_all(project.path("pipeline/scenes")).unwrap();
+    assert!(
+        project
+            .run(&["run"])
+            .refusal()
+            .contains("run inside a clone of signorini, or use `signorini solve")
+    );
+}
