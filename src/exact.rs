@@ -30,6 +30,13 @@ impl Exact {
         }
     }
 
+    /// v as LaTeX.
+    pub fn latex(self) -> &'static str {
+        match self {
+            Self::FullContact => r"v = -\cos \pi x \, \cos \pi y",
+        }
+    }
+
     /// f = -Laplacian v at (x, y).
     pub fn source(self, x: f64, y: f64) -> f64 {
         match self {

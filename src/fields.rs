@@ -1,10 +1,12 @@
-//! Nodal vectors as files: VTK image data for ParaView, NPY for NumPy.
+//! Solutions as files: VTK image data for ParaView, NPY for NumPy, SVG for the eye.
 
+use crate::draw::{Caption, Surface, View, surfaces};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::saddle::Pair;
 use std::path::Path;
 
-const ENDINGS: [&str; 2] = ["vti", "npy"];
+const ENDINGS: [&str; 3] = ["vti", "npy", "svg"];
 
 /// Checks that the ending of `path` names a format, before anything is computed.
 ///
@@ -16,18 +18,27 @@ pub fn check_ending(path: &Path) -> Result<&str> {
         return Ok(ending);
     }
     Err(Error::input(format!(
-        "--out {}: unknown ending; use one of .{}", path.display(), ENDINGS.join(", .")
+        "--out {}: unknown ending; use one of .{}",
+        path.display(),
+        ENDINGS.join(", .")
     )))
 }
 
-/// The bytes of a file with the nodal vector `y`, in the format of the path's ending.
+/// The bytes of a file with the solution, in the format of the path's ending.
 ///
 /// # Errors
-/// [`Error::Input`] if the ending is unknown.
-pub fn write(path: &Path, grid: Grid, y: &[f64], name: &str) -> Result<Vec<u8>> {
+/// [`Error::Input`] if the ending is unknown or the solution cannot be drawn.
+pub fn write(path: &Path, grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
     Ok(match check_ending(path)? {
-        "npy" => npy(grid, y),
-        _ => vti(grid, y, name),
+        "npy" => npy(grid, &pair.y),
+        "vti" => vti(grid, &pair.y, name),
+        _ => {
+            let view = View::uphill(grid, &pair.y);
+            let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view };
+            let caption = Caption { title: name, description: "Made by `signorini solve`." };
+            let svg = surfaces(caption, &[surface]);
+            svg.map_err(|e| Error::input(e.to_string()))?.into_bytes()
+        }
     })
 }
 

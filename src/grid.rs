@@ -117,10 +117,7 @@ pub fn nested(cells: &[usize]) -> Result<Vec<Grid>, GridError> {
     }
     for pair in cells.windows(2) {
         if pair[1] != 2 * pair[0] {
-            return Err(GridError::NotNested {
-                coarse: pair[0],
-                fine: pair[1],
-            });
+            return Err(GridError::NotNested { coarse: pair[0], fine: pair[1] });
         }
     }
     cells.iter().map(|&n| Grid::new(n)).collect()
@@ -136,10 +133,7 @@ mod tests {
         let nodes: Vec<_> = (0..16).map(|b| grid.boundary_node(b)).collect();
         assert_eq!(nodes[..5], [(0, 0), (1, 0), (2, 0), (3, 0), (4, 0)]);
         assert_eq!(nodes[5..9], [(4, 1), (4, 2), (4, 3), (4, 4)]);
-        assert_eq!(
-            nodes[9..],
-            [(3, 4), (2, 4), (1, 4), (0, 4), (0, 3), (0, 2), (0, 1)]
-        );
+        assert_eq!(nodes[9..], [(3, 4), (2, 4), (1, 4), (0, 4), (0, 3), (0, 2), (0, 1)]);
     }
 
     #[test]
@@ -147,12 +141,6 @@ mod tests {
         assert!(nested(&[4, 8, 16]).is_ok());
         assert_eq!(nested(&[]), Err(GridError::Empty));
         assert_eq!(nested(&[1]), Err(GridError::TooCoarse(1)));
-        assert_eq!(
-            nested(&[4, 12]),
-            Err(GridError::NotNested {
-                coarse: 4,
-                fine: 12
-            })
-        );
+        assert_eq!(nested(&[4, 12]), Err(GridError::NotNested { coarse: 4, fine: 12 }));
     }
 }

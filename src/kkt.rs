@@ -72,10 +72,7 @@ mod tests {
         let mut y = vec![0.0; 9];
         y[4] = -0.25;
         let solved = kkt(grid, &y, &load);
-        assert_eq!(
-            (solved.natural, solved.min_y, solved.min_lambda),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((solved.natural, solved.min_y, solved.min_lambda), (0.0, 0.0, 0.0));
         y[4] = 0.0;
         assert_eq!(kkt(grid, &y, &load).stationarity, 1.0);
         y[4] = -0.25;

@@ -1,5 +1,6 @@
 //! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
 
+pub mod book;
 pub mod cli;
 pub mod draw;
 pub mod error;
@@ -8,6 +9,7 @@ pub mod fields;
 pub mod grid;
 pub mod kkt;
 pub mod load;
+pub mod norms;
 pub mod paper;
 pub mod pipeline;
 pub mod project;

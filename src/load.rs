@@ -54,12 +54,7 @@ pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
             let q = 0.25 * grid.h();
             lumped(grid, None, |x, y| {
                 let (mut sum, mut count) = (0.0, 0.0);
-                for (px, py) in [
-                    (x - q, y - q),
-                    (x + q, y - q),
-                    (x - q, y + q),
-                    (x + q, y + q),
-                ] {
+                for (px, py) in [(x - q, y - q), (x + q, y - q), (x - q, y + q), (x + q, y + q)] {
                     if px.abs() < 0.5 && py.abs() < 0.5 {
                         sum += f.at(px, py);
                         count += 1.0;
@@ -184,9 +179,7 @@ fn area(polygon: &[Point]) -> f64 {
     let Some((&origin, rest)) = polygon.split_first() else {
         return 0.0;
     };
-    rest.windows(2)
-        .map(|pair| triangle_area([origin, pair[0], pair[1]]))
-        .sum()
+    rest.windows(2).map(|pair| triangle_area([origin, pair[0], pair[1]])).sum()
 }
 
 fn triangle_area([p, q, r]: Triangle) -> f64 {
@@ -250,19 +243,17 @@ mod tests {
     fn every_rule_integrates_a_constant_to_one_weight_per_node() {
         let grid = Grid::new(4).unwrap();
         let one = Source::constant(1.0);
-        let nodal = load(grid, &one, LoadRule::default());
-        assert_eq!(
-            (nodal[6], nodal[1], nodal[0]),
-            (1.0 / 16.0, 0.5 / 16.0, 0.25 / 16.0)
-        );
+        let tie = Tie::LowerLeft;
+        let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: None });
+        assert_eq!((nodal[6], nodal[1], nodal[0]), (1.0 / 16.0, 0.5 / 16.0, 0.25 / 16.0));
         assert_eq!(load(grid, &one, LoadRule::LumpedAverage), nodal);
-        let exact = load(
-            grid,
-            &one,
-            LoadRule::Exact {
-                diagonal: Diagonal::Rising,
-            },
-        );
+        // With a constant f, the nodal rule on triangles is the exact one.
+        for diagonal in [Diagonal::Rising, Diagonal::Falling] {
+            let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: Some(diagonal) });
+            let exact = load(grid, &one, LoadRule::Exact { diagonal });
+            assert!(nodal.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-15));
+        }
+        let exact = load(grid, &one, LoadRule::Exact { diagonal: Diagonal::Rising });
         // A corner belongs to one or two triangles, depending on the diagonal.
         assert!((exact[0] - 2.0 / 6.0 / 16.0).abs() < 1e-16);
         assert!((exact[4] - 1.0 / 6.0 / 16.0).abs() < 1e-16);
@@ -289,16 +280,8 @@ mod tests {
         let f: Source = "halfplane(1,2,0.1)=1; else=0".parse().unwrap();
         let moment = |n: usize| -> f64 {
             let grid = Grid::new(n).unwrap();
-            let load = load(
-                grid,
-                &f,
-                LoadRule::Exact {
-                    diagonal: Diagonal::Falling,
-                },
-            );
-            (0..grid.nodes())
-                .map(|k| load[k] * grid.coordinate(k % grid.side()))
-                .sum()
+            let load = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::Falling });
+            (0..grid.nodes()).map(|k| load[k] * grid.coordinate(k % grid.side())).sum()
         };
         // Integral of x over x + 2 y <= 0.1 in the square: -1/24.
         assert!((moment(3) + 1.0 / 24.0).abs() < 1e-14);
@@ -325,10 +308,7 @@ mod tests {
         let f: Source = "halfplane(1,0,0)=4; else=0".parse().unwrap();
         let grid = Grid::new(4).unwrap();
         let h2 = grid.h() * grid.h();
-        assert_eq!(
-            load(grid, &f, LoadRule::LumpedAverage)[grid.index(2, 2)],
-            2.0 * h2
-        );
+        assert_eq!(load(grid, &f, LoadRule::LumpedAverage)[grid.index(2, 2)], 2.0 * h2);
         let tied = |tie| load(grid, &f, LoadRule::Nodal { tie, diagonal: None })[grid.index(2, 2)];
         assert_eq!(tied(Tie::LowerLeft), 4.0 * h2);
         assert_eq!(tied(Tie::UpperRight), 0.0);

@@ -122,18 +122,22 @@ impl Paper {
     /// [`Error::Input`] if there is no such table or the rows are for other r or other grids.
     pub fn compare(&self, number: u8, scene: &str, ours: &[Row]) -> Result<TableComparison> {
         let table = self.table.iter().find(|t| t.number == number).ok_or_else(|| {
-            Error::input(format!("scene `{scene}`: pipeline/paper.toml has no table {number}; correct `paper_table`"))
+            Error::input(format!(
+                "scene `{scene}`: pipeline/paper.toml has no table {number}; correct `paper_table`"
+            ))
         })?;
         let mut rows = Vec::new();
         for (k, &r) in self.r.iter().enumerate() {
-            let row = ours.iter().find(|row| row.r == r && row.counts.len() == table.counts[k].len());
+            let row =
+                ours.iter().find(|row| row.r == r && row.counts.len() == table.counts[k].len());
             let row = row.ok_or_else(|| {
                 Error::input(format!(
                     "scene `{scene}`: no row r = {r} on {} grids to compare with table {number}; ask for it in the scene",
                     table.counts[k].len()
                 ))
             })?;
-            let within = row.counts.iter().zip(&table.counts[k]).map(|(&a, &b)| table.near(a, b)).collect();
+            let within =
+                row.counts.iter().zip(&table.counts[k]).map(|(&a, &b)| table.near(a, b)).collect();
             rows.push(RowComparison {
                 r,
                 paper: table.counts[k].clone(),
@@ -156,28 +160,48 @@ impl Paper {
             within_tolerance: count(&|row| row.within.iter().filter(|w| **w).count()),
             delta_a_within: count(&|row| usize::from(row.delta_a_within)),
             delta_a_exact: count(&|row| {
-                usize::from(format!("{:.1e}", row.delta_a_ours) == format!("{:.1e}", row.delta_a_paper))
+                usize::from(
+                    format!("{:.1e}", row.delta_a_ours) == format!("{:.1e}", row.delta_a_paper),
+                )
             }),
-            tolerance: format!(
-                "counts within {} % or {}, Delta a within a factor of {}",
-                (1000.0 * table.count_share).round() / 10.0, table.count_slack, table.delta_a_factor
-            ),
+            tolerance: table.tolerance(),
             rows,
         })
     }
 }
 
 impl PublishedTable {
+    /// The declared tolerance in words: when a cell counts as within it.
+    fn tolerance(&self) -> String {
+        let counts = match (self.count_share, self.count_slack) {
+            (0.0, 0) => "a count equals the published one".to_owned(),
+            (share, slack) => format!(
+                "a count differs by at most {} % or {slack} iterations",
+                (1000.0 * share).round() / 10.0
+            ),
+        };
+        format!("{counts}, a Delta a is within a factor of {}", self.delta_a_factor)
+    }
+
     fn near(&self, ours: usize, paper: usize) -> bool {
         let difference = ours.abs_diff(paper);
         difference <= self.count_slack || difference as f64 <= self.count_share * paper as f64
     }
 }
 
+impl RowComparison {
+    /// Whether Delta a agrees to the two digits that the paper prints.
+    pub fn delta_a_exact(&self) -> bool {
+        format!("{:.1e}", self.delta_a_ours) == format!("{:.1e}", self.delta_a_paper)
+    }
+}
+
 impl Comparison {
     /// Whether every count and every Delta a is within the declared tolerance.
     pub fn holds(&self) -> bool {
-        self.tables.iter().all(|t| t.within_tolerance == t.cells && t.delta_a_within == t.rows.len())
+        self.tables
+            .iter()
+            .all(|t| t.within_tolerance == t.cells && t.delta_a_within == t.rows.len())
     }
 }
 
@@ -208,7 +232,9 @@ mod tests {
     fn missing_rows_and_ragged_tables_are_errors() {
         let paper = Paper::parse(TEXT).unwrap();
         assert!(paper.compare(2, "s", &ours()).unwrap_err().to_string().contains("no table 2"));
-        assert!(paper.compare(1, "s", &ours()[..1]).unwrap_err().to_string().contains("r = 1000000"));
+        assert!(
+            paper.compare(1, "s", &ours()[..1]).unwrap_err().to_string().contains("r = 1000000")
+        );
         assert!(Paper::parse(&TEXT.replace("[2, 200]", "[2]")).is_err());
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, IoContext, Result};
 use crate::paper::Paper;
 use crate::pipeline::Artifacts;
-use crate::scene::{Scene, read_scenes};
+use crate::scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +14,8 @@ pub struct Project {
     pub root: PathBuf,
     /// All scenes, by name.
     pub scenes: Vec<Scene>,
+    /// The scene files as read, by path in the project.
+    pub scene_files: Artifacts,
     /// The published tables.
     pub paper: Paper,
     /// `pipeline/paper.toml` as read.
@@ -44,13 +46,13 @@ impl Project {
     /// # Errors
     /// [`Error::Io`] and [`Error::Input`] from its parts.
     pub fn read(root: PathBuf) -> Result<Self> {
-        let scenes = read_scenes(&root.join("pipeline").join("scenes"))?;
+        let (scenes, scene_files) = read_scenes(&root)?;
         let path = root.join("pipeline").join("paper.toml");
         let paper_text = fs::read(&path).context("read", &path)?;
         let paper = Paper::parse(&String::from_utf8_lossy(&paper_text))?;
         let mut templates = Artifacts::new();
         read_tree(&root.join("report"), "", &mut templates)?;
-        Ok(Self { root, scenes, paper, paper_text, templates })
+        Ok(Self { root, scenes, scene_files, paper, paper_text, templates })
     }
 
     /// The scenes with these names, each once, or all if no name is given.
@@ -98,4 +100,30 @@ fn read_tree(folder: &Path, prefix: &str, out: &mut Artifacts) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Reads every `pipeline/scenes/*.toml`, sorted by name.
+fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
+    let folder = root.join("pipeline").join("scenes");
+    let (mut scenes, mut files) = (Vec::new(), Artifacts::new());
+    for entry in fs::read_dir(&folder).context("read", &folder)? {
+        let path = entry.context("read", &folder)?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        // Editors keep locks and backups as hidden files.
+        if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
+            continue;
+        }
+        let bytes = fs::read(&path).context("read", &path)?;
+        let text = std::str::from_utf8(&bytes).map_err(|_| {
+            Error::input(format!("scene `{name}` is not UTF-8 text; save it as such"))
+        })?;
+        scenes.push(Scene::parse(&name, text)?);
+        files.insert(format!("pipeline/scenes/{name}.toml"), bytes);
+    }
+    if scenes.is_empty() {
+        let folder = folder.display();
+        return Err(Error::input(format!("no scenes in {folder}; add one as the README shows")));
+    }
+    scenes.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok((scenes, files))
 }

@@ -1,14 +1,12 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
-use crate::error::{Error, IoContext, Result};
+use crate::error::{Error, Result};
 use crate::grid::{Grid, nested};
 use crate::load::{LoadRule, integral};
 use crate::saddle::StopRule;
 use crate::source::Source;
 use crate::transfer::Prolongation;
 use serde::{Deserialize, Serialize};
-use std::fs;
-use std::path::Path;
 
 /// What a scene may ask for. What it does not ask for is not computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -122,7 +120,9 @@ impl Scene {
         solvable(&f).map_err(|e| wrong(e.to_string()))?;
         let grids = nested(&file.grids).map_err(|e| wrong(e.to_string()))?;
         if file.r.is_empty() || file.stop.is_empty() {
-            return Err(wrong("`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]".into()));
+            return Err(wrong(
+                "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]".into(),
+            ));
         }
         let finest = grids.last().map_or(0, |grid| grid.cells());
         if finest > MAX_CELLS {
@@ -209,27 +209,6 @@ pub fn positive_r(r: f64) -> Result<f64> {
     Err(Error::input(format!(
         "r = {r:e} must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6"
     )))
-}
-
-/// Reads every `*.toml` in `folder`, sorted by name.
-///
-/// # Errors
-/// [`Error::Io`] if the folder or a file cannot be read, [`Error::Input`] if a scene is wrong.
-pub fn read_scenes(folder: &Path) -> Result<Vec<Scene>> {
-    let mut scenes = Vec::new();
-    for entry in fs::read_dir(folder).context("read", folder)? {
-        let path = entry.context("read", folder)?.path();
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        // Editors keep locks and backups as hidden files.
-        if path.extension().is_some_and(|e| e == "toml") && !name.starts_with('.') {
-            scenes.push(Scene::parse(&name, &fs::read_to_string(&path).context("read", &path)?)?);
-        }
-    }
-    if scenes.is_empty() {
-        return Err(Error::input(format!("no scenes in {}; add one as the README shows", folder.display())));
-    }
-    scenes.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(scenes)
 }
 
 #[cfg(test)]

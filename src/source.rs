@@ -79,9 +79,14 @@ const STEP_OFF: f64 = 1e-9;
 impl Source {
     /// f = `value` everywhere.
     pub fn constant(value: f64) -> Self {
-        Self::Pieces {
-            background: value,
-            pieces: Vec::new(),
+        Self::Pieces { background: value, pieces: Vec::new() }
+    }
+
+    /// The exact problem that f belongs to, if its solution is known.
+    pub fn exact(&self) -> Option<Exact> {
+        match self {
+            Self::Exact(exact) => Some(*exact),
+            Self::Pieces { .. } => None,
         }
     }
 
@@ -120,17 +125,11 @@ impl Region {
     /// Whether the closed region holds (x, y).
     pub fn contains(&self, x: f64, y: f64) -> bool {
         match *self {
-            Self::Disc {
-                centre: [cx, cy],
-                radius,
-            } => {
+            Self::Disc { centre: [cx, cy], radius } => {
                 let (dx, dy) = (x - cx, y - cy);
                 dx * dx + dy * dy <= radius * radius
             }
-            _ => self
-                .half_planes()
-                .iter()
-                .all(|&[a, b, c]| a * x + b * y <= c),
+            _ => self.half_planes().iter().all(|&[a, b, c]| a * x + b * y <= c),
         }
     }
 
@@ -141,22 +140,14 @@ impl Region {
     pub fn half_planes(&self) -> Vec<[f64; 3]> {
         match *self {
             Self::Rect { x, y } => {
-                vec![
-                    [-1.0, 0.0, -x[0]],
-                    [1.0, 0.0, x[1]],
-                    [0.0, -1.0, -y[0]],
-                    [0.0, 1.0, y[1]],
-                ]
+                vec![[-1.0, 0.0, -x[0]], [1.0, 0.0, x[1]], [0.0, -1.0, -y[0]], [0.0, 1.0, y[1]]]
             }
             Self::Quadrant { right, upper } => {
                 let side = |plus: bool| if plus { -1.0 } else { 1.0 };
                 vec![[side(right), 0.0, 0.0], [0.0, side(upper), 0.0]]
             }
             Self::HalfPlane { a, b, c } => vec![[a, b, c]],
-            Self::Disc {
-                centre: [cx, cy],
-                radius,
-            } => {
+            Self::Disc { centre: [cx, cy], radius } => {
                 let angle = std::f64::consts::PI / DISC_SIDES as f64;
                 let apothem = radius * (angle / libm::tan(angle)).sqrt();
                 (0..DISC_SIDES)
@@ -213,21 +204,13 @@ impl FromStr for Source {
     type Err = SourceError;
 
     fn from_str(text: &str) -> Result<Self, SourceError> {
-        if let Some(name) = text
-            .trim()
-            .strip_prefix("exact(")
-            .and_then(|t| t.strip_suffix(')'))
-        {
+        if let Some(name) = text.trim().strip_prefix("exact(").and_then(|t| t.strip_suffix(')')) {
             return Exact::named(name.trim())
                 .map(Self::Exact)
                 .ok_or_else(|| SourceError::UnknownExact(one_line(name)));
         }
         let (mut background, mut pieces) = (None, Vec::new());
-        for item in text
-            .split([';', '\n'])
-            .map(str::trim)
-            .filter(|item| !item.is_empty())
-        {
+        for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
             let syntax = || SourceError::Syntax(item.into());
             let (left, value) = item.split_once('=').ok_or_else(syntax)?;
             let value = number(value)?;
@@ -240,23 +223,13 @@ impl FromStr for Source {
             }
         }
         // Quadrants may cover the square between them; anything else must say what lies around it.
-        let covered = [(false, false), (false, true), (true, false), (true, true)]
-            .into_iter()
-            .all(|(right, upper)| {
-                pieces
-                    .iter()
-                    .any(|(r, _)| *r == Region::Quadrant { right, upper })
-            });
+        let covered = [(false, false), (false, true), (true, false), (true, true)].into_iter().all(
+            |(right, upper)| pieces.iter().any(|(r, _)| *r == Region::Quadrant { right, upper }),
+        );
         match background {
             Some(background) => Ok(Self::Pieces { background, pieces }),
-            None if covered => Ok(Self::Pieces {
-                background: 0.0,
-                pieces,
-            }),
-            None => Err(SourceError::Syntax(format!(
-                "{}` without `else=value",
-                one_line(text)
-            ))),
+            None if covered => Ok(Self::Pieces { background: 0.0, pieces }),
+            None => Err(SourceError::Syntax(format!("{}` without `else=value", one_line(text)))),
         }
     }
 }
@@ -267,15 +240,8 @@ fn one_line(text: &str) -> String {
 }
 
 fn number(text: &str) -> Result<f64, SourceError> {
-    let value: f64 = text
-        .trim()
-        .parse()
-        .map_err(|_| SourceError::Syntax(text.trim().into()))?;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(SourceError::NotFinite(text.trim().into()))
-    }
+    let value: f64 = text.trim().parse().map_err(|_| SourceError::Syntax(text.trim().into()))?;
+    if value.is_finite() { Ok(value) } else { Err(SourceError::NotFinite(text.trim().into())) }
 }
 
 /// `None` if the text is not `name(arguments)` with a known name.
@@ -283,51 +249,25 @@ fn region(text: &str) -> Option<Result<Region, SourceError>> {
     let (name, rest) = text.split_once('(')?;
     let inner = rest.strip_suffix(')')?;
     let numbers = || -> Result<Vec<f64>, SourceError> { inner.split(',').map(number).collect() };
-    let wrong = |name, want, example| SourceError::Arguments {
-        name,
-        want,
-        example,
-    };
+    let wrong = |name, want, example| SourceError::Arguments { name, want, example };
     let parsed = match name.trim() {
         "rect" => numbers().and_then(|n| match n[..] {
-            [x0, x1, y0, y1] => Ok(Region::Rect {
-                x: [x0, x1],
-                y: [y0, y1],
-            }),
+            [x0, x1, y0, y1] => Ok(Region::Rect { x: [x0, x1], y: [y0, y1] }),
             _ => Err(wrong("rect", "x0,x1,y0,y1", "rect(-0.25,0.25,-0.25,0.25)")),
         }),
         "halfplane" => numbers().and_then(|n| match n[..] {
             [a, b, c] => Ok(Region::HalfPlane { a, b, c }),
-            _ => Err(wrong(
-                "halfplane",
-                "a,b,c of a x + b y <= c",
-                "halfplane(1,1,0)",
-            )),
+            _ => Err(wrong("halfplane", "a,b,c of a x + b y <= c", "halfplane(1,1,0)")),
         }),
         "disc" => numbers().and_then(|n| match n[..] {
-            [x, y, radius] => Ok(Region::Disc {
-                centre: [x, y],
-                radius,
-            }),
+            [x, y, radius] => Ok(Region::Disc { centre: [x, y], radius }),
             _ => Err(wrong("disc", "x,y,radius", "disc(0,0,0.25)")),
         }),
         "quadrant" => match inner.trim() {
-            "ll" => Ok(Region::Quadrant {
-                right: false,
-                upper: false,
-            }),
-            "lr" => Ok(Region::Quadrant {
-                right: true,
-                upper: false,
-            }),
-            "ul" => Ok(Region::Quadrant {
-                right: false,
-                upper: true,
-            }),
-            "ur" => Ok(Region::Quadrant {
-                right: true,
-                upper: true,
-            }),
+            "ll" => Ok(Region::Quadrant { right: false, upper: false }),
+            "lr" => Ok(Region::Quadrant { right: true, upper: false }),
+            "ul" => Ok(Region::Quadrant { right: false, upper: true }),
+            "ur" => Ok(Region::Quadrant { right: true, upper: true }),
             _ => Err(wrong("quadrant", "one of ll, lr, ul, ur", "quadrant(ll)")),
         },
         _ => return None,
@@ -339,11 +279,7 @@ fn region(text: &str) -> Option<Result<Region, SourceError>> {
             Region::Disc { radius, .. } => radius <= 0.0,
             Region::Quadrant { .. } => false,
         };
-        if empty {
-            Err(SourceError::EmptyRegion(text.into()))
-        } else {
-            Ok(region)
-        }
+        if empty { Err(SourceError::EmptyRegion(text.into())) } else { Ok(region) }
     }))
 }
 
@@ -364,9 +300,8 @@ mod tests {
 
     #[test]
     fn ties_choose_the_side_of_a_jump_and_stay_inside_the_square() {
-        let f: Source = "quadrant(ll)=1; quadrant(lr)=2; quadrant(ul)=3; quadrant(ur)=4"
-            .parse()
-            .unwrap();
+        let f: Source =
+            "quadrant(ll)=1; quadrant(lr)=2; quadrant(ul)=3; quadrant(ur)=4".parse().unwrap();
         assert_eq!(f.sample(0.0, 0.0, Tie::LowerLeft), 1.0);
         assert_eq!(f.sample(0.0, 0.0, Tie::LowerRight), 2.0);
         assert_eq!(f.sample(0.0, 0.0, Tie::UpperLeft), 3.0);

@@ -51,11 +51,7 @@ pub fn residual_row(grid: Grid, j: usize, y: &[f64], load: &[f64], out: &mut [f6
 pub fn energy(grid: Grid, y: &[f64], load: &[f64]) -> f64 {
     let mut gradient = vec![0.0; grid.nodes()];
     residual(grid, y, load, &mut gradient);
-    y.iter()
-        .zip(&gradient)
-        .zip(load)
-        .map(|((y, g), f)| 0.5 * y * (g - f))
-        .sum()
+    y.iter().zip(&gradient).zip(load).map(|((y, g), f)| 0.5 * y * (g - f)).sum()
 }
 
 #[cfg(test)]

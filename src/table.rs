@@ -13,7 +13,8 @@ pub fn levels_csv(columns: &[(f64, Vec<Outcome>)]) -> Result<Vec<u8>, String> {
     let all: Vec<(f64, &Outcome)> =
         columns.iter().flat_map(|(r, levels)| levels.iter().map(move |o| (*r, o))).collect();
     let float = |of: fn(&Outcome) -> f64| all.iter().map(|(_, o)| of(o)).collect::<Vec<_>>();
-    let count = |of: fn(&Outcome) -> usize| all.iter().map(|(_, o)| of(o) as u64).collect::<Vec<_>>();
+    let count =
+        |of: fn(&Outcome) -> usize| all.iter().map(|(_, o)| of(o) as u64).collect::<Vec<_>>();
     let frame = df!(
         "r" => all.iter().map(|(r, _)| *r).collect::<Vec<_>>(),
         "cells" => count(|o| o.cells),
@@ -94,7 +95,7 @@ mod tests {
         let bytes = table_csv(&rows, &[4, 8]).unwrap();
         expect_test::expect![[r#"
             r,1/4,1/8,delta_a
-            1000000.0,1,149,0.00003333333333333333
+            1000000.0,1,149,0.000033333333333333335
             0.5,3,55,0.000353
         "#]]
         .assert_eq(std::str::from_utf8(&bytes).unwrap());

@@ -52,11 +52,7 @@ pub fn prolong(grid: Grid, coarse: &[f64], rule: Prolongation) -> Vec<f64> {
 /// Prolongs the boundary vector `coarse` linearly along the boundary, which is closed.
 pub fn prolong_boundary(coarse: &[f64]) -> Vec<f64> {
     let next = coarse.iter().cycle().skip(1);
-    coarse
-        .iter()
-        .zip(next)
-        .flat_map(|(&a, &b)| [a, 0.5 * (a + b)])
-        .collect()
+    coarse.iter().zip(next).flat_map(|(&a, &b)| [a, 0.5 * (a + b)]).collect()
 }
 
 #[cfg(test)]
@@ -72,11 +68,9 @@ mod tests {
                 .collect()
         };
         let (coarse, fine) = (Grid::new(4).unwrap(), Grid::new(8).unwrap());
-        for rule in [
-            Prolongation::Bilinear,
-            Prolongation::RisingDiagonal,
-            Prolongation::FallingDiagonal,
-        ] {
+        for rule in
+            [Prolongation::Bilinear, Prolongation::RisingDiagonal, Prolongation::FallingDiagonal]
+        {
             assert_eq!(prolong(coarse, &linear(coarse), rule), linear(fine));
         }
     }
@@ -94,9 +88,6 @@ mod tests {
 
     #[test]
     fn boundary_prolongation_closes_the_loop() {
-        assert_eq!(
-            prolong_boundary(&[0.0, 2.0, 4.0]),
-            [0.0, 1.0, 2.0, 3.0, 4.0, 2.0]
-        );
+        assert_eq!(prolong_boundary(&[0.0, 2.0, 4.0]), [0.0, 1.0, 2.0, 3.0, 4.0, 2.0]);
     }
 }

@@ -26,7 +26,9 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
     if tasks.is_empty() {
-        return Err(Error::input("no scene has a `paper_table`; add one to compare with the paper"));
+        return Err(Error::input(
+            "no scene has a `paper_table`; add one to compare with the paper",
+        ));
     }
     let manifests = bring_up_to_date(&workplace, &tasks)?;
     let mut tables = Vec::new();
@@ -59,14 +61,23 @@ fn mark(row: &RowComparison, level: usize) -> char {
 fn summary(table: &TableComparison) -> String {
     format!(
         "{} of {} counts exact, {} within tolerance; Delta a: {} of {} to the printed digits, {} within tolerance ({})",
-        table.exact, table.cells, table.within_tolerance, table.delta_a_exact, table.rows.len(),
-        table.delta_a_within, table.tolerance
+        table.exact,
+        table.cells,
+        table.within_tolerance,
+        table.delta_a_exact,
+        table.rows.len(),
+        table.delta_a_within,
+        table.tolerance
     )
 }
 
 fn text(table: &TableComparison) -> String {
     let levels = table.rows.first().map_or(0, |row| row.paper.len());
-    let mut out = format!("{}\n{:>10}  ", styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan), "r");
+    let mut out = format!(
+        "{}\n{:>10}  ",
+        styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan),
+        "r"
+    );
     (0..levels).for_each(|level| out += &format!("{:>14}", format!("grid {}", level + 1)));
     out += &format!("{:>22}\n{:>10}  ", "Delta a", "");
     (0..levels).for_each(|_| out += &format!("{:>14}", "ours paper"));
@@ -74,18 +85,23 @@ fn text(table: &TableComparison) -> String {
     for row in &table.rows {
         out += &format!("{:>10}  ", row.r);
         for level in 0..levels {
-            let pair = format!("{:>5}{} {:>5}", row.ours[level], mark(row, level), row.paper[level]);
+            let pair =
+                format!("{:>5}{} {:>5}", row.ours[level], mark(row, level), row.paper[level]);
             out += &format!("{pair:>14}");
         }
         let sign = if row.delta_a_within { ' ' } else { '!' };
-        out += &format!("{:>22}\n", format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
+        out += &format!(
+            "{:>22}\n",
+            format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper)
+        );
     }
     out + &format!("{}\n= exact, ~ within tolerance, ! outside\n", summary(table))
 }
 
 fn markdown(table: &TableComparison) -> String {
     let levels = table.rows.first().map_or(0, |row| row.paper.len());
-    let mut out = format!("**Table {}** ({}): {}\n\n| r |", table.table, table.scene, summary(table));
+    let mut out =
+        format!("**Table {}** ({}): {}\n\n| r |", table.table, table.scene, summary(table));
     (1..=levels).for_each(|level| out += &format!(" grid {level} |"));
     out += " Δa ours | Δa paper |\n|---:|";
     (0..levels + 2).for_each(|_| out += "---:|");

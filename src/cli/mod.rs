@@ -16,7 +16,10 @@ use std::process::ExitCode;
 /// published tables, draws the figures and builds the book. What is up to date is not run again.
 #[derive(Parser)]
 #[command(
-    name = "signorini", version, args_conflicts_with_subcommands = true, max_term_width = 100,
+    name = "signorini",
+    version,
+    args_conflicts_with_subcommands = true,
+    max_term_width = 100,
     after_help = "Examples:\n  \
         signorini                         the whole paper; then open report/book/index.html\n  \
         signorini diff                    our tables against the published ones\n  \
@@ -51,14 +54,18 @@ enum Command {
     #[command(after_help = "Example:\n  signorini status --exit-code || signorini run")]
     Status(pipeline::StatusArgs),
     /// Tell why a stage or task would run: each input that changed, old -> new
-    #[command(after_help = "Examples:\n  signorini explain report\n  signorini explain solve/problem1")]
+    #[command(
+        after_help = "Examples:\n  signorini explain report\n  signorini explain solve/problem1"
+    )]
     Explain(pipeline::ExplainArgs),
     /// Print the graph of tasks
     #[command(after_help = "Example:\n  signorini dag --dot | dot -Tsvg > dag.svg")]
     Dag(pipeline::DagArgs),
     /// Compare our tables with the published ones, cell by cell
-    #[command(after_help = "Exits with 1 if a cell is outside the tolerance declared in pipeline/paper.toml.\n\
-        Examples:\n  signorini diff\n  signorini diff --md > tables.md")]
+    #[command(
+        after_help = "Exits with 1 if a cell is outside the tolerance declared in pipeline/paper.toml.\n\
+        Examples:\n  signorini diff\n  signorini diff --md > tables.md"
+    )]
     Diff(diff::DiffArgs),
     /// Solve one problem once
     #[command(after_help = "Examples:\n  signorini solve problem2 --json\n  \
@@ -73,7 +80,9 @@ enum Command {
     /// Remove from the cache what no scene needs any more
     Gc(pipeline::GcArgs),
     /// Print a completion script for a shell
-    #[command(after_help = "Example:\n  signorini completions bash > ~/.local/share/bash-completion/completions/signorini")]
+    #[command(
+        after_help = "Example:\n  signorini completions bash > ~/.local/share/bash-completion/completions/signorini"
+    )]
     Completions {
         /// The shell
         shell: clap_complete::Shell,
@@ -94,7 +103,8 @@ pub fn main() -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(e) => {
             // The exit code still tells if nobody reads this.
-            let _ = writeln!(anstream::stderr(), "{}: {e}", styled("error", anstyle::AnsiColor::Red));
+            let _ =
+                writeln!(anstream::stderr(), "{}: {e}", styled("error", anstyle::AnsiColor::Red));
             ExitCode::from(e.exit_code())
         }
     }
@@ -124,7 +134,9 @@ fn say(text: &str) -> Result<u8> {
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Ok(()) => Ok(0),
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(0),
-        Err(e) => Err(Error::input(format!("cannot write to standard output: {e}; redirect it elsewhere"))),
+        Err(e) => Err(Error::input(format!(
+            "cannot write to standard output: {e}; redirect it elsewhere"
+        ))),
     }
 }
 

@@ -127,7 +127,7 @@ impl Workplace {
     }
 
     pub fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Vec<Task>> {
-        Ok(plan(&self.project, &self.project.select(scenes)?, only))
+        plan(&self.project, &self.project.select(scenes)?, only)
     }
 
     pub fn judge(&self, tasks: &[Task]) -> Result<Summary> {
@@ -161,7 +161,9 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.is_empty() {
-        return Err(Error::input("the scenes ask for nothing here; see `outputs` in the scene, or drop --only"));
+        return Err(Error::input(
+            "the scenes ask for nothing here; see `outputs` in the scene, or drop --only",
+        ));
     }
     let options = Options {
         force: args.force,
@@ -207,7 +209,10 @@ fn account(summary: &Summary, whole: bool) -> String {
         let more = if others > 0 { format!(" (others differ: {others})") } else { String::new() };
         text += &format!(
             "{:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}{more}\n",
-            stage.name(), ran.len(), time.as_secs_f64(), first.reason
+            stage.name(),
+            ran.len(),
+            time.as_secs_f64(),
+            first.reason
         );
     }
     text += &format!("{} files written to figures/ and report/\n", summary.exported);
@@ -234,7 +239,8 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?)?;
     let stale = !summary.nothing_to_do();
     if args.json {
-        let tasks: BTreeMap<_, _> = summary.verdicts.iter().map(|j| (&j.task, &j.verdict)).collect();
+        let tasks: BTreeMap<_, _> =
+            summary.verdicts.iter().map(|j| (&j.task, &j.verdict)).collect();
         say_json(&serde_json::json!({ "schema": 1, "stale": stale, "tasks": tasks }))?;
     } else {
         let mut text = String::new();
@@ -251,7 +257,11 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
             let state = styled("stale", AnsiColor::Yellow);
             text += &format!(
                 "{:<9} {state}       {} of {} tasks, e.g. {}: {}\n",
-                stage.name(), stale.len(), of.len(), first.task, first.verdict
+                stage.name(),
+                stale.len(),
+                of.len(),
+                first.task,
+                first.verdict
             );
         }
         if summary.exported > 0 {
@@ -274,7 +284,8 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     if asked.is_empty() {
         let names = Stage::ALL.map(Stage::name).join(", ");
         return Err(Error::input(format!(
-            "no stage or task `{}`; stages are {names}, `signorini dag` lists the tasks", args.stage
+            "no stage or task `{}`; stages are {names}, `signorini dag` lists the tasks",
+            args.stage
         )));
     }
     if args.json {
@@ -296,14 +307,18 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
 
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let project = Project::read(Project::find(&current_folder()?)?)?;
-    let tasks = plan(&project, &project.select(&[])?, None);
-    let number: BTreeMap<&str, usize> = tasks.iter().enumerate().map(|(k, t)| (t.id.as_str(), k)).collect();
-    let edges = || tasks.iter().flat_map(|t| t.needs.iter().map(move |need| (need.as_str(), t.id.as_str())));
+    let tasks = plan(&project, &project.select(&[])?, None)?;
+    let number: BTreeMap<&str, usize> =
+        tasks.iter().enumerate().map(|(k, t)| (t.id.as_str(), k)).collect();
+    let edges = || {
+        tasks.iter().flat_map(|t| t.needs.iter().map(move |need| (need.as_str(), t.id.as_str())))
+    };
     let mut text = String::new();
     if args.mermaid {
         text += "graph LR\n";
         tasks.iter().for_each(|t| text += &format!("  t{}[\"{}\"]\n", number[t.id.as_str()], t.id));
-        edges().for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
+        edges()
+            .for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
     } else if args.dot {
         text += "digraph signorini {\n  rankdir=LR; node [shape=box];\n";
         tasks.iter().for_each(|t| text += &format!("  \"{}\";\n", t.id));
@@ -311,7 +326,11 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
         text += "}\n";
     } else {
         for task in &tasks {
-            let needs = if task.needs.is_empty() { String::new() } else { format!(" <- {}", task.needs.join(", ")) };
+            let needs = if task.needs.is_empty() {
+                String::new()
+            } else {
+                format!(" <- {}", task.needs.join(", "))
+            };
             text += &format!("{}{needs}\n", task.id);
         }
     }
@@ -343,7 +362,9 @@ fn open(page: &Path) -> Result<()> {
 
 pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     if args.keep == 0 {
-        return Err(Error::input("--keep must be at least 1; to drop everything, remove the cache folder"));
+        return Err(Error::input(
+            "--keep must be at least 1; to drop everything, remove the cache folder",
+        ));
     }
     let workplace = Workplace::open(&args.cache)?;
     let wanted: BTreeSet<String> = workplace.tasks(&[], None)?.into_iter().map(|t| t.id).collect();
@@ -352,7 +373,10 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     let verb = if args.dry_run { "would remove" } else { "removed" };
     say(&format!(
         "{verb} {} files, {}; kept {} files, {}\n",
-        garbage.files, size(garbage.bytes), garbage.kept_files, size(garbage.kept_bytes)
+        garbage.files,
+        size(garbage.bytes),
+        garbage.kept_files,
+        size(garbage.kept_bytes)
     ))
 }
 
@@ -365,11 +389,18 @@ fn size(bytes: u64) -> String {
 }
 
 /// The manifests of tasks, run if need be.
-pub(super) fn bring_up_to_date(workplace: &Workplace, tasks: &[Task]) -> Result<BTreeMap<String, Manifest>> {
+pub(super) fn bring_up_to_date(
+    workplace: &Workplace,
+    tasks: &[Task],
+) -> Result<BTreeMap<String, Manifest>> {
     // Looking needs no lock and no writing, and is enough when nothing is stale.
     let mut summary = workplace.judge(tasks)?;
     if !summary.nothing_to_do() {
         summary = workplace.walk(tasks, Options::default(), &Progress::new(false, false))?;
     }
-    if summary.failed.is_empty() { Ok(summary.manifests) } else { Err(Error::Stage(summary.failed)) }
+    if summary.failed.is_empty() {
+        Ok(summary.manifests)
+    } else {
+        Err(Error::Stage(summary.failed))
+    }
 }

@@ -44,7 +44,7 @@ pub(super) struct SolveArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write the solution; .vti for ParaView, .npy for NumPy, .svg for a picture
+    /// Write the solution: .vti for ParaView, .npy for NumPy, .svg for a picture
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -92,10 +92,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         (None, None) => 64,
     };
     let rule = args.load.map(LoadRule::from).or(scene.as_ref().map(|s| s.load)).unwrap_or_default();
-    let stop = StopRule::ALL.into_iter().find(|rule| rule.name() == args.stop).ok_or_else(|| {
-        let names = StopRule::ALL.map(StopRule::name).join(", ");
-        Error::input(format!("--stop: no rule `{}`; choose one of {names}", args.stop))
-    })?;
+    let stop =
+        StopRule::ALL.into_iter().find(|rule| rule.name() == args.stop).ok_or_else(|| {
+            let names = StopRule::ALL.map(StopRule::name).join(", ");
+            Error::input(format!("--stop: no rule `{}`; choose one of {names}", args.stop))
+        })?;
     if let Some(out) = &args.out {
         fields::check_ending(out)?;
     }
@@ -111,7 +112,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         ..Params::default()
     };
     let start = Instant::now();
-    let (outcomes, pair) = solve_nested(&grids, &loads, &params, Prolongation::default(), None);
+    let (outcomes, pair) = solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
     let seconds = start.elapsed().as_secs_f64();
     let last = *outcomes.last().expect("at least one grid");
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
@@ -123,7 +124,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     if let Some(out) = &args.out {
         let grid = *grids.last().expect("at least one grid");
-        let bytes = fields::write(out, grid, &pair.y, name)?;
+        let bytes = fields::write(out, grid, &pair, name)?;
         std::fs::write(out, bytes).context("write", out)?;
     }
     let grid = Grid::new(last.cells).expect("solved on it");
@@ -149,13 +150,28 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     say(&text(name, &f, integral, &outcomes, seconds, args.out.as_deref()))
 }
 
-fn text(name: &str, f: &Source, integral: f64, outcomes: &[Outcome], seconds: f64, out: Option<&Path>) -> String {
+fn text(
+    name: &str,
+    f: &Source,
+    integral: f64,
+    outcomes: &[Outcome],
+    seconds: f64,
+    out: Option<&Path>,
+) -> String {
     let mut text = format!("{name}: f = {f}, integral {integral:.4}\n");
-    text += &format!("{:>8} {:>11} {:>16} {:>14} {:>12} {:>10}\n", "grid", "iterations", "stop", "energy", "KKT residual", "Delta a");
+    text += &format!(
+        "{:>8} {:>11} {:>16} {:>14} {:>12} {:>10}\n",
+        "grid", "iterations", "stop", "energy", "KKT residual", "Delta a"
+    );
     for o in outcomes {
         text += &format!(
             "{:>8} {:>11} {:>16} {:>14.6e} {:>12.2e} {:>10.2e}\n",
-            format!("1/{}", o.cells), o.iterations, o.stop.to_string(), o.energy, o.kkt.natural, o.delta_a
+            format!("1/{}", o.cells),
+            o.iterations,
+            o.stop.to_string(),
+            o.energy,
+            o.kkt.natural,
+            o.delta_a
         );
     }
     text += &format!("solved in {seconds:.3} s\n");
@@ -189,7 +205,9 @@ fn cells(h: &str) -> Result<usize> {
         }
     };
     if n > MAX_CELLS {
-        return Err(Error::input(format!("--h 1/{n} needs more memory than is sensible; 1/{MAX_CELLS} is the finest")));
+        return Err(Error::input(format!(
+            "--h 1/{n} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
+        )));
     }
     Ok(n)
 }

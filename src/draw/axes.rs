@@ -74,20 +74,12 @@ impl Frame {
 
     /// A filled rectangle between two values of x, from top to bottom.
     pub(super) fn band(&self, pen: &mut Pen, (from, to): (f64, f64), color: RGBColor) {
-        pen.rect(
-            (self.right(from), self.down.0),
-            (self.right(to), self.down.1),
-            color,
-        );
+        pen.rect((self.right(from), self.down.0), (self.right(to), self.down.1), color);
     }
 }
 
 fn scale(value: f64, (v0, v1): (f64, f64), (p0, p1): (f64, f64)) -> f64 {
-    let t = if v1 == v0 {
-        0.5
-    } else {
-        (value - v0) / (v1 - v0)
-    };
+    let t = if v1 == v0 { 0.5 } else { (value - v0) / (v1 - v0) };
     p0 + t * (p1 - p0)
 }
 
@@ -103,20 +95,11 @@ pub(super) fn colour_bar(
     color: impl Fn(f64) -> RGBColor,
     name: &str,
 ) {
-    let frame = Frame {
-        across,
-        down: (top, top + 12.0),
-        x: range,
-        y: (0.0, 1.0),
-    };
+    let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };
     for k in 0..SHADES {
         let value = |k: usize| range.0 + (range.1 - range.0) * k as f64 / SHADES as f64;
         // Each shade reaches to the end: the next covers the rest, and no seam shows.
-        frame.band(
-            pen,
-            (value(k), range.1),
-            color(0.5 * (value(k) + value(k + 1))),
-        );
+        frame.band(pen, (value(k), range.1), color(0.5 * (value(k) + value(k + 1))));
     }
     frame.outline(pen);
     let most = ((across.1 - across.0) / 42.0) as usize;
@@ -150,10 +133,7 @@ impl<'a> Legend<'a> {
             entries.push((label, (x, LEGEND_ROW * row as f64)));
             x += wide;
         }
-        Self {
-            entries,
-            rows: row + 1,
-        }
+        Self { entries, rows: row + 1 }
     }
 
     /// Draws it with the first entry's middle height at `at`.

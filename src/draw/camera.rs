@@ -39,11 +39,7 @@ impl View {
             if rise > most {
                 most = rise;
                 let turned = Self::default().azimuth + 90.0 * turn as f64;
-                best.azimuth = if turned > 180.0 {
-                    turned - 360.0
-                } else {
-                    turned
-                };
+                best.azimuth = if turned > 180.0 { turned - 360.0 } else { turned };
             }
         }
         best
@@ -52,10 +48,7 @@ impl View {
 
 impl Default for View {
     fn default() -> Self {
-        Self {
-            azimuth: -37.5,
-            elevation: 30.0,
-        }
+        Self { azimuth: -37.5, elevation: 30.0 }
     }
 }
 
@@ -134,20 +127,13 @@ impl Scene {
     pub(super) fn brightness(&self, corners: [Vector; 4]) -> f64 {
         let across = |p: usize, q: usize| [0, 1, 2].map(|d| corners[q][d] - corners[p][d]);
         let (u, v) = (across(0, 2), across(1, 3));
-        let normal = [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ];
+        let normal =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         // Over the viewer's left shoulder, so that slopes to either side differ.
         let camera = &self.camera;
         let lamp = [0, 1, 2].map(|d| camera.toward[d] + 0.9 * camera.up[d] - 0.8 * camera.right[d]);
         let cosine = dot(normal, lamp) / (dot(normal, normal) * dot(lamp, lamp)).sqrt();
-        let facing = if dot(normal, camera.toward) < 0.0 {
-            0.8
-        } else {
-            1.0
-        };
+        let facing = if dot(normal, camera.toward) < 0.0 { 0.8 } else { 1.0 };
         facing * (AMBIENT + (1.06 - AMBIENT) * cosine.abs())
     }
 }
@@ -159,13 +145,8 @@ mod tests {
     #[test]
     fn a_cell_is_drawn_after_every_cell_it_may_hide() {
         let n = 5;
-        for azimuth in [
-            -170.0, -127.5, -90.0, -37.5, 0.0, 12.0, 52.5, 90.0, 142.5, 180.0,
-        ] {
-            let camera = Camera::new(View {
-                azimuth,
-                elevation: 30.0,
-            });
+        for azimuth in [-170.0, -127.5, -90.0, -37.5, 0.0, 12.0, 52.5, 90.0, 142.5, 180.0] {
+            let camera = Camera::new(View { azimuth, elevation: 30.0 });
             let order: Vec<_> = camera.far_to_near(n).collect();
             let when = |cell| order.iter().position(|&c| c == cell).unwrap();
             for cell in (0..n * n).map(|k| (k % n, k / n)) {
@@ -188,11 +169,9 @@ mod tests {
     #[test]
     fn camera_is_orthonormal() {
         let camera = Camera::new(View::default());
-        for (a, b) in [
-            (camera.right, camera.up),
-            (camera.up, camera.toward),
-            (camera.toward, camera.right),
-        ] {
+        for (a, b) in
+            [(camera.right, camera.up), (camera.up, camera.toward), (camera.toward, camera.right)]
+        {
             assert!(dot(a, b).abs() < 1e-15);
         }
     }
@@ -200,12 +179,7 @@ mod tests {
     #[test]
     fn uphill_view_has_the_high_corner_at_the_back() {
         let grid = Grid::new(2).unwrap();
-        for (k, near) in [
-            (0, [1.0, 1.0]),
-            (2, [-1.0, 1.0]),
-            (8, [-1.0, -1.0]),
-            (6, [1.0, -1.0]),
-        ] {
+        for (k, near) in [(0, [1.0, 1.0]), (2, [-1.0, 1.0]), (8, [-1.0, -1.0]), (6, [1.0, -1.0])] {
             let mut y = vec![0.0; 9];
             y[k] = 1.0;
             assert_eq!(Camera::new(View::uphill(grid, &y)).near, near);

@@ -63,11 +63,7 @@ fn legend<'a>(panel: &ContactPanel<'a>) -> Legend<'a> {
 }
 
 fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
-    pen.text(
-        panel.title,
-        (ACROSS.0, top + 14.0),
-        Type::size(LARGE).bold().left(),
-    );
+    pen.text(panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
     legend.draw(pen, (ACROSS.0, top + 38.0));
     let grid = panel.grid;
     let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
@@ -81,37 +77,23 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
         let ticks = Ticks::inside(low, high, 5);
         // A margin, so that a curve at zero is not lost in the frame.
         let pad = 0.08 * (high - low);
-        let frame = Frame {
-            across: ACROSS,
-            down,
-            x: (0.0, 4.0),
-            y: (low - pad, high + pad),
-        };
+        let frame = Frame { across: ACROSS, down, x: (0.0, 4.0), y: (low - pad, high + pad) };
         (frame, ticks)
     };
     let upper = frame((top, top + PLOT), &y_of);
     let lower_top = top + PLOT + band;
     let lower = frame((lower_top, lower_top + PLOT), &a_of);
 
-    let touching: Vec<Vec<bool>> = panel
-        .lines
-        .iter()
-        .map(|line| line.a.iter().map(|&a| a > 0.0).collect())
-        .collect();
-    let all: Vec<bool> = (0..boundary.len())
-        .map(|b| touching.iter().all(|line| line[b]))
-        .collect();
-    let whole = Frame {
-        down: (top, lower_top + PLOT),
-        ..upper.0
-    };
+    let touching: Vec<Vec<bool>> =
+        panel.lines.iter().map(|line| line.a.iter().map(|&a| a > 0.0).collect()).collect();
+    let all: Vec<bool> = (0..boundary.len()).map(|b| touching.iter().all(|line| line[b])).collect();
+    let whole = Frame { down: (top, lower_top + PLOT), ..upper.0 };
     for run in contact_runs(grid, &all) {
         whole.band(pen, run, SHADE);
     }
-    for (name, (frame, ticks), data) in [
-        ("y", &upper, &y_of as &dyn Fn(&ContactLine) -> Vec<f64>),
-        ("a", &lower, &a_of),
-    ] {
+    for (name, (frame, ticks), data) in
+        [("y", &upper, &y_of as &dyn Fn(&ContactLine) -> Vec<f64>), ("a", &lower, &a_of)]
+    {
         frame.rules(pen, ticks.values());
         frame.label_left(pen, ticks.labelled());
         let middle = 0.5 * (frame.down.0 + frame.down.1);
@@ -133,30 +115,16 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
     for (k, line) in touching.iter().enumerate() {
         let y = top + PLOT + 8.0 + ROW * k as f64;
         for (from, to) in contact_runs(grid, line) {
-            pen.rect(
-                (whole.right(from), y + 1.5),
-                (whole.right(to), y + ROW - 1.5),
-                series(k),
-            );
+            pen.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
         }
     }
     let middle = top + PLOT + 0.5 * band;
-    pen.text(
-        "contact",
-        (ACROSS.0 - 8.0, middle),
-        Type::size(SMALL).right().color(MUTED),
-    );
+    pen.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
     for (k, side) in ["bottom", "right", "top", "left"].into_iter().enumerate() {
         let x = whole.right(k as f64 + 0.5);
         pen.text(side, (x, top - 11.0), Type::size(SMALL).color(MUTED));
     }
-    let corners = [
-        "lower left",
-        "lower right",
-        "upper right",
-        "upper left",
-        "lower left",
-    ];
+    let corners = ["lower left", "lower right", "upper right", "upper left", "lower left"];
     let bottom = lower.0.down.1;
     for (k, corner) in corners.into_iter().enumerate() {
         let x = whole.right(k as f64);
@@ -169,11 +137,7 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
             _ => pen.text(corner, (x, bottom + 29.0), kind),
         }
     }
-    pen.text(
-        "s",
-        (whole.right(0.5), bottom + 15.0),
-        Type::size(NORMAL).italic(),
-    );
+    pen.text("s", (whole.right(0.5), bottom + 15.0), Type::size(NORMAL).italic());
 }
 
 fn corner_lines(pen: &mut Pen, frame: &Frame) {

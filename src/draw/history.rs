@@ -35,19 +35,14 @@ pub fn histories(
             finite(panel.title, "max |dM/dy|", shown().map(|i| i.gradient_abs))?;
         }
     }
-    let plans = panels
-        .iter()
-        .map(|panel| Plan::new(span, panel))
-        .collect::<Result<Vec<_>, _>>()?;
+    let plans = panels.iter().map(|panel| Plan::new(span, panel)).collect::<Result<Vec<_>, _>>()?;
     let height = plans.iter().map(Plan::height).sum::<f64>() + 40.0;
     let mut picture = Picture::new(WIDTH, height);
     let mut top = 8.0;
     for plan in &plans {
         let frame = plan.frame(top);
         picture.layer("", |pen| plan.ground(pen, &frame, top))?;
-        picture.layer("stroke-dasharray=\"4 8\"", |pen| {
-            plan.tolerances(pen, &frame)
-        })?;
+        picture.layer("stroke-dasharray=\"4 8\"", |pen| plan.tolerances(pen, &frame))?;
         picture.layer("stroke-dasharray=\"18 10\"", |pen| {
             plan.curves(pen, &frame, 1.0, |i| i.gradient_abs);
         })?;
@@ -100,12 +95,8 @@ impl<'a> Plan<'a> {
             Span::FinestGrid => finest,
         };
         let shown = |curve: &'a History<'a>| curve.levels.iter().take(finest + 1).skip(first);
-        let longest = panel
-            .curves
-            .iter()
-            .map(|curve| shown(curve).map(Vec::len).sum())
-            .max()
-            .unwrap_or(0);
+        let longest =
+            panel.curves.iter().map(|curve| shown(curve).map(Vec::len).sum()).max().unwrap_or(0);
         if longest == 0 {
             return Err(FigureError::Empty("iterations"));
         }
@@ -146,11 +137,7 @@ impl<'a> Plan<'a> {
 
     /// Everything but the data.
     fn ground(&self, pen: &mut Pen, frame: &Frame, top: f64) {
-        pen.text(
-            self.panel.title,
-            (ACROSS.0, top + 14.0),
-            Type::size(LARGE).bold().left(),
-        );
+        pen.text(self.panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
         self.legend.draw(pen, (ACROSS.0, top + 38.0));
         let (low, high) = self.decades;
         let step = ((high - low + 7) / 8).max(1) as usize;
@@ -164,11 +151,8 @@ impl<'a> Plan<'a> {
         }
         // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
         frame.label_below(pen, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
-        let name = if self.first == 0 {
-            "iterations, all grids"
-        } else {
-            "iterations on the finest grid"
-        };
+        let name =
+            if self.first == 0 { "iterations, all grids" } else { "iterations on the finest grid" };
         let middle = 0.5 * (ACROSS.0 + ACROSS.1);
         pen.text(name, (middle, frame.down.1 + 31.0), Type::size(NORMAL));
         let middle = 0.5 * (frame.down.0 + frame.down.1);
@@ -176,11 +160,7 @@ impl<'a> Plan<'a> {
         for (k, grid) in self.shown_grids() {
             let y = frame.up(level(k));
             let text = format!("{}  h = 1/{}", power_of_ten(-(k as i32)), grid.cells());
-            pen.text(
-                &text,
-                (ACROSS.1 + 7.0, y),
-                Type::size(SMALL).left().color(MUTED),
-            );
+            pen.text(&text, (ACROSS.1 + 7.0, y), Type::size(SMALL).left().color(MUTED));
         }
     }
 
@@ -199,37 +179,22 @@ impl<'a> Plan<'a> {
 
     /// Iterations shown of a run: number from 1, whether it is the last on its grid, and data.
     fn shown(&self, curve: &'a History<'a>) -> impl Iterator<Item = (usize, bool, &'a Iteration)> {
-        let levels = curve
-            .levels
-            .iter()
-            .take(self.panel.grids.len())
-            .skip(self.first);
+        let levels = curve.levels.iter().take(self.panel.grids.len()).skip(self.first);
         levels
-            .flat_map(|level| {
-                level
-                    .iter()
-                    .enumerate()
-                    .map(|(k, i)| (k + 1 == level.len(), i))
-            })
+            .flat_map(|level| level.iter().enumerate().map(|(k, i)| (k + 1 == level.len(), i)))
             .enumerate()
             .map(|(k, (last, i))| (k + 1, last, i))
     }
 
     fn place(&self, frame: &Frame, number: usize, value: f64) -> Place {
         let (low, high) = frame.y;
-        let y = if value > 0.0 {
-            libm::log10(value).clamp(low, high)
-        } else {
-            low
-        };
+        let y = if value > 0.0 { libm::log10(value).clamp(low, high) } else { low };
         frame.at(number as f64, y)
     }
 
     fn curves(&self, pen: &mut Pen, frame: &Frame, width: f64, pick: fn(&Iteration) -> f64) {
         for (k, curve) in self.panel.curves.iter().enumerate() {
-            let places = self
-                .shown(curve)
-                .map(|(number, _, i)| self.place(frame, number, pick(i)));
+            let places = self.shown(curve).map(|(number, _, i)| self.place(frame, number, pick(i)));
             let thinned = thinned(places.collect());
             if thinned.len() > 1 {
                 pen.path(thinned, series(k), width);
@@ -263,13 +228,12 @@ fn thinned(places: Vec<Place>) -> Vec<Place> {
             continue;
         }
         let extreme = |sign: f64| {
-            (0..run.len()).fold(0, |best, k| {
-                if sign * run[k].1 > sign * run[best].1 {
-                    k
-                } else {
-                    best
-                }
-            })
+            (0..run.len()).fold(
+                0,
+                |best, k| {
+                    if sign * run[k].1 > sign * run[best].1 { k } else { best }
+                },
+            )
         };
         let mut picks = [0, extreme(1.0), extreme(-1.0), run.len() - 1];
         picks.sort_unstable();
@@ -284,9 +248,8 @@ mod tests {
 
     #[test]
     fn thinning_keeps_the_envelope_and_the_order() {
-        let places: Vec<Place> = (0..100_000)
-            .map(|k| (f64::from(k) * 0.006, f64::from((k * 7919) % 1009)))
-            .collect();
+        let places: Vec<Place> =
+            (0..100_000).map(|k| (f64::from(k) * 0.006, f64::from((k * 7919) % 1009))).collect();
         let thin = thinned(places.clone());
         assert!(thin.len() < 5000);
         assert!(thin.is_sorted_by(|a, b| a.0 <= b.0));

@@ -98,14 +98,7 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
         let middle = 0.5 * width + 10.0;
         let top = rows as f64 * cell_height + 12.0;
         let half = 0.5 * (width - 160.0).min(420.0);
-        colour_bar(
-            pen,
-            (middle - half, middle + half),
-            top,
-            (-limit, limit),
-            color,
-            "f (x, y)",
-        );
+        colour_bar(pen, (middle - half, middle + half), top, (-limit, limit), color, "f (x, y)");
     })?;
     Ok(picture.finish(caption))
 }
@@ -113,9 +106,7 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
 /// The part of the square that lies in all half-planes.
 fn inside_square(planes: &[[f64; 3]]) -> Vec<Point> {
     let square = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
-    planes
-        .iter()
-        .fold(square, |polygon, &plane| clip(&polygon, plane))
+    planes.iter().fold(square, |polygon, &plane| clip(&polygon, plane))
 }
 
 /// The parts of the border of a piece that f really jumps across, inside the square.
@@ -170,10 +161,8 @@ fn paint_raster(
         for run in row.chunk_by(|a, b| color(*a) == color(*b)) {
             let end = start + run.len();
             // One more cell to the right and above, painted over by the next: no seams show.
-            let (low, high) = (
-                frame.at(line(start), line(j)),
-                frame.at(line(end + 1), line(j + 2)),
-            );
+            let (low, high) =
+                (frame.at(line(start), line(j)), frame.at(line(end + 1), line(j + 2)));
             pen.rect(low, high, color(run[0]));
             start = end;
         }
@@ -196,11 +185,7 @@ fn label_regions(
         if 0.5 * text_width(&text, SMALL) < room {
             let ink = legible_on(color(value));
             let kind = Type::size(size).color(ink);
-            pen.text(
-                &text,
-                frame.at(at.0, at.1),
-                if ink == WHITE { kind.bold() } else { kind },
-            );
+            pen.text(&text, frame.at(at.0, at.1), if ink == WHITE { kind.bold() } else { kind });
         }
     }
 }
@@ -211,17 +196,12 @@ mod tests {
 
     #[test]
     fn borders_are_drawn_only_where_f_jumps() {
-        let f: Source = "rect(-0.25,0.25,-0.25,0.25)=2; rect(0,0.25,-0.25,0.25)=2; else=-1"
-            .parse()
-            .unwrap();
+        let f: Source =
+            "rect(-0.25,0.25,-0.25,0.25)=2; rect(0,0.25,-0.25,0.25)=2; else=-1".parse().unwrap();
         let right = inside_square(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.25], [0.0, 1.0, 0.25]]);
         let drawn = borders(&f, &right);
         // The line x = 0 lies between two pieces of the same value.
         assert!(drawn.iter().flatten().all(|p| p[0] > -0.002));
-        assert!(
-            !drawn
-                .iter()
-                .any(|run| run.windows(2).any(|e| e[0][0] == 0.0 && e[1][0] == 0.0))
-        );
+        assert!(!drawn.iter().any(|run| run.windows(2).any(|e| e[0][0] == 0.0 && e[1][0] == 0.0)));
     }
 }

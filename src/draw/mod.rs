@@ -160,32 +160,21 @@ fn finite(
 ) -> Result<(), FigureError> {
     match values.into_iter().position(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(FigureError::NotFinite {
-            panel: panel.into(),
-            what,
-            index,
-        }),
+        Some(index) => Err(FigureError::NotFinite { panel: panel.into(), what, index }),
     }
 }
 
 /// Refuses a vector of another length than `want`, NaN and infinities.
 fn vector(panel: &str, what: &'static str, values: &[f64], want: usize) -> Result<(), FigureError> {
     if values.len() != want {
-        return Err(FigureError::Length {
-            panel: panel.into(),
-            what,
-            got: values.len(),
-            want,
-        });
+        return Err(FigureError::Length { panel: panel.into(), what, got: values.len(), want });
     }
     finite(panel, what, values.iter().copied())
 }
 
 /// Smallest and largest of `values`, 0 included.
 fn range_with_zero(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
-    values
-        .into_iter()
-        .fold((0.0, 0.0), |(lo, hi): (f64, f64), v| (lo.min(v), hi.max(v)))
+    values.into_iter().fold((0.0, 0.0), |(lo, hi): (f64, f64), v| (lo.min(v), hi.max(v)))
 }
 
 #[cfg(test)]

@@ -40,9 +40,8 @@ pub(super) fn viridis(t: f64) -> RGBColor {
 
 /// Blue through white to red at `t` in [-1, 1] (Brewer's RdBu, reversed): white is 0.
 pub(super) fn diverging(t: f64) -> RGBColor {
-    const STOPS: [u32; 9] = [
-        0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b,
-    ];
+    const STOPS: [u32; 9] =
+        [0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b];
     between(&STOPS, 0.5 * (t + 1.0))
 }
 

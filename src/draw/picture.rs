@@ -36,11 +36,7 @@ pub(super) struct Picture {
 impl Picture {
     /// An empty picture of this size in display pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
-        Self {
-            width,
-            height,
-            body: String::new(),
-        }
+        Self { width, height, body: String::new() }
     }
 
     fn canvas(&self) -> (u32, u32) {
@@ -54,10 +50,8 @@ impl Picture {
         draw: impl FnOnce(&mut Pen),
     ) -> Result<(), FigureError> {
         let mut svg = String::new();
-        let mut pen = Pen {
-            backend: SVGBackend::with_string(&mut svg, self.canvas()),
-            failure: None,
-        };
+        let mut pen =
+            Pen { backend: SVGBackend::with_string(&mut svg, self.canvas()), failure: None };
         draw(&mut pen);
         let failure = pen.failure.take();
         drop(pen);
@@ -134,53 +128,32 @@ pub(super) struct Type {
 impl Type {
     /// Upright ink of this size in display pixels, centred on its place both ways.
     pub(super) fn size(size: f64) -> Self {
-        Self {
-            size,
-            color: INK,
-            style: FontStyle::Normal,
-            align: HPos::Center,
-            upwards: false,
-        }
+        Self { size, color: INK, style: FontStyle::Normal, align: HPos::Center, upwards: false }
     }
 
     /// Starts at its place.
     pub(super) fn left(self) -> Self {
-        Self {
-            align: HPos::Left,
-            ..self
-        }
+        Self { align: HPos::Left, ..self }
     }
 
     /// Ends at its place.
     pub(super) fn right(self) -> Self {
-        Self {
-            align: HPos::Right,
-            ..self
-        }
+        Self { align: HPos::Right, ..self }
     }
 
     /// Bold, for titles.
     pub(super) fn bold(self) -> Self {
-        Self {
-            style: FontStyle::Bold,
-            ..self
-        }
+        Self { style: FontStyle::Bold, ..self }
     }
 
     /// Italic, for variables.
     pub(super) fn italic(self) -> Self {
-        Self {
-            style: FontStyle::Italic,
-            ..self
-        }
+        Self { style: FontStyle::Italic, ..self }
     }
 
     /// Reads from below to above.
     pub(super) fn upwards(self) -> Self {
-        Self {
-            upwards: true,
-            ..self
-        }
+        Self { upwards: true, ..self }
     }
 
     /// In another colour.
@@ -229,9 +202,8 @@ impl Pen<'_> {
 
     /// A filled polygon.
     pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
-        let result = self
-            .backend
-            .fill_polygon(places.into_iter().map(fine), &style(color, 0.0, true));
+        let result =
+            self.backend.fill_polygon(places.into_iter().map(fine), &style(color, 0.0, true));
         self.note(result);
     }
 
@@ -239,9 +211,7 @@ impl Pen<'_> {
     pub(super) fn rect(&mut self, (x0, y0): Place, (x1, y1): Place, color: RGBColor) {
         let low = fine((x0.min(x1), y0.min(y1)));
         let high = fine((x0.max(x1), y0.max(y1)));
-        let result = self
-            .backend
-            .draw_rect(low, high, &style(color, 0.0, true), true);
+        let result = self.backend.draw_rect(low, high, &style(color, 0.0, true), true);
         self.note(result);
     }
 
@@ -255,11 +225,7 @@ impl Pen<'_> {
     ) {
         // Begun in the middle of a side, so that all four corners are joined.
         let middle = (0.5 * (x0 + x1), y0);
-        self.path(
-            [middle, (x1, y0), (x1, y1), (x0, y1), (x0, y0), middle],
-            color,
-            width,
-        );
+        self.path([middle, (x1, y0), (x1, y1), (x0, y1), (x0, y0), middle], color, width);
     }
 
     /// A disc with a white core.
@@ -277,18 +243,13 @@ impl Pen<'_> {
 
     /// A line of text whose middle height is at `at`.
     pub(super) fn text(&mut self, text: &str, at: Place, kind: Type) {
-        let transform = if kind.upwards {
-            FontTransform::Rotate270
-        } else {
-            FontTransform::None
-        };
+        let transform = if kind.upwards { FontTransform::Rotate270 } else { FontTransform::None };
         let font = ("sans-serif", kind.size * FINE * FONT_UNIT)
             .into_font()
             .style(kind.style)
             .transform(transform);
-        let style = TextStyle::from(font)
-            .color(&kind.color)
-            .pos(Pos::new(kind.align, VPos::Center));
+        let style =
+            TextStyle::from(font).color(&kind.color).pos(Pos::new(kind.align, VPos::Center));
         // XML has no control characters, not even escaped ones.
         let text: String = text.chars().filter(|c| !c.is_control()).collect();
         let result = self.backend.draw_text(&text, &style, fine(at));

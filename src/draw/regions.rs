@@ -13,9 +13,7 @@ fn centre(i: usize) -> f64 {
 
 /// f at the centres of the raster, row by row from below.
 pub(super) fn raster(f: &Source) -> Vec<f64> {
-    (0..RASTER * RASTER)
-        .map(|k| f.at(centre(k % RASTER), centre(k / RASTER)))
-        .collect()
+    (0..RASTER * RASTER).map(|k| f.at(centre(k % RASTER), centre(k / RASTER))).collect()
 }
 
 /// The connected sets of raster cells with equal values, each in ascending order.
@@ -61,16 +59,8 @@ pub(super) fn widest(region: &[usize], values: &[f64]) -> (Place, f64) {
     // In whole cells: equal distances must compare equal for a label to sit in the very middle.
     let cell = |k: usize| ((k % RASTER) as i64, (k / RASTER) as i64);
     let squared = |(i, j): (i64, i64), (p, q): (i64, i64)| (i - p) * (i - p) + (j - q) * (j - q);
-    let on_rim = |k: usize| {
-        neighbours(k)
-            .iter()
-            .any(|n| n.is_none_or(|n| values[n] != values[k]))
-    };
-    let rim: Vec<_> = region
-        .iter()
-        .filter(|&&k| on_rim(k))
-        .map(|&k| cell(k))
-        .collect();
+    let on_rim = |k: usize| neighbours(k).iter().any(|n| n.is_none_or(|n| values[n] != values[k]));
+    let rim: Vec<_> = region.iter().filter(|&&k| on_rim(k)).map(|&k| cell(k)).collect();
     let (mut best, mut most) = (Vec::new(), -1);
     for at in region.iter().map(|&k| cell(k)) {
         let distance = rim.iter().map(|&p| squared(at, p)).min().unwrap_or(0);
@@ -82,9 +72,7 @@ pub(super) fn widest(region: &[usize], values: &[f64]) -> (Place, f64) {
         }
     }
     let count = best.len() as i64;
-    let (si, sj) = best
-        .iter()
-        .fold((0, 0), |(si, sj), (i, j)| (si + i, sj + j));
+    let (si, sj) = best.iter().fold((0, 0), |(si, sj), (i, j)| (si + i, sj + j));
     // Of several centres, as in a strip, the one nearest to their mean; the mean itself if it is
     // within a cell of one, as in a square with an even number of cells.
     let off = |&(i, j): &(i64, i64)| squared((i * count, j * count), (si, sj));

@@ -2,46 +2,36 @@
 
 use super::*;
 use crate::load::{LoadRule, load};
-use crate::saddle::{Pair, Params, solve_nested};
+use crate::saddle::{Monitor, Pair, Params, solve_nested};
 use crate::transfer::Prolongation;
 use std::ops::ControlFlow;
 
-const SOURCES: [&str; 2] = [
-    "quadrant(ll)=2.93; else=-1.006",
-    "quadrant(ll)=-6.7; quadrant(lr)=3.27; quadrant(ul)=2.08; quadrant(ur)=1.35",
-];
-pub(super) const CAPTION: Caption = Caption {
-    title: "Title <1> & more",
-    description: "made by `signorini run`",
-};
+const SOURCES: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
+pub(super) const CAPTION: Caption =
+    Caption { title: "Title <1> & more", description: "made by `signorini run`" };
+
+struct Record(Vec<Vec<Iteration>>);
+
+impl Monitor for Record {
+    fn wants_iterations(&self) -> bool {
+        true
+    }
+
+    fn iteration(&mut self, level: usize, iteration: &Iteration) -> ControlFlow<()> {
+        self.0[level - 1].push(*iteration);
+        ControlFlow::Continue(())
+    }
+}
 
 fn solved(f: &str, r: f64, finest: usize) -> (Vec<Grid>, Vec<Vec<Iteration>>, Pair) {
     let f: Source = f.parse().unwrap();
-    let cells: Vec<_> = [4, 8, 16, 32, 64]
-        .into_iter()
-        .filter(|&n| n <= finest)
-        .collect();
+    let cells: Vec<_> = [4, 8, 16, 32, 64].into_iter().filter(|&n| n <= finest).collect();
     let grids = crate::grid::nested(&cells).unwrap();
-    let loads: Vec<_> = grids
-        .iter()
-        .map(|&g| load(g, &f, LoadRule::default()))
-        .collect();
-    let mut levels = vec![Vec::new(); grids.len()];
-    let mut monitor = |level: usize, i: &Iteration| {
-        levels[level - 1].push(*i);
-        ControlFlow::Continue(())
-    };
-    let params = Params {
-        r,
-        ..Params::default()
-    };
-    let (_, pair) = solve_nested(
-        &grids,
-        &loads,
-        &params,
-        Prolongation::Bilinear,
-        Some(&mut monitor),
-    );
+    let loads: Vec<_> = grids.iter().map(|&g| load(g, &f, LoadRule::default())).collect();
+    let mut record = Record(vec![Vec::new(); grids.len()]);
+    let params = Params { r, ..Params::default() };
+    let (_, pair) = solve_nested(&grids, &loads, &params, Prolongation::Bilinear, &mut record);
+    let levels = record.0;
     (grids, levels, pair)
 }
 
@@ -49,11 +39,7 @@ fn solved(f: &str, r: f64, finest: usize) -> (Vec<Grid>, Vec<Vec<Iteration>>, Pa
 pub(super) fn all() -> Vec<(&'static str, String)> {
     let titles = ["a) problem 1", "b) problem 2"];
     let fs = SOURCES.map(|text| text.parse::<Source>().unwrap());
-    let maps: Vec<_> = titles
-        .iter()
-        .zip(&fs)
-        .map(|(title, f)| FMap { title, f })
-        .collect();
+    let maps: Vec<_> = titles.iter().zip(&fs).map(|(title, f)| FMap { title, f }).collect();
     let runs: Vec<Vec<_>> = SOURCES
         .iter()
         .map(|f| [1e6, 10.0, 5.0, 1.0, 0.5].map(|r| solved(f, r, 64)).into())
@@ -72,51 +58,27 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
     let curves: Vec<Vec<History>> = runs
         .iter()
         .map(|runs| {
-            runs.iter()
-                .zip(labels)
-                .map(|(run, label)| History {
-                    label,
-                    levels: &run.1,
-                })
-                .collect()
+            runs.iter().zip(labels).map(|(run, label)| History { label, levels: &run.1 }).collect()
         })
         .collect();
     let histories_of: Vec<_> = (0..2)
-        .map(|k| HistoryPanel {
-            title: titles[k],
-            grids: &runs[k][0].0,
-            curves: &curves[k],
-        })
+        .map(|k| HistoryPanel { title: titles[k], grids: &runs[k][0].0, curves: &curves[k] })
         .collect();
     let lines: Vec<Vec<ContactLine>> = runs
         .iter()
         .map(|runs| {
-            let line = |(label, k): (_, usize)| ContactLine {
-                label,
-                y: &runs[k].2.y,
-                a: &runs[k].2.a,
-            };
+            let line =
+                |(label, k): (_, usize)| ContactLine { label, y: &runs[k].2.y, a: &runs[k].2.a };
             labels.into_iter().zip(0..).map(line).collect()
         })
         .collect();
-    let contacts: Vec<_> = (0..2)
-        .map(|k| ContactPanel {
-            title: titles[k],
-            grid,
-            lines: &lines[k],
-        })
-        .collect();
+    let contacts: Vec<_> =
+        (0..2).map(|k| ContactPanel { title: titles[k], grid, lines: &lines[k] }).collect();
     vec![
         ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
         ("figure2", surfaces(CAPTION, &shapes).unwrap()),
-        (
-            "histories",
-            histories(CAPTION, Span::AllGrids, &histories_of).unwrap(),
-        ),
-        (
-            "finest",
-            histories(CAPTION, Span::FinestGrid, &histories_of).unwrap(),
-        ),
+        ("histories", histories(CAPTION, Span::AllGrids, &histories_of).unwrap()),
+        ("finest", histories(CAPTION, Span::FinestGrid, &histories_of).unwrap()),
         ("contact", contact(CAPTION, &contacts).unwrap()),
     ]
 }
@@ -131,76 +93,35 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     let maps: Vec<_> = texts
         .iter()
         .zip(&fs)
-        .map(|(title, f)| FMap {
-            title: &title[..title.len().min(30)],
-            f,
-        })
+        .map(|(title, f)| FMap { title: &title[..title.len().min(30)], f })
         .collect();
     figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap()));
     figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap()));
     let (grids, _, pair) = solved(SOURCES[0], 10.0, 8);
     let (title, grid, y, a) = ("one", grids[1], &pair.y, &pair.a);
     for azimuth in [0.0, 52.5, 90.0] {
-        let view = View {
-            azimuth,
-            ..View::default()
-        };
-        let panel = Surface {
-            title,
-            grid,
-            y,
-            a,
-            view,
-        };
-        figures.push((
-            format!("view{azimuth}"),
-            surfaces(CAPTION, &[panel]).unwrap(),
-        ));
+        let view = View { azimuth, ..View::default() };
+        let panel = Surface { title, grid, y, a, view };
+        figures.push((format!("view{azimuth}"), surfaces(CAPTION, &[panel]).unwrap()));
     }
     let line = |label| ContactLine { label, y, a };
-    let lines = [
-        "printed",
-        "signed",
-        "signed, and the dual change",
-        "projected conjugate gradients",
-    ]
-    .map(line);
-    let panel = ContactPanel {
-        title,
-        grid,
-        lines: &lines,
-    };
+    let lines =
+        ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
+            .map(line);
+    let panel = ContactPanel { title, grid, lines: &lines };
     figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap()));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {
             let size = 1.0 / number as f64;
             let gradient_signed = if number % 5000 < 900 { 0.0 } else { 0.3 * size };
-            Iteration {
-                number,
-                gradient_signed,
-                gradient_abs: size,
-                delta_a: 0.0,
-            }
+            Iteration { number, gradient_signed, gradient_abs: size, delta_a: 0.0 }
         })
         .collect();
     let labels: Vec<String> = (1..=9).map(|k| format!("curve number {k}")).collect();
     let levels = [vec![long[0]; 7], long];
-    let curves: Vec<_> = labels
-        .iter()
-        .map(|label| History {
-            label,
-            levels: &levels,
-        })
-        .collect();
-    let panel = HistoryPanel {
-        title,
-        grids: &grids,
-        curves: &curves,
-    };
-    figures.push((
-        "long".into(),
-        histories(CAPTION, Span::AllGrids, &[panel]).unwrap(),
-    ));
+    let curves: Vec<_> = labels.iter().map(|label| History { label, levels: &levels }).collect();
+    let panel = HistoryPanel { title, grids: &grids, curves: &curves };
+    figures.push(("long".into(), histories(CAPTION, Span::AllGrids, &[panel]).unwrap()));
     figures
 }
 

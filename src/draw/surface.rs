@@ -52,19 +52,13 @@ pub fn surfaces(caption: Caption, panels: &[Surface]) -> Result<String, FigureEr
         };
         let color = |v: f64| viridis((v - data.0) / (data.1 - data.0));
         picture.layer("", |pen| {
-            pen.text(
-                panel.title,
-                (left + 0.5 * PANEL.0, top + 16.0),
-                Type::size(LARGE).bold(),
-            );
+            pen.text(panel.title, (left + 0.5 * PANEL.0, top + 16.0), Type::size(LARGE).bold());
             walls(pen, &scene, &ticks);
         })?;
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
         let mesh = "stroke=\"#203038\" stroke-width=\"1\"";
         picture.layer(mesh, |pen| quads(pen, &scene, panel, color))?;
-        picture.layer("stroke-linecap=\"round\"", |pen| {
-            near_contact(pen, &scene, panel)
-        })?;
+        picture.layer("stroke-linecap=\"round\"", |pen| near_contact(pen, &scene, panel))?;
         picture.layer("", |pen| {
             axes(pen, &scene, &ticks);
             let bar = (left + 76.0, left + PANEL.0 - 36.0);
@@ -77,11 +71,7 @@ pub fn surfaces(caption: Caption, panels: &[Surface]) -> Result<String, FigureEr
         let x = margin + 76.0;
         pen.path([(x, y), (x + 28.0, y)], CONTACT, 2.75);
         key(pen, (x + 38.0, y), "boundary in contact (multiplier a > 0)");
-        let units = if columns > 1 {
-            (x + 390.0, y)
-        } else {
-            (x, y + 20.0)
-        };
+        let units = if columns > 1 { (x + 390.0, y) } else { (x, y + 20.0) };
         key(pen, units, "x, y and v are dimensionless");
     })?;
     Ok(picture.finish(caption))
@@ -155,12 +145,7 @@ fn near_contact(pen: &mut Pen, scene: &Scene, panel: &Surface) {
     let n = panel.grid.cells();
     for pair in lines.windows(2) {
         let (p, q) = (pair[0], pair[1]);
-        for edge in [
-            [(p, 0), (q, 0)],
-            [(n, p), (n, q)],
-            [(p, n), (q, n)],
-            [(0, p), (0, q)],
-        ] {
+        for edge in [[(p, 0), (q, 0)], [(n, p), (n, q)], [(p, n), (q, n)], [(0, p), (0, q)]] {
             if !is_far(scene, panel.grid, edge) {
                 mark(pen, scene, panel, edge);
             }
@@ -170,10 +155,7 @@ fn near_contact(pen: &mut Pen, scene: &Scene, panel: &Surface) {
 
 /// Whether an edge of the lattice lies on one of the two sides away from the viewer.
 fn is_far(scene: &Scene, grid: Grid, [p, q]: [(usize, usize); 2]) -> bool {
-    let [far_x, far_y] = scene
-        .camera
-        .near
-        .map(|sign| if sign > 0.0 { 0 } else { grid.cells() });
+    let [far_x, far_y] = scene.camera.near.map(|sign| if sign > 0.0 { 0 } else { grid.cells() });
     (p.0 == far_x && q.0 == far_x) || (p.1 == far_y && q.1 == far_y)
 }
 
@@ -188,11 +170,7 @@ fn mark(pen: &mut Pen, scene: &Scene, panel: &Surface, [p, q]: [(usize, usize); 
     let touches = |k: usize| boundary_number(grid, node(k)).is_some_and(|b| panel.a[b] > 0.0);
     let place = |k: usize| {
         let (i, j) = node(k);
-        scene.place(
-            grid.coordinate(i),
-            grid.coordinate(j),
-            panel.y[grid.index(i, j)],
-        )
+        scene.place(grid.coordinate(i), grid.coordinate(j), panel.y[grid.index(i, j)])
     };
     let mut k = 0;
     while k < length {
@@ -232,16 +210,8 @@ fn axes(pen: &mut Pen, scene: &Scene, ticks: &Ticks) {
     };
     let step = |at: Place, (dx, dy): Place, by: f64| (at.0 + by * dx, at.1 + by * dy);
     let sides: [(&str, Place, [Place; 5]); 2] = [
-        (
-            "x",
-            outward((0.0, ny)),
-            [-0.5, -0.25, 0.0, 0.25, 0.5].map(|t| (t, ny)),
-        ),
-        (
-            "y",
-            outward((nx, 0.0)),
-            [-0.5, -0.25, 0.0, 0.25, 0.5].map(|t| (nx, t)),
-        ),
+        ("x", outward((0.0, ny)), [-0.5, -0.25, 0.0, 0.25, 0.5].map(|t| (t, ny))),
+        ("y", outward((nx, 0.0)), [-0.5, -0.25, 0.0, 0.25, 0.5].map(|t| (nx, t))),
     ];
     for (name, out, marks) in sides {
         let at = |k: usize| scene.place(marks[k].0, marks[k].1, low);

@@ -37,10 +37,7 @@ fn scientific(value: f64) -> String {
     let text = format!("{value:.1e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let mantissa = mantissa.trim_end_matches(".0").replace('-', "\u{2212}");
-    format!(
-        "{mantissa}\u{b7}{}",
-        power_of_ten(exponent.parse().unwrap_or(0))
-    )
+    format!("{mantissa}\u{b7}{}", power_of_ten(exponent.parse().unwrap_or(0)))
 }
 
 /// Round values to mark an axis with, and how to write them.
@@ -68,9 +65,7 @@ impl Ticks {
         // Powers of ten are parsed, not multiplied up, so that every step is a shortest decimal.
         let mut exponent = libm::floor(libm::log10(want)) as i32;
         let power = |e: i32| format!("1e{e}").parse::<f64>().unwrap_or(1.0);
-        let nice = [1.0, 2.0, 5.0]
-            .into_iter()
-            .find(|m| m * power(exponent) >= want * (1.0 - 1e-9));
+        let nice = [1.0, 2.0, 5.0].into_iter().find(|m| m * power(exponent) >= want * (1.0 - 1e-9));
         let mantissa = nice.unwrap_or_else(|| {
             exponent += 1;
             1.0
@@ -91,11 +86,8 @@ impl Ticks {
     pub(super) fn labelled(&self) -> impl Iterator<Item = (f64, String)> + '_ {
         self.values().map(|value| {
             // Rounding noise in k * step ends here: the text has as many decimals as the step.
-            let text = if self.decimals > 4 {
-                scientific(value)
-            } else {
-                fixed(value, self.decimals)
-            };
+            let text =
+                if self.decimals > 4 { scientific(value) } else { fixed(value, self.decimals) };
             (value, if value == 0.0 { "0".into() } else { text })
         })
     }
@@ -125,10 +117,7 @@ mod tests {
             texts(Ticks::inside(-0.31, 0.3, 6)),
             ["\u{2212}0.2", "0", "0.2"].map(String::from)
         );
-        assert_eq!(
-            texts(Ticks::inside(0.0, 0.3, 3)),
-            ["0", "0.1", "0.2", "0.3"].map(String::from)
-        );
+        assert_eq!(texts(Ticks::inside(0.0, 0.3, 3)), ["0", "0.1", "0.2", "0.3"].map(String::from));
         assert_eq!(texts(Ticks::inside(0.0, 0.0, 5)), ["0"].map(String::from));
         assert_eq!(texts(Ticks::inside(0.0, 200.0, 4)).last().unwrap(), "200");
     }

@@ -126,8 +126,7 @@ pub fn execute(
             };
             let verdict = match found {
                 Ok(hit) => {
-                    let manifest =
-                        if options.dry_run { hit.manifest } else { store.renew(hit)? };
+                    let manifest = if options.dry_run { hit.manifest } else { store.renew(hit)? };
                     outputs.insert(task.id.clone(), manifest.outputs.clone());
                     summary.manifests.insert(task.id.clone(), manifest);
                     Verdict::Fresh
@@ -155,8 +154,7 @@ pub fn execute(
                     let start = Instant::now();
                     let result = run(task, inputs, &outputs, store);
                     failed.fetch_or(result.is_err(), Ordering::Relaxed);
-                    let ran =
-                        Ran { task: task.id.clone(), stage, reason, time: start.elapsed() };
+                    let ran = Ran { task: task.id.clone(), stage, reason, time: start.elapsed() };
                     progress.done(&ran, result.is_ok());
                     results.lock().expect("no panic above").push((k, ran, result));
                 });
@@ -187,10 +185,10 @@ pub fn execute(
         }
         for task in tasks.iter().filter(|task| task.stage == stage) {
             let Some(manifest) = summary.manifests.get(&task.id) else { continue };
-            let exports =
-                Exports::plan(project, store, task, manifest, &known, options.force)?;
+            let exports = Exports::plan(project, store, task, manifest, &known, options.force)?;
             if let Some(folder) = task.export {
-                let path = |(name, hash): (&String, &String)| (format!("{folder}/{name}"), hash.clone());
+                let path =
+                    |(name, hash): (&String, &String)| (format!("{folder}/{name}"), hash.clone());
                 summary.exports.extend(manifest.outputs.iter().map(path));
             }
             if options.dry_run {

@@ -60,9 +60,8 @@ impl Exports {
             // A book's files have hashes in their names: those of earlier runs would pile up.
             for old in store.manifests(&task.id) {
                 for (name, hash_then) in old.outputs {
-                    let unedited = || {
-                        fs::read(project.join(path(&name))).is_ok_and(|b| hash(&b) == hash_then)
-                    };
+                    let unedited =
+                        || fs::read(project.join(path(&name))).is_ok_and(|b| hash(&b) == hash_then);
                     if !manifest.outputs.contains_key(&name) && unedited() {
                         exports.remove.insert(path(&name));
                     }
@@ -88,7 +87,9 @@ impl Exports {
         }
         for (path, hash) in &self.write {
             let bytes = store.get(hash).ok_or_else(|| {
-                Error::input(format!("the artifact of {path} vanished while signorini ran; run again"))
+                Error::input(format!(
+                    "the artifact of {path} vanished while signorini ran; run again"
+                ))
             })?;
             write_atomically(&project.join(path), &bytes)?;
         }

@@ -1,7 +1,7 @@
 //! `pipeline/lock.toml`: the hashes that everyone's run must reproduce, committed with the scenes.
 
-use super::store::write_atomically;
 use super::Hashes;
+use super::store::write_atomically;
 use crate::error::{Error, IoContext, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

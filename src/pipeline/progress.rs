@@ -17,7 +17,8 @@ impl Progress {
     pub fn new(verbose: bool, quiet: bool) -> Self {
         let bar = (std::io::stderr().is_terminal() && !quiet).then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{prefix:>9} [{bar:30}] {pos}/{len} {wide_msg}");
+            let style =
+                ProgressStyle::with_template("{prefix:>9} [{bar:30}] {pos}/{len} {wide_msg}");
             bar.set_style(style.expect("a valid template").progress_chars("=> "));
             bar
         });
@@ -38,8 +39,12 @@ impl Progress {
     pub(super) fn done(&self, ran: &Ran, succeeded: bool) {
         if self.verbose {
             let verdict = if succeeded { "ran" } else { "FAILED" };
-            let line =
-                format!("{verdict} {} ({:.1} ms): {}", ran.task, ran.time.as_secs_f64() * 1e3, ran.reason);
+            let line = format!(
+                "{verdict} {} ({:.1} ms): {}",
+                ran.task,
+                ran.time.as_secs_f64() * 1e3,
+                ran.reason
+            );
             match &self.bar {
                 Some(bar) => bar.println(line),
                 // A reader that has gone away is no reason to stop.

@@ -28,12 +28,7 @@ pub struct Params {
 
 impl Default for Params {
     fn default() -> Self {
-        Self {
-            r: 1.0,
-            tolerance: 1e-5,
-            rule: StopRule::Signed,
-            max_iterations: 1_000_000,
-        }
+        Self { r: 1.0, tolerance: 1e-5, rule: StopRule::Signed, max_iterations: 1_000_000 }
     }
 }
 
@@ -49,6 +44,9 @@ pub struct Iteration {
     /// `max_i |a_i^(n) - a_i^(n-1)|`.
     pub delta_a: f64,
 }
+
+/// Called after each iteration; a break ends the run.
+pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
 
 /// How a solve on one grid ended, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,19 +83,13 @@ pub fn arrow_hurwicz(
     load: &[f64],
     params: &Params,
     pair: &mut Pair,
-    mut monitor: Option<&mut dyn FnMut(&Iteration) -> ControlFlow<()>>,
+    mut monitor: Option<OnIteration>,
 ) -> Outcome {
     assert!(params.r > 0.0, "the duality parameter r must be positive");
     assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
     assert!(pair.a.len() == grid.boundary_nodes());
     let boundary: Vec<usize> = grid.boundary().collect();
-    let mut gradient = Gradient {
-        grid,
-        load,
-        r: params.r,
-        row: vec![0.0; grid.side()],
-        failed: 0,
-    };
+    let mut gradient = Gradient { grid, load, r: params.r, row: vec![0.0; grid.side()], failed: 0 };
     let (mut iterations, mut delta_a) = (0, 0.0);
     let stop = loop {
         if iterations == params.max_iterations {
@@ -111,12 +103,8 @@ pub fn arrow_hurwicz(
         };
         if let Some(monitor) = monitor.as_mut() {
             let (gradient_signed, gradient_abs) = gradient.extrema(pair);
-            let iteration = Iteration {
-                number: iterations,
-                gradient_signed,
-                gradient_abs,
-                delta_a,
-            };
+            let iteration =
+                Iteration { number: iterations, gradient_signed, gradient_abs, delta_a };
             if monitor(&iteration).is_break() {
                 break StopReason::Interrupted;
             }
@@ -192,9 +180,7 @@ impl Gradient<'_> {
             self.evaluate(j, pair);
             // No early exit inside a row, so that the comparison vectorises.
             let ok = if absolute {
-                self.row
-                    .iter()
-                    .fold(true, |ok, g| ok & (g.abs() <= tolerance))
+                self.row.iter().fold(true, |ok, g| ok & (g.abs() <= tolerance))
             } else {
                 self.row.iter().fold(true, |ok, g| ok & (*g <= tolerance))
             };

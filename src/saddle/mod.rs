@@ -23,18 +23,12 @@ pub struct Pair {
 impl Pair {
     /// The zero pair, from which the paper starts on its coarsest grid.
     pub fn zero(grid: Grid) -> Self {
-        Self {
-            y: vec![0.0; grid.nodes()],
-            a: vec![0.0; grid.boundary_nodes()],
-        }
+        Self { y: vec![0.0; grid.nodes()], a: vec![0.0; grid.boundary_nodes()] }
     }
 
     /// The linear interpolation of both components on the grid of half the width.
     pub fn prolonged(&self, grid: Grid, rule: Prolongation) -> Self {
-        Self {
-            y: prolong(grid, &self.y, rule),
-            a: prolong_boundary(&self.a),
-        }
+        Self { y: prolong(grid, &self.y, rule), a: prolong_boundary(&self.a) }
     }
 }
 
@@ -44,11 +38,30 @@ pub fn tolerance(level: usize) -> f64 {
     1.0 / 10f64.powi(level as i32)
 }
 
+/// Watches a run over nested grids; every method has a default that looks away.
+pub trait Monitor {
+    /// Whether [`Monitor::iteration`] is to be called, which makes each iteration dearer.
+    fn wants_iterations(&self) -> bool {
+        false
+    }
+
+    /// After each iteration on the grid of this level, counted from 1; a break ends the run.
+    fn iteration(&mut self, _level: usize, _iteration: &Iteration) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// After each grid, with the pair it ended with.
+    fn level(&mut self, _grid: Grid, _pair: &Pair) {}
+}
+
+/// Looks away.
+impl Monitor for () {}
+
 /// Solves on each of the nested `grids` in turn, starting from zero and then from the prolonged pair.
 ///
 /// `loads[k]` is the load vector on `grids[k]`. On the k-th grid `params.tolerance` is replaced by
-/// [`tolerance`]`(k)`. Stops early when `monitor`, called with the level counted from 1, breaks.
-/// Returns the outcome on each grid and the last pair.
+/// [`tolerance`]`(k)`. Returns the outcome on each grid and the last pair; ends early if a grid's
+/// iteration diverges or the monitor breaks.
 ///
 /// # Panics
 /// If the grids are not as [`crate::grid::nested`] gives them, or a load vector has the wrong length.
@@ -57,7 +70,7 @@ pub fn solve_nested(
     loads: &[Vec<f64>],
     params: &Params,
     prolongation: Prolongation,
-    mut monitor: Option<&mut dyn FnMut(usize, &Iteration) -> ControlFlow<()>>,
+    monitor: &mut impl Monitor,
 ) -> (Vec<Outcome>, Pair) {
     let mut pair = Pair::zero(grids[0]);
     let mut outcomes = Vec::with_capacity(grids.len());
@@ -66,23 +79,16 @@ pub fn solve_nested(
         if k > 0 {
             pair = pair.prolonged(grids[k - 1], prolongation);
         }
-        let params = Params {
-            tolerance: tolerance(level),
-            ..*params
+        let params = Params { tolerance: tolerance(level), ..*params };
+        let outcome = if monitor.wants_iterations() {
+            let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
+            arrow_hurwicz(grid, load, &params, &mut pair, Some(&mut on_iteration))
+        } else {
+            arrow_hurwicz(grid, load, &params, &mut pair, None)
         };
-        let outcome = match monitor.as_mut() {
-            Some(monitor) => {
-                let mut on_level = |iteration: &Iteration| monitor(level, iteration);
-                arrow_hurwicz(grid, load, &params, &mut pair, Some(&mut on_level))
-            }
-            None => arrow_hurwicz(grid, load, &params, &mut pair, None),
-        };
-        let go_on = matches!(
-            outcome.stop,
-            StopReason::Converged | StopReason::IterationLimit
-        );
+        monitor.level(grid, &pair);
         outcomes.push(outcome);
-        if !go_on {
+        if matches!(outcome.stop, StopReason::Diverged | StopReason::Interrupted) {
             break;
         }
     }

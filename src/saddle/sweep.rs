@@ -12,13 +12,7 @@ const BAND: usize = 4;
 /// Replaces `y` by the result of one sweep; `a` is the boundary vector of multipliers, r > 0.
 pub(super) fn sweep(grid: Grid, load: &[f64], r: f64, y: &mut [f64], a: &[f64]) {
     let n = grid.cells();
-    let nodes = Nodes {
-        grid,
-        load,
-        a,
-        r,
-        h: grid.h(),
-    };
+    let nodes = Nodes { grid, load, a, r, h: grid.h() };
     for i in 0..=n {
         nodes.relax(y, i, 0);
     }
@@ -70,21 +64,12 @@ impl Nodes<'_> {
                 self.boundary(2 * n, 1.0, 0.5 * (y[node - 1] + y[node - side]) + load, 1.0)
             }
             (_, 0) => self.boundary(i, 2.0, 0.5 * along_x(y) + y[node + side] + load, 0.5),
-            _ if j == n => self.boundary(
-                3 * n - i,
-                2.0,
-                0.5 * along_x(y) + y[node - side] + load,
-                0.5,
-            ),
+            _ if j == n => {
+                self.boundary(3 * n - i, 2.0, 0.5 * along_x(y) + y[node - side] + load, 0.5)
+            }
             (0, _) => self.boundary(4 * n - j, 2.0, 0.5 * along_y(y) + y[node + 1] + load, 0.5),
             _ if i == n => self.boundary(n + j, 2.0, 0.5 * along_y(y) + y[node - 1] + load, 0.5),
-            _ => interior(
-                y[node - side],
-                y[node + side],
-                y[node + 1],
-                load,
-                y[node - 1],
-            ),
+            _ => interior(y[node - side], y[node + side], y[node + 1], load, y[node - 1]),
         };
     }
 
@@ -92,11 +77,7 @@ impl Nodes<'_> {
     fn boundary(&self, b: usize, diagonal: f64, sum: f64, inverse: f64) -> f64 {
         let a = self.a[b];
         let psi = inverse * sum;
-        if psi >= a / self.r {
-            psi
-        } else {
-            (sum + self.h * a) / (diagonal + self.h * self.r)
-        }
+        if psi >= a / self.r { psi } else { (sum + self.h * a) / (diagonal + self.h * self.r) }
     }
 
     /// Relaxes rows `first..first + BAND`, all interior, each one column behind the row below it.
@@ -183,13 +164,7 @@ mod tests {
     #[test]
     fn boundary_formula_is_continuous_where_it_switches() {
         let grid = Grid::new(4).unwrap();
-        let nodes = Nodes {
-            grid,
-            load: &[0.0; 25],
-            a: &[0.3; 16],
-            r: 2.0,
-            h: 0.25,
-        };
+        let nodes = Nodes { grid, load: &[0.0; 25], a: &[0.3; 16], r: 2.0, h: 0.25 };
         // psi = a / r exactly, and a hair below.
         let at = nodes.boundary(1, 2.0, 0.3, 0.5);
         let below = nodes.boundary(1, 2.0, 0.3 - 1e-12, 0.5);

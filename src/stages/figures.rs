@@ -3,8 +3,8 @@
 use super::solve::{self, HISTORY, PAIR, read_pair};
 use super::{artifact, from_json};
 use crate::draw::{
-    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel, Span, Surface, View,
-    contact, histories, maps_of_f, surfaces,
+    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel, Span, Surface,
+    View, contact, histories, maps_of_f, surfaces,
 };
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::project::Project;
@@ -13,7 +13,7 @@ use crate::scene::{Output, Scene};
 use std::collections::BTreeMap;
 
 /// The kinds of figure, with the name each has when the paper's problems share it.
-const KINDS: [(Output, &str); 4] = [
+pub const KINDS: [(Output, &str); 4] = [
     (Output::Source, "figure1"),
     (Output::Surface, "figure2"),
     (Output::History, "histories"),
@@ -32,7 +32,7 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
     for (kind, shared_name) in KINDS {
         let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
-        let shared: Vec<&Scene> = scenes.iter().copied().filter(|s| shares(&s)).collect();
+        let shared: Vec<&Scene> = scenes.iter().copied().filter(shares).collect();
         if !shared.is_empty() && shared.len() == project.scenes.iter().filter(shares).count() {
             tasks.push(task(kind, shared_name.into(), &shared));
         }
@@ -41,16 +41,6 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         }
     }
     tasks
-}
-
-/// File name of a figure task's picture, which is its only artifact.
-pub fn file(task: &Task) -> String {
-    format!("{}.svg", task.id.trim_start_matches("figures/"))
-}
-
-/// The kind of picture that a figure task draws.
-pub fn kind(task: &Task) -> &str {
-    &task.parameters["kind"]
 }
 
 fn task(kind: Output, name: String, scenes: &[&Scene]) -> Task {
@@ -91,8 +81,12 @@ impl Panel {
         match kind {
             Output::Source | Output::Table => Vec::new(),
             Output::Surface => vec![solve::id(scene, scene.stop[0], scene.draw_r)],
-            Output::History => scene.r.iter().map(|&r| solve::id(scene, scene.stop[0], r)).collect(),
-            Output::Contact => scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect(),
+            Output::History => {
+                scene.r.iter().map(|&r| solve::id(scene, scene.stop[0], r)).collect()
+            }
+            Output::Contact => {
+                scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
+            }
         }
     }
 
@@ -103,7 +97,8 @@ impl Panel {
 
 fn draw(kind: Output, panels: &[Panel], inputs: &Inputs) -> Result<String, String> {
     let description = format!(
-        "Made by `signorini run --only figures` from inputs {} (blake3).", &inputs.digest[..12]
+        "Made by `signorini run --only figures` from inputs {} (blake3).",
+        &inputs.digest[..12]
     );
     let titles: Vec<&str> = panels.iter().map(|panel| panel.scene.title.as_str()).collect();
     let title = format!("{}: {}", caption(kind), titles.join("; "));
@@ -142,13 +137,17 @@ fn draw(kind: Output, panels: &[Panel], inputs: &Inputs) -> Result<String, Strin
             }
             let curves: Vec<Vec<History>> = curves
                 .iter()
-                .map(|of_panel| of_panel.iter().map(|(label, levels)| History { label, levels }).collect())
+                .map(|of_panel| {
+                    of_panel.iter().map(|(label, levels)| History { label, levels }).collect()
+                })
                 .collect();
             let panels: Vec<_> = panels
                 .iter()
                 .zip(&curves)
                 .map(|(panel, curves)| HistoryPanel {
-                    title: &panel.scene.title, grids: &panel.scene.grids, curves,
+                    title: &panel.scene.title,
+                    grids: &panel.scene.grids,
+                    curves,
                 })
                 .collect();
             histories(caption, Span::AllGrids, &panels)
@@ -176,7 +175,9 @@ fn draw(kind: Output, panels: &[Panel], inputs: &Inputs) -> Result<String, Strin
                 .iter()
                 .zip(&lines)
                 .map(|(panel, lines)| ContactPanel {
-                    title: &panel.scene.title, grid: panel.scene.finest(), lines,
+                    title: &panel.scene.title,
+                    grid: panel.scene.finest(),
+                    lines,
                 })
                 .collect();
             contact(caption, &panels)

@@ -2,9 +2,11 @@
 
 pub mod diff;
 pub mod figures;
+pub mod report;
 pub mod solve;
 pub mod tabulate;
 
+use crate::error::Result;
 use crate::pipeline::{Inputs, Stage, Task};
 use crate::project::Project;
 use crate::scene::{Output, Scene};
@@ -16,7 +18,10 @@ use std::collections::BTreeSet;
 ///
 /// Figures that show several scenes together, and the book, belong to the project as a whole: they
 /// are planned when all scenes concerned are among `scenes`.
-pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Vec<Task> {
+///
+/// # Errors
+/// [`Error::Input`](crate::error::Error::Input) if the book lacks something that only a scene can ask for.
+pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Vec<Task>> {
     let mut tasks = Vec::new();
     for scene in scenes {
         for (k, &stop) in scene.stop.iter().enumerate() {
@@ -24,7 +29,8 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Vec<Ta
             for &r in &scene.r {
                 let drawn = (scene.wants(Output::History) && k == 0)
                     || (r == scene.draw_r
-                        && (scene.wants(Output::Contact) || (scene.wants(Output::Surface) && k == 0)));
+                        && (scene.wants(Output::Contact)
+                            || (scene.wants(Output::Surface) && k == 0)));
                 if table || drawn {
                     tasks.push(solve::task(scene, stop, r));
                 }
@@ -38,6 +44,9 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Vec<Ta
         }
     }
     tasks.extend(figures::tasks(project, scenes));
+    if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
+        tasks.push(report::task(project, &tasks)?);
+    }
     tasks.sort_by_key(|task| task.stage);
     if let Some(stage) = only {
         let mut wanted: BTreeSet<String> =
@@ -50,7 +59,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Vec<Ta
         }
         tasks.retain(|task| wanted.contains(&task.id));
     }
-    tasks
+    Ok(tasks)
 }
 
 /// Pretty JSON with a final newline.
@@ -60,12 +69,20 @@ fn to_json(value: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-fn artifact<'a>(inputs: &'a Inputs, task: &str, name: &str) -> Result<&'a [u8], String> {
+fn artifact<'a>(
+    inputs: &'a Inputs,
+    task: &str,
+    name: &str,
+) -> std::result::Result<&'a [u8], String> {
     let found = inputs.artifacts.get(task).and_then(|artifacts| artifacts.get(name));
     found.map(Vec::as_slice).ok_or_else(|| format!("{task} has no artifact {name}"))
 }
 
-fn from_json<T: DeserializeOwned>(inputs: &Inputs, task: &str, name: &str) -> Result<T, String> {
+fn from_json<T: DeserializeOwned>(
+    inputs: &Inputs,
+    task: &str,
+    name: &str,
+) -> std::result::Result<T, String> {
     serde_json::from_slice(artifact(inputs, task, name)?)
         .map_err(|e| format!("{name} of {task} is not what this version writes: {e}"))
 }

@@ -1,13 +1,17 @@
 //! The `solve` stage: one cell is a problem, a stopping rule and an r, solved on all nested grids.
 
+use super::to_json;
+use crate::exact::Exact;
 use crate::grid::{Grid, nested};
 use crate::load::{LoadRule, load};
+use crate::norms::max_error;
 use crate::pipeline::{Artifacts, Stage, Task, parameters};
-use crate::saddle::{Iteration, Outcome, Pair, Params, StopReason, StopRule, solve_nested};
+use crate::saddle::{
+    Iteration, Monitor, Outcome, Pair, Params, StopReason, StopRule, solve_nested,
+};
 use crate::scene::{Output, Scene};
 use crate::source::Source;
 use crate::transfer::Prolongation;
-use super::to_json;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -36,6 +40,8 @@ pub struct Outcomes {
     pub r: f64,
     /// Per grid, coarsest first.
     pub levels: Vec<Outcome>,
+    /// Greatest nodal error per grid; empty if no exact solution is known.
+    pub errors: Vec<f64>,
 }
 
 /// Artifact with an [`Outcomes`].
@@ -86,30 +92,52 @@ fn solve(cell: &Cell) -> Result<Artifacts, String> {
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    let mut history: Vec<Vec<Iteration>> = vec![Vec::new(); grids.len()];
-    let mut record = |level: usize, iteration: &Iteration| {
-        history[level - 1].push(*iteration);
-        ControlFlow::Continue(())
-    };
-    let monitor: Option<&mut dyn FnMut(usize, &Iteration) -> ControlFlow<()>> =
-        if cell.keep_history { Some(&mut record) } else { None };
-    let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, monitor);
+    let mut record =
+        Record { keep_history: cell.keep_history, exact: f.exact(), ..Record::default() };
+    let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, &mut record);
     if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
         return Err(format!(
             "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
             last.cells, last.iterations, cell.r
         ));
     }
-    let outcomes = Outcomes { schema: 1, r: cell.r, levels };
+    let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: record.errors };
     let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);
     if cell.keep_pair {
         let bytes = pair.y.iter().chain(&pair.a).flat_map(|v| v.to_le_bytes()).collect();
         artifacts.insert(PAIR.into(), bytes);
     }
     if cell.keep_history {
-        artifacts.insert(HISTORY.into(), to_json(&history));
+        artifacts.insert(HISTORY.into(), to_json(&record.history));
     }
     Ok(artifacts)
+}
+
+/// Keeps what the cell is asked to keep.
+#[derive(Default)]
+struct Record {
+    keep_history: bool,
+    exact: Option<Exact>,
+    history: Vec<Vec<Iteration>>,
+    errors: Vec<f64>,
+}
+
+impl Monitor for Record {
+    fn wants_iterations(&self) -> bool {
+        self.keep_history
+    }
+
+    fn iteration(&mut self, level: usize, iteration: &Iteration) -> ControlFlow<()> {
+        self.history.resize_with(level, Vec::new);
+        self.history[level - 1].push(*iteration);
+        ControlFlow::Continue(())
+    }
+
+    fn level(&mut self, grid: Grid, pair: &Pair) {
+        if let Some(exact) = self.exact {
+            self.errors.push(max_error(grid, &pair.y, |x, y| exact.solution(x, y)));
+        }
+    }
 }
 
 /// The pair in a [`PAIR`] artifact.

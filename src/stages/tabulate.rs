@@ -1,7 +1,7 @@
 //! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table, and level by level.
 
-use super::solve::{self, Outcomes};
 use super::from_json;
+use super::solve::{self, Outcomes};
 use crate::paper::Row;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::saddle::StopRule;

@@ -1,0 +1,80 @@
+//! Costs that the replication promises: the cells of both tables, one sweep per node, and the run that has nothing to do.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use signorini::grid::{Grid, nested};
+use signorini::load::{LoadRule, load};
+use signorini::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use signorini::source::Source;
+use signorini::transfer::Prolongation;
+use std::hint::black_box;
+use std::process::Command;
+
+const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
+const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
+
+/// All fifty solves of Tables 1 and 2, load vectors included, on one thread.
+fn tables(c: &mut Criterion) {
+    let sources = PROBLEMS.map(|text| text.parse::<Source>().expect("a valid f"));
+    let grids = nested(&[4, 8, 16, 32, 64]).expect("nested");
+    c.bench_function("tables/both, 50 solves", |b| {
+        b.iter(|| {
+            for f in &sources {
+                let loads: Vec<_> =
+                    grids.iter().map(|&g| load(g, f, LoadRule::default())).collect();
+                for r in R {
+                    let params = Params { r, ..Params::default() };
+                    black_box(solve_nested(
+                        &grids,
+                        &loads,
+                        &params,
+                        Prolongation::default(),
+                        &mut (),
+                    ));
+                }
+            }
+        });
+    });
+}
+
+/// One iteration (sweep, dual step, stopping test), per node.
+fn iteration(c: &mut Criterion) {
+    let f: Source = PROBLEMS[1].parse().expect("a valid f");
+    let mut group = c.benchmark_group("iteration per node");
+    for n in [16, 64, 256, 1024] {
+        let grid = Grid::new(n).expect("fine enough");
+        let load = load(grid, &f, LoadRule::default());
+        let count = if n <= 64 { 1000 } else { 20 };
+        // A tolerance out of reach, so that exactly `count` iterations run.
+        let params = Params {
+            tolerance: f64::MIN_POSITIVE,
+            rule: StopRule::Printed,
+            max_iterations: count,
+            ..Params::default()
+        };
+        group.throughput(Throughput::Elements((count * grid.nodes()) as u64));
+        group.bench_function(format!("1/{n}"), |b| {
+            b.iter(|| {
+                let mut pair = Pair::zero(grid);
+                arrow_hurwicz(grid, &load, &params, &mut pair, None)
+            });
+        });
+    }
+}
+
+/// The whole process when everything is up to date.
+fn nothing_to_do(c: &mut Criterion) {
+    let cache = tempfile::tempdir().expect("a temporary folder");
+    let run = || {
+        Command::new(env!("CARGO_BIN_EXE_signorini"))
+            .args(["run", "--quiet", "--cache-dir"])
+            .arg(cache.path())
+            .output()
+            .expect("the program starts")
+    };
+    assert!(run().status.success());
+    assert_eq!(run().stdout, b"nothing to do\n");
+    c.bench_function("run, nothing to do", |b| b.iter(run));
+}
+
+criterion_group!(benches, tables, iteration, nothing_to_do);
+criterion_main!(benches);

@@ -1,0 +1,122 @@
+//! How numbers read in the book: template filters that write LaTeX between dollars.
+
+use tera::{Kwargs, State, Tera, TeraResult};
+
+/// Makes the filters known to templates.
+pub(super) fn register(tera: &mut Tera) {
+    tera.register_filter("sci", |x: f64, _: Kwargs, _: &State| math(scientific(x)));
+    tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x)));
+    tera.register_filter("times", |x: f64, _: Kwargs, _: &State| math(factor(x)));
+    tera.register_filter("int", |n: usize, _: Kwargs, _: &State| grouped(n));
+    tera.register_filter("word", |n: usize, _: Kwargs, _: &State| word(n));
+    tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
+        equation(kwargs, format!("1/{cells}"))
+    });
+    tera.register_filter("diff", |d: i64, _: Kwargs, _: &State| {
+        // A true minus sign, as wide as the plus.
+        format!("{}{}", if d < 0 { '\u{2212}' } else { '+' }, d.abs())
+    });
+    tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
+}
+
+fn math(latex: String) -> String {
+    format!("${latex}$")
+}
+
+/// `$x = value$` if the filter is called with `eq="x"`, else `$value$`.
+fn equation(kwargs: Kwargs, value: String) -> TeraResult<String> {
+    Ok(math(match kwargs.get::<String>("eq")? {
+        Some(name) => format!("{name} = {value}"),
+        None => value,
+    }))
+}
+
+/// Two significant digits, with a power of ten where that is shorter, as in the paper's last column.
+fn scientific(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return plain(x);
+    }
+    let text = format!("{x:.1e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    match exponent {
+        "-1" => format!("{x:.2}"),
+        "0" => mantissa.to_string(),
+        "1" | "2" | "3" => format!("{x:.0}"),
+        _ => format!(r"{mantissa} \cdot 10^{{{exponent}}}"),
+    }
+}
+
+/// The shortest decimal that is right to ten places; powers of ten from a million up as such.
+fn plain(x: f64) -> String {
+    if x.is_nan() {
+        return r"\text{not a number}".into();
+    }
+    if x.is_infinite() {
+        return if x > 0.0 { r"\infty" } else { r"-\infty" }.into();
+    }
+    let exponent = x.abs().log10();
+    if exponent >= 6.0 && exponent.fract() == 0.0 && x > 0.0 {
+        return format!("10^{{{exponent}}}");
+    }
+    let text = format!("{x:.10}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0" } else { text }.to_string()
+}
+
+/// A ratio: whole from ten up, one decimal below, a power of ten when huge.
+fn factor(x: f64) -> String {
+    match x.abs() {
+        size if size >= 1e5 || !x.is_finite() => scientific(x),
+        size if size >= 9.95 => format!("{x:.0}"),
+        size if size >= 0.095 => format!("{x:.1}"),
+        _ => scientific(x),
+    }
+}
+
+/// Digits in groups of three from five digits up, parted by narrow spaces.
+fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    if digits.len() < 5 {
+        return digits;
+    }
+    let mut out = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// Numbers up to twelve in words.
+fn word(n: usize) -> String {
+    const WORDS: [&str; 13] = [
+        "none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+        "eleven", "twelve",
+    ];
+    WORDS.get(n).map_or_else(|| grouped(n), |word| (*word).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_as_in_the_paper() {
+        assert_eq!(scientific(1.6e-4), r"1.6 \cdot 10^{-4}");
+        assert_eq!(scientific(9.96e-4), r"1.0 \cdot 10^{-3}");
+        assert_eq!((scientific(0.0).as_str(), scientific(4.2).as_str()), ("0", "4.2"));
+        assert_eq!((plain(1e6).as_str(), plain(0.5).as_str()), ("10^{6}", "0.5"));
+        assert_eq!(plain(0.03750000000003612), "0.0375");
+        assert_eq!((plain(-1.05).as_str(), plain(-1e-14).as_str()), ("-1.05", "0"));
+        assert_eq!((factor(89.7).as_str(), factor(2.34).as_str()), ("90", "2.3"));
+        assert_eq!(
+            (grouped(9999).as_str(), grouped(1234567).as_str()),
+            ("9999", "1\u{202f}234\u{202f}567")
+        );
+        assert_eq!(scientific(0.5369), "0.54");
+        assert_eq!(scientific(-29.6), "-30");
+        assert_eq!(plain(f64::NAN), r"\text{not a number}");
+    }
+}

@@ -1,0 +1,235 @@
+//! LaTeX between dollars becomes MathML, and `eq:n` links find their equation.
+
+use super::ReportError;
+use pulldown_cmark::{Event, Options, Parser, Tag};
+use pulldown_latex::config::{DisplayMode, RenderConfig};
+use pulldown_latex::{Parser as Latex, Storage, push_mathml};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Equation numbers, each with the path of the chapter that has the equation.
+pub(super) type Labels = BTreeMap<String, String>;
+
+/// Adds the equations tagged in `markdown` to `labels`.
+pub(super) fn collect_labels(
+    chapter: &str,
+    markdown: &str,
+    labels: &mut Labels,
+) -> Result<(), ReportError> {
+    for (event, _) in parse(markdown) {
+        if let Event::DisplayMath(latex) = event
+            && let (_, Some(label)) = split_tag(&latex)
+            && let Some(first) = labels.insert(label.into(), chapter.into())
+        {
+            return Err(ReportError::DuplicateEquation {
+                chapter: chapter.into(),
+                label: label.into(),
+                first,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Replaces formulas by MathML and `[](eq:n)` by a link to equation (n); leaves code alone.
+///
+/// `$...$` is inline, `$$...$$` displayed, `\$` a dollar; `\tag{n}` at the end of a displayed
+/// formula numbers it. The result is Markdown again.
+pub(super) fn convert(
+    chapter: &str,
+    markdown: &str,
+    labels: &Labels,
+) -> Result<String, ReportError> {
+    let mut out = String::with_capacity(2 * markdown.len());
+    let mut done = 0;
+    let mut replace = |range: Range<usize>, text: &str| {
+        out.push_str(&markdown[done..range.start]);
+        out.push_str(text);
+        done = range.end;
+    };
+    for (event, range) in parse(markdown) {
+        match event {
+            Event::InlineMath(latex) => {
+                replace(range, &set(chapter, &latex, DisplayMode::Inline)?);
+            }
+            Event::DisplayMath(latex) => {
+                let (body, label) = split_tag(&latex);
+                let math = set(chapter, body, DisplayMode::Block)?;
+                let equation = match label {
+                    Some(n) => format!(
+                        r#"<span class="equation" id="eq-{n}">{math}<span class="tag">({n})</span></span>"#
+                    ),
+                    None => format!(r#"<span class="equation">{math}</span>"#),
+                };
+                replace(range, &equation);
+            }
+            Event::Start(Tag::Link { dest_url, .. }) => {
+                if let Some(label) = dest_url.strip_prefix("eq:") {
+                    let home = labels.get(label).ok_or_else(|| ReportError::UnknownEquation {
+                        chapter: chapter.into(),
+                        label: label.into(),
+                    })?;
+                    // Chapters lie side by side in one folder.
+                    let file = home.rsplit('/').next().unwrap_or(home);
+                    replace(range, &format!("[({label})]({file}#eq-{label})"));
+                }
+            }
+            Event::Text(_) => {
+                if let Some(at) = bare_dollar(markdown, range) {
+                    return Err(ReportError::UnpairedDollar {
+                        chapter: chapter.into(),
+                        line: 1 + markdown[..at].matches('\n').count(),
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+    out.push_str(&markdown[done..]);
+    Ok(out)
+}
+
+/// Parses as mdBook does, with formulas.
+fn parse(markdown: &str) -> impl Iterator<Item = (Event<'_>, Range<usize>)> {
+    let options = Options::ENABLE_TABLES
+        | Options::ENABLE_FOOTNOTES
+        | Options::ENABLE_STRIKETHROUGH
+        | Options::ENABLE_TASKLISTS
+        | Options::ENABLE_HEADING_ATTRIBUTES
+        | Options::ENABLE_DEFINITION_LIST
+        | Options::ENABLE_GFM
+        | Options::ENABLE_MATH;
+    let mut in_code = false;
+    Parser::new_ext(markdown, options).into_offset_iter().filter(move |(event, _)| {
+        match event {
+            Event::Start(Tag::CodeBlock(_)) => in_code = true,
+            Event::End(pulldown_cmark::TagEnd::CodeBlock) => in_code = false,
+            _ => {}
+        }
+        !in_code
+    })
+}
+
+/// The formula without its closing `\tag{n}`, and n.
+fn split_tag(latex: &str) -> (&str, Option<&str>) {
+    let trimmed = latex.trim();
+    trimmed
+        .strip_suffix('}')
+        .and_then(|rest| rest.rsplit_once(r"\tag{"))
+        .map_or((trimmed, None), |(body, label)| (body.trim(), Some(label)))
+}
+
+/// Position of a dollar in `range` that no backslash escapes.
+fn bare_dollar(markdown: &str, range: Range<usize>) -> Option<usize> {
+    range.clone().find(|&at| markdown.as_bytes()[at] == b'$' && !markdown[..at].ends_with('\\'))
+}
+
+fn set(chapter: &str, latex: &str, display_mode: DisplayMode) -> Result<String, ReportError> {
+    let failed = |message: String| ReportError::Formula {
+        chapter: chapter.into(),
+        formula: latex.trim().into(),
+        message,
+    };
+    let storage = Storage::new();
+    let events: Vec<_> = Latex::new(latex, &storage)
+        .collect::<Result<_, _>>()
+        .map_err(|error| failed(first_line(&error.to_string())))?;
+    let config = RenderConfig { display_mode, ..RenderConfig::default() };
+    let mut mathml = String::new();
+    push_mathml(&mut mathml, events.into_iter().map(Ok::<_, std::convert::Infallible>), config)
+        .map_err(|error| failed(error.to_string()))?;
+    Ok(shield(&mathml))
+}
+
+/// The parser draws the place below its first line; the error names the formula anyway.
+fn first_line(message: &str) -> String {
+    let line = message.lines().next().unwrap_or_default();
+    line.trim_start_matches("parsing error: ").to_string()
+}
+
+/// Writes what Markdown could take for markup as character references, and everything on one line.
+fn shield(mathml: &str) -> String {
+    // Solidus and bars are ordinary symbols in TeX but spaced operators in MathML; and the
+    // renderer escapes the ampersand of the entity it writes for a control space.
+    let mathml = mathml
+        .replace("<mo>/</mo>", r#"<mo lspace="0" rspace="0">/</mo>"#)
+        .replace(r#""false">|</mo>"#, r#""false" lspace="0" rspace="0">|</mo>"#)
+        .replace("&amp;nbsp;", "&#160;");
+    let (mut out, mut in_tag) = (String::with_capacity(mathml.len()), false);
+    for c in mathml.chars() {
+        match c {
+            '<' => in_tag = true,
+            '>' => in_tag = false,
+            '\n' => {
+                out.push(' ');
+                continue;
+            }
+            '*' | '_' | '`' | '[' | ']' | '|' | '~' | '\\' | '\'' | '"' | '.' | '-' | '!' | '$'
+                if !in_tag =>
+            {
+                out.push_str(&format!("&#{};", c as u32));
+                continue;
+            }
+            _ => {}
+        }
+        out.push(c);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn converted(markdown: &str) -> Result<String, ReportError> {
+        let mut labels = Labels::new();
+        collect_labels("src/a.md", markdown, &mut labels)?;
+        convert("src/a.md", markdown, &labels)
+    }
+
+    #[test]
+    fn inline_and_display_formulas_become_mathml() {
+        let text = converted("Let $x_1$ and\n\n$$\ny = -1/2\n$$\n").unwrap();
+        assert!(text.starts_with("Let <math display=\"inline\"><msub>"), "{text}");
+        assert!(text.contains("<span class=\"equation\"><math display=\"block\">"));
+        assert!(text.contains("<mo lspace=\"0\" rspace=\"0\">/</mo>"), "{text}");
+        assert!(!text.contains('$') && text.ends_with("</math></span>\n"));
+        assert!(converted(r"$a\ b$").unwrap().contains("&#160;"));
+    }
+
+    #[test]
+    fn code_and_escaped_dollars_stay() {
+        let text = "Pay \\$5 for `$x$`.\n\n```sh\necho $HOME $x$\n```\n\n    $indented$\n";
+        assert_eq!(converted(text).unwrap(), text);
+    }
+
+    #[test]
+    fn formulas_survive_inside_tables_lists_and_emphasis() {
+        let text =
+            converted("| $a$ | b |\n|---|---|\n| $\\lvert x\\rvert$ | *$a_b$* |\n\n- $z^*$\n");
+        let text = text.unwrap();
+        assert!(text.lines().nth(2).unwrap().matches('|').count() == 3, "{text}");
+        assert!(!text.contains('_') && text.contains("&#124;"), "{text}");
+    }
+
+    #[test]
+    fn equations_are_numbered_and_found_from_other_chapters() {
+        let mut labels = Labels::new();
+        collect_labels("src/b.md", "$$ x \\tag{7} $$", &mut labels).unwrap();
+        let home = convert("src/b.md", "$$ x \\tag{7} $$", &labels).unwrap();
+        assert!(home.contains(r#"id="eq-7""#) && home.contains("(7)</span>"));
+        let away = convert("src/a.md", "see [](eq:7).", &labels).unwrap();
+        assert_eq!(away, "see [(7)](b.md#eq-7).");
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let message = |text: &str| converted(text).unwrap_err().to_string();
+        let formula = message("fine $x$ and $\\frac{1}$");
+        assert!(formula.starts_with("src/a.md: cannot set the formula `\\frac{1}`: "), "{formula}");
+        assert!(message("\nlone $ sign").starts_with("src/a.md:2: unpaired `$`"));
+        assert!(message("[](eq:99)").contains("no equation is tagged (99)"));
+        let twice = message("$$ a \\tag{1} $$\n\n$$ b \\tag{1} $$");
+        assert!(twice.contains("(1) is numbered already in src/a.md"), "{twice}");
+    }
+}

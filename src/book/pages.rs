@@ -1,0 +1,55 @@
+//! Templates and data become Markdown.
+
+use super::data::Report;
+use super::facts::{Facts, Told};
+use super::{ReportError, filters};
+use std::collections::BTreeMap;
+use tera::{Context, ErrorKind, Tera};
+
+/// Ending of the templates that become a page each; the others hold components.
+const PAGE: &str = ".md.tera";
+
+/// Renders every `*.md.tera` among `templates` and copies every `*.md`.
+///
+/// Keys of `templates` are paths below `report/templates`; those of the result are paths below
+/// `report`, in the book's source folder, as [`super::build`] takes them.
+///
+/// # Errors
+/// [`ReportError::Template`] with file and line.
+pub fn pages(
+    templates: &BTreeMap<String, String>,
+    data: &Report,
+) -> Result<BTreeMap<String, String>, ReportError> {
+    let mut tera = Tera::new();
+    filters::register(&mut tera);
+    tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
+        .map_err(|error| located("", &error))?;
+    let mut context = Context::from_serialize(data).map_err(|error| located("", &error))?;
+    context.insert("facts", &Facts::of(data));
+    let problems: Vec<_> = data.problems.iter().map(Told::of).collect();
+    context.insert("problems", &problems);
+
+    let mut pages = BTreeMap::new();
+    for (name, text) in templates {
+        if name.ends_with(".md") {
+            pages.insert(format!("src/{name}"), text.clone());
+        } else if let Some(stem) = name.strip_suffix(PAGE) {
+            let page = tera.render(name, &context).map_err(|error| located(name, &error))?;
+            pages.insert(format!("src/{stem}.md"), page);
+        }
+    }
+    Ok(pages)
+}
+
+/// The error with its place; in a component, with the page that called it as well.
+fn located(page: &str, error: &tera::Error) -> ReportError {
+    let (file, line, message) = match error.kind() {
+        ErrorKind::SyntaxError(at) | ErrorKind::RenderingError(at) => {
+            (at.filename(), at.span().start_line, at.message().into())
+        }
+        other => (page, 0, other.to_string()),
+    };
+    let caller =
+        if page.is_empty() || page == file { String::new() } else { format!(" (for {page})") };
+    ReportError::Template { file: file.into(), line, message: message + &caller }
+}

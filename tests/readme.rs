@@ -1,0 +1,99 @@
+//! Every command in the README runs as written there, and the outputs it shows are the true ones.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// Fenced blocks of the README, as (language, text), in order.
+fn blocks() -> Vec<(String, String)> {
+    let readme = fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
+    let mut blocks = Vec::new();
+    let mut open: Option<(String, String)> = None;
+    for line in readme.lines() {
+        match (&mut open, line.strip_prefix("```")) {
+            (None, Some(language)) => open = Some((language.into(), String::new())),
+            (Some(_), Some(_)) => blocks.extend(open.take()),
+            (Some((_, text)), None) => *text += &format!("{line}\n"),
+            (None, None) => {}
+        }
+    }
+    blocks
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        let generated = path.ends_with("report/book") || path.ends_with("report/src");
+        if path.is_dir() && !generated {
+            copy(&path, &target);
+        } else if path.is_file() {
+            fs::copy(&path, &target).unwrap();
+        }
+    }
+}
+
+/// Runs a README line in `project`, with the program that the tests built instead of `cargo run`.
+fn run(line: &str, project: &Path) -> Output {
+    let program = format!("'{}'", env!("CARGO_BIN_EXE_signorini"));
+    let line = line.replace("cargo run --release -- ", &format!("{program} "));
+    let line = line.replace("cargo run --release", &program);
+    assert!(!line.contains("cargo"), "{line}");
+    let output = Command::new("sh").args(["-c", &line]).current_dir(project).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {stderr}");
+    output
+}
+
+#[test]
+fn commands_run_and_outputs_are_true() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path();
+    for part in ["pipeline", "report", "figures"] {
+        copy(&Path::new(ROOT).join(part), &project.join(part));
+    }
+    fs::create_dir(project.join("target")).unwrap();
+    let blocks = blocks();
+    let mut ran = 0;
+    for (k, (language, text)) in blocks.iter().enumerate() {
+        if language == "toml" {
+            fs::write(project.join("pipeline/scenes/mine.toml"), text).unwrap();
+            run("cargo run --release -- run mine", project);
+            fs::remove_file(project.join("pipeline/scenes/mine.toml")).unwrap();
+        }
+        if language != "sh" {
+            continue;
+        }
+        for line in text.lines().filter(|line| *line != "cargo test --release") {
+            let output = run(line, project);
+            ran += 1;
+            let shown = blocks.get(k + 1).filter(|(language, _)| language == "text");
+            if let Some((_, shown)) = shown {
+                let true_output = String::from_utf8(output.stdout).unwrap();
+                assert_eq!(without_times(&true_output), without_times(shown), "after `{line}`");
+            }
+        }
+    }
+    assert!(ran >= 8, "only {ran} commands found in the README");
+    assert_eq!(run("cargo run --release", project).stdout, b"nothing to do\n");
+    assert!(project.join("report/book/index.html").is_file());
+    assert!(project.join("target/v.svg").is_file());
+}
+
+/// Times, and how many files a run found missing, differ from run to run.
+fn without_times(text: &str) -> String {
+    let is_time = |word: &&str| word.parse::<f64>().is_ok_and(|_| word.contains('.'));
+    text.lines()
+        .filter(|line| !line.contains("files written"))
+        .map(|line| match line.split_once(" ran ") {
+            Some((stage, rest)) => {
+                let rest: Vec<_> = rest.split_whitespace().filter(|w| !is_time(w)).collect();
+                format!("{stage} ran {}\n", rest.join(" "))
+            }
+            None => format!("{line}\n"),
+        })
+        .collect()
+}

@@ -1,0 +1,109 @@
+//! The replication itself: the committed scenes against the published tables, and the method against exact solutions.
+
+use signorini::grid::{Grid, nested};
+use signorini::load::load;
+use signorini::norms::max_error;
+use signorini::paper::{Paper, Row};
+use signorini::project::Project;
+use signorini::saddle::{Monitor, Pair, Params, StopReason, StopRule, arrow_hurwicz, solve_nested};
+use signorini::scene::Scene;
+use std::path::Path;
+
+fn project() -> Project {
+    Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap()
+}
+
+fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
+    let loads: Vec<_> = scene.grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
+    let row = |&r: &f64| {
+        let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
+        let (outcomes, _) =
+            solve_nested(&scene.grids, &loads, &params, scene.prolongation, &mut ());
+        Row {
+            r,
+            counts: outcomes.iter().map(|o| o.iterations).collect(),
+            delta_a: outcomes.last().unwrap().delta_a,
+        }
+    };
+    scene.r.iter().map(row).collect()
+}
+
+fn exact_counts(paper: &Paper, scene: &Scene, rule: StopRule) -> usize {
+    let number = scene.paper_table.unwrap();
+    paper.compare(number, &scene.name, &rows(scene, rule)).unwrap().exact
+}
+
+#[test]
+fn every_published_count_comes_out_under_the_signed_rule() {
+    let project = project();
+    for name in ["problem1", "problem2"] {
+        let scene = project.scene(name).unwrap();
+        assert_eq!(exact_counts(&project.paper, scene, StopRule::Signed), 25, "{name}");
+    }
+}
+
+#[test]
+fn the_printed_rule_cannot_have_made_the_tables() {
+    let project = project();
+    for name in ["problem1", "problem2"] {
+        let scene = project.scene(name).unwrap();
+        let exact = exact_counts(&project.paper, scene, StopRule::Printed);
+        assert!(exact <= 5, "{name}: {exact}");
+    }
+}
+
+#[test]
+fn a_step_of_the_third_decimal_of_f_is_seen() {
+    // The comparison would be worth little if it held for any f near ours.
+    let project = project();
+    let mut scene = project.scene("problem2").unwrap().clone();
+    scene.f = "quadrant(ll)=-6; else=1.98".parse().unwrap();
+    assert!(exact_counts(&project.paper, &scene, StopRule::Signed) < 25);
+}
+
+/// Keeps the greatest nodal error on each grid.
+struct Errors<F>(F, Vec<f64>);
+
+impl<F: Fn(f64, f64) -> f64> Monitor for Errors<F> {
+    fn level(&mut self, grid: Grid, pair: &Pair) {
+        self.1.push(max_error(grid, &pair.y, &self.0));
+    }
+}
+
+#[test]
+fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
+    let project = project();
+    let scene = project.scene("full-contact").unwrap();
+    let exact = scene.f.exact().unwrap();
+    let mut errors = Vec::new();
+    for n in [8, 16, 32] {
+        let grid = Grid::new(n).unwrap();
+        let params =
+            Params { r: 10.0, tolerance: 1e-11, rule: StopRule::Printed, ..Params::default() };
+        let mut pair = Pair::zero(grid);
+        let outcome =
+            arrow_hurwicz(grid, &load(grid, &scene.f, scene.load), &params, &mut pair, None);
+        assert_eq!(outcome.stop, StopReason::Converged);
+        assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
+        errors.push(max_error(grid, &pair.y, |x, y| exact.solution(x, y)));
+    }
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 2.0).abs() < 0.1, "order {order} of {errors:?}");
+    }
+}
+
+#[test]
+fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
+    // What the tolerance of the paper costs: the error no longer follows the grid.
+    let project = project();
+    let scene = project.scene("full-contact").unwrap();
+    let exact = scene.f.exact().unwrap();
+    let grids = nested(&[4, 8, 16, 32, 64]).unwrap();
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
+    let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
+    let mut errors = Errors(|x, y| exact.solution(x, y), Vec::new());
+    solve_nested(&grids, &loads, &params, scene.prolongation, &mut errors);
+    let order = (errors.1[3] / errors.1[4]).log2();
+    assert!(order < 1.7, "order {order} of {:?}", errors.1);
+}
