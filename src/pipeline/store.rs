@@ -64,8 +64,11 @@ impl Store {
     pub fn manifests(&self, task: &str) -> Vec<Manifest> {
         let mut found: Vec<Manifest> = list(&self.task_folder(task))
             .iter()
-            .filter_map(|path| Manifest::from_json(&fs::read_to_string(path).ok()?))
-            .filter(|manifest| manifest.task == task)
+            .filter_map(|path| {
+                let manifest = Manifest::from_json(&fs::read_to_string(path).ok()?)?;
+                // Not one under another name: a run killed before it renamed has not recorded.
+                (manifest.task == task && *path == self.manifest_file(&manifest)).then_some(manifest)
+            })
             .collect();
         found.sort_by_key(|manifest| std::cmp::Reverse(manifest.generation));
         found
