@@ -3,13 +3,12 @@
 use super::{Ran, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
-use std::sync::Mutex;
 
 /// Reports the walk of the plan.
 pub struct Progress {
     bar: Option<ProgressBar>,
     verbose: bool,
-    stage: Mutex<Option<(Stage, usize, usize)>>,
+    quiet: bool,
 }
 
 impl Progress {
@@ -22,16 +21,19 @@ impl Progress {
             bar.set_style(style.expect("a valid template").progress_chars("=> "));
             bar
         });
-        Self { bar, verbose: verbose && !quiet, stage: Mutex::new(None) }
+        Self { bar, verbose: verbose && !quiet, quiet }
     }
 
     /// A stage starts with this many tasks to run.
     pub(super) fn begin(&self, stage: Stage, tasks: usize) {
-        *self.stage.lock().expect("no panic while held") = Some((stage, 0, tasks));
-        if let Some(bar) = &self.bar {
-            bar.reset();
-            bar.set_length(tasks as u64);
-            bar.set_prefix(stage.name());
+        match &self.bar {
+            Some(bar) => {
+                bar.reset();
+                bar.set_length(tasks as u64);
+                bar.set_prefix(stage.name());
+            }
+            None if !self.quiet => say(&format!("{}: {tasks} to run", stage.name())),
+            None => {}
         }
     }
 
@@ -47,16 +49,12 @@ impl Progress {
             );
             match &self.bar {
                 Some(bar) => bar.println(line),
-                // A reader that has gone away is no reason to stop.
-                None => drop(writeln!(std::io::stderr(), "{line}")),
+                None => say(&line),
             }
         }
         if let Some(bar) = &self.bar {
             bar.set_message(ran.task.clone());
             bar.inc(1);
-        }
-        if let Some((_, done, _)) = self.stage.lock().expect("no panic while held").as_mut() {
-            *done += 1;
         }
     }
 
@@ -66,4 +64,9 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
+}
+
+/// A plain line; a reader that has gone away is no reason to stop.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -60,14 +60,19 @@ impl Said {
         self.out.lines().collect()
     }
 
-    /// The only line on standard error of a command that refused with exit code 2.
+    /// The error of a command that refused with exit code 2: one line, after lines of progress at most.
     #[track_caller]
     pub fn refusal(&self) -> &str {
         assert_eq!(self.code, Some(2), "{self:?}");
         assert_eq!(self.out, "", "{self:?}");
-        assert!(self.err.starts_with("error: ") && self.err.ends_with('\n'), "{self:?}");
-        assert_eq!(self.err.lines().count(), 1, "{self:?}");
-        self.err.trim_end()
+        let mut others = self.err.lines().filter(|line| !line.ends_with(" to run"));
+        let error = others.next().unwrap_or_default();
+        assert!(
+            error.starts_with("error: ") && self.err.ends_with(&format!("{error}\n")),
+            "{self:?}"
+        );
+        assert_eq!(others.next(), None, "{self:?}");
+        error
     }
 
     /// Ids of the tasks that `run -v` says it ran.
