@@ -67,7 +67,8 @@ impl Store {
             .filter_map(|path| {
                 let manifest = Manifest::from_json(&fs::read_to_string(path).ok()?)?;
                 // Not one under another name: a run killed before it renamed has not recorded.
-                (manifest.task == task && *path == self.manifest_file(&manifest)).then_some(manifest)
+                (manifest.task == task && *path == self.manifest_file(&manifest))
+                    .then_some(manifest)
             })
             .collect();
         found.sort_by_key(|manifest| std::cmp::Reverse(manifest.generation));
