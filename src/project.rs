@@ -113,12 +113,9 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
         if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
             continue;
         }
-        let bytes = fs::read(&path).context("read", &path)?;
-        let text = std::str::from_utf8(&bytes).map_err(|_| {
-            Error::input(format!("scene `{name}` is not UTF-8 text; save it as such"))
-        })?;
-        scenes.push(Scene::parse(&name, text)?);
-        files.insert(format!("pipeline/scenes/{name}.toml"), bytes);
+        let text = fs::read_to_string(&path).context("read", &path)?;
+        scenes.push(Scene::parse(&name, &text)?);
+        files.insert(format!("pipeline/scenes/{name}.toml"), text.into_bytes());
     }
     if scenes.is_empty() {
         let folder = folder.display();
