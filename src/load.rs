@@ -1,6 +1,6 @@
 //! Load vectors (6): F_i, the integral of f times the i-th hat function, by one of several rules.
 
-use crate::grid::Grid;
+use crate::grid::{Grid, MIN_CELLS};
 use crate::source::{Source, Tie};
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +69,12 @@ pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
 
 /// The integral of f over the square: exact for constant pieces, to quadrature error for smooth f.
 pub fn integral(f: &Source) -> f64 {
-    let grid = Grid::new(64).expect("64 cells are enough");
+    // Polygons are cut exactly whatever the grid; only smooth f needs a fine one.
+    let cells = match f {
+        Source::Pieces { .. } => MIN_CELLS,
+        Source::Exact(_) => 64,
+    };
+    let grid = Grid::new(cells).expect("not below the least");
     integrated(grid, f, Diagonal::Rising).iter().sum()
 }
 
@@ -100,6 +105,13 @@ type Triangle = [Point; 3];
 
 fn integrated(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
     let mut load = vec![0.0; grid.nodes()];
+    // The last piece wins: it takes its share first, and leaves the rest.
+    let layers: Vec<(Vec<[f64; 3]>, f64)> = match f {
+        Source::Pieces { pieces, .. } => {
+            pieces.iter().rev().map(|(region, value)| (region.half_planes(), *value)).collect()
+        }
+        Source::Exact(_) => Vec::new(),
+    };
     for j in 0..grid.cells() {
         for i in 0..grid.cells() {
             let (ll, lr, ul, ur) = ((i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1));
@@ -110,16 +122,14 @@ fn integrated(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
             for nodes in triangles {
                 let triangle = nodes.map(|(i, j)| [grid.coordinate(i), grid.coordinate(j)]);
                 let parts = match f {
-                    Source::Pieces { background, pieces } => {
+                    Source::Pieces { background, .. } => {
                         let mut parts = [0.0; 3];
                         let mut rest = vec![triangle.to_vec()];
-                        // The last piece wins: it takes its share first, and leaves the rest.
-                        for (region, value) in pieces.iter().rev() {
-                            let planes = region.half_planes();
+                        for (planes, value) in &layers {
                             rest = rest
                                 .into_iter()
                                 .flat_map(|polygon| {
-                                    let (inside, outside) = split(polygon, &planes);
+                                    let (inside, outside) = split(polygon, planes);
                                     add_hats(&triangle, &inside, *value, &mut parts);
                                     outside
                                 })
