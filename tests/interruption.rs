@@ -47,11 +47,7 @@ fn killed_runs_resume(kills: usize, seed: u64) {
         partial += usize::from(stale > 0 && stale < all);
         if attempt % 4 % 2 == 1 {
             let said = project.run(&["run"]);
-            assert_eq!(
-                (said.code, said.err.as_str()),
-                (Some(0), ""),
-                "attempt {attempt}: {said:?}"
-            );
+            assert_eq!(said.code, Some(0), "attempt {attempt}: {said:?}");
             project.run(&["gc"]).lines();
             assert_same(&project.made(), &made);
             assert!(attempt < 10 * kills, "only {killed} of {attempt} runs were killed in time");
@@ -87,10 +83,10 @@ fn ctrl_c_keeps_finished_cells() {
     let mut said = String::new();
     let mut reader = child.stderr.take().unwrap();
     let mut byte = [0];
-    while !said.contains('\n') && reader.read(&mut byte).unwrap() == 1 {
+    while !said.contains(": never ran\n") && reader.read(&mut byte).unwrap() == 1 {
         said.push(char::from(byte[0]));
     }
-    assert!(said.starts_with("ran solve/a/printed/"), "{said}");
+    assert!(said.contains("\nran solve/a/printed/"), "{said}");
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     reader.read_to_string(&mut said).unwrap();
