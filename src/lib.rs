@@ -7,6 +7,7 @@ pub mod error;
 pub mod exact;
 pub mod fields;
 pub mod grid;
+pub mod identify;
 pub mod kkt;
 pub mod load;
 pub mod norms;

@@ -1,0 +1,122 @@
+//! Recovery of the lost Figure 1: which right-hand side f, under which reading of the method, gives the published tables.
+//!
+//! # Idea
+//! The iteration is positively homogeneous and piecewise linear in f, so a table of counts cuts the
+//! values of f by inequalities: at the published count the stopping measure is below the tolerance, at
+//! every count before it is above. A *forced* run makes exactly the published number of iterations and
+//! records by how much each inequality fails. That misfit is zero if and only if all counts come out,
+//! it is continuous where the counts themselves jump, and every cell of the table has its own share
+//! in it, even when an earlier grid is wrong. Counts on coarse grids cost microseconds and discard
+//! nearly everything.
+//!
+//! # Parts
+//! [`Variant`] is a reading of the method, [`Space`] a family of f, [`Evaluator`] runs one candidate,
+//! [`search`] looks through a space, [`select`] compares variants, [`identifiability`] tells how
+//! sharply the tables fix what was found.
+
+mod engine;
+mod evaluate;
+mod identifiability;
+mod plan;
+mod random;
+mod rank;
+mod search;
+mod select;
+mod space;
+mod variant;
+
+pub use evaluate::{Evaluator, Forced, Limit, Table};
+pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
+pub use rank::{Found, Score};
+pub use search::{Budget, Checkpoint, Method, Progress, Report, Request, search};
+pub use select::{Selection, select};
+pub use space::{Candidate, Geometry, Lattice, Space};
+pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
+
+use serde::{Deserialize, Serialize};
+
+/// Cells per side of the coarsest grid of the tables; every further column halves the width.
+pub const COARSEST: usize = 4;
+
+/// A published table: what the search is to explain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Target {
+    /// Duality parameters, one per row.
+    pub r: Vec<f64>,
+    /// `counts[k][level]`: iterations for `r[k]` on the grid with `4 * 2^level` cells per side.
+    pub counts: Vec<Vec<usize>>,
+    /// Last change of the multiplier on the finest grid, one per row, to two digits.
+    pub delta_a: Vec<f64>,
+}
+
+/// Why a search cannot run.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// Rows of the table of different length, or not one per r.
+    #[error(
+        "the table is ragged: it needs one row of counts and one Delta a per r, all rows of one length"
+    )]
+    Ragged,
+    /// No row, or more than a run carries at once.
+    #[error("a table of {0} rows does not fit: give between 1 and {max}", max = engine::LANES)]
+    Rows(usize),
+    /// A count of zero, or a parameter or Delta a that is not positive and finite.
+    #[error("counts, r and Delta a must be positive; row {0} (counted from 1) is not")]
+    NotPositive(usize),
+    /// A lattice without points.
+    #[error(
+        "the values {0} hold no decimal; write MIN:MAX:STEP with MIN <= MAX and STEP > 0, e.g. -4:4:0.5"
+    )]
+    EmptyLattice(String),
+    /// A text that is neither a list nor a range of decimals.
+    #[error(
+        "cannot read the values `{0}`; write a range such as -4:4:0.5 or a list such as -6,2,1.99"
+    )]
+    Values(String),
+    /// A space without such a name.
+    #[error("there is no space `{0}`; choose one of {names}", names = Space::NAMES.join(", "))]
+    UnknownSpace(String),
+    /// More candidates than can be numbered.
+    #[error("the space has more than 2^53 candidates; use fewer values or the annealing method")]
+    TooMany,
+    /// A checkpoint of a different search.
+    #[error(
+        "the checkpoint belongs to a different search; delete it or repeat the command it came from"
+    )]
+    ForeignCheckpoint,
+}
+
+impl Target {
+    /// Number of grids, the columns of the table.
+    pub fn levels(&self) -> usize {
+        self.counts.first().map_or(0, Vec::len)
+    }
+
+    /// Number of counts in the table.
+    pub fn cells(&self) -> usize {
+        self.r.len() * self.levels()
+    }
+
+    /// Checks shape and signs.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] naming what is wrong.
+    pub fn validate(&self) -> Result<(), IdentifyError> {
+        let rows = self.r.len();
+        if rows == 0 || rows > engine::LANES {
+            return Err(IdentifyError::Rows(rows));
+        }
+        let levels = self.levels();
+        let full = self.counts.iter().all(|row| row.len() == levels);
+        if levels == 0 || !full || self.counts.len() != rows || self.delta_a.len() != rows {
+            return Err(IdentifyError::Ragged);
+        }
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        for k in 0..rows {
+            if !positive(self.r[k]) || !positive(self.delta_a[k]) || self.counts[k].contains(&0) {
+                return Err(IdentifyError::NotPositive(k + 1));
+            }
+        }
+        Ok(())
+    }
+}

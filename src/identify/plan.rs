@@ -1,0 +1,263 @@
+//! A request made ready, and the two ways of going through its space.
+
+use super::evaluate::Evaluator;
+use super::random::Random;
+use super::rank::{Best, Found, Ranked, evaluate, explain};
+use super::search::{Method, Request};
+use super::space::{Candidate, Geometry, Lattice, Space};
+use super::variant::Order;
+use super::{IdentifyError, Target};
+use crate::load::LoadRule;
+use crate::source::Tie;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+/// Candidates in one item of an enumeration.
+const ITEM: u64 = 4096;
+/// Candidates between two looks at the clock.
+const CLOCK: u64 = 64;
+/// Largest number of candidates that is surely counted without rounding.
+const MOST: f64 = 9_007_199_254_740_992.0;
+
+/// What the workers tell and are told while a batch is under way.
+pub(super) struct Live<'a> {
+    pub(super) stop: &'a AtomicBool,
+    pub(super) deadline: Option<Instant>,
+    /// Candidates tried.
+    pub(super) tried: AtomicU64,
+    /// Bits of the smallest objective; those of non-negative doubles are ordered like the doubles.
+    pub(super) best: AtomicU64,
+}
+
+impl Live<'_> {
+    /// Counts one candidate; whether to go on.
+    fn go_on(&self, local: u64) -> bool {
+        self.tried.fetch_add(1, Ordering::Relaxed);
+        let late = || self.deadline.is_some_and(|at| Instant::now() >= at);
+        !(self.stop.load(Ordering::Relaxed) || local.is_multiple_of(CLOCK) && late())
+    }
+
+    fn note(&self, objective: f64) {
+        self.best.fetch_min(objective.to_bits(), Ordering::Relaxed);
+    }
+}
+
+/// A request made ready.
+pub(super) struct Plan<'a> {
+    request: &'a Request,
+    target: &'a Target,
+    geometries: Vec<Geometry>,
+    areas: Vec<Vec<f64>>,
+    pub(super) evaluator: Evaluator<'a>,
+    /// One per piece, all with the same number of places.
+    lattices: Vec<Lattice>,
+    per_geometry: u64,
+    pub(super) items: u64,
+    /// Whether transposing the square changes nothing but the picture.
+    transposable: bool,
+}
+
+/// What one item found.
+pub(super) struct Item {
+    pub(super) best: Best,
+    pub(super) tried: u64,
+    pub(super) entered: Vec<u64>,
+    /// Whether it was not cut short.
+    pub(super) whole: bool,
+}
+
+impl<'a> Plan<'a> {
+    pub(super) fn new(request: &'a Request, target: &'a Target) -> Result<Self, IdentifyError> {
+        let geometries = request.space.geometries();
+        let pieces = geometries[0].pieces();
+        let places = request.values.iter().map(Lattice::places).max().unwrap_or(0);
+        let lattices: Vec<Lattice> = match &request.values[..] {
+            [one] => vec![one.refined(places); pieces],
+            many if many.len() == pieces => many.iter().map(|l| l.refined(places)).collect(),
+            many => {
+                return Err(IdentifyError::Values(format!(
+                    "{} lattices for {pieces} values",
+                    many.len()
+                )));
+            }
+        };
+        let product: f64 = lattices.iter().map(|l| l.ticks().len() as f64).product();
+        let count = product * geometries.len() as f64;
+        let (per_geometry, items) = match request.method {
+            Method::Enumerate if count > MOST => return Err(IdentifyError::TooMany),
+            Method::Enumerate => (product as u64, (count as u64).div_ceil(ITEM)),
+            Method::Anneal { chains, .. } => (0, chains),
+        };
+        let evaluator = Evaluator::new(target, &request.variant, &geometries)?;
+        let variant = &request.variant;
+        let even_ties = match variant.load {
+            LoadRule::Nodal { tie, .. } => matches!(tie, Tie::LowerLeft | Tie::UpperRight),
+            LoadRule::Exact { .. } | LoadRule::LumpedAverage => true,
+        };
+        Ok(Self {
+            request,
+            target,
+            areas: geometries.iter().map(Geometry::areas).collect(),
+            geometries,
+            evaluator,
+            lattices,
+            per_geometry,
+            items,
+            transposable: even_ties
+                && request.space == Space::Quadrants
+                && variant.order == Order::Lexicographic
+                && !matches!(variant.mirrored(), (true, false) | (false, true)),
+        })
+    }
+
+    /// Does one item, in the light of what earlier batches found.
+    pub(super) fn run(
+        &self,
+        item: u64,
+        evaluator: &mut Evaluator<'a>,
+        so_far: &Best,
+        live: &Live<'_>,
+    ) -> Item {
+        let before = evaluator.entered().to_vec();
+        // What the batches before this one found is the same on every machine: a fair bar.
+        let mut best = so_far.successor();
+        let (tried, whole) = match self.request.method {
+            Method::Enumerate => self.enumerate(item, evaluator, &mut best, live),
+            Method::Anneal { steps, .. } => self.anneal(item, steps, evaluator, &mut best, live),
+        };
+        let entered = evaluator.entered().iter().zip(&before).map(|(now, before)| now - before);
+        Item { best, tried, entered: entered.collect(), whole }
+    }
+
+    fn enumerate(
+        &self,
+        item: u64,
+        evaluator: &mut Evaluator<'a>,
+        best: &mut Best,
+        live: &Live<'_>,
+    ) -> (u64, bool) {
+        let all = self.per_geometry * self.geometries.len() as u64;
+        let (mut tried, exact) = (0, self.request.exact_grids);
+        for index in item * ITEM..((item + 1) * ITEM).min(all) {
+            let mut rest = index % self.per_geometry;
+            let mut digit = |lattice: &Lattice| {
+                let (n, ticks) = (lattice.ticks().len() as u64, lattice.ticks());
+                let tick = ticks[(rest % n) as usize];
+                rest /= n;
+                tick
+            };
+            let ticks: Vec<i64> = self.lattices.iter().map(&mut digit).collect();
+            let geometry = (index / self.per_geometry) as usize;
+            let candidate = Candidate { geometry, ticks, places: self.lattices[0].places() };
+            if self.admits(&candidate) && !self.has_preferred_twin(&candidate) {
+                if !live.go_on(tried) {
+                    return (tried, false);
+                }
+                tried += 1;
+                if let Some(objective) =
+                    evaluate(self.target, evaluator, &candidate, best.bar(), exact)
+                {
+                    live.note(objective);
+                    best.offer(Ranked { objective, candidate });
+                }
+            }
+        }
+        (tried, true)
+    }
+
+    /// One chain: moves of one or of all values, long ones first, accepted by Metropolis's rule.
+    fn anneal(
+        &self,
+        chain: u64,
+        steps: u64,
+        evaluator: &mut Evaluator<'a>,
+        best: &mut Best,
+        live: &Live<'_>,
+    ) -> (u64, bool) {
+        let mut random = Random::new(self.request.seed, chain);
+        let places = self.lattices[0].places();
+        let sizes: Vec<usize> = self.lattices.iter().map(|l| l.ticks().len()).collect();
+        let geometry = random.below(self.geometries.len());
+        let mut at: Vec<usize> = sizes.iter().map(|&n| random.below(n)).collect();
+        let build = |at: &[usize]| Candidate {
+            geometry,
+            ticks: at.iter().zip(&self.lattices).map(|(&i, l)| l.ticks()[i]).collect(),
+            places,
+        };
+        let mut here = f64::INFINITY;
+        for step in 0..steps {
+            let cooling = 1.0 - step as f64 / steps as f64;
+            // From half the lattice down to single points, and from misfits of cells to rounding.
+            let temperature = 2.0 * cooling.powi(3) + 1e-3;
+            let mut next = at.clone();
+            if step > 0 {
+                // Moves shrink by a factor of a hundred; each spans a decade.
+                let reach = 0.5 * 0.1f64.powf(random.unit() + 2.0 * (1.0 - cooling));
+                let [p, q, kind] = [sizes.len(), sizes.len(), 4].map(|n| random.below(n));
+                // Opposite moves leave the integral of f nearly alone, on which most depends.
+                let moves = match kind {
+                    0 => vec![(p, reach)],
+                    1 => vec![(p, -reach)],
+                    2 => vec![(p, reach), (q, -reach)],
+                    _ => {
+                        (0..sizes.len()).map(|p| (p, reach * (2.0 * random.unit() - 1.0))).collect()
+                    }
+                };
+                for (p, by) in moves {
+                    // A move too short for the lattice still goes to the next point.
+                    let by = (by * sizes[p] as f64).abs().max(1.0).round().copysign(by) as i64;
+                    next[p] = (next[p] as i64 + by).clamp(0, sizes[p] as i64 - 1) as usize;
+                }
+            }
+            let candidate = build(&next);
+            if !live.go_on(step) {
+                return (step, false);
+            }
+            if !self.admits(&candidate) {
+                continue;
+            }
+            // Metropolis's rule, turned round: the draw comes first, and bounds what is worth running.
+            let bar = here - temperature * random.unit().ln();
+            let bar = if here.is_finite() { bar } else { f64::MAX };
+            if let Some(objective) = evaluate(self.target, evaluator, &candidate, bar, 0) {
+                live.note(objective);
+                if objective <= bar {
+                    (at, here) = (next, objective);
+                }
+                best.offer(Ranked { objective, candidate });
+            }
+        }
+        (steps, true)
+    }
+
+    fn admits(&self, candidate: &Candidate) -> bool {
+        let areas = &self.areas[candidate.geometry];
+        let integral: f64 = areas.iter().zip(&candidate.ticks).map(|(a, &t)| a * t as f64).sum();
+        // Areas carry rounding errors; the integral of a candidate is a multiple of a block.
+        !self.request.negative_integral || integral < -1e-6
+    }
+
+    /// Whether the mirror image in the diagonal, which has the same table, comes first.
+    fn has_preferred_twin(&self, candidate: &Candidate) -> bool {
+        self.transposable
+            && self.lattices[1] == self.lattices[2]
+            && candidate.ticks[2] < candidate.ticks[1]
+    }
+
+    /// Scores in full, by counts that come out first, what was kept.
+    pub(super) fn explain(mut self, best: &Best) -> Result<Vec<Found>, IdentifyError> {
+        let mut found = Vec::new();
+        for Ranked { candidate, .. } in best.list() {
+            let geometry = candidate.geometry;
+            let values = candidate.values();
+            let f = self.geometries[geometry].source(&values).to_string();
+            let integral = self.areas[geometry].iter().zip(&values).map(|(a, v)| a * v).sum();
+            found.push(explain(self.target, &mut self.evaluator, candidate, f, integral)?);
+        }
+        // Counts come before everything else, however slightly one is missed.
+        found.sort_by(|a, b| {
+            b.score.exact.cmp(&a.score.exact).then(a.score.total().total_cmp(&b.score.total()))
+        });
+        Ok(found)
+    }
+}

@@ -1,0 +1,218 @@
+//! The search: exhaustive enumeration of a lattice, or annealing from many starts.
+//!
+//! Work is cut into numbered items, each with its own seed; rayon deals them out in batches of fixed
+//! size, an item knows only what earlier batches found, and results are merged in an order of their
+//! own. What is found therefore depends on the request alone, not on the number of threads or on how often the
+//! search was interrupted and resumed.
+
+use super::plan::{Live, Plan};
+use super::rank::{Best, Found};
+use super::space::{Lattice, Space};
+use super::variant::Variant;
+use super::{IdentifyError, Target};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// Items between two checkpoints.
+const BATCH: u64 = 8;
+/// Time between two reports of progress within a batch.
+const TICK: Duration = Duration::from_millis(100);
+
+/// How to go through a space.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "method")]
+pub enum Method {
+    /// Every point of the lattice.
+    Enumerate,
+    /// Simulated annealing on the lattice, from random points.
+    Anneal {
+        /// Number of independent chains.
+        chains: u64,
+        /// Candidates each chain tries.
+        steps: u64,
+    },
+}
+
+/// What to search. Two equal requests give equal reports.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Family of f.
+    pub space: Space,
+    /// Values allowed: one lattice for all pieces, or one per piece.
+    pub values: Vec<Lattice>,
+    /// Reading of the method.
+    pub variant: Variant,
+    /// How to search.
+    pub method: Method,
+    /// Whether f must have a negative integral, as (2) asks.
+    pub negative_integral: bool,
+    /// Number of coarse grids whose counts must come out exactly; enumeration only. Two discard
+    /// nearly everything at a cost of microseconds.
+    pub exact_grids: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// How many candidates to keep.
+    pub top: usize,
+}
+
+/// When to stop early; what was found until then is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// Time after which to stop, as if the stop flag had been set.
+    pub time: Option<Duration>,
+    /// Worker threads; none for as many as rayon's global pool has.
+    pub threads: Option<usize>,
+}
+
+/// State of a search between two batches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    request: Request,
+    target: Target,
+    next: u64,
+    best: Best,
+    /// Candidates tried.
+    tried: u64,
+    entered: Vec<u64>,
+}
+
+/// What an observer sees, ten times a second and after each batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Items done, and in all.
+    pub items: (u64, u64),
+    /// Candidates tried since the search began or was resumed.
+    pub tried: u64,
+    /// Runs that reached each grid since then, in whole batches.
+    pub entered: Vec<u64>,
+    /// Time since then.
+    pub elapsed: Duration,
+    /// Smallest objective so far.
+    pub best: Option<f64>,
+}
+
+/// What a search found. It serialises to the artifact of the pipeline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Version of this format.
+    pub schema: u8,
+    /// What was asked.
+    pub request: Request,
+    /// Whether every item was done.
+    pub complete: bool,
+    /// Candidates tried, in whole batches.
+    pub tried: u64,
+    /// Runs that reached each grid: how the screening went.
+    pub entered: Vec<u64>,
+    /// The best, in order: by counts that come out, then by [`super::Score::total`].
+    pub found: Vec<Found>,
+}
+
+/// Searches, or goes on from a checkpoint.
+///
+/// `observe` is called on the calling thread; after a batch it is given the state to resume from.
+/// When `stop` is set or the time is over, workers stop at the next candidate. What they found by
+/// then is reported, but their batch will be done again when the search is resumed.
+///
+/// # Errors
+/// [`IdentifyError`] if the request makes no sense or the checkpoint is of another one.
+pub fn search(
+    request: &Request,
+    target: &Target,
+    budget: Budget,
+    resume: Option<Checkpoint>,
+    stop: &AtomicBool,
+    observe: &mut dyn FnMut(&Progress, Option<&Checkpoint>),
+) -> Result<Report, IdentifyError> {
+    let plan = Plan::new(request, target)?;
+    let mut state = match resume {
+        Some(state) if state.request == *request && state.target == *target => state,
+        Some(_) => return Err(IdentifyError::ForeignCheckpoint),
+        None => Checkpoint {
+            request: request.clone(),
+            target: target.clone(),
+            next: 0,
+            best: Best::new(request.top),
+            tried: 0,
+            entered: vec![0; target.levels()],
+        },
+    };
+    let pool =
+        budget.threads.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
+    let began = Instant::now();
+    let live = Live {
+        stop,
+        deadline: budget.time.map(|time| began + time),
+        tried: AtomicU64::new(0),
+        best: AtomicU64::new(
+            state.best.list().first().map_or(f64::INFINITY, |r| r.objective).to_bits(),
+        ),
+    };
+    let entered_before = state.entered.clone();
+    let progress = |state: &Checkpoint| {
+        let best = f64::from_bits(live.best.load(Ordering::Relaxed));
+        let since = |(now, before): (&u64, &u64)| now - before;
+        Progress {
+            items: (state.next, plan.items),
+            tried: live.tried.load(Ordering::Relaxed),
+            entered: state.entered.iter().zip(&entered_before).map(since).collect(),
+            elapsed: began.elapsed(),
+            best: best.is_finite().then_some(best),
+        }
+    };
+    let mut cut_short = None;
+    while state.next < plan.items {
+        let batch = state.next..(state.next + BATCH).min(plan.items);
+        let run = || {
+            let items = batch.clone().collect::<Vec<_>>().into_par_iter().with_max_len(1);
+            let workspace = || plan.evaluator.clone();
+            items
+                .map_init(workspace, |e, item| plan.run(item, e, &state.best, &live))
+                .collect::<Vec<_>>()
+        };
+        let done = std::thread::scope(|scope| {
+            let (sender, finished) = channel();
+            let pool = pool.as_ref();
+            scope.spawn(move || {
+                let done = match pool {
+                    Some(pool) => pool.install(run),
+                    None => run(),
+                };
+                sender.send(done)
+            });
+            loop {
+                match finished.recv_timeout(TICK) {
+                    Ok(done) => break done,
+                    Err(RecvTimeoutError::Timeout) => observe(&progress(&state), None),
+                    Err(RecvTimeoutError::Disconnected) => break Vec::new(),
+                }
+            }
+        });
+        let whole = !done.is_empty() && done.iter().all(|item| item.whole);
+        let mut best = state.best.clone();
+        done.iter().for_each(|item| best.merge(item.best.clone()));
+        if !whole {
+            cut_short = Some(best);
+            break;
+        }
+        state.best = best;
+        for item in done {
+            state.tried += item.tried;
+            state.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
+        }
+        state.next = batch.end;
+        observe(&progress(&state), Some(&state));
+    }
+    let complete = state.next == plan.items;
+    Ok(Report {
+        schema: 1,
+        request: request.clone(),
+        complete,
+        found: plan.explain(&cut_short.unwrap_or(state.best))?,
+        tried: state.tried,
+        entered: state.entered,
+    })
+}

@@ -1,0 +1,259 @@
+//! Families of candidate f: geometries of constant pieces, and decimals as their values.
+
+use super::IdentifyError;
+use crate::load::integral;
+use crate::source::{Region, Source};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// A family of right-hand sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Space {
+    /// Four values, on the quadrants of the square: lower left, lower right, upper left, upper right.
+    Quadrants,
+    /// Two values: one on a quadrant, any of the four, one on the rest.
+    OddQuadrant,
+    /// Two values: one on a rectangle with corners on the lines of the grid 1/4, one on the rest.
+    Rectangles,
+    /// Sixteen values, on blocks of side 1/4, row by row from the lower left.
+    Blocks4,
+}
+
+impl Space {
+    /// The names [`Space::from_str`] knows.
+    pub const NAMES: [&str; 4] = ["quadrants", "odd-quadrant", "rectangles", "blocks4"];
+
+    /// The geometries of the family; all have the same number of values.
+    pub fn geometries(self) -> Vec<Geometry> {
+        let quadrant = |q: usize| Region::Quadrant { right: q % 2 == 1, upper: q / 2 == 1 };
+        let lines = [-0.5, -0.25, 0.0, 0.25, 0.5];
+        let rect = |x: [usize; 2], y: [usize; 2]| Region::Rect {
+            x: x.map(|i| lines[i]),
+            y: y.map(|i| lines[i]),
+        };
+        match self {
+            Self::Quadrants => {
+                vec![Geometry { regions: (0..4).map(quadrant).collect(), rest: false }]
+            }
+            Self::OddQuadrant => {
+                (0..4).map(|q| Geometry { regions: vec![quadrant(q)], rest: true }).collect()
+            }
+            Self::Rectangles => {
+                let spans = || (0..5).flat_map(|p| (p + 1..5).map(move |q| [p, q]));
+                let whole = [0, 4];
+                spans()
+                    .flat_map(|x| spans().map(move |y| (x, y)))
+                    .filter(|&(x, y)| (x, y) != (whole, whole))
+                    .map(|(x, y)| Geometry { regions: vec![rect(x, y)], rest: true })
+                    .collect()
+            }
+            Self::Blocks4 => {
+                let block = |b: usize| rect([b % 4, b % 4 + 1], [b / 4, b / 4 + 1]);
+                vec![Geometry { regions: (0..16).map(block).collect(), rest: false }]
+            }
+        }
+    }
+}
+
+impl FromStr for Space {
+    type Err = IdentifyError;
+
+    fn from_str(name: &str) -> Result<Self, IdentifyError> {
+        let all = [Self::Quadrants, Self::OddQuadrant, Self::Rectangles, Self::Blocks4];
+        let at = Self::NAMES.iter().position(|known| *known == name);
+        at.map(|i| all[i]).ok_or_else(|| IdentifyError::UnknownSpace(name.into()))
+    }
+}
+
+impl fmt::Display for Space {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(Self::NAMES[*self as usize])
+    }
+}
+
+/// Disjoint pieces of the square on each of which f is constant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    regions: Vec<Region>,
+    /// Whether what the regions leave is a piece as well; it is the last one.
+    rest: bool,
+}
+
+impl Geometry {
+    /// Number of pieces, hence of values.
+    pub fn pieces(&self) -> usize {
+        self.regions.len() + usize::from(self.rest)
+    }
+
+    /// The f that takes these values on the pieces.
+    ///
+    /// # Panics
+    /// If there is not one value per piece.
+    pub fn source(&self, values: &[f64]) -> Source {
+        assert_eq!(values.len(), self.pieces());
+        let background = if self.rest { values[self.regions.len()] } else { 0.0 };
+        let pieces = self.regions.iter().copied().zip(values.iter().copied()).collect();
+        Source::Pieces { background, pieces }
+    }
+
+    /// The f that is 1 on piece `p` and 0 elsewhere.
+    pub fn indicator(&self, p: usize) -> Source {
+        let mut values = vec![0.0; self.pieces()];
+        values[p] = 1.0;
+        self.source(&values)
+    }
+
+    /// Areas of the pieces.
+    pub fn areas(&self) -> Vec<f64> {
+        (0..self.pieces()).map(|p| integral(&self.indicator(p))).collect()
+    }
+}
+
+/// Decimals with a fixed number of places that a value of f may take, in increasing order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lattice {
+    ticks: Vec<i64>,
+    places: u32,
+}
+
+/// Decimal places beyond which a lattice is refused: doubles could not tell its points apart.
+const MAX_PLACES: u32 = 9;
+
+impl Lattice {
+    /// Reads `MIN:MAX:STEP` or a comma-separated list of decimals.
+    fn parse(text: &str) -> Result<Self, IdentifyError> {
+        let wrong = || IdentifyError::Values(text.into());
+        let decimals = |parts: std::str::Split<'_, char>| -> Result<Vec<(i64, u32)>, _> {
+            parts.map(|part| decimal(part.trim()).ok_or_else(wrong)).collect()
+        };
+        let range = text.contains(':');
+        let parsed = decimals(text.split(if range { ':' } else { ',' }))?;
+        let places = parsed.iter().map(|&(_, places)| places).max().unwrap_or(0);
+        let mut ticks: Vec<i64> = parsed.iter().map(|&(t, p)| t * 10i64.pow(places - p)).collect();
+        if range {
+            let [min, max, step] = ticks[..] else { return Err(wrong()) };
+            if step <= 0 || min > max {
+                return Err(IdentifyError::EmptyLattice(text.into()));
+            }
+            ticks = (0..=(max - min) / step).map(|k| min + k * step).collect();
+        }
+        ticks.sort_unstable();
+        ticks.dedup();
+        Ok(Self { ticks, places })
+    }
+
+    /// Reads one lattice for all values, or several separated by `;`, one per value.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Values`] or [`IdentifyError::EmptyLattice`] quoting the faulty part.
+    pub fn parse_all(text: &str) -> Result<Vec<Self>, IdentifyError> {
+        text.split(';').map(|part| Self::parse(part.trim())).collect()
+    }
+
+    /// The same lattice with its points written to `places` decimal places, not fewer than now.
+    pub(super) fn refined(&self, places: u32) -> Self {
+        let factor = 10i64.pow(places - self.places);
+        Self { ticks: self.ticks.iter().map(|t| t * factor).collect(), places }
+    }
+
+    /// Decimal places of the points.
+    pub fn places(&self) -> u32 {
+        self.places
+    }
+
+    /// The points, in units of `10^-places`.
+    pub fn ticks(&self) -> &[i64] {
+        &self.ticks
+    }
+}
+
+/// A decimal such as `-1.25` as (-125, 2).
+fn decimal(text: &str) -> Option<(i64, u32)> {
+    let (sign, digits) = match text.strip_prefix('-') {
+        Some(rest) => (-1, rest),
+        None => (1, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let fraction = fraction.trim_end_matches('0');
+    let all = format!("{whole}{fraction}");
+    let plain = !digits.is_empty() && all.len() <= 15 && all.bytes().all(|b| b.is_ascii_digit());
+    let places = fraction.len() as u32;
+    if !plain || (whole.is_empty() && digits.len() == 1) || places > MAX_PLACES {
+        return None;
+    }
+    Some((sign * if all.is_empty() { 0 } else { all.parse::<i64>().ok()? }, places))
+}
+
+/// One right-hand side: a geometry of its space, and exact decimals as values.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Index into [`Space::geometries`].
+    pub geometry: usize,
+    /// The values, in units of `10^-places`, one per piece.
+    pub ticks: Vec<i64>,
+    /// Decimal places of `ticks`.
+    pub places: u32,
+}
+
+impl Candidate {
+    /// The values of f, one per piece: the doubles nearest to the decimals.
+    pub fn values(&self) -> Vec<f64> {
+        // Powers of ten up to 10^22 are exact: the quotient is rounded once.
+        self.ticks.iter().map(|&t| t as f64 / 10f64.powi(self.places as i32)).collect()
+    }
+
+    /// How much there is to say about f: distinct values, and their decimal places.
+    pub fn complexity(&self) -> u32 {
+        let mut ticks = self.ticks.clone();
+        ticks.sort_unstable();
+        ticks.dedup();
+        let places = |t: i64| {
+            let zeros = (0..self.places).take_while(|&k| t % 10i64.pow(k + 1) == 0).count();
+            self.places - zeros as u32
+        };
+        ticks.iter().map(|&t| 1 + places(t)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_of_every_geometry_fill_the_square() {
+        for name in Space::NAMES {
+            let space: Space = name.parse().unwrap();
+            assert_eq!(space.to_string(), name);
+            for geometry in space.geometries() {
+                let whole: f64 = geometry.areas().iter().sum();
+                assert!((whole - 1.0).abs() < 1e-12, "{name}: {whole}");
+            }
+        }
+        assert_eq!(Space::Rectangles.geometries().len(), 99);
+        assert!("discs".parse::<Space>().unwrap_err().to_string().contains("odd-quadrant"));
+    }
+
+    #[test]
+    fn lattices_are_exact_decimals() {
+        let range = Lattice::parse_all("-1:1:0.25").unwrap();
+        assert_eq!(range[0].ticks(), [-100, -75, -50, -25, 0, 25, 50, 75, 100]);
+        let list = Lattice::parse_all("-6, 2,1.990; 3").unwrap();
+        assert_eq!((list[0].ticks(), list[0].places()), (&[-600, 199, 200][..], 2));
+        assert_eq!((list[1].ticks(), list[1].places()), (&[3][..], 0));
+        for bad in ["", "1:2", "one", "1e3", "2:1:1", "0:1:0", ".", "1.0000000001"] {
+            assert!(Lattice::parse_all(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn short_decimals_and_few_values_are_simple() {
+        let f = |ticks: &[i64]| {
+            Candidate { geometry: 0, ticks: ticks.to_vec(), places: 2 }.complexity()
+        };
+        assert_eq!(f(&[-600, 200, 200, 200]), 2);
+        assert_eq!(f(&[-600, 200, 199, 200]), 5);
+        assert_eq!(f(&[315, -85, -105, -110]), 11);
+    }
+}

@@ -1,0 +1,343 @@
+//! The search for Figure 1 against the literal iteration, and on planted right-hand sides.
+
+use proptest::prelude::*;
+use signorini::grid::nested;
+use signorini::identify::*;
+use signorini::load::load;
+use signorini::saddle::{Params, StopRule, solve_nested};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
+
+fn published(problem: usize) -> Target {
+    let counts = [
+        [
+            [1, 2, 10, 50, 149],
+            [1, 2, 10, 41, 150],
+            [1, 2, 11, 31, 144],
+            [1, 2, 14, 54, 69],
+            [1, 3, 13, 109, 55],
+        ],
+        [
+            [3, 3, 7, 14, 34],
+            [3, 4, 7, 11, 23],
+            [3, 1, 16, 17, 32],
+            [3, 2, 2, 5, 16],
+            [4, 2, 3, 13, 36],
+        ],
+    ];
+    let delta_a =
+        [[1.6e-4, 1.8e-4, 1.6e-4, 1.2e-4, 3.5e-4], [3.5e-3, 2.2e-3, 2.9e-3, 5.8e-2, 4.2e-2]];
+    Target {
+        r: R.to_vec(),
+        counts: counts[problem - 1].iter().map(|row| row.to_vec()).collect(),
+        delta_a: delta_a[problem - 1].to_vec(),
+    }
+}
+
+/// The first columns of a table, which cost little.
+fn coarse(mut target: Target, levels: usize) -> Target {
+    target.counts.iter_mut().for_each(|row| row.truncate(levels));
+    target
+}
+
+/// The table of f on `levels` grids by the plain solver, one r after the other.
+fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
+    let geometry = &Space::Quadrants.geometries()[0];
+    let variant = Variant::default();
+    let cells: Vec<usize> = (0..levels).map(|level| COARSEST << level).collect();
+    let grids = nested(&cells).unwrap();
+    let f = geometry.source(values);
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, variant.load)).collect();
+    let rule = if measure == Measure::Signed { StopRule::Signed } else { StopRule::Printed };
+    let mut table = Table { counts: Vec::new(), delta_a: Vec::new() };
+    for r in R {
+        let params = Params { r, rule, max_iterations: 5000, ..Params::default() };
+        let (outcomes, _) = solve_nested(&grids, &loads, &params, variant.prolongation, &mut ());
+        table.counts.push(outcomes.iter().map(|o| Some(o.iterations)).collect());
+        table.delta_a.push(outcomes[levels - 1].delta_a);
+    }
+    table
+}
+
+fn target_of(table: &Table) -> Target {
+    Target {
+        r: R.to_vec(),
+        counts: table.counts.iter().map(|row| row.iter().map(|n| n.unwrap()).collect()).collect(),
+        delta_a: table.delta_a.iter().map(|d| d.max(f64::MIN_POSITIVE)).collect(),
+    }
+}
+
+fn evaluator<'a>(target: &'a Target, variant: &Variant) -> Evaluator<'a> {
+    Evaluator::new(target, variant, &Space::Quadrants.geometries()).unwrap()
+}
+
+fn request(values: &str, method: Method) -> Request {
+    Request {
+        space: Space::Quadrants,
+        values: Lattice::parse_all(values).unwrap(),
+        variant: Variant::default(),
+        method,
+        negative_integral: true,
+        exact_grids: 2,
+        seed: 7,
+        top: 5,
+    }
+}
+
+fn run(request: &Request, target: &Target, threads: usize) -> Report {
+    let budget = Budget { threads: Some(threads), ..Budget::default() };
+    search(request, target, budget, None, &AtomicBool::new(false), &mut |_, _| ()).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn lanes_repeat_the_literal_iteration_to_the_last_bit(
+        values in prop::collection::vec(-60i32..40, 4), printed in any::<bool>(),
+    ) {
+        let values: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
+        let measure = if printed { Measure::Printed } else { Measure::Signed };
+        let table = literal(&values, measure, 3);
+        // Where no saddle point exists, the iteration may go on for ever.
+        prop_assume!(table.counts.iter().flatten().all(|&n| n < Some(5000)));
+        let target = target_of(&table);
+        let variant = Variant { measure, ..Variant::default() };
+        let mut evaluator = evaluator(&target, &variant);
+        prop_assert_eq!(&evaluator.free(0, &values), &table);
+        let forced = evaluator.forced(0, &values, Limit::EXACT);
+        prop_assert!(forced.is_exact(), "{:?}", forced);
+        prop_assert_eq!(forced.delta_a, table.delta_a);
+    }
+
+    #[test]
+    fn forced_runs_are_exact_just_where_free_runs_agree(
+        values in prop::collection::vec(-60i32..40, 4), nudge in -3i32..4,
+    ) {
+        let exact: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
+        let table = literal(&exact, Measure::Signed, 3);
+        prop_assume!(table.counts.iter().flatten().all(|&n| n < Some(5000)));
+        let target = target_of(&table);
+        let mut other = exact;
+        other[0] += f64::from(nudge) / 20.0;
+        let mut evaluator = evaluator(&target, &Variant::default());
+        let free = target_of(&evaluator.free(0, &other));
+        prop_assert_eq!(evaluator.forced(0, &other, Limit::EXACT).is_exact(), free.counts == target.counts);
+    }
+
+    #[test]
+    fn starting_elsewhere_is_turning_the_square(values in prop::collection::vec(-60i32..40, 4)) {
+        use signorini::load::{Diagonal, LoadRule};
+        use signorini::source::Tie;
+        let values: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
+        let target = published(2);
+        let table = evaluator(&target, &Variant::default()).free(0, &values);
+        for (start, tie, diagonal, swap) in [
+            (Start::LowerRight, Tie::LowerRight, Diagonal::Falling, [1, 0, 3, 2]),
+            (Start::UpperLeft, Tie::UpperLeft, Diagonal::Falling, [2, 3, 0, 1]),
+            (Start::UpperRight, Tie::UpperRight, Diagonal::Rising, [3, 2, 1, 0]),
+        ] {
+            let load = LoadRule::Nodal { tie, diagonal: Some(diagonal) };
+            let variant = Variant { start, load, ..Variant::default() };
+            let turned = swap.map(|q| values[q]);
+            prop_assert_eq!(&evaluator(&target, &variant).free(0, &turned), &table);
+        }
+    }
+}
+
+#[test]
+fn both_published_tables_come_out_exactly() {
+    for (problem, values, delta_a_exact) in [
+        (1, [3.0, -1.002, -1.002, -1.002], 5),
+        (1, [3.0, -1.0, -1.01, -1.0], 4),
+        (2, [-6.0, 1.998, 1.998, 1.998], 4),
+        (2, [-6.0, 2.0, 1.99, 2.0], 4),
+    ] {
+        let target = published(problem);
+        let mut evaluator = evaluator(&target, &Variant::default());
+        assert!(
+            evaluator.forced(0, &values, Limit::EXACT).is_exact(),
+            "problem {problem}: {values:?}"
+        );
+        let table = evaluator.free(0, &values);
+        assert_eq!(target_of(&table).counts, target.counts);
+        let digits = |x: &f64| format!("{x:.1e}");
+        let same =
+            table.delta_a.iter().zip(&target.delta_a).filter(|(a, b)| digits(a) == digits(b));
+        assert_eq!(same.count(), delta_a_exact, "problem {problem}: {:?}", table.delta_a);
+    }
+}
+
+#[test]
+fn enumeration_finds_the_values_of_problem_2() {
+    let target = published(2);
+    let report =
+        run(&request("-7:-5:0.5; 1:3:0.5; 1:3:0.5; 1:3:0.5", Method::Enumerate), &target, 1);
+    // The integral of -6, 2, 2, 2 vanishes, so that (2) excludes it.
+    assert!(report.complete && report.found.iter().all(|f| f.integral < 0.0));
+    let open = Request { negative_integral: false, ..report.request };
+    let best = &run(&open, &target, 1).found[0];
+    assert_eq!(best.candidate.values(), [-6.0, 2.0, 2.0, 2.0]);
+    assert_eq!((best.score.exact, best.score.cells, best.score.delta_a_exact), (25, 25, 4));
+}
+
+/// Plants f, hides it, and searches the table of its first three grids.
+#[test]
+fn a_planted_f_or_an_equivalent_one_is_recovered() {
+    for (seed, planted) in
+        [(1, [-4.0, 1.5, 0.5, 1.5]), (2, [2.5, -1.5, -2.0, -1.0]), (3, [1.0, -3.0, 2.5, -3.5])]
+    {
+        let target = target_of(&literal(&planted, Measure::Signed, 3));
+        let enumerated = run(&request("-4:4:0.5", Method::Enumerate), &target, 2);
+        let best = &enumerated.found[0];
+        assert_eq!(best.score.exact, 15, "planted {planted:?}, found {}", best.f);
+        let again = literal(&best.candidate.values(), Measure::Signed, 3);
+        assert_eq!(target_of(&again).counts, target.counts);
+        // By annealing, on a lattice too fine to enumerate.
+        let anneal = Method::Anneal { chains: 8, steps: 2000 };
+        let annealed = run(&Request { seed, ..request("-4:4:0.1", anneal) }, &target, 2);
+        assert_eq!(
+            annealed.found[0].score.exact, 15,
+            "planted {planted:?}: {:?}",
+            annealed.found[0]
+        );
+    }
+}
+
+#[test]
+fn reports_do_not_depend_on_threads_nor_on_interruptions() {
+    let target = coarse(published(2), 3);
+    for method in [Method::Enumerate, Method::Anneal { chains: 20, steps: 200 }] {
+        let request = request("-8:4:1", method);
+        let once = run(&request, &target, 1);
+        assert_eq!(once, run(&request, &target, 3));
+        // Stopped after every batch, written, read and resumed.
+        let mut state: Option<String> = None;
+        let resumed = loop {
+            let stop = AtomicBool::new(false);
+            let resume = state.as_deref().map(|text| serde_json::from_str(text).unwrap());
+            let mut observe = |_: &Progress, checkpoint: Option<&Checkpoint>| {
+                if checkpoint.is_some() {
+                    state = Some(serde_json::to_string(&checkpoint).unwrap());
+                    stop.store(true, Ordering::Relaxed);
+                }
+            };
+            let report =
+                search(&request, &target, Budget::default(), resume, &stop, &mut observe).unwrap();
+            if report.complete {
+                break report;
+            }
+        };
+        assert_eq!(once, resumed);
+        let foreign: Checkpoint = serde_json::from_str(&state.unwrap()).unwrap();
+        let other = Request { seed: 8, ..request };
+        let refused = search(
+            &other,
+            &target,
+            Budget::default(),
+            Some(foreign),
+            &AtomicBool::new(false),
+            &mut |_, _| (),
+        );
+        assert_eq!(refused, Err(IdentifyError::ForeignCheckpoint));
+    }
+}
+
+#[test]
+fn a_spent_budget_or_a_raised_flag_keeps_what_was_found() {
+    let target = coarse(published(2), 3);
+    let request = request("-8:4:0.25", Method::Enumerate);
+    let none = Budget { time: Some(Duration::ZERO), ..Budget::default() };
+    let report =
+        search(&request, &target, none, None, &AtomicBool::new(false), &mut |_, _| ()).unwrap();
+    assert!(!report.complete && report.found.is_empty());
+    let stop = AtomicBool::new(false);
+    let mut observe = |progress: &Progress, _: Option<&Checkpoint>| {
+        stop.store(progress.best.is_some(), Ordering::Relaxed);
+    };
+    let report = search(&request, &target, Budget::default(), None, &stop, &mut observe).unwrap();
+    assert!(!report.complete && !report.found.is_empty());
+}
+
+#[test]
+fn selection_prefers_the_variant_that_made_the_table() {
+    let planted = [-4.0, 1.5, 0.5, 1.5];
+    let target = target_of(&literal(&planted, Measure::Signed, 3));
+    let tables = [(target, request("-4:2:0.5", Method::Enumerate))];
+    let variants =
+        [Variant { measure: Measure::Printed, ..Variant::default() }, Variant::default()];
+    let ranking =
+        select(&variants, &tables, Budget::default(), &AtomicBool::new(false), &mut |_| ())
+            .unwrap();
+    assert_eq!(ranking[0].variant, Variant::default());
+    assert_eq!(ranking[1].description, "absolute value in (13), as printed");
+    assert!(ranking[0].total() < ranking[1].total());
+}
+
+#[test]
+fn neighbours_are_distinct_and_described() {
+    let all = Variant::neighbours();
+    for (i, variant) in all.iter().enumerate() {
+        assert!(
+            all[..i]
+                .iter()
+                .all(|other| other != variant && other.to_string() != variant.to_string())
+        );
+    }
+}
+
+#[test]
+fn room_ends_where_a_count_changes() {
+    let target = published(2);
+    let geometry = &Space::Quadrants.geometries()[0];
+    let values = [-6.0, 2.0, 2.0, 2.0];
+    let variant = Variant::default();
+    let map = identifiability(&target, &variant, geometry, &values).unwrap();
+    assert_eq!((map.exact, map.directions.len()), (25, 5));
+    let mut evaluator = evaluator(&target, &variant);
+    for breaks in &map.directions {
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            let moved = |by: f64| -> Vec<f64> {
+                let shift = |(p, v): (usize, &f64)| match breaks.piece {
+                    Some(piece) if piece == p => v + sign * by,
+                    Some(_) => *v,
+                    None => v * (1.0 + sign * by),
+                };
+                values.iter().enumerate().map(shift).collect()
+            };
+            let room = breaks.room[side];
+            assert!(evaluator.forced(0, &moved(0.99 * room), Limit::EXACT).is_exact());
+            let (k, level) = breaks.first[side].unwrap();
+            let beyond = evaluator.forced(0, &moved(1.02 * room + 1e-5), Limit::NONE);
+            assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
+        }
+    }
+    let plane = slice(&target, &variant, geometry, &values, [0, 3], 0.1, 5).unwrap();
+    assert_eq!(plane.exact[2][2], 25);
+    assert!(plane.exact[0][0] < 25);
+}
+
+#[test]
+fn tables_that_are_none_are_refused() {
+    let bad = |change: &dyn Fn(&mut Target)| {
+        let mut target = published(1);
+        change(&mut target);
+        target.validate().unwrap_err()
+    };
+    assert_eq!(bad(&|t| t.r.truncate(4)), IdentifyError::Ragged);
+    assert_eq!(bad(&|t| t.counts[2].truncate(4)), IdentifyError::Ragged);
+    assert_eq!(bad(&|t| t.counts[2][0] = 0), IdentifyError::NotPositive(3));
+    assert_eq!(bad(&|t| t.r.clear()), IdentifyError::Rows(0));
+    let two = request("1:2:1; 3", Method::Enumerate);
+    let refused = search(
+        &two,
+        &published(1),
+        Budget::default(),
+        None,
+        &AtomicBool::new(false),
+        &mut |_, _| (),
+    );
+    assert!(refused.unwrap_err().to_string().contains("2 lattices for 4 values"));
+}
