@@ -236,7 +236,9 @@ fn account(summary: &Summary) -> String {
             first.reason
         );
     }
-    text += &format!("{} files written to figures/ and report/\n", summary.exported);
+    if summary.exported > 0 {
+        text += &format!("{} files written to figures/ and report/\n", summary.exported);
+    }
     if summary.exports.contains_key("report/book/index.html") {
         text += "the book: report/book/index.html\n";
     }
