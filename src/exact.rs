@@ -80,6 +80,14 @@ impl Exact {
         }
     }
 
+    /// `f = -Laplacian v` alone, which for the torsion function needs no series.
+    pub fn source(self, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Torsion => -1.0,
+            _ => self.at(x, y).f,
+        }
+    }
+
     /// Multiplier `dv/dn` on the side whose outer normal is `normal`, at a point of it.
     pub fn multiplier(self, x: f64, y: f64, normal: [f64; 2]) -> f64 {
         let [gx, gy] = self.at(x, y).gradient;

@@ -140,7 +140,7 @@ fn integrated(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
                         }
                         parts
                     }
-                    Source::Exact(exact) => radon(&triangle, |x, y| exact.at(x, y).f),
+                    Source::Exact(exact) => radon(&triangle, |x, y| exact.source(x, y)),
                 };
                 for ((i, j), part) in nodes.into_iter().zip(parts) {
                     load[grid.index(i, j)] += part;

@@ -98,14 +98,14 @@ impl Source {
                 .rev()
                 .find(|(region, _)| region.contains(x, y))
                 .map_or(*background, |&(_, value)| value),
-            Self::Exact(exact) => exact.at(x, y).f,
+            Self::Exact(exact) => exact.source(x, y),
         }
     }
 
     /// Value at (x, y), which on a jump is the limit from the side `tie` inside the square.
     pub fn sample(&self, x: f64, y: f64, tie: Tie) -> f64 {
         if let Self::Exact(exact) = self {
-            return exact.at(x, y).f;
+            return exact.source(x, y);
         }
         let (dx, dy) = match tie {
             Tie::LowerLeft => (-STEP_OFF, -STEP_OFF),
