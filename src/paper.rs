@@ -1,6 +1,7 @@
 //! The published tables, the tolerance we declare for them, and the comparison with ours.
 
 use crate::error::{Error, Result};
+use crate::identify::Target;
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
@@ -114,6 +115,26 @@ impl Paper {
             }
         }
         Ok(paper)
+    }
+
+    /// The published table of this number as a search takes it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is no such table, or it holds what no run can give.
+    pub fn target(&self, number: u8) -> Result<Target> {
+        let table = self.table.iter().find(|t| t.number == number).ok_or_else(|| {
+            let known: Vec<_> = self.table.iter().map(|t| t.number.to_string()).collect();
+            let known = known.join(", ");
+            Error::input(format!("pipeline/paper.toml has no table {number}; it has {known}"))
+        })?;
+        let target = Target {
+            r: self.r.clone(),
+            counts: table.counts.clone(),
+            delta_a: table.delta_a.clone(),
+        };
+        let wrong = |e| Error::input(format!("pipeline/paper.toml, table {number}: {e}"));
+        target.validate().map_err(wrong)?;
+        Ok(target)
     }
 
     /// Compares computed rows with the published table of this number.
