@@ -33,7 +33,7 @@ Spaces:\n  \
 Examples:\n  \
   signorini identify                                      both problems, two values, exhaustively\n  \
   signorini identify --problem 2 --space quadrants        four values, by annealing\n  \
-  signorini identify --problem 1 --space quadrants --values '2.9:3.1:0.01; -1.02:-0.98:0.01'\n  \
+  signorini identify --problem 1 --values '2.9:3.1:0.001; -1.02:-0.98:0.001'   one range per piece\n  \
   signorini identify --problem 2 --variants --budget 300  which reading of the method does best?\n  \
   signorini identify --values -8:4:0.002 --checkpoint long.json   Ctrl-C, and again to go on\n\n\
 The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005\n\
@@ -66,7 +66,13 @@ enum Way {
 #[derive(Args, Debug)]
 pub(super) struct IdentifyArgs {
     /// The problem whose table f is to explain
-    #[arg(long, value_enum, default_value = "both", hide_possible_values = true, value_name = "1|2|both")]
+    #[arg(
+        long,
+        value_enum,
+        default_value = "both",
+        hide_possible_values = true,
+        value_name = "1|2|both"
+    )]
     problem: Problem,
     /// Family of f; see below
     #[arg(long, default_value = "odd-quadrant")]
@@ -144,10 +150,8 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
         Problem::Two => vec![2],
         Problem::Both => project.paper.table.iter().map(|table| table.number).collect(),
     };
-    let targets = numbers
-        .iter()
-        .map(|&number| project.paper.target(number))
-        .collect::<Result<Vec<_>>>()?;
+    let targets =
+        numbers.iter().map(|&number| project.paper.target(number)).collect::<Result<Vec<_>>>()?;
     let request = request(args)?;
     let budget = args.budget.map(seconds).transpose()?;
     if args.threads == Some(0) {
@@ -194,9 +198,15 @@ fn find(
                 saved = Instant::now();
             }
         };
-        let report =
-            search(request, target, Budget { time, threads: args.threads }, from, stop, &mut observe)
-                .map_err(refused)?;
+        let report = search(
+            request,
+            target,
+            Budget { time, threads: args.threads },
+            from,
+            stop,
+            &mut observe,
+        )
+        .map_err(refused)?;
         watch.end();
         if let (None, Some(path)) = (&failure, &args.checkpoint) {
             failure = write_states(path, &states).err();
@@ -238,8 +248,7 @@ fn compare(
         watch.line(&format!("{done}/{}: {}", variants.len(), table::one_line(selection)));
     };
     let budget = Budget { time: each, threads: args.threads };
-    let all =
-        select(&variants, &tables, budget, interrupted(), &mut observe).map_err(refused)?;
+    let all = select(&variants, &tables, budget, interrupted(), &mut observe).map_err(refused)?;
     watch.end();
     if args.json {
         say_json(&serde_json::json!({

@@ -109,9 +109,8 @@ fn draw_panel(
             }
         }
     }
-    let inside = |&&[x, y]: &&[f64; 2]| {
-        frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1
-    };
+    let inside =
+        |&&[x, y]: &&[f64; 2]| frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1;
     for &[x, y] in panel.others.iter().filter(inside) {
         cross(pen, frame.at(x, y));
     }
@@ -120,7 +119,7 @@ fn draw_panel(
     frame.label_below(pen, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
     frame.label_left(pen, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
     let kind = Type::size(NORMAL);
-    pen.text("f on its quadrant", (middle, top + SIDE + 32.0), kind);
+    pen.text("f on the odd quadrant", (middle, top + SIDE + 32.0), kind);
     pen.text("f elsewhere", (left - 64.0, top + 0.5 * SIDE), kind.upwards());
 }
 

@@ -55,8 +55,7 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
             let target = paper.target(table).map_err(|e| e.to_string())?;
             let alternatives = record.alternatives(table);
             let threads = rayon::current_num_threads();
-            let found =
-                findings(&target, &variant, &f, alternatives, &record.questions, threads);
+            let found = findings(&target, &variant, &f, alternatives, &record.questions, threads);
             let found = found.map_err(|e| e.to_string())?;
             Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
         }),

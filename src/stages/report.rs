@@ -106,7 +106,8 @@ fn make(
         },
         provenance: provenance(inputs, versions),
         record: {
-            let text = inputs.files.get(record::PATH).ok_or("the record of the search is missing")?;
+            let text =
+                inputs.files.get(record::PATH).ok_or("the record of the search is missing")?;
             Record::parse(&String::from_utf8_lossy(text)).map_err(|e| e.to_string())?
         },
     };

@@ -39,7 +39,8 @@ pub(super) fn found(answer: &Answer, target: &Target) -> String {
             format!("{}/{}", score.delta_a_exact, one.delta_a.len()),
             score.complexity,
             score.total(),
-            one.integral,
+            // No negative zero, from rounding or not.
+            if one.integral.abs() < 5e-5 { 0.0 } else { one.integral },
             one.f
         );
     }
