@@ -100,7 +100,7 @@ pub(super) struct IdentifyArgs {
     #[arg(long, conflicts_with = "checkpoint")]
     variants: bool,
     /// Stop after this time, shared by all searches of the command, and show what was found
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     budget: Option<f64>,
     /// Seed of everything random
     #[arg(long, default_value_t = 1)]

@@ -75,19 +75,20 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
     let contacts: Vec<_> =
         (0..2).map(|k| ContactPanel { title: titles[k], grid, lines: &lines[k] }).collect();
     let slices = [(3.0, -1.002), (-6.0, 1.998)].map(slice_around);
-    let panel_of = |slice| IdentifiabilityPanel {
-        title: if std::ptr::eq(slice, &slices[0]) { titles[0] } else { titles[1] },
-        slice,
+    let others: &[[f64; 2]] = &[[2.99, -1.0], [-6.0, 2.0]];
+    let around = [0, 1].map(|k| IdentifiabilityPanel {
+        title: titles[k],
+        slice: &slices[k],
         cells: 25,
-        others: &[[2.99, -1.0], [-6.0, 2.0]],
-    };
+        others,
+    });
     vec![
         ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
         ("figure2", surfaces(CAPTION, &shapes).unwrap()),
         ("histories", histories(CAPTION, Span::AllGrids, &histories_of).unwrap()),
         ("finest", histories(CAPTION, Span::FinestGrid, &histories_of).unwrap()),
         ("contact", contact(CAPTION, &contacts).unwrap()),
-        ("identifiability", identifiability(CAPTION, &slices.each_ref().map(panel_of)).unwrap()),
+        ("identifiability", identifiability(CAPTION, &around).unwrap()),
     ]
 }
 
