@@ -15,6 +15,7 @@ pub mod norms;
 pub mod paper;
 pub mod pipeline;
 pub mod project;
+pub mod record;
 pub mod saddle;
 pub mod scene;
 pub mod source;

@@ -1,6 +1,7 @@
 //! The published tables, the tolerance we declare for them, and the comparison with ours.
 
 use crate::error::{Error, Result};
+use crate::identify::Target;
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
@@ -116,16 +117,32 @@ impl Paper {
         Ok(paper)
     }
 
-    /// The published table of this number, which `scene` asks for.
+    /// The published table of this number.
     ///
     /// # Errors
     /// [`Error::Input`] if there is none.
-    pub fn published(&self, number: u8, scene: &str) -> Result<&PublishedTable> {
+    pub fn published(&self, number: u8) -> Result<&PublishedTable> {
         self.table.iter().find(|table| table.number == number).ok_or_else(|| {
-            Error::input(format!(
-                "scene `{scene}`: pipeline/paper.toml has no table {number}; correct `paper_table`"
-            ))
+            let known: Vec<_> = self.table.iter().map(|t| t.number.to_string()).collect();
+            let known = known.join(", ");
+            Error::input(format!("pipeline/paper.toml has no table {number}; it has {known}"))
         })
+    }
+
+    /// The published table of this number as a search takes it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is no such table, or it holds what no run can give.
+    pub fn target(&self, number: u8) -> Result<Target> {
+        let table = self.published(number)?;
+        let target = Target {
+            r: self.r.clone(),
+            counts: table.counts.clone(),
+            delta_a: table.delta_a.clone(),
+        };
+        let wrong = |e| Error::input(format!("pipeline/paper.toml, table {number}: {e}"));
+        target.validate().map_err(wrong)?;
+        Ok(target)
     }
 
     /// Compares computed rows with the published table of this number.
@@ -133,7 +150,7 @@ impl Paper {
     /// # Errors
     /// [`Error::Input`] if there is no such table or the rows are for other r or other grids.
     pub fn compare(&self, number: u8, scene: &str, ours: &[Row]) -> Result<TableComparison> {
-        let table = self.published(number, scene)?;
+        let table = self.published(number)?;
         let mut rows = Vec::new();
         for (k, &r) in self.r.iter().enumerate() {
             let row =

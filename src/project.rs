@@ -3,6 +3,7 @@
 use crate::error::{Error, IoContext, Result};
 use crate::paper::Paper;
 use crate::pipeline::Artifacts;
+use crate::record::{self, Record};
 use crate::scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,8 @@ pub struct Project {
     pub paper: Paper,
     /// `pipeline/paper.toml` as read.
     pub paper_text: String,
+    /// `pipeline/identified.toml` as read, if it is there.
+    pub record_text: Option<Vec<u8>>,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
 }
@@ -50,9 +53,10 @@ impl Project {
         let path = root.join("pipeline").join("paper.toml");
         let paper_text = fs::read_to_string(&path).context("read", &path)?;
         let paper = Paper::parse(&paper_text)?;
+        let record_text = read_record(&root)?;
         let mut templates = Artifacts::new();
         read_tree(&root.join("report"), "", &mut templates)?;
-        Ok(Self { root, scenes, scene_files, paper, paper_text, templates })
+        Ok(Self { root, scenes, scene_files, paper, paper_text, record_text, templates })
     }
 
     /// The scenes with these names, each once, or all if no name is given.
@@ -79,6 +83,17 @@ impl Project {
             Error::input(format!("no scene `{name}`; there are: {}", known.join(", ")))
         })
     }
+}
+
+/// The record of the search for Figure 1, checked; a project of other problems has none.
+fn read_record(root: &Path) -> Result<Option<Vec<u8>>> {
+    let path = root.join(record::PATH);
+    if !fs::exists(&path).context("read", &path)? {
+        return Ok(None);
+    }
+    let text = fs::read_to_string(&path).context("read", &path)?;
+    Record::parse(&text)?;
+    Ok(Some(text.into_bytes()))
 }
 
 /// Folders under `report/` that a run writes.

@@ -22,6 +22,8 @@ pub enum Output {
     History,
     /// Trace and multiplier along the unrolled boundary.
     Contact,
+    /// How sharply the published table fixes f.
+    Identify,
 }
 
 impl Output {
@@ -33,6 +35,7 @@ impl Output {
             Self::Surface => "surface",
             Self::History => "history",
             Self::Contact => "contact",
+            Self::Identify => "identify",
         }
     }
 }
@@ -149,6 +152,12 @@ impl Scene {
         let mut outputs = file.outputs;
         outputs.sort();
         outputs.dedup();
+        if outputs.contains(&Output::Identify) && file.paper_table.is_none() {
+            return Err(wrong(
+                "`identify` explains a published table; add `paper_table`, or drop it from `outputs`"
+                    .into(),
+            ));
+        }
         Ok(Self {
             name: name.into(),
             title: file.title,
@@ -247,6 +256,7 @@ mod tests {
         assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
         assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
         assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));
+        assert!(error(&GOOD.replace("table", "identify")).contains("add `paper_table`"));
         assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("unknown variant `never`"));
     }
 }

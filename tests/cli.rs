@@ -13,8 +13,19 @@ const BUMP: &str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 fn help_is_as_reviewed() {
     let project = Project::with(TABLE);
     let mut text = String::new();
-    let commands =
-        ["", "run", "status", "explain", "dag", "diff", "solve", "report", "gc", "completions"];
+    let commands = [
+        "",
+        "run",
+        "status",
+        "explain",
+        "dag",
+        "diff",
+        "solve",
+        "identify",
+        "report",
+        "gc",
+        "completions",
+    ];
     for command in commands {
         let args: Vec<&str> =
             [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();

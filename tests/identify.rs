@@ -314,7 +314,7 @@ fn room_ends_where_a_count_changes() {
             assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
         }
     }
-    let plane = slice(&target, &variant, geometry, &values, [0, 3], 0.1, 5).unwrap();
+    let plane = slice(&target, &variant, geometry, &values, [0, 3], [0.1; 2], 5).unwrap();
     assert_eq!(plane.exact[2][2], 25);
     assert!(plane.exact[0][0] < 25);
 }

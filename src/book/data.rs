@@ -1,5 +1,7 @@
 //! What the templates are given: plain data, everything computed, nothing formatted.
 
+use crate::identify::Findings;
+use crate::record::Record;
 use crate::saddle::Outcome;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +18,8 @@ pub struct Report {
     pub problems: Vec<Problem>,
     /// Scenes that are not the paper's.
     pub scenes: Vec<Scene>,
+    /// What the search for the lost Figure 1 has found, as committed.
+    pub record: Record,
     /// The figures of the chapters.
     pub figures: Figures,
     /// Where everything comes from.
@@ -51,6 +55,8 @@ pub struct Problem {
     pub table: Vec<Row>,
     /// The solution drawn in Figure 2.
     pub solution: Solution,
+    /// What this run found out about f.
+    pub findings: Findings,
 }
 
 /// A region on which f is constant.
@@ -153,6 +159,8 @@ pub struct Figures {
     pub contact: Figure,
     /// Residuals against iterations.
     pub histories: Figure,
+    /// Counts that come out around each f.
+    pub identifiability: Figure,
 }
 
 /// A figure and what made it.

@@ -1,6 +1,7 @@
 //! What the prose says about the data: counts of agreements, ranges of ratios, worst residuals.
 
 use super::data::{Column, Problem, Report, Row};
+use super::room::{Fixed, Searched};
 use crate::saddle::{Outcome, StopReason, tolerance};
 use serde::Serialize;
 
@@ -41,6 +42,7 @@ pub(super) struct Facts {
     /// Whether each f is made of quadrants only.
     quarters: bool,
     comparison: Comparison,
+    searched: Searched,
 }
 
 /// A problem as the templates see it.
@@ -66,6 +68,8 @@ pub(super) struct Told<'a> {
     /// That over the tolerance.
     paper_excess: f64,
     finest: Vec<Finest<'a>>,
+    /// How sharply the table fixes f.
+    fixed: Fixed,
 }
 
 /// The stopping rules against each other on the finest grid, over some columns.
@@ -113,6 +117,7 @@ impl Facts {
                 pieces.all(|piece| piece.starts_with("quadrant(") || piece.starts_with("else="))
             }),
             comparison: Comparison::of(&report.problems),
+            searched: Searched::of(&report.record),
         }
     }
 }
@@ -161,6 +166,7 @@ impl<'a> Told<'a> {
             paper_gap,
             paper_excess,
             finest,
+            fixed: Fixed::of(&problem.findings),
         }
     }
 }

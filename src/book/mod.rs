@@ -6,6 +6,7 @@ mod facts;
 mod filters;
 mod mathml;
 mod pages;
+mod room;
 
 pub use build::build;
 pub use data::{

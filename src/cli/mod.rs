@@ -1,6 +1,8 @@
 //! The command line: what there is to say, and which function says it.
 
 mod diff;
+mod identify;
+mod interrupt;
 mod pipeline;
 mod solve;
 
@@ -75,6 +77,9 @@ enum Command {
         a point wins. Regions: rect(x0,x1,y0,y1), quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c,\n\
         disc(x,y,radius). The square is [-0.5,0.5]^2. exact(NAME) is a problem with known solution.")]
     Solve(solve::SolveArgs),
+    /// Search for the right-hand sides of the lost Figure 1 that give the published tables
+    #[command(after_help = identify::EXAMPLES)]
+    Identify(identify::IdentifyArgs),
     /// Build the book, and open it with --open
     Report(pipeline::ReportArgs),
     /// Remove from the cache what no scene needs any more
@@ -118,6 +123,7 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Dag(args) => pipeline::dag(&args),
         Command::Diff(args) => diff::diff(&args),
         Command::Solve(args) => solve::solve(&args),
+        Command::Identify(args) => identify::identify(&args),
         Command::Report(args) => pipeline::report(&args),
         Command::Gc(args) => pipeline::gc(&args),
         Command::Completions { shell } => {

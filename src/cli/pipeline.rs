@@ -1,5 +1,6 @@
 //! `run`, `status`, `explain`, `dag`, `report`, `gc`: the commands that walk the plan.
 
+use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say, say_json, styled};
 use crate::error::{Error, IoContext, Result};
 use crate::pipeline::{
@@ -13,8 +14,6 @@ use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Arguments of `run`.
@@ -70,7 +69,7 @@ pub(super) struct StatusArgs {
 /// Arguments of `explain`.
 #[derive(Args)]
 pub(super) struct ExplainArgs {
-    /// A stage (solve, tabulate, diff, figures, report) or the beginning of a task's id
+    /// A stage (solve, tabulate, diff, identify, figures, report) or the beginning of a task's id
     stage: String,
     /// Print JSON
     #[arg(long)]
@@ -170,21 +169,6 @@ impl Workplace {
     fn walk(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
         execute(tasks, &self.store, &self.project.root, options, progress, interrupted())
     }
-}
-
-/// Set by the first Ctrl-C; the second ends the process at once.
-fn interrupted() -> &'static AtomicBool {
-    static FLAG: AtomicBool = AtomicBool::new(false);
-    static HANDLER: Once = Once::new();
-    HANDLER.call_once(|| {
-        // Without a handler Ctrl-C still ends the process, and the cache survives that.
-        let _ = ctrlc::set_handler(|| {
-            if FLAG.swap(true, Ordering::Relaxed) {
-                std::process::exit(i32::from(Error::Interrupted.exit_code()));
-            }
-        });
-    });
-    &FLAG
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<u8> {

@@ -7,6 +7,7 @@ mod axes;
 mod camera;
 mod contact;
 mod history;
+mod identifiability;
 mod maps;
 mod palette;
 mod picture;
@@ -17,10 +18,12 @@ mod text;
 pub use camera::View;
 pub use contact::contact;
 pub use history::histories;
+pub use identifiability::identifiability;
 pub use maps::maps_of_f;
 pub use surface::surfaces;
 
 use crate::grid::Grid;
+use crate::identify::Slice;
 use crate::saddle::Iteration;
 use crate::source::Source;
 
@@ -107,6 +110,19 @@ pub struct ContactLine<'a> {
     pub y: &'a [f64],
     /// Boundary vector: the multiplier a, or the flux dy/dn.
     pub a: &'a [f64],
+}
+
+/// One panel of [`identifiability`].
+#[derive(Clone, Copy, Debug)]
+pub struct IdentifiabilityPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Counts that come out around the recovered f, which is in the middle.
+    pub slice: &'a Slice,
+    /// Number of counts in the table.
+    pub cells: usize,
+    /// Other f to mark, as points of the plane.
+    pub others: &'a [[f64; 2]],
 }
 
 /// Why data cannot be drawn.

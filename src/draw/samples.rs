@@ -74,13 +74,36 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         .collect();
     let contacts: Vec<_> =
         (0..2).map(|k| ContactPanel { title: titles[k], grid, lines: &lines[k] }).collect();
+    let slices = [(3.0, -1.002), (-6.0, 1.998)].map(slice_around);
+    let others: &[[f64; 2]] = &[[2.99, -1.0], [-6.0, 2.0]];
+    let around = [0, 1].map(|k| IdentifiabilityPanel {
+        title: titles[k],
+        slice: &slices[k],
+        cells: 25,
+        others,
+    });
     vec![
         ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
         ("figure2", surfaces(CAPTION, &shapes).unwrap()),
         ("histories", histories(CAPTION, Span::AllGrids, &histories_of).unwrap()),
         ("finest", histories(CAPTION, Span::FinestGrid, &histories_of).unwrap()),
         ("contact", contact(CAPTION, &contacts).unwrap()),
+        ("identifiability", identifiability(CAPTION, &around).unwrap()),
     ]
+}
+
+/// A map like those of the paper's problems: all counts come out on a band.
+fn slice_around((x0, y0): (f64, f64)) -> Slice {
+    let axis = |middle: f64, reach: f64| -> Vec<f64> {
+        (-16..=16).map(|k| middle + reach * f64::from(k) / 16.0).collect()
+    };
+    let (x, y) = (axis(x0, 0.03), axis(y0, 0.012));
+    let count = |x: f64, y: f64| {
+        let off = ((x - x0) + 3.0 * (y - y0)).abs();
+        25 - ((400.0 * off) as usize).min(11)
+    };
+    let exact = y.iter().map(|&y| x.iter().map(|&x| count(x, y)).collect()).collect();
+    Slice { pieces: [0, 1], x, y, exact }
 }
 
 /// One panel, few nodes, other shapes of f, more curves than colours, a long run.

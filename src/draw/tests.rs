@@ -49,6 +49,10 @@ fn figures_are_deterministic_well_formed_labelled_and_small() {
     assert!(svg("histories").contains("h = 1/4</text>"));
     assert!(!svg("finest").contains("h = 1/4</text>"));
     assert!(svg("contact").contains(">upper left</text>"));
+    for label in ["counts that come out", "all 25 counts come out", "f elsewhere", "\u{2212}1.005"]
+    {
+        assert!(svg("identifiability").contains(&format!(">{label}</text>")), "{label}");
+    }
 }
 
 #[test]
@@ -104,6 +108,15 @@ fn bad_data_is_refused_with_its_place() {
     let curves = [History { label: "l", levels: &[] }];
     let panel = HistoryPanel { curves: &curves, ..panel };
     assert_eq!(histories(CAPTION, Span::AllGrids, &[panel]), Err(FigureError::Empty("iterations")));
+    let slice = |x: f64| Slice { pieces: [0, 1], x: vec![x], y: vec![0.0], exact: vec![vec![3]] };
+    let map = |slice: &Slice| {
+        let panel = IdentifiabilityPanel { title: "t", slice, cells: 3, others: &[] };
+        identifiability(CAPTION, &[panel])
+    };
+    assert!(map(&slice(1.0)).is_ok(), "a single point is a map");
+    assert!(map(&slice(f64::NAN)).is_err());
+    let torn = Slice { exact: vec![vec![3, 3]], ..slice(1.0) };
+    assert!(matches!(map(&torn), Err(FigureError::Length { got: 2, want: 1, .. })));
     let f = Source::constant(f64::NAN);
     assert!(maps_of_f(CAPTION, &[FMap { title: "t", f: &f }]).is_err());
 }

@@ -138,7 +138,7 @@ fn along(
     breaks
 }
 
-/// Counts that come out when the values of two pieces vary by up to `reach` either way.
+/// Counts that come out when the values of two pieces vary by up to `reach`, each its own, either way.
 ///
 /// # Errors
 /// [`IdentifyError`] if the target is not a table.
@@ -151,16 +151,17 @@ pub fn slice(
     geometry: &Geometry,
     values: &[f64],
     pieces: [usize; 2],
-    reach: f64,
+    reach: [f64; 2],
     points: usize,
 ) -> Result<Slice, IdentifyError> {
     use rayon::prelude::*;
     let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
-    let axis = |p: usize| -> Vec<f64> {
+    let axis = |k: usize| -> Vec<f64> {
+        let (middle, reach) = (values[pieces[k]], reach[k]);
         let step = 2.0 * reach / points.saturating_sub(1).max(1) as f64;
-        (0..points).map(|i| values[p] - reach + step * i as f64).collect()
+        (0..points).map(|i| middle - reach + step * i as f64).collect()
     };
-    let (x, y) = (axis(pieces[0]), axis(pieces[1]));
+    let (x, y) = (axis(0), axis(1));
     let row = |evaluator: &mut Evaluator<'_>, &v: &f64| -> Vec<usize> {
         let mut moved = values.to_vec();
         moved[pieces[1]] = v;

@@ -16,6 +16,7 @@
 
 mod engine;
 mod evaluate;
+mod findings;
 mod identifiability;
 mod plan;
 mod random;
@@ -26,6 +27,7 @@ mod space;
 mod variant;
 
 pub use evaluate::{Evaluator, Forced, Limit, Table};
+pub use findings::{Alternative, Findings, Questions, findings};
 pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
 pub use rank::{Found, Score};
 pub use search::{Budget, Checkpoint, Method, Progress, Report, Request, search};
@@ -76,6 +78,9 @@ pub enum IdentifyError {
     /// A space without such a name.
     #[error("there is no space `{0}`; choose one of {names}", names = Space::NAMES.join(", "))]
     UnknownSpace(String),
+    /// An f that is not made of quadrants.
+    #[error("f = {0} is not made of quadrants; leave `identify` out of the scene's outputs")]
+    Pieces(String),
     /// More candidates than can be numbered.
     #[error("the space has more than 2^53 candidates; use fewer values or the annealing method")]
     TooMany,

@@ -82,6 +82,18 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// The pieces of an f made of quadrants and a background, and its values on them; `None` for any other f.
+    pub fn of_quadrants(f: &Source) -> Option<(Self, Vec<f64>)> {
+        let Source::Pieces { background, pieces } = f else { return None };
+        let quadrant = |(region, _): &(Region, f64)| matches!(region, Region::Quadrant { .. });
+        if pieces.is_empty() || !pieces.iter().all(quadrant) {
+            return None;
+        }
+        let (regions, mut values): (Vec<_>, Vec<_>) = pieces.iter().copied().unzip();
+        values.push(*background);
+        Some((Self { regions, rest: true }, values))
+    }
+
     /// Number of pieces, hence of values.
     pub fn pieces(&self) -> usize {
         self.regions.len() + usize::from(self.rest)

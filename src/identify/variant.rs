@@ -213,7 +213,9 @@ impl fmt::Display for Variant {
         note(!self.prolong_multiplier, "multiplier restarted from zero");
         note(self.measure == Measure::Printed, "absolute value in (13), as printed");
         note(self.residual == ResidualTime::BeforeDual, "gradient before the dual step");
-        if self.uncounted > 0 {
+        if self.uncounted == 1 {
+            parts.push("first sweep on each grid not counted".into());
+        } else if self.uncounted > 1 {
             parts.push(format!("{} sweeps not counted", self.uncounted));
         }
         if parts.is_empty() {

@@ -40,6 +40,8 @@ pub enum Stage {
     Tabulate,
     /// Tables against the published ones.
     Diff,
+    /// How sharply a published table fixes f, and a search for it.
+    Identify,
     /// SVG pictures.
     Figures,
     /// Markdown pages and the book.
@@ -48,8 +50,8 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 5] =
-        [Self::Solve, Self::Tabulate, Self::Diff, Self::Figures, Self::Report];
+    pub const ALL: [Self; 6] =
+        [Self::Solve, Self::Tabulate, Self::Diff, Self::Identify, Self::Figures, Self::Report];
 
     /// The name on the command line and in task ids.
     pub fn name(self) -> &'static str {
@@ -57,6 +59,7 @@ impl Stage {
             Self::Solve => "solve",
             Self::Tabulate => "tabulate",
             Self::Diff => "diff",
+            Self::Identify => "identify",
             Self::Figures => "figures",
             Self::Report => "report",
         }
@@ -67,7 +70,12 @@ impl Stage {
     /// The committed lock file fails a `--locked` run when this was forgotten.
     pub fn version(self) -> u32 {
         match self {
-            Self::Solve | Self::Tabulate | Self::Diff | Self::Figures | Self::Report => 1,
+            Self::Solve
+            | Self::Tabulate
+            | Self::Diff
+            | Self::Identify
+            | Self::Figures
+            | Self::Report => 1,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::tabulate;
 use super::{artifact, to_json};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::paper::Paper;
 use crate::pipeline::{Artifacts, Stage, Task};
 use crate::project::Project;
@@ -21,9 +21,10 @@ pub fn id(scene: &Scene) -> String {
 /// The task that compares a scene with the published table of this number.
 ///
 /// # Errors
-/// [`Error::Input`](crate::error::Error::Input) if there is no such table.
+/// [`Error::Input`] if there is no such table.
 pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
-    project.paper.published(number, &scene.name)?;
+    let of_scene = |e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name));
+    project.paper.published(number).map_err(of_scene)?;
     let need = tabulate::id(scene, scene.stop[0]);
     let name = scene.name.clone();
     Ok(Task {

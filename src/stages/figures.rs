@@ -1,11 +1,14 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
+use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY, PAIR, read_pair};
 use super::{artifact, from_json};
 use crate::draw::{
-    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel, Span, Surface,
-    View, contact, histories, maps_of_f, surfaces,
+    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel,
+    IdentifiabilityPanel, Span, Surface, View, contact, histories, identifiability, maps_of_f,
+    surfaces,
 };
+use crate::identify::Findings;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::project::Project;
 use crate::saddle::{Iteration, Pair};
@@ -13,11 +16,12 @@ use crate::scene::{Output, Scene};
 use std::collections::BTreeMap;
 
 /// The kinds of figure, with the name each has when the paper's problems share it.
-pub const KINDS: [(Output, &str); 4] = [
+pub const KINDS: [(Output, &str); 5] = [
     (Output::Source, "figure1"),
     (Output::Surface, "figure2"),
     (Output::History, "histories"),
     (Output::Contact, "contact"),
+    (Output::Identify, "identifiability"),
 ];
 
 /// What a figure is drawn from: a scene reduced to what matters for it.
@@ -31,9 +35,8 @@ struct Panel {
 pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
     for (kind, shared_name) in KINDS {
-        let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
-        let shared: Vec<&Scene> = scenes.iter().copied().filter(shares).collect();
-        if !shared.is_empty() && shared.len() == project.scenes.iter().filter(shares).count() {
+        let shared = sharing(project, scenes, kind);
+        if !shared.is_empty() {
             tasks.push(task(kind, shared_name.into(), &shared));
         }
         for scene in scenes.iter().filter(|s| s.paper_table.is_none() && s.wants(kind)) {
@@ -41,6 +44,14 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         }
     }
     tasks
+}
+
+/// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
+pub(super) fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
+    let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
+    let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
+    let all = project.scenes.iter().filter(shares).count();
+    if shared.len() == all { shared } else { Vec::new() }
 }
 
 fn task(kind: Output, name: String, scenes: &[&Scene]) -> Task {
@@ -70,7 +81,7 @@ impl Panel {
         let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
         let mut value = serde_json::json!({ "title": scene.title });
         match kind {
-            Output::Source => value["f"] = scene.f.to_string().into(),
+            Output::Source | Output::Identify => value["f"] = scene.f.to_string().into(),
             _ => value["grids"] = cells.into(),
         }
         Self { scene: scene.clone(), parameters: parameters(&value) }
@@ -84,6 +95,7 @@ impl Panel {
             Output::History => {
                 scene.r.iter().map(|&r| solve::id(scene, scene.stop[0], r)).collect()
             }
+            Output::Identify => vec![identify::id(scene)],
             Output::Contact => {
                 scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
             }
@@ -182,9 +194,37 @@ fn draw(kind: Output, panels: &[Panel], inputs: &Inputs) -> Result<String, Strin
                 .collect();
             contact(caption, &panels)
         }
+        Output::Identify => {
+            let found = panels
+                .iter()
+                .map(|panel| from_json::<Findings>(inputs, &panel.needs(kind)[0], FINDINGS))
+                .collect::<Result<Vec<_>, _>>()?;
+            let others: Vec<Vec<[f64; 2]>> = found.iter().map(two_valued).collect();
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(found.iter().zip(&others))
+                .map(|(panel, (found, others))| IdentifiabilityPanel {
+                    title: &panel.scene.title,
+                    slice: &found.slice,
+                    cells: found.target.cells(),
+                    others,
+                })
+                .collect();
+            identifiability(caption, &panels)
+        }
         Output::Table => return Err("a table is not a figure".into()),
     };
     picture.map_err(|e| e.to_string())
+}
+
+/// The alternatives with one value on the first quadrant and one elsewhere: those in the plane of the map.
+fn two_valued(found: &Findings) -> Vec<[f64; 2]> {
+    let others = found.alternatives.iter().filter(|other| !other.chosen).map(|o| &o.values[..]);
+    let in_plane = |v: &[f64]| match *v {
+        [first, rest, b, c] => (rest == b && rest == c).then_some([first, rest]),
+        _ => None,
+    };
+    others.filter_map(in_plane).collect()
 }
 
 fn caption(kind: Output) -> &'static str {
@@ -193,6 +233,7 @@ fn caption(kind: Output) -> &'static str {
         Output::Surface => "Solution v",
         Output::History => "Residuals against iterations",
         Output::Contact => "Trace and multiplier along the boundary",
+        Output::Identify => "Published counts that come out, around the recovered f",
         Output::Table => "Table",
     }
 }

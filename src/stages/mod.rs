@@ -2,6 +2,7 @@
 
 pub mod diff;
 pub mod figures;
+pub mod identify;
 pub mod report;
 pub mod solve;
 pub mod tabulate;
@@ -20,7 +21,8 @@ use std::collections::BTreeSet;
 /// are planned when all scenes concerned are among `scenes`.
 ///
 /// # Errors
-/// [`Error::Input`](crate::error::Error::Input) if the book lacks something that only a scene can ask for.
+/// [`Error::Input`](crate::error::Error::Input) if the book lacks something that only a scene can ask for,
+/// or a scene asks for what the project lacks.
 pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Vec<Task>> {
     let mut tasks = Vec::new();
     for scene in scenes {
@@ -43,6 +45,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
             tasks.push(diff::task(project, scene, number)?);
         }
     }
+    tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
         tasks.push(report::task(project, &tasks)?);

@@ -1,6 +1,7 @@
 //! The `report` stage: gathers what the other stages made, and turns it into pages and a book.
 
 use super::diff::{self, DIFF};
+use super::identify::{self, FINDINGS};
 use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
 use super::{artifact, figures, from_json};
 use crate::book::{
@@ -12,6 +13,7 @@ use crate::load::{LoadRule, integral};
 use crate::paper::TableComparison;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, hash, parameters};
 use crate::project::Project;
+use crate::record::{self, Record};
 use crate::saddle::StopRule;
 use crate::scene::{Output, Scene};
 use crate::source::{Region, Source};
@@ -54,6 +56,7 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
         .collect();
     let mut files = project.scene_files.clone();
     files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
+    files.extend(project.record_text.clone().map(|text| (record::PATH.to_owned(), text)));
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
@@ -99,8 +102,14 @@ fn make(
             figure2: figure(inputs, Output::Surface)?,
             contact: figure(inputs, Output::Contact)?,
             histories: figure(inputs, Output::History)?,
+            identifiability: figure(inputs, Output::Identify)?,
         },
         provenance: provenance(inputs, versions),
+        record: {
+            let text =
+                inputs.files.get(record::PATH).ok_or("the record of the search is missing")?;
+            Record::parse(&String::from_utf8_lossy(text)).map_err(|e| e.to_string())?
+        },
     };
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
@@ -166,6 +175,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
             contact_nodes: pair.a.iter().filter(|a| **a > 0.0).count(),
             boundary_nodes: pair.a.len(),
         },
+        findings: from_json(inputs, &identify::id(scene), FINDINGS)?,
     })
 }
 

@@ -1,0 +1,332 @@
+//! `identify`: the search for the right-hand sides of the lost Figure 1.
+
+mod table;
+mod watch;
+
+use super::interrupt::interrupted;
+use super::{current_folder, say, say_json};
+use crate::error::{Error, IoContext, Result};
+use crate::identify::{
+    Budget, Checkpoint, IdentifyError, Lattice, Method, Progress, Report, Request, Selection,
+    Space, Target, Variant, search, select,
+};
+use crate::project::Project;
+use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+use watch::Watch;
+
+/// What `identify --help` ends with.
+pub(super) const EXAMPLES: &str = "\
+How it works: f takes constant values on the pieces of a space, decimals from a list or range. A run\n\
+with the published numbers of iterations tells how far each count is from coming out (the misfit).\n\
+Grids 1 and 2 cost microseconds and discard nearly everything; the best are run in full.\n\n\
+Spaces:\n  \
+  odd-quadrant  one value on a quadrant, any of the four, and one elsewhere\n  \
+  quadrants     four values: lower left, lower right, upper left, upper right\n  \
+  rectangles    one value on a rectangle with corners on the grid 1/4, and one elsewhere\n  \
+  blocks4       sixteen values, on blocks of side 1/4\n\n\
+Examples:\n  \
+  signorini identify                                      both problems, two values, exhaustively\n  \
+  signorini identify --problem 2 --space quadrants        four values, by annealing\n  \
+  signorini identify --problem 1 --values '2.9:3.1:0.001; -1.02:-0.98:0.001'   one range per piece\n  \
+  signorini identify --problem 2 --variants --budget 300  which reading of the method does best?\n  \
+  signorini identify --values -8:4:0.002 --checkpoint long.json   Ctrl-C, and again to go on\n\n\
+The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005\n\
+(complexity); complexity counts distinct values and their decimal places. The same command finds the\n\
+same f whatever the threads. Exit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
+
+/// Which published tables to explain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Problem {
+    /// Table 1.
+    #[value(name = "1")]
+    One,
+    /// Table 2.
+    #[value(name = "2")]
+    Two,
+    /// Every table of pipeline/paper.toml, one after the other.
+    Both,
+}
+
+/// How to go through a space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Way {
+    /// Every candidate, in order.
+    Enumerate,
+    /// Simulated annealing from random candidates.
+    Anneal,
+}
+
+/// Arguments of `identify`.
+#[derive(Args, Debug)]
+pub(super) struct IdentifyArgs {
+    /// The problem whose table f is to explain
+    #[arg(
+        long,
+        value_enum,
+        default_value = "both",
+        hide_possible_values = true,
+        value_name = "1|2|both"
+    )]
+    problem: Problem,
+    /// Family of f; see below
+    #[arg(long, default_value = "odd-quadrant")]
+    space: String,
+    /// Values f may take: MIN:MAX:STEP or a comma-separated list; with `;`, one such per piece
+    /// [default: -8:4:0.005, or coarser where the space is large]
+    #[arg(long, allow_hyphen_values = true, value_name = "LIST|MIN:MAX:STEP")]
+    values: Option<String>,
+    /// How to search [default: enumerate two values, anneal more]
+    #[arg(long, value_enum, hide_possible_values = true, value_name = "enumerate|anneal")]
+    method: Option<Way>,
+    /// Annealing: independent chains
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    chains: u64,
+    /// Annealing: candidates per chain
+    #[arg(long, value_name = "N", default_value_t = 2500)]
+    steps: u64,
+    /// Enumeration: coarse grids on which every count must come out
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    exact_grids: usize,
+    /// Admit f whose integral is not negative, against (2)
+    #[arg(long)]
+    any_integral: bool,
+    /// Repeat the search under every reading of the method that differs in one choice
+    #[arg(long, conflicts_with = "checkpoint")]
+    variants: bool,
+    /// Stop after this time, shared by all searches of the command, and show what was found
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    budget: Option<f64>,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// How many candidates to keep
+    #[arg(long, value_name = "K", default_value_t = 5)]
+    top: usize,
+    /// Threads [default: one per core]; results do not depend on it
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Keep the state of the search in this file, and go on from it if it exists
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found for one table, and how fast.
+#[derive(Debug, Serialize)]
+struct Answer {
+    /// Number of the table.
+    problem: u8,
+    #[serde(flatten)]
+    report: Report,
+    /// Time this command spent on it; less than all of it if the search was resumed.
+    seconds: f64,
+    /// Runs per second that entered each grid during that time.
+    rates: Vec<f64>,
+}
+
+/// The file of `--checkpoint`: the state of the search for each table begun.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct States {
+    schema: u8,
+    problems: BTreeMap<u8, Checkpoint>,
+}
+
+/// Time between two writings of the checkpoint.
+const SAVE: Duration = Duration::from_secs(2);
+
+pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
+    let project = Project::read(Project::find(&current_folder()?)?)?;
+    let numbers: Vec<u8> = match args.problem {
+        Problem::One => vec![1],
+        Problem::Two => vec![2],
+        Problem::Both => project.paper.table.iter().map(|table| table.number).collect(),
+    };
+    let targets =
+        numbers.iter().map(|&number| project.paper.target(number)).collect::<Result<Vec<_>>>()?;
+    let request = request(args)?;
+    let budget = args.budget.map(seconds).transpose()?;
+    if args.threads == Some(0) {
+        return Err(Error::input("--threads must be at least 1; leave it out for one per core"));
+    }
+    if args.variants {
+        compare(args, &numbers, &targets, &request, budget)
+    } else {
+        find(args, &numbers, &targets, &request, budget)
+    }
+}
+
+/// The searches for each table in turn.
+fn find(
+    args: &IdentifyArgs,
+    numbers: &[u8],
+    targets: &[Target],
+    request: &Request,
+    budget: Option<Duration>,
+) -> Result<u8> {
+    let mut states = args.checkpoint.as_deref().map(read_states).transpose()?.unwrap_or_default();
+    states.schema = 1;
+    let stop = interrupted();
+    let began = Instant::now();
+    let mut answers = Vec::new();
+    for (k, (&number, target)) in numbers.iter().zip(targets).enumerate() {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let left = (numbers.len() - k) as u32;
+        let time = budget.map(|all| all.saturating_sub(began.elapsed()) / left);
+        let from = states.problems.get(&number).cloned();
+        let mut watch = Watch::new(&format!("problem {number}"));
+        let mut saved = Instant::now();
+        let mut failure = None;
+        let mut last = None;
+        let mut observe = |progress: &Progress, state: Option<&Checkpoint>| {
+            watch.show(progress);
+            last = Some(progress.clone());
+            let (Some(state), Some(path)) = (state, &args.checkpoint) else { return };
+            states.problems.insert(number, state.clone());
+            if saved.elapsed() > SAVE && failure.is_none() {
+                failure = write_states(path, &states).err();
+                saved = Instant::now();
+            }
+        };
+        let report = search(
+            request,
+            target,
+            Budget { time, threads: args.threads },
+            from,
+            stop,
+            &mut observe,
+        )
+        .map_err(refused)?;
+        watch.end();
+        if let (None, Some(path)) = (&failure, &args.checkpoint) {
+            failure = write_states(path, &states).err();
+        }
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        let (seconds, rates) = last.map_or((0.0, Vec::new()), |progress| {
+            let seconds = progress.elapsed.as_secs_f64();
+            (seconds, progress.entered.iter().map(|&n| n as f64 / seconds).collect())
+        });
+        answers.push(Answer { problem: number, report, seconds, rates });
+    }
+    if args.json {
+        say_json(&serde_json::json!({ "schema": 1, "problems": answers }))?;
+    } else {
+        let parts: Vec<_> =
+            answers.iter().zip(targets).map(|(answer, t)| table::found(answer, t)).collect();
+        say(&(parts.join("\n") + table::LEGEND))?;
+    }
+    ended(args)
+}
+
+/// The model selection: every variant against every table.
+fn compare(
+    args: &IdentifyArgs,
+    numbers: &[u8],
+    targets: &[Target],
+    request: &Request,
+    budget: Option<Duration>,
+) -> Result<u8> {
+    let variants = Variant::neighbours();
+    let tables: Vec<_> = targets.iter().map(|t| (t.clone(), request.clone())).collect();
+    let each = budget.map(|all| all / (variants.len() * tables.len()).max(1) as u32);
+    let mut watch = Watch::new("variants");
+    let mut done = 0;
+    let mut observe = |selection: &Selection| {
+        done += 1;
+        watch.line(&format!("{done}/{}: {}", variants.len(), table::one_line(selection)));
+    };
+    let budget = Budget { time: each, threads: args.threads };
+    let all = select(&variants, &tables, budget, interrupted(), &mut observe).map_err(refused)?;
+    watch.end();
+    if args.json {
+        say_json(&serde_json::json!({
+            "schema": 1, "problems": numbers, "request": request, "selection": all,
+        }))?;
+    } else {
+        say(&table::selection(&all, numbers))?;
+    }
+    ended(args)
+}
+
+/// Exit code after what was found has been shown.
+fn ended(args: &IdentifyArgs) -> Result<u8> {
+    match (interrupted().load(Ordering::Relaxed), &args.checkpoint) {
+        (false, _) => Ok(0),
+        (true, Some(_)) => Err(Error::Interrupted),
+        (true, None) => {
+            watch::say("interrupted; with --checkpoint FILE the search could be resumed");
+            Ok(Error::Interrupted.exit_code())
+        }
+    }
+}
+
+fn request(args: &IdentifyArgs) -> Result<Request> {
+    let space: Space = args.space.parse().map_err(refused)?;
+    // Where few values are asked for, all of them; and lattices that take about a minute.
+    let (way, values) = match space {
+        Space::OddQuadrant => (Way::Enumerate, "-8:4:0.005"),
+        Space::Rectangles => (Way::Enumerate, "-8:4:0.1"),
+        Space::Quadrants => (Way::Anneal, "-8:4:0.01"),
+        Space::Blocks4 => (Way::Anneal, "-8:4:0.1"),
+    };
+    let positive = |n: u64, name: &str| {
+        if n == 0 { Err(Error::input(format!("--{name} must be at least 1"))) } else { Ok(n) }
+    };
+    Ok(Request {
+        space,
+        values: Lattice::parse_all(args.values.as_deref().unwrap_or(values)).map_err(refused)?,
+        variant: Variant::default(),
+        method: match args.method.unwrap_or(way) {
+            Way::Enumerate => Method::Enumerate,
+            Way::Anneal => Method::Anneal {
+                chains: positive(args.chains, "chains")?,
+                steps: positive(args.steps, "steps")?,
+            },
+        },
+        negative_integral: !args.any_integral,
+        exact_grids: args.exact_grids,
+        seed: args.seed,
+        top: positive(args.top as u64, "top")? as usize,
+    })
+}
+
+fn refused(e: IdentifyError) -> Error {
+    Error::input(e.to_string())
+}
+
+fn seconds(budget: f64) -> Result<Duration> {
+    Duration::try_from_secs_f64(budget).map_err(|_| {
+        Error::input(format!("--budget {budget} is no time; give seconds, such as 60"))
+    })
+}
+
+fn read_states(path: &Path) -> Result<States> {
+    if !fs::exists(path).context("read", path)? {
+        return Ok(States::default());
+    }
+    let text = fs::read(path).context("read", path)?;
+    serde_json::from_slice(&text).map_err(|e| {
+        let path = path.display();
+        Error::input(format!("{path} is no checkpoint ({e}); delete it or name another file"))
+    })
+}
+
+/// Writes beside the file and renames: whenever the program ends, a whole checkpoint is there.
+fn write_states(path: &Path, states: &States) -> Result<()> {
+    let new = path.with_added_extension("new");
+    let bytes = serde_json::to_vec(states).expect("plain data");
+    fs::write(&new, bytes).context("write", &new)?;
+    fs::rename(&new, path).context("write", path)
+}

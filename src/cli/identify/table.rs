@@ -1,0 +1,103 @@
+//! What a search found, as tables to read.
+
+use super::Answer;
+use crate::cli::styled;
+use crate::identify::{Found, Selection, Target};
+use anstyle::AnsiColor;
+
+/// What the columns mean.
+pub(super) const LEGEND: &str = "
+counts      published counts that come out exactly
+misfit      how far the others are from coming out, in logarithms of the stopping measure
+Delta a     values that agree to the two printed digits
+complexity  distinct values of f and their decimal places
+integral    of f over the square; (2) asks for less than zero
+";
+
+/// The ranking for one table, and the best candidate's own table.
+pub(super) fn found(answer: &Answer, target: &Target) -> String {
+    let report = &answer.report;
+    let head = styled(&format!("Problem {}", answer.problem), AnsiColor::Cyan);
+    let mut out = format!("{head}: {} candidates tried", report.tried);
+    let grids = report.entered.iter().enumerate().skip(1);
+    grids.for_each(|(level, n)| out += &format!(", {n} on grid {}", level + 1));
+    out += if report.complete { "\n" } else { "; stopped early\n" };
+    if report.found.is_empty() {
+        return out + "nothing found; widen --values, lower --exact-grids or give more time\n";
+    }
+    out += &format!(
+        "{:>4} {:>7} {:>8} {:>8} {:>11} {:>7} {:>9}  f\n",
+        "rank", "counts", "misfit", "Delta a", "complexity", "total", "integral"
+    );
+    for (k, one) in report.found.iter().enumerate() {
+        let score = &one.score;
+        out += &format!(
+            "{:>4} {:>7} {:>8.3} {:>8} {:>11} {:>7.3} {:>9.4}  {}\n",
+            k + 1,
+            format!("{}/{}", score.exact, score.cells),
+            score.misfit,
+            format!("{}/{}", score.delta_a_exact, one.delta_a.len()),
+            score.complexity,
+            score.total(),
+            // No negative zero, from rounding or not.
+            if one.integral.abs() < 5e-5 { 0.0 } else { one.integral },
+            one.f
+        );
+    }
+    out += "the first one's table, with the published value where it differs:\n";
+    out + &own(&report.found[0], target)
+}
+
+fn own(found: &Found, target: &Target) -> String {
+    let mut out = String::new();
+    for (k, r) in target.r.iter().enumerate() {
+        out += &format!("{r:>10} ");
+        for (ours, &published) in found.counts[k].iter().zip(&target.counts[k]) {
+            out += &match ours {
+                Some(n) if *n == published => format!("{n:>12}"),
+                Some(n) => format!("{:>12}", format!("{n} ({published})")),
+                None => format!("{:>12}", format!("- ({published})")),
+            };
+        }
+        let (ours, published) = (found.delta_a[k], target.delta_a[k]);
+        let same = format!("{ours:.1e}") == format!("{published:.1e}");
+        let published = if same { String::new() } else { format!(" ({published:.1e})") };
+        out += &format!("   {ours:.2e}{published}\n");
+    }
+    out
+}
+
+/// A variant and its best candidates.
+pub(super) fn one_line(selection: &Selection) -> String {
+    let best = selection.best.iter().map(|best| match best {
+        Some(Found { score, .. }) => {
+            format!("{}/{}, misfit {:.2}", score.exact, score.cells, score.misfit)
+        }
+        None => "nothing".into(),
+    });
+    format!("{}: {}", selection.description, best.collect::<Vec<_>>().join("; "))
+}
+
+/// The variants, best first.
+pub(super) fn selection(all: &[Selection], numbers: &[u8]) -> String {
+    let mut out = format!("{:>7}", "total");
+    numbers.iter().for_each(|n| out += &format!("  {:>22}", format!("problem {n}")));
+    out += "  reading of the method\n";
+    for one in all {
+        out += &format!("{:>7.2}", one.total());
+        for best in &one.best {
+            out += &match best {
+                Some(Found { score, .. }) => {
+                    let text = format!(
+                        "{}/{} misfit {:.2} {}",
+                        score.exact, score.cells, score.misfit, score.delta_a_exact
+                    );
+                    format!("  {text:>22}")
+                }
+                None => format!("  {:>22}", "nothing"),
+            };
+        }
+        out += &format!("  {}\n", one.description);
+    }
+    out + "per problem: counts exact, misfit, values of Delta a to the two printed digits\n"
+}

@@ -1,0 +1,102 @@
+//! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
+
+use crate::identify::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// Time between two plain lines.
+const LINE: Duration = Duration::from_secs(10);
+
+/// Reports a search on standard error.
+pub(super) struct Watch {
+    name: String,
+    bar: Option<ProgressBar>,
+    spoke: Instant,
+    last: Option<Progress>,
+}
+
+impl Watch {
+    /// Begins to watch the search called `name`.
+    pub(super) fn new(name: &str) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template(
+                "{prefix} [{bar:24}] {percent:>3} %  {eta:>4}  {wide_msg}",
+            );
+            bar.set_style(style.expect("a valid template").progress_chars("=> "));
+            bar.set_prefix(name.to_owned());
+            bar
+        });
+        Self { name: name.into(), bar, spoke: Instant::now(), last: None }
+    }
+
+    /// Shows how far the search is.
+    pub(super) fn show(&mut self, progress: &Progress) {
+        self.last = Some(progress.clone());
+        match &self.bar {
+            Some(bar) => {
+                bar.set_length(progress.items.1);
+                bar.set_position(progress.items.0);
+                bar.set_message(told(progress));
+            }
+            None if self.spoke.elapsed() >= LINE => {
+                let (done, all) = progress.items;
+                let percent = 100 * done / all.max(1);
+                say(&format!("{}: {percent} %, {}", self.name, told(progress)));
+                self.spoke = Instant::now();
+            }
+            None => {}
+        }
+    }
+
+    /// A line that stays.
+    pub(super) fn line(&mut self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => say(text),
+        }
+    }
+
+    /// The search has ended.
+    pub(super) fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+        if let Some(last) = &self.last {
+            let time = last.elapsed.as_secs_f64();
+            say(&format!("{}: {time:.1} s, {}", self.name, told(last)));
+        }
+    }
+}
+
+/// Candidates, the rate at which each grid is entered, and the best so far.
+fn told(progress: &Progress) -> String {
+    let seconds = progress.elapsed.as_secs_f64().max(1e-3);
+    let mut text = format!("{} candidates, {}/s", short(progress.tried as f64), {
+        short(progress.tried as f64 / seconds)
+    });
+    for (level, &n) in progress.entered.iter().enumerate().skip(1) {
+        text += &format!("; grid {}: {}/s", level + 1, short(n as f64 / seconds));
+    }
+    match progress.best {
+        Some(best) => text + &format!("; best {best:.3}"),
+        None => text + "; none yet",
+    }
+}
+
+/// Three digits and a letter.
+fn short(x: f64) -> String {
+    match x {
+        x if x >= 1e6 => format!("{:.2} M", x / 1e6),
+        x if x >= 1e4 => format!("{:.0} k", x / 1e3),
+        x if x >= 1e3 => format!("{:.1} k", x / 1e3),
+        x if x >= 10.0 || x == 0.0 => format!("{x:.0}"),
+        x => format!("{x:.1}"),
+    }
+}
+
+/// A plain line; a reader that has gone away is no reason to stop.
+pub(super) fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}

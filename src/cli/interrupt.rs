@@ -1,0 +1,20 @@
+//! Ctrl-C as a flag that long work looks at.
+
+use crate::error::Error;
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set by the first Ctrl-C; the second ends the process at once.
+pub(super) fn interrupted() -> &'static AtomicBool {
+    static FLAG: AtomicBool = AtomicBool::new(false);
+    static HANDLER: Once = Once::new();
+    HANDLER.call_once(|| {
+        // Without a handler Ctrl-C still ends the process, and the cache survives that.
+        let _ = ctrlc::set_handler(|| {
+            if FLAG.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(Error::Interrupted.exit_code()));
+            }
+        });
+    });
+    &FLAG
+}

@@ -1,0 +1,153 @@
+//! How sharply the tables fix f: published counts that come out, over the plane of two of its values.
+
+use super::axes::{Frame, colour_bar, key};
+use super::palette::{CONTACT, INK, WHITE, viridis};
+use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
+use super::text::Ticks;
+use super::{Caption, FigureError, IdentifiabilityPanel, finite, some};
+use plotters::style::RGBColor;
+
+/// Side of a panel in display pixels.
+const SIDE: f64 = 290.0;
+
+/// Draws one map per panel, two in a row, with a colour bar common to all.
+///
+/// The region in which every count comes out is outlined, the f in the middle marked by a ring, other
+/// f by crosses if they are in the map.
+///
+/// # Errors
+/// [`FigureError`] without panels or points, with rows of another length than x, or if a value is not finite.
+pub fn identifiability(
+    caption: Caption,
+    panels: &[IdentifiabilityPanel],
+) -> Result<String, FigureError> {
+    let mut least = usize::MAX;
+    for panel in some("panels", panels)? {
+        let slice = panel.slice;
+        some("points", &slice.x)?;
+        finite(panel.title, "values", slice.x.iter().chain(&slice.y).copied())?;
+        let rows = slice.exact.iter().map(|row| (row.len(), slice.x.len()));
+        let lengths = rows.chain([(slice.exact.len(), slice.y.len())]);
+        if let Some((got, want)) = lengths.into_iter().find(|(got, want)| got != want) {
+            let panel = panel.title.into();
+            return Err(FigureError::Length { panel, what: "counts", got, want });
+        }
+        least = slice.exact.iter().flatten().copied().fold(least, usize::min);
+    }
+    let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);
+    let range = (least.min(most) as f64, most as f64);
+    let color = |n: f64| viridis((n - range.0) / (range.1 - range.0).max(1.0));
+
+    let columns = panels.len().min(2);
+    let rows = panels.len().div_ceil(2);
+    let (cell_width, cell_height) = (SIDE + 95.0, SIDE + 100.0);
+    let width = 20.0 + columns as f64 * cell_width;
+    let height = rows as f64 * cell_height + 96.0;
+    let mut picture = Picture::new(width, height);
+    picture.layer("", |pen| {
+        for (k, panel) in panels.iter().enumerate() {
+            let left = 10.0 + (k % 2) as f64 * cell_width + 78.0;
+            let top = (k / 2) as f64 * cell_height + 48.0;
+            draw_panel(pen, panel, (left, top), color);
+        }
+        let top = rows as f64 * cell_height + 14.0;
+        let middle = 0.5 * width + 60.0;
+        let half = 0.5 * (width - 260.0).min(420.0);
+        colour_bar(pen, (middle - half, middle + half), top, range, color, "counts that come out");
+        legend(pen, (0.5 * width, top + 56.0), most, width);
+    })?;
+    Ok(picture.finish(caption))
+}
+
+fn draw_panel(
+    pen: &mut Pen,
+    panel: &IdentifiabilityPanel,
+    (left, top): Place,
+    color: impl Fn(f64) -> RGBColor,
+) {
+    let slice = panel.slice;
+    let ends = |values: &[f64]| {
+        let (first, last) = (values[0], values[values.len() - 1]);
+        // Each point stands for the cell around it.
+        let half = 0.5 * (last - first) / (values.len() - 1).max(1) as f64;
+        (first - half, last + half)
+    };
+    let frame = Frame {
+        across: (left, left + SIDE),
+        down: (top, top + SIDE),
+        x: ends(&slice.x),
+        y: ends(&slice.y),
+    };
+    let middle = left + 0.5 * SIDE;
+    pen.text(panel.title, (middle, top - 22.0), Type::size(LARGE).bold());
+    let (nx, ny) = (slice.x.len(), slice.y.len());
+    let line = |k: usize, n: usize, (low, high): (f64, f64)| {
+        low + (high - low) * k.min(n) as f64 / n as f64
+    };
+    let corner = |i: usize, j: usize| frame.at(line(i, nx, frame.x), line(j, ny, frame.y));
+    for (j, row) in slice.exact.iter().enumerate() {
+        let mut start = 0;
+        for run in row.chunk_by(|a, b| a == b) {
+            let end = start + run.len();
+            // One more cell to the right and above, painted over by the next: no seams show.
+            pen.rect(corner(start, j), corner(end + 1, j + 2), color(run[0] as f64));
+            start = end;
+        }
+    }
+    let full = |i: usize, j: usize| slice.exact[j][i] == panel.cells;
+    for j in 0..ny {
+        for i in 0..=nx {
+            if (i > 0 && full(i - 1, j)) != (i < nx && full(i, j)) {
+                pen.path([corner(i, j), corner(i, j + 1)], CONTACT, 1.75);
+            }
+        }
+    }
+    for j in 0..=ny {
+        for i in 0..nx {
+            if (j > 0 && full(i, j - 1)) != (j < ny && full(i, j)) {
+                pen.path([corner(i, j), corner(i + 1, j)], CONTACT, 1.75);
+            }
+        }
+    }
+    let inside =
+        |&&[x, y]: &&[f64; 2]| frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1;
+    for &[x, y] in panel.others.iter().filter(inside) {
+        cross(pen, frame.at(x, y));
+    }
+    ring(pen, frame.at(0.5 * (frame.x.0 + frame.x.1), 0.5 * (frame.y.0 + frame.y.1)));
+    frame.outline(pen);
+    frame.label_below(pen, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
+    frame.label_left(pen, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
+    let kind = Type::size(NORMAL);
+    pen.text("f on the odd quadrant", (middle, top + SIDE + 32.0), kind);
+    pen.text("f elsewhere", (left - 64.0, top + 0.5 * SIDE), kind.upwards());
+}
+
+fn ring(pen: &mut Pen, at: Place) {
+    pen.ring(at, 5.5, INK);
+}
+
+/// A cross in ink on white, which shows on every colour.
+fn cross(pen: &mut Pen, (x, y): Place) {
+    for (color, width, size) in [(WHITE, 4.5, 5.5), (INK, 1.75, 4.5)] {
+        pen.path([(x - size, y - size), (x + size, y + size)], color, width);
+        pen.path([(x - size, y + size), (x + size, y - size)], color, width);
+    }
+}
+
+/// What the marks mean, centred.
+fn legend(pen: &mut Pen, (middle, y): Place, most: usize, width: f64) {
+    let outline = format!("all {most} counts come out");
+    let texts = [outline.as_str(), "recovered f", "other f of the report"];
+    let wide: f64 = texts.iter().map(|text| 22.0 + text_width(text, SMALL) + 14.0).sum();
+    let mut x = (middle - 0.5 * wide).max(0.02 * width);
+    for (k, text) in texts.into_iter().enumerate() {
+        let at = (x + 8.0, y);
+        match k {
+            0 => pen.outline((x, y - 6.0), (x + 15.0, y + 6.0), CONTACT, 1.75),
+            1 => ring(pen, at),
+            _ => cross(pen, at),
+        }
+        x = key(pen, (x + 22.0, y), text) + 14.0;
+    }
+}

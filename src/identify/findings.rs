@@ -1,0 +1,130 @@
+//! What there is to know about a recovered f: who else explains its table, how far it may move, and that a blind search finds it.
+
+use super::identifiability::{Identifiability, Slice, identifiability, slice};
+use super::search::{Budget, Method, Report, Request, search};
+use super::space::{Geometry, Lattice, Space};
+use super::variant::Variant;
+use super::{COARSEST, Found, IdentifyError, Target};
+use crate::grid::Grid;
+use crate::load::load;
+use crate::source::Source;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::AtomicBool;
+
+/// What [`findings`] is to find out, besides how far f may move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Questions {
+    /// The blind search: its space, by name.
+    pub space: String,
+    /// Its values, as [`Lattice::parse_all`] reads them.
+    pub values: String,
+    /// How many candidates it keeps.
+    pub top: usize,
+    /// The map: how far the first and the last value move, either way.
+    pub reach: [f64; 2],
+    /// Points of the map along each axis.
+    pub points: usize,
+}
+
+/// Another f that may explain the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// Its values on the quadrants: lower left, lower right, upper left, upper right.
+    pub values: Vec<f64>,
+    /// Its score and table.
+    pub found: Found,
+    /// Sum of its load vector on each grid of the table.
+    pub sums: Vec<f64>,
+    /// Whether it is the recovered f itself.
+    pub chosen: bool,
+}
+
+/// What was found out about one table and its recovered f.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Findings {
+    /// Version of this format.
+    pub schema: u8,
+    /// The table.
+    pub target: Target,
+    /// The alternatives asked about, in their order.
+    pub alternatives: Vec<Alternative>,
+    /// Room of each quadrant's value, and of the common factor.
+    pub identifiability: Identifiability,
+    /// Counts that come out when the first and the last value of f move.
+    pub slice: Slice,
+    /// The blind search.
+    pub search: Report,
+}
+
+/// Finds out about `f`, which is constant on the quadrants, and about `alternatives`.
+///
+/// Each alternative is four decimals separated by `;`. The results do not depend on `threads`.
+///
+/// # Errors
+/// [`IdentifyError`] if the target is no table, a question makes no sense, or f has other pieces.
+pub fn findings(
+    target: &Target,
+    variant: &Variant,
+    f: &Source,
+    alternatives: &[String],
+    questions: &Questions,
+    threads: usize,
+) -> Result<Findings, IdentifyError> {
+    let (own, values) =
+        Geometry::of_quadrants(f).ok_or_else(|| IdentifyError::Pieces(f.to_string()))?;
+    let quadrants = &Space::Quadrants.geometries()[0];
+    let on_quadrants = quadrant_values(f);
+    let blind = Request {
+        space: questions.space.parse()?,
+        values: Lattice::parse_all(&questions.values)?,
+        variant: *variant,
+        method: Method::Enumerate,
+        negative_integral: true,
+        exact_grids: 2,
+        seed: 0,
+        top: questions.top,
+    };
+    let run = |request: &Request| {
+        let budget = Budget { threads: Some(threads), ..Budget::default() };
+        search(request, target, budget, None, &AtomicBool::new(false), &mut |_, _| ())
+    };
+    let alternative = |text: &String| {
+        // A space of one point: its search only scores it.
+        let request = Request {
+            space: Space::Quadrants,
+            values: Lattice::parse_all(text)?,
+            negative_integral: false,
+            exact_grids: 0,
+            top: 1,
+            ..blind.clone()
+        };
+        let one = request.values.len() == 4 && request.values.iter().all(|v| v.ticks().len() == 1);
+        let wrong = || IdentifyError::Values(text.clone());
+        let found = if one { run(&request)?.found.pop() } else { None }.ok_or_else(wrong)?;
+        let values = found.candidate.values();
+        let source = quadrants.source(&values);
+        let sum = |level: usize| {
+            let grid = Grid::new(COARSEST << level).expect("fine enough");
+            load(grid, &source, variant.load).iter().sum()
+        };
+        let sums = (0..target.levels()).map(sum).collect();
+        Ok(Alternative { chosen: values == on_quadrants, values, found, sums })
+    };
+    Ok(Findings {
+        schema: 1,
+        target: target.clone(),
+        alternatives: alternatives.iter().map(alternative).collect::<Result<_, _>>()?,
+        identifiability: identifiability(target, variant, quadrants, &on_quadrants)?,
+        slice: {
+            let pieces = [0, values.len() - 1];
+            slice(target, variant, &own, &values, pieces, questions.reach, questions.points)?
+        },
+        search: run(&blind)?,
+    })
+}
+
+/// f in the middle of the quadrants: lower left, lower right, upper left, upper right.
+fn quadrant_values(f: &Source) -> Vec<f64> {
+    [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(x, y)| f.at(x, y)).to_vec()
+}

@@ -1,0 +1,165 @@
+//! `signorini identify` and the stage of that name: what they say, how they stop, and what is kept.
+
+mod common;
+
+use common::Project;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+/// Two grids and three rows of the published Table 2: enough to be searched in milliseconds.
+const PAPER: &str = "r = [1e6, 10.0, 5.0]\n\n[[table]]\nnumber = 2\n\
+    counts = [[3, 3], [3, 4], [3, 1]]\ndelta_a = [1e-2, 1e-2, 1e-2]\n\
+    count_share = 0.0\ncount_slack = 0\ndelta_a_factor = 1e30\n";
+
+const SCENE: &str = "title = \"Two\"\npaper_table = 2\nf = \"quadrant(ll)=-6; else=1.998\"\n\
+    grids = [4, 8]\nr = [1e6, 10, 5]\n\
+    load = { rule = \"nodal\", tie = \"lower-left\", diagonal = \"rising\" }\n\
+    outputs = [\"identify\"]\n";
+
+const RECORD: &str = "[questions]\nspace = \"odd-quadrant\"\nvalues = \"-7:3:0.5\"\ntop = 2\n\
+    reach = [0.5, 0.5]\npoints = 5\n\n[[problem]]\ntable = 2\nalternatives = [\"-6; 2; 1.99; 2\"]\n\n\
+    [selection]\ncommands = []\ncandidates = 0\nvariant = []\n\n\
+    [[run]]\nwhat = \"none\"\ncandidates = 0\noutcome = \"none\"\n";
+
+fn project() -> Project {
+    let project = Project::with(SCENE);
+    project.write("pipeline/paper.toml", PAPER);
+    project.write("pipeline/identified.toml", RECORD);
+    project
+}
+
+#[test]
+fn json_has_every_field_and_the_table_the_same_ranking() {
+    let project = project();
+    let args = ["identify", "--problem", "2", "--values", "-7:3:0.5", "--top", "3"];
+    let said = project.run(&[&args[..], &["--json"]].concat());
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let json = said.json();
+    assert_eq!(json["schema"], 1);
+    let answer = &json["problems"][0];
+    assert_eq!((&answer["problem"], &answer["complete"]), (&2.into(), &true.into()));
+    assert!(answer["tried"].as_u64().unwrap() > 500, "{answer}");
+    assert_eq!(answer["entered"][0], answer["tried"]);
+    assert_eq!(answer["rates"].as_array().unwrap().len(), 2);
+    assert!(answer["seconds"].as_f64().unwrap() < 60.0);
+    assert_eq!(answer["request"]["space"], "odd-quadrant");
+    let found = answer["found"].as_array().unwrap();
+    assert_eq!(found.len(), 3);
+    for one in found {
+        for part in ["exact", "cells", "misfit", "delta_a_exact", "delta_a_misfit", "complexity"] {
+            assert!(one["score"][part].is_number(), "{part}");
+        }
+        assert!(one["integral"].as_f64().unwrap() < 0.0);
+    }
+    assert_eq!(found[0]["score"]["exact"], 6);
+    let table = project.run(&args);
+    let lines = table.lines();
+    for (rank, one) in found.iter().enumerate() {
+        let line = lines.iter().find(|line| line.starts_with(&format!("{:>4} ", rank + 1)));
+        assert!(line.unwrap().ends_with(one["f"].as_str().unwrap()), "{table:?}");
+    }
+    assert!(table.out.contains("complexity  distinct values of f"), "{table:?}");
+    let single = project.run(&[&args[..], &["--json", "--threads", "1"]].concat()).json();
+    assert_eq!(single["problems"][0]["found"], answer["found"], "whatever the threads");
+}
+
+#[test]
+fn readings_of_the_method_are_ranked() {
+    let said = project().run(&["identify", "--variants", "--values", "-6,2", "--json"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let json = said.json();
+    let all = json["selection"].as_array().unwrap();
+    assert!(all.len() > 10 && json["request"]["space"] == "odd-quadrant");
+    assert!(all.iter().any(|one| one["description"] == "as selected"), "{json}");
+}
+
+#[test]
+fn an_interrupted_search_goes_on_to_the_same_end() {
+    let project = project();
+    let args = ["identify", "--values", "-7:3:0.01", "--json"];
+    let whole = project.run(&args).json();
+    let resumable = [&args[..], &["--checkpoint", "state.json"]].concat();
+    let mut child = project.command(&resumable);
+    let mut child = child.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+    );
+    let output: common::Said = {
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let out = lines.map(|line| line.unwrap() + "\n").collect();
+        common::Said { code: child.wait().unwrap().code(), out, err: String::new() }
+    };
+    assert_eq!(output.code, Some(130), "{output:?}");
+    let partial = &output.json()["problems"][0];
+    assert_eq!(partial["complete"], false, "what was found until then is shown");
+    let resumed = project.run(&resumable);
+    assert_eq!(resumed.code, Some(0), "{resumed:?}");
+    for field in ["found", "tried", "entered", "complete"] {
+        assert_eq!(resumed.json()["problems"][0][field], whole["problems"][0][field], "{field}");
+    }
+    // A finished search is only shown again; a different one is refused.
+    let again = project.run(&resumable).json();
+    assert_eq!(again["problems"][0]["found"], whole["problems"][0]["found"]);
+    let other = ["identify", "--values", "-7:3:0.02", "--checkpoint", "state.json"];
+    assert!(project.run(&other).err.contains("belongs to a different search"));
+}
+
+#[test]
+fn a_budget_ends_a_search_without_an_error() {
+    let args = ["identify", "--values", "-8:8:0.001", "--budget", "0.2", "--json"];
+    let said = project().run(&args);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert_eq!(said.json()["problems"][0]["complete"], false);
+}
+
+#[test]
+fn wrong_input_is_refused_in_one_line() {
+    let project = project();
+    project.write("torn.json", "{\"schema\":");
+    for (args, remedy) in [
+        (&["--problem", "1"][..], "has no table 1; it has 2"),
+        (&["--space", "discs"], "choose one of quadrants"),
+        (&["--values", "1:2"], "write a range such as"),
+        (&["--values", "2:1:0.1"], "write MIN:MAX:STEP with MIN <= MAX"),
+        (&["--budget", "-1"], "give seconds"),
+        (&["--threads", "0"], "leave it out"),
+        (&["--method", "anneal", "--chains", "0"], "--chains must be at least 1"),
+        (&["--top", "0"], "--top must be at least 1"),
+        (&["--checkpoint", "torn.json"], "delete it or name another file"),
+        (&["--space", "blocks4", "--method", "enumerate"], "use fewer values"),
+    ] {
+        let said = project.run(&[&["identify"], args].concat());
+        assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
+    }
+}
+
+#[test]
+fn the_stage_runs_once_and_only_where_it_is_asked_for() {
+    let project = project();
+    let ran = project.run(&["run", "-v"]);
+    assert_eq!(ran.ran(), ["figures/identifiability", "identify/a"], "no cell is solved");
+    assert_eq!(project.run(&["run", "-v"]).lines(), ["nothing to do"]);
+    // Another map, and it runs again; the figure follows.
+    project.write("pipeline/identified.toml", RECORD.replace("points = 5", "points = 3"));
+    assert_eq!(project.run(&["run", "-v"]).ran(), ["figures/identifiability", "identify/a"]);
+    // The title is the figure's business only.
+    project.scene("a", &SCENE.replace("Two", "Second"));
+    assert_eq!(project.run(&["run", "-v"]).ran(), ["figures/identifiability"]);
+    project.scene("a", &SCENE.replace("identify", "source"));
+    assert_eq!(project.run(&["run", "-v"]).ran(), ["figures/figure1"]);
+}
+
+#[test]
+fn the_stage_names_what_it_lacks() {
+    let project = project();
+    std::fs::remove_file(project.path("pipeline/identified.toml")).unwrap();
+    assert!(project.run(&["run"]).refusal().contains("needs pipeline/identified.toml"));
+    project.write("pipeline/identified.toml", RECORD.replace("points", "pionts"));
+    assert!(project.run(&["run"]).refusal().contains("pipeline/identified.toml: line"));
+    project.write("pipeline/identified.toml", RECORD);
+    project.scene("a", &SCENE.replace("quadrant(ll)=-6; else=1.998", "disc(0,0,0.1)=1; else=-1"));
+    let said = project.run(&["run"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(said.err.contains("not made of quadrants"), "{said:?}");
+}
