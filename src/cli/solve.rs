@@ -6,7 +6,10 @@ use crate::fields;
 use crate::grid::{Grid, nested};
 use crate::load::{LoadRule, load};
 use crate::project::Project;
-use crate::saddle::{Outcome, Params, StopReason, StopRule, solve_nested};
+use crate::saddle::{
+    Outcome, Pair, Params, ProximalParams, StopReason, StopRule, UzawaOutcome, UzawaParams,
+    on_nested, solve_nested, tolerance, uzawa, uzawa_proximal,
+};
 use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::source::Source;
 use crate::transfer::Prolongation;
@@ -38,7 +41,7 @@ pub(super) struct SolveArgs {
     /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
     #[arg(long, default_value = "printed")]
     stop: String,
-    /// Cap on iterations per grid
+    /// Cap on iterations per grid; for the Uzawa solvers, on sweeps
     #[arg(long, value_name = "N", default_value_t = Params::default().max_iterations)]
     max_iterations: usize,
     /// Print JSON
@@ -49,10 +52,51 @@ pub(super) struct SolveArgs {
     out: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Solver {
     /// The paper's method on nested grids
     ArrowHurwicz,
+    /// A full minimisation before each step of the multiplier
+    Uzawa,
+    /// The same with iterative proximal regularisation
+    UzawaProximal,
+}
+
+impl Solver {
+    fn name(self) -> &'static str {
+        match self {
+            Self::ArrowHurwicz => "arrow-hurwicz",
+            Self::Uzawa => "uzawa",
+            Self::UzawaProximal => "uzawa-proximal",
+        }
+    }
+
+    /// The end and the sweeps on each grid, and the last pair.
+    fn run(self, grids: &[Grid], loads: &[Vec<f64>], params: &Params) -> (Vec<UzawaOutcome>, Pair) {
+        let prolongation = Prolongation::default();
+        if self == Self::ArrowHurwicz {
+            let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
+            let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
+            return (ends.into_iter().map(sweeps).collect(), pair);
+        }
+        let Params { r, rule, max_iterations, .. } = *params;
+        on_nested(grids, loads, prolongation, |level, grid, load, pair| {
+            let uzawa_params = UzawaParams {
+                r,
+                rule,
+                tolerance: tolerance(level),
+                max_sweeps: max_iterations,
+                ..UzawaParams::default()
+            };
+            let outcome = if self == Self::Uzawa {
+                uzawa(grid, load, &uzawa_params, pair, None)
+            } else {
+                let params = ProximalParams { uzawa: uzawa_params, ..ProximalParams::default() };
+                uzawa_proximal(grid, load, &params, pair, None)
+            };
+            (outcome, outcome.end.stop)
+        })
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -112,9 +156,9 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         ..Params::default()
     };
     let start = Instant::now();
-    let (outcomes, pair) = solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
+    let (outcomes, pair) = args.solver.run(&grids, &loads, &params);
     let seconds = start.elapsed().as_secs_f64();
-    let last = *outcomes.last().expect("at least one grid");
+    let UzawaOutcome { end: last, sweeps } = *outcomes.last().expect("at least one grid");
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
     if last.stop == StopReason::Diverged {
         return Err(Error::Stage(vec![format!(
@@ -133,11 +177,13 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             "schema": 1,
             "scene": name,
             "f": f.to_string(),
-            "solver": "arrow-hurwicz",
+            "solver": args.solver.name(),
             "h": grid.h(),
             "unknowns": grid.nodes(),
             "iterations": last.iterations,
-            "iterations_per_grid": outcomes.iter().map(|o| o.iterations).collect::<Vec<_>>(),
+            "iterations_per_grid": outcomes.iter().map(|o| o.end.iterations).collect::<Vec<_>>(),
+            "sweeps": sweeps,
+            "sweeps_per_grid": outcomes.iter().map(|o| o.sweeps).collect::<Vec<_>>(),
             "stop": last.stop,
             "energy": last.energy,
             "integral_f": integral,
@@ -147,35 +193,47 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             "seconds": { "setup": setup, "solve": seconds },
         }));
     }
-    say(&text(name, &f, integral, &outcomes, seconds, args.out.as_deref()))
+    let title = format!("{name}: f = {f}, integral {integral:.4}\n");
+    say(&text(title, args.solver, &outcomes, seconds, args.out.as_deref()))
 }
 
 fn text(
-    name: &str,
-    f: &Source,
-    integral: f64,
-    outcomes: &[Outcome],
+    title: String,
+    solver: Solver,
+    outcomes: &[UzawaOutcome],
     seconds: f64,
     out: Option<&Path>,
 ) -> String {
-    let mut text = format!("{name}: f = {f}, integral {integral:.4}\n");
+    let mut text = title;
+    // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
+    let sweeps = |number: &dyn std::fmt::Display| match solver {
+        Solver::ArrowHurwicz => String::new(),
+        Solver::Uzawa | Solver::UzawaProximal => format!(" {number:>9}"),
+    };
     text += &format!(
-        "{:>8} {:>11} {:>16} {:>14} {:>12} {:>10}\n",
-        "grid", "iterations", "stop", "energy", "KKT residual", "Delta a"
+        "{:>8} {:>11}{} {:>16} {:>14} {:>12} {:>10}\n",
+        "grid",
+        "iterations",
+        sweeps(&"sweeps"),
+        "stop",
+        "energy",
+        "KKT residual",
+        "Delta a"
     );
     for o in outcomes {
         text += &format!(
-            "{:>8} {:>11} {:>16} {:>14.6e} {:>12.2e} {:>10.2e}\n",
-            format!("1/{}", o.cells),
-            o.iterations,
-            o.stop.to_string(),
-            o.energy,
-            o.kkt.natural,
-            o.delta_a
+            "{:>8} {:>11}{} {:>16} {:>14.6e} {:>12.2e} {:>10.2e}\n",
+            format!("1/{}", o.end.cells),
+            o.end.iterations,
+            sweeps(&o.sweeps),
+            o.end.stop.to_string(),
+            o.end.energy,
+            o.end.kkt.natural,
+            o.end.delta_a
         );
     }
     text += &format!("solved in {seconds:.3} s\n");
-    if outcomes.iter().any(|o| o.sum_load >= 0.0) {
+    if outcomes.iter().any(|o| o.end.sum_load >= 0.0) {
         text += "note: the load vector sums to a non-negative number on some grid, where the discrete problem has no solution\n";
     }
     if let Some(out) = out {
