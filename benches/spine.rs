@@ -6,7 +6,9 @@ use signorini::load::{LoadRule, load};
 use signorini::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
 use signorini::source::Source;
 use signorini::transfer::Prolongation;
+use std::fs;
 use std::hint::black_box;
+use std::path::Path;
 use std::process::Command;
 
 const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
@@ -61,6 +63,32 @@ fn iteration(c: &mut Criterion) {
     }
 }
 
+/// The whole process that solves both tables from an empty cache, artifacts synced to disk.
+fn solve_stage(c: &mut Criterion) {
+    let project = tempfile::tempdir().expect("a temporary folder");
+    let scenes = project.path().join("pipeline/scenes");
+    fs::create_dir_all(&scenes).expect("a writable folder");
+    fs::create_dir(project.path().join("report")).expect("a writable folder");
+    let paper = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipeline/paper.toml");
+    fs::copy(paper, project.path().join("pipeline/paper.toml")).expect("the published values");
+    for (k, f) in PROBLEMS.iter().enumerate() {
+        let scene = format!("title = \"t\"\nf = \"{f}\"\noutputs = [\"table\"]\n");
+        fs::write(scenes.join(format!("problem{k}.toml")), scene).expect("a writable folder");
+    }
+    let mut caches = 0;
+    c.bench_function("run --only solve, both tables, empty cache", |b| {
+        b.iter(|| {
+            // A new cache each time: removing the old one would be timed as well.
+            caches += 1;
+            let cache = format!("cache{caches}");
+            let mut run = Command::new(env!("CARGO_BIN_EXE_signorini"));
+            run.args(["run", "--only", "solve", "--quiet", "--cache-dir", &cache]);
+            let output = run.current_dir(project.path()).output();
+            assert!(output.expect("the program starts").status.success());
+        });
+    });
+}
+
 /// The whole process when everything is up to date.
 fn nothing_to_do(c: &mut Criterion) {
     let cache = tempfile::tempdir().expect("a temporary folder");
@@ -76,5 +104,5 @@ fn nothing_to_do(c: &mut Criterion) {
     c.bench_function("run, nothing to do", |b| b.iter(run));
 }
 
-criterion_group!(benches, tables, iteration, nothing_to_do);
+criterion_group!(benches, tables, iteration, solve_stage, nothing_to_do);
 criterion_main!(benches);

@@ -5,6 +5,7 @@ pub mod cli;
 pub mod draw;
 pub mod error;
 pub mod exact;
+pub mod fast;
 pub mod fields;
 pub mod grid;
 pub mod identify;

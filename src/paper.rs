@@ -116,16 +116,24 @@ impl Paper {
         Ok(paper)
     }
 
+    /// The published table of this number, which `scene` asks for.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is none.
+    pub fn published(&self, number: u8, scene: &str) -> Result<&PublishedTable> {
+        self.table.iter().find(|table| table.number == number).ok_or_else(|| {
+            Error::input(format!(
+                "scene `{scene}`: pipeline/paper.toml has no table {number}; correct `paper_table`"
+            ))
+        })
+    }
+
     /// Compares computed rows with the published table of this number.
     ///
     /// # Errors
     /// [`Error::Input`] if there is no such table or the rows are for other r or other grids.
     pub fn compare(&self, number: u8, scene: &str, ours: &[Row]) -> Result<TableComparison> {
-        let table = self.table.iter().find(|t| t.number == number).ok_or_else(|| {
-            Error::input(format!(
-                "scene `{scene}`: pipeline/paper.toml has no table {number}; correct `paper_table`"
-            ))
-        })?;
+        let table = self.published(number, scene)?;
         let mut rows = Vec::new();
         for (k, &r) in self.r.iter().enumerate() {
             let row =

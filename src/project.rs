@@ -19,7 +19,7 @@ pub struct Project {
     /// The published tables.
     pub paper: Paper,
     /// `pipeline/paper.toml` as read.
-    pub paper_text: Vec<u8>,
+    pub paper_text: String,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
 }
@@ -48,8 +48,8 @@ impl Project {
     pub fn read(root: PathBuf) -> Result<Self> {
         let (scenes, scene_files) = read_scenes(&root)?;
         let path = root.join("pipeline").join("paper.toml");
-        let paper_text = fs::read(&path).context("read", &path)?;
-        let paper = Paper::parse(&String::from_utf8_lossy(&paper_text))?;
+        let paper_text = fs::read_to_string(&path).context("read", &path)?;
+        let paper = Paper::parse(&paper_text)?;
         let mut templates = Artifacts::new();
         read_tree(&root.join("report"), "", &mut templates)?;
         Ok(Self { root, scenes, scene_files, paper, paper_text, templates })

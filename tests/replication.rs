@@ -85,7 +85,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
             arrow_hurwicz(grid, &load(grid, &scene.f, scene.load), &params, &mut pair, None);
         assert_eq!(outcome.stop, StopReason::Converged);
         assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
-        errors.push(max_error(grid, &pair.y, |x, y| exact.solution(x, y)));
+        errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
     }
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
@@ -102,7 +102,7 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     let grids = nested(&[4, 8, 16, 32, 64]).unwrap();
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
-    let mut errors = Errors(|x, y| exact.solution(x, y), Vec::new());
+    let mut errors = Errors(|x, y| exact.at(x, y).value, Vec::new());
     solve_nested(&grids, &loads, &params, scene.prolongation, &mut errors);
     let order = (errors.1[3] / errors.1[4]).log2();
     assert!(order < 1.7, "order {order} of {:?}", errors.1);

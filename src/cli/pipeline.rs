@@ -39,7 +39,7 @@ pub(super) struct RunArgs {
     #[arg(short, long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     jobs: usize,
     /// Fail if the results differ from pipeline/lock.toml, instead of updating it
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["scenes", "only", "dry_run"])]
     locked: bool,
     /// A line for every task that runs, with the reason
     #[arg(short, long)]
@@ -130,14 +130,44 @@ impl Workplace {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
+    /// What a run would do; needs no lock and writes nothing.
     pub fn judge(&self, tasks: &[Task]) -> Result<Summary> {
         let options = Options { dry_run: true, ..Options::default() };
         self.walk(tasks, options, &Progress::new(false, true))
     }
 
-    pub fn walk(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
-        let _lock =
-            if options.dry_run { None } else { Some(CacheLock::take(self.store.folder())?) };
+    /// Walks the tasks under the lock of the cache, and brings the lock file up to date.
+    pub fn run(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
+        let _lock = CacheLock::take(self.store.folder())?;
+        let summary = self.walk(tasks, options, progress)?;
+        if !summary.failed.is_empty() {
+            return Err(Error::Stage(summary.failed));
+        }
+        let root = &self.project.root;
+        let ours = summary.lock_file();
+        let whole = plan(&self.project, &self.project.select(&[])?, None)?.len() == tasks.len();
+        if whole { ours } else { LockFile::read(root)?.updated(ours) }.write(root)?;
+        Ok(summary)
+    }
+
+    /// The same without touching the lock file; returns in which hashes the run differs from it.
+    fn run_locked(
+        &self,
+        tasks: &[Task],
+        options: Options,
+        progress: &Progress,
+    ) -> Result<(Summary, Vec<String>)> {
+        let _lock = CacheLock::take(self.store.folder())?;
+        let found = LockFile::read(&self.project.root)?;
+        let summary = self.walk(tasks, options, progress)?;
+        if !summary.failed.is_empty() {
+            return Err(Error::Stage(summary.failed));
+        }
+        let differences = found.differences(&summary.lock_file());
+        Ok((summary, differences))
+    }
+
+    fn walk(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
         execute(tasks, &self.store, &self.project.root, options, progress, interrupted())
     }
 }
@@ -165,40 +195,31 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
             "the scenes ask for nothing here; see `outputs` in the scene, or drop --only",
         ));
     }
-    let options = Options {
-        force: args.force,
-        keep_going: args.keep_going,
-        jobs: args.jobs,
-        dry_run: args.dry_run,
-    };
+    let options =
+        Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
     let progress = Progress::new(args.verbose, args.quiet);
-    let summary = workplace.walk(&tasks, options, &progress)?;
     if args.dry_run {
-        return say(&verdicts(&summary));
+        return say(&verdicts(&workplace.judge(&tasks)?));
     }
-    if !summary.failed.is_empty() {
-        return Err(Error::Stage(summary.failed));
-    }
-    let whole = args.scenes.is_empty() && args.only.is_none();
-    if whole {
-        let (found, ours) = (LockFile::read(&workplace.project.root)?, summary.lock_file());
-        let differences = found.differences(&ours);
-        if !args.locked {
-            ours.write(&workplace.project.root)?;
-        } else if !differences.is_empty() {
+    let summary = if args.locked {
+        let (summary, differences) = workplace.run_locked(&tasks, options, &progress)?;
+        if !differences.is_empty() {
             let lines = differences.join("\n  ");
             say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
             return Ok(1);
         }
-    }
+        summary
+    } else {
+        workplace.run(&tasks, options, &progress)?
+    };
     if summary.nothing_to_do() {
         return say("nothing to do\n");
     }
-    say(&account(&summary, whole))
+    say(&account(&summary))
 }
 
 /// One line per stage that ran: how many tasks, how long, why.
-fn account(summary: &Summary, whole: bool) -> String {
+fn account(summary: &Summary) -> String {
     let mut text = String::new();
     for stage in Stage::ALL {
         let ran: Vec<_> = summary.ran.iter().filter(|ran| ran.stage == stage).collect();
@@ -215,23 +236,33 @@ fn account(summary: &Summary, whole: bool) -> String {
             first.reason
         );
     }
-    text += &format!("{} files written to figures/ and report/\n", summary.exported);
-    if whole && summary.exports.contains_key("report/book/index.html") {
+    if summary.exported > 0 {
+        text += &format!("{} files written to figures/ and report/\n", summary.exported);
+    }
+    if summary.exports.contains_key("report/book/index.html") {
         text += "the book: report/book/index.html\n";
     }
     text
 }
 
 fn verdicts(summary: &Summary) -> String {
-    let stale: Vec<_> = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
-    if stale.is_empty() {
-        return if summary.exported == 0 {
-            "nothing to do\n".into()
-        } else {
-            "would only write files that are missing in figures/ or report/\n".into()
-        };
+    if summary.nothing_to_do() {
+        return "nothing to do\n".into();
     }
-    stale.iter().map(|judged| format!("{}: {}\n", judged.task, judged.verdict)).collect()
+    let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
+    let text: String =
+        stale.map(|judged| format!("{}: {}\n", judged.task, judged.verdict)).collect();
+    text + &exports(summary)
+}
+
+/// What is to be said about the files in the project folder.
+fn exports(summary: &Summary) -> String {
+    let mut text = String::new();
+    if summary.exported > 0 {
+        text += "files in figures/ or report/ are missing or old\n";
+    }
+    summary.edited.iter().for_each(|edited| text += &format!("{edited}\n"));
+    text
 }
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
@@ -264,9 +295,7 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
                 first.verdict
             );
         }
-        if summary.exported > 0 {
-            text += "files in figures/ or report/ are missing or old\n";
-        }
+        text += &exports(&summary);
         say(&text)?;
     }
     Ok(u8::from(args.exit_code && stale))
@@ -340,10 +369,7 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Report))?;
-    let summary = workplace.walk(&tasks, Options::default(), &Progress::new(false, false))?;
-    if !summary.failed.is_empty() {
-        return Err(Error::Stage(summary.failed));
-    }
+    workplace.run(&tasks, Options::default(), &Progress::new(false, false))?;
     let book = workplace.project.root.join("report/book/index.html");
     if args.open {
         open(&book)?;
@@ -396,11 +422,7 @@ pub(super) fn bring_up_to_date(
     // Looking needs no lock and no writing, and is enough when nothing is stale.
     let mut summary = workplace.judge(tasks)?;
     if !summary.nothing_to_do() {
-        summary = workplace.walk(tasks, Options::default(), &Progress::new(false, false))?;
+        summary = workplace.run(tasks, Options::default(), &Progress::new(false, false))?;
     }
-    if summary.failed.is_empty() {
-        Ok(summary.manifests)
-    } else {
-        Err(Error::Stage(summary.failed))
-    }
+    Ok(summary.manifests)
 }

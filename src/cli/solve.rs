@@ -2,16 +2,22 @@
 
 use super::{current_folder, say, say_json};
 use crate::error::{Error, IoContext, Result};
+use crate::fast::active_set::{ActiveSetParams, active_set};
+use crate::fast::multigrid::{MultigridParams, multigrid};
+use crate::fast::{self, InputError};
 use crate::fields;
 use crate::grid::{Grid, nested};
+use crate::kkt::{Kkt, kkt};
 use crate::load::{LoadRule, load};
+use crate::norms::{Errors, errors};
 use crate::project::Project;
 use crate::saddle::{
-    Outcome, Pair, Params, ProximalParams, StopReason, StopRule, UzawaOutcome, UzawaParams,
-    on_nested, solve_nested, tolerance, uzawa, uzawa_proximal,
+    self, Outcome, Pair, Params, ProximalParams, StopRule, UzawaOutcome, UzawaParams, on_nested,
+    solve_nested, tolerance, uzawa, uzawa_proximal,
 };
 use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::source::Source;
+use crate::stiffness::{energy, residual};
 use crate::transfer::Prolongation;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -52,51 +58,18 @@ pub(super) struct SolveArgs {
     out: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Solver {
     /// The paper's method on nested grids
     ArrowHurwicz,
-    /// A full minimisation before each step of the multiplier
+    /// A full minimisation before each step of the multiplier, on nested grids
     Uzawa,
     /// The same with iterative proximal regularisation
     UzawaProximal,
-}
-
-impl Solver {
-    fn name(self) -> &'static str {
-        match self {
-            Self::ArrowHurwicz => "arrow-hurwicz",
-            Self::Uzawa => "uzawa",
-            Self::UzawaProximal => "uzawa-proximal",
-        }
-    }
-
-    /// The end and the sweeps on each grid, and the last pair.
-    fn run(self, grids: &[Grid], loads: &[Vec<f64>], params: &Params) -> (Vec<UzawaOutcome>, Pair) {
-        let prolongation = Prolongation::default();
-        if self == Self::ArrowHurwicz {
-            let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
-            let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
-            return (ends.into_iter().map(sweeps).collect(), pair);
-        }
-        let Params { r, rule, max_iterations, .. } = *params;
-        on_nested(grids, loads, prolongation, |level, grid, load, pair| {
-            let uzawa_params = UzawaParams {
-                r,
-                rule,
-                tolerance: tolerance(level),
-                max_sweeps: max_iterations,
-                ..UzawaParams::default()
-            };
-            let outcome = if self == Self::Uzawa {
-                uzawa(grid, load, &uzawa_params, pair, None)
-            } else {
-                let params = ProximalParams { uzawa: uzawa_params, ..ProximalParams::default() };
-                uzawa_proximal(grid, load, &params, pair, None)
-            };
-            (outcome, outcome.end.stop)
-        })
-    }
+    /// Full multigrid to the rounding floor: the fastest by far
+    Multigrid,
+    /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
+    ActiveSet,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -145,95 +118,283 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         fields::check_ending(out)?;
     }
 
-    let start = Instant::now();
-    let grids = hierarchy(finest)?;
-    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, rule)).collect();
-    let setup = start.elapsed().as_secs_f64();
-    let params = Params {
-        r: positive_r(args.r)?,
-        rule: stop,
-        max_iterations: args.max_iterations,
-        ..Params::default()
-    };
-    let start = Instant::now();
-    let (outcomes, pair) = args.solver.run(&grids, &loads, &params);
-    let seconds = start.elapsed().as_secs_f64();
-    let UzawaOutcome { end: last, sweeps } = *outcomes.last().expect("at least one grid");
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
-    if last.stop == StopReason::Diverged {
-        return Err(Error::Stage(vec![format!(
-            "{name} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
-            last.cells, last.iterations
-        )]));
-    }
+    let problem = Problem { name, f: &f, rule, finest };
+    let solved = match args.solver {
+        Solver::ArrowHurwicz | Solver::Uzawa | Solver::UzawaProximal => {
+            let params = Params {
+                r: positive_r(args.r)?,
+                rule: stop,
+                max_iterations: args.max_iterations,
+                ..Params::default()
+            };
+            problem.saddle(args.solver, &params)?
+        }
+        Solver::Multigrid => problem.multigrid()?,
+        Solver::ActiveSet => problem.active_set()?,
+    };
+    let grid = solved.grid;
     if let Some(out) = &args.out {
-        let grid = *grids.last().expect("at least one grid");
-        let bytes = fields::write(out, grid, &pair, name)?;
+        let bytes = fields::write(out, grid, &solved.pair, name)?;
         std::fs::write(out, bytes).context("write", out)?;
     }
-    let grid = Grid::new(last.cells).expect("solved on it");
+    let last = solved.levels.last().expect("at least one grid");
+    let solver = args.solver.to_possible_value().expect("no solver is hidden");
     if args.json {
-        return say_json(&serde_json::json!({
+        let mut json = serde_json::json!({
             "schema": 1,
             "scene": name,
             "f": f.to_string(),
-            "solver": args.solver.name(),
+            "solver": solver.get_name(),
             "h": grid.h(),
             "unknowns": grid.nodes(),
             "iterations": last.iterations,
-            "iterations_per_grid": outcomes.iter().map(|o| o.end.iterations).collect::<Vec<_>>(),
-            "sweeps": sweeps,
-            "sweeps_per_grid": outcomes.iter().map(|o| o.sweeps).collect::<Vec<_>>(),
+            "iterations_per_grid": solved.levels.iter().map(|o| o.iterations).collect::<Vec<_>>(),
             "stop": last.stop,
             "energy": last.energy,
             "integral_f": integral,
             "sum_load": last.sum_load,
-            "delta_a": last.delta_a,
             "kkt": last.kkt,
-            "seconds": { "setup": setup, "solve": seconds },
-        }));
+            "seconds": { "setup": solved.setup, "solve": solved.seconds },
+        });
+        let sweeps: Vec<_> = solved.levels.iter().filter_map(|o| o.sweeps).collect();
+        if let Some(last) = sweeps.last() {
+            json["sweeps"] = (*last).into();
+            json["sweeps_per_grid"] = sweeps.into();
+        }
+        if let Some(work_units) = solved.work_units {
+            json["work_units"] = work_units.into();
+        }
+        if let Some(errors) = solved.errors {
+            json["errors"] = serde_json::json!({
+                "l2": errors.l2, "h1": errors.h1, "max": errors.max, "multiplier_l2": errors.multiplier_l2,
+            });
+        }
+        return say_json(&json);
     }
-    let title = format!("{name}: f = {f}, integral {integral:.4}\n");
-    say(&text(title, args.solver, &outcomes, seconds, args.out.as_deref()))
+    say(&text(&problem, integral, &solved, args.out.as_deref()))
 }
 
-fn text(
-    title: String,
-    solver: Solver,
-    outcomes: &[UzawaOutcome],
+/// What is to be solved.
+struct Problem<'a> {
+    name: &'a str,
+    f: &'a Source,
+    rule: LoadRule,
+    /// Cells per side.
+    finest: usize,
+}
+
+/// What came out.
+struct Solved {
+    /// The finest grid.
+    grid: Grid,
+    pair: Pair,
+    /// One entry per grid on which the solver stopped, coarsest first.
+    levels: Vec<Level>,
+    /// Cost in sweeps of the finest grid, if the solver counts it.
+    work_units: Option<f64>,
+    /// Errors, if the solution is known.
+    errors: Option<Errors>,
+    /// Seconds for grids and load vectors.
+    setup: f64,
+    /// Seconds for the solver.
     seconds: f64,
-    out: Option<&Path>,
-) -> String {
-    let mut text = title;
+}
+
+/// How a solver stopped on one grid.
+struct Level {
+    cells: usize,
+    iterations: usize,
+    /// Gauss-Seidel sweeps, if they are what the solver does.
+    sweeps: Option<usize>,
+    stop: String,
+    energy: f64,
+    sum_load: f64,
+    kkt: Kkt,
+}
+
+impl Problem<'_> {
+    fn load(&self, grid: Grid) -> Vec<f64> {
+        load(grid, self.f, self.rule)
+    }
+
+    fn saddle(&self, solver: Solver, params: &Params) -> Result<Solved> {
+        let start = Instant::now();
+        let grids = hierarchy(self.finest)?;
+        let loads: Vec<_> = grids.iter().map(|&grid| self.load(grid)).collect();
+        let setup = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let (outcomes, pair) = on_saddle(solver, &grids, &loads, params);
+        let seconds = start.elapsed().as_secs_f64();
+        if let Some(o) =
+            outcomes.last().map(|o| o.end).filter(|o| o.stop == saddle::StopReason::Diverged)
+        {
+            return Err(Error::Stage(vec![format!(
+                "{} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
+                self.name, o.cells, o.iterations
+            )]));
+        }
+        let levels = outcomes
+            .iter()
+            .map(|&UzawaOutcome { end: o, sweeps }| Level {
+                cells: o.cells,
+                iterations: o.iterations,
+                sweeps: Some(sweeps),
+                stop: o.stop.to_string(),
+                energy: o.energy,
+                sum_load: o.sum_load,
+                kkt: o.kkt,
+            })
+            .collect();
+        let (grid, load) = (grids[grids.len() - 1], &loads[loads.len() - 1]);
+        let errors = self.errors(grid, &pair.y, load);
+        Ok(Solved { grid, pair, levels, work_units: None, errors, setup, seconds })
+    }
+
+    fn multigrid(&self) -> Result<Solved> {
+        self.fast(|grid, load| {
+            let params = MultigridParams::default();
+            let (y, outcome) = multigrid(grid.cells(), load, None, &params, |_| ())?;
+            Ok((y, outcome.cycles, outcome.stop, Some(outcome.work_units)))
+        })
+    }
+
+    fn active_set(&self) -> Result<Solved> {
+        if self.finest > MAX_DIRECT {
+            return Err(Error::input(format!(
+                "active-set factorises a matrix, which at h = 1/{} takes too much memory; use --solver multigrid, or h = 1/{MAX_DIRECT}",
+                self.finest
+            )));
+        }
+        self.fast(|grid, load| {
+            let params = ActiveSetParams::default();
+            let (y, outcome) = active_set(grid.cells(), load, None, &params, |_| ())?;
+            Ok((y, outcome.steps, outcome.stop, None))
+        })
+    }
+
+    /// Runs a solver that works on the finest grid alone; it returns y, steps, why it stopped, and work units.
+    fn fast(&self, solver: impl Fn(Grid, &[f64]) -> FastResult) -> Result<Solved> {
+        let start = Instant::now();
+        let grid = Grid::new(self.finest).map_err(|e| Error::input(e.to_string()))?;
+        let load = self.load(grid);
+        let setup = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let (y, iterations, stop, work_units) = solver(grid, &load).map_err(|e| {
+            let remedy = match e {
+                InputError::NotCoercive(_) => {
+                    "average f on its jumps with --load lumped-average, or lower it"
+                }
+                InputError::GridSize(..) => "choose another --h",
+                _ => "check f",
+            };
+            Error::input(format!("{}: {e}; {remedy}", self.name))
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        if stop == fast::StopReason::Diverged {
+            return Err(Error::Stage(vec![format!("{} diverged; scale f down", self.name)]));
+        }
+        let mut flux = vec![0.0; grid.nodes()];
+        residual(grid, &y, &load, &mut flux);
+        // In contact y is exactly zero; elsewhere the flux is rounding error.
+        let multiplier =
+            |node: usize| if y[node] > 0.0 { 0.0 } else { flux[node].max(0.0) / grid.h() };
+        let a = grid.boundary().map(multiplier).collect();
+        let level = Level {
+            cells: grid.cells(),
+            iterations,
+            sweeps: None,
+            stop: stop.name().into(),
+            energy: energy(grid, &y, &load),
+            sum_load: load.iter().sum(),
+            kkt: kkt(grid, &y, &load),
+        };
+        let errors = self.errors(grid, &y, &load);
+        let pair = Pair { y, a };
+        Ok(Solved { grid, pair, levels: vec![level], work_units, errors, setup, seconds })
+    }
+
+    fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> Option<Errors> {
+        self.f.exact().map(|exact| errors(grid, exact, y, load))
+    }
+}
+
+/// Runs a saddle-point method over the nested grids: the end and the sweeps on each, and the last pair.
+fn on_saddle(
+    solver: Solver,
+    grids: &[Grid],
+    loads: &[Vec<f64>],
+    params: &Params,
+) -> (Vec<UzawaOutcome>, Pair) {
+    let prolongation = Prolongation::default();
+    if solver == Solver::ArrowHurwicz {
+        let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
+        let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
+        return (ends.into_iter().map(sweeps).collect(), pair);
+    }
+    let Params { r, rule, max_iterations, .. } = *params;
+    on_nested(grids, loads, prolongation, |level, grid, load, pair| {
+        let params = UzawaParams {
+            r,
+            rule,
+            tolerance: tolerance(level),
+            max_sweeps: max_iterations,
+            ..UzawaParams::default()
+        };
+        let outcome = if solver == Solver::Uzawa {
+            uzawa(grid, load, &params, pair, None)
+        } else {
+            let params = ProximalParams { uzawa: params, ..ProximalParams::default() };
+            uzawa_proximal(grid, load, &params, pair, None)
+        };
+        (outcome, outcome.end.stop)
+    })
+}
+
+type FastResult = std::result::Result<(Vec<f64>, usize, fast::StopReason, Option<f64>), InputError>;
+
+fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -> String {
+    let mut text = format!("{}: f = {}, integral {integral:.4}\n", problem.name, problem.f);
     // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
-    let sweeps = |number: &dyn std::fmt::Display| match solver {
-        Solver::ArrowHurwicz => String::new(),
-        Solver::Uzawa | Solver::UzawaProximal => format!(" {number:>9}"),
+    let nested = solved.levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
+    let column = |what: &dyn std::fmt::Display| match nested {
+        true => format!(" {what:>9}"),
+        false => String::new(),
     };
     text += &format!(
-        "{:>8} {:>11}{} {:>16} {:>14} {:>12} {:>10}\n",
+        "{:>8} {:>11}{} {:>16} {:>14} {:>13} {:>10}\n",
         "grid",
         "iterations",
-        sweeps(&"sweeps"),
+        column(&"sweeps"),
         "stop",
         "energy",
         "KKT residual",
-        "Delta a"
+        "relative"
     );
-    for o in outcomes {
+    for level in &solved.levels {
         text += &format!(
-            "{:>8} {:>11}{} {:>16} {:>14.6e} {:>12.2e} {:>10.2e}\n",
-            format!("1/{}", o.end.cells),
-            o.end.iterations,
-            sweeps(&o.sweeps),
-            o.end.stop.to_string(),
-            o.end.energy,
-            o.end.kkt.natural,
-            o.end.delta_a
+            "{:>8} {:>11}{} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
+            format!("1/{}", level.cells),
+            level.iterations,
+            column(&level.sweeps.unwrap_or(level.iterations)),
+            level.stop,
+            level.energy,
+            level.kkt.natural,
+            level.kkt.relative
         );
     }
-    text += &format!("solved in {seconds:.3} s\n");
-    if outcomes.iter().any(|o| o.end.sum_load >= 0.0) {
+    text += &format!("solved in {:.3} s", solved.seconds);
+    if let Some(work_units) = solved.work_units {
+        text += &format!(", the cost of {work_units:.1} sweeps");
+    }
+    text.push('\n');
+    if let Some(e) = &solved.errors {
+        text += &format!(
+            "errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}; multiplier L2 {:.2e}\n",
+            e.l2, e.h1, e.max, e.multiplier_l2
+        );
+    }
+    if solved.levels.iter().any(|level| level.sum_load >= 0.0) {
         text += "note: the load vector sums to a non-negative number on some grid, where the discrete problem has no solution\n";
     }
     if let Some(out) = out {
@@ -269,6 +430,9 @@ fn cells(h: &str) -> Result<usize> {
     }
     Ok(n)
 }
+
+/// Finest grid whose Cholesky factor fits comfortably in memory.
+const MAX_DIRECT: usize = 1024;
 
 /// Grids from the coarsest that halves down to `finest`, with at least four cells if possible.
 fn hierarchy(finest: usize) -> Result<Vec<Grid>> {

@@ -58,6 +58,8 @@ pub struct Summary {
     pub ran: Vec<Ran>,
     /// Files written to or removed from the project folder.
     pub exported: usize,
+    /// Exports that were edited by hand, one message each; in a walk that writes they are an error.
+    pub edited: Vec<String>,
     /// Tasks that failed or could not run because of one that did, each with its reason.
     pub failed: Vec<String>,
     /// Manifests of all tasks that are up to date now.
@@ -69,7 +71,9 @@ pub struct Summary {
 impl Summary {
     /// Whether nothing was, or in a dry run would be, run or exported.
     pub fn nothing_to_do(&self) -> bool {
-        self.exported == 0 && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
+        self.exported == 0
+            && self.edited.is_empty()
+            && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
     }
 
     /// The lock file that this walk supports.
@@ -185,7 +189,14 @@ pub fn execute(
         }
         for task in tasks.iter().filter(|task| task.stage == stage) {
             let Some(manifest) = summary.manifests.get(&task.id) else { continue };
-            let exports = Exports::plan(project, store, task, manifest, &known, options.force)?;
+            let exports = match Exports::plan(project, store, task, manifest, &known, options.force)
+            {
+                Err(edited @ Error::Input(_)) if options.dry_run => {
+                    summary.edited.push(edited.to_string());
+                    continue;
+                }
+                planned => planned?,
+            };
             if let Some(folder) = task.export {
                 let path =
                     |(name, hash): (&String, &String)| (format!("{folder}/{name}"), hash.clone());

@@ -59,6 +59,13 @@ impl LockFile {
         write_atomically(&path, text.as_bytes())
     }
 
+    /// This record with the entries of a later, partial run.
+    pub fn updated(mut self, later: Self) -> Self {
+        self.tasks.extend(later.tasks);
+        self.exports.extend(later.exports);
+        self
+    }
+
     /// One line for each entry of `self` that `other` lacks or has differently, and vice versa.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let one = |ours: &BTreeMap<_, String>, theirs: &BTreeMap<_, String>| -> Vec<String> {

@@ -2,6 +2,7 @@
 
 use super::tabulate;
 use super::{artifact, to_json};
+use crate::error::Result;
 use crate::paper::Paper;
 use crate::pipeline::{Artifacts, Stage, Task};
 use crate::project::Project;
@@ -18,14 +19,18 @@ pub fn id(scene: &Scene) -> String {
 }
 
 /// The task that compares a scene with the published table of this number.
-pub fn task(project: &Project, scene: &Scene, number: u8) -> Task {
+///
+/// # Errors
+/// [`Error::Input`](crate::error::Error::Input) if there is no such table.
+pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
+    project.paper.published(number, &scene.name)?;
     let need = tabulate::id(scene, scene.stop[0]);
     let name = scene.name.clone();
-    Task {
+    Ok(Task {
         id: id(scene),
         stage: Stage::Diff,
         parameters: BTreeMap::from([("table".into(), number.to_string())]),
-        files: Artifacts::from([(PAPER.into(), project.paper_text.clone())]),
+        files: Artifacts::from([(PAPER.into(), project.paper_text.clone().into_bytes())]),
         needs: vec![need.clone()],
         export: None,
         work: Box::new(move |inputs| {
@@ -35,7 +40,7 @@ pub fn task(project: &Project, scene: &Scene, number: u8) -> Task {
             let diff = paper.compare(number, &name, &rows).map_err(|e| e.to_string())?;
             Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
         }),
-    }
+    })
 }
 
 const PAPER: &str = "pipeline/paper.toml";

@@ -40,7 +40,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
             }
         }
         if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {
-            tasks.push(diff::task(project, scene, number));
+            tasks.push(diff::task(project, scene, number)?);
         }
     }
     tasks.extend(figures::tasks(project, scenes));

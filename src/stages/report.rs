@@ -53,7 +53,7 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
         .cloned()
         .collect();
     let mut files = project.scene_files.clone();
-    files.insert("pipeline/paper.toml".into(), project.paper_text.clone());
+    files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));

@@ -135,7 +135,7 @@ impl Monitor for Record {
 
     fn level(&mut self, grid: Grid, pair: &Pair) {
         if let Some(exact) = self.exact {
-            self.errors.push(max_error(grid, &pair.y, |x, y| exact.solution(x, y)));
+            self.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
         }
     }
 }

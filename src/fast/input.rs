@@ -1,0 +1,86 @@
+//! What a load must satisfy before a solver accepts it.
+
+/// What can be wrong with the input of a solver.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum InputError {
+    #[error("{0} cells per side: must be {1}")]
+    GridSize(usize, &'static str),
+    #[error("{found} numbers given for the {expected} nodes of the grid")]
+    Length { found: usize, expected: usize },
+    #[error("the {0} contains a number that is not finite, or sums to none")]
+    NotFinite(&'static str),
+    #[error("the load sums to {0:e}: without a negative sum the problem has no unique solution")]
+    NotCoercive(f64),
+}
+
+/// Checks that there is one number for each of `(n + 1)^2` nodes.
+pub(super) fn check_length(n: usize, field: &[f64]) -> Result<(), InputError> {
+    let (found, expected) = (field.len(), (n + 1) * (n + 1));
+    if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
+}
+
+/// What must be known of a load before it is used.
+pub(super) struct Extent {
+    pub(super) largest: f64,
+    /// The sign of the sum decides whether there is a solution; not finite if a value is not.
+    sum: f64,
+    /// What rounding took from the sum.
+    lost: f64,
+}
+
+impl Extent {
+    /// Rounds sums of four numbers, and only these: enough for a sum 1e-15 times the sum of the absolute
+    /// values, at the speed of the memory.
+    pub(super) fn of(values: &[f64]) -> Self {
+        const LANES: usize = 4;
+        let mut largest = [0.0_f64; LANES];
+        let (mut sums, mut losses) = ([0.0; LANES], [0.0; LANES]);
+        let (blocks, rest) = values.as_chunks::<{ 4 * LANES }>();
+        for block in blocks {
+            for lane in 0..LANES {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|k| block[lane + k * LANES]);
+                let size = larger(larger(a.abs(), b.abs()), larger(c.abs(), d.abs()));
+                largest[lane] = larger(size, largest[lane]);
+                let sum = (a + b) + (c + d);
+                (sums[lane], losses[lane]) = two_sum(sums[lane], losses[lane], sum);
+            }
+        }
+        for &value in rest {
+            largest[0] = larger(value.abs(), largest[0]);
+            (sums[0], losses[0]) = two_sum(sums[0], losses[0], value);
+        }
+        let of_lane = |lane| Self { largest: largest[lane], sum: sums[lane], lost: losses[lane] };
+        Self::join(&[0, 1, 2, 3].map(of_lane))
+    }
+
+    pub(super) fn join(parts: &[Self]) -> Self {
+        let mut all = Self { largest: 0.0, sum: 0.0, lost: 0.0 };
+        for part in parts {
+            all.largest = all.largest.max(part.largest);
+            (all.sum, all.lost) = two_sum(all.sum, all.lost + part.lost, part.sum);
+        }
+        all
+    }
+
+    pub(super) fn check(&self) -> Result<(), InputError> {
+        let sum = self.sum + self.lost;
+        if !sum.is_finite() {
+            return Err(InputError::NotFinite("load"));
+        }
+        if sum >= 0.0 { Err(InputError::NotCoercive(sum)) } else { Ok(()) }
+    }
+}
+
+/// Adds to a sum and to the rounding errors it has made so far (Knuth's exact transformation).
+#[inline(always)]
+fn two_sum(sum: f64, lost: f64, value: f64) -> (f64, f64) {
+    let next = sum + value;
+    let part = next - sum;
+    (next, lost + ((sum - (next - part)) + (value - part)))
+}
+
+/// The maximum in one machine instruction, which `f64::max` is not.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}

@@ -1,0 +1,295 @@
+//! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
+
+use problems::{nodal_load, paper_loads, stress_loads};
+use proptest::prelude::*;
+use signorini::exact::Exact;
+use signorini::fast::active_set::{ActiveSetParams, active_set};
+use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams, Outcome, multigrid};
+use signorini::fast::{InputError, StopReason};
+use signorini::grid::Grid;
+use signorini::kkt::kkt;
+use signorini::load::{LoadRule, load};
+use signorini::norms::errors;
+use signorini::source::{Source, Tie};
+
+mod problems;
+
+fn grid(n: usize) -> Grid {
+    Grid::new(n).unwrap()
+}
+
+fn exact_load(problem: Exact, n: usize) -> Vec<f64> {
+    load(grid(n), &Source::Exact(problem), LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: None })
+}
+
+fn exact_values(problem: Exact, n: usize) -> Vec<f64> {
+    let grid = grid(n);
+    let at = |k: usize| problem.at(grid.coordinate(k % (n + 1)), grid.coordinate(k / (n + 1)));
+    (0..grid.nodes()).map(|k| at(k).value).collect()
+}
+
+fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
+    kkt(grid(n), y, load).natural
+}
+
+fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, Outcome) {
+    let params = MultigridParams { goal, ..Default::default() };
+    multigrid(n, load, None, &params, |_| {}).expect("valid load")
+}
+
+/// What rounding errors alone leave of the optimality conditions.
+fn rounding_level(y: &[f64]) -> f64 {
+    32.0 * f64::EPSILON * y.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn errors_fall_at_the_optimal_rate() {
+    for problem in Exact::ALL {
+        let errors = [32, 64, 128, 256].map(|n| {
+            let load = exact_load(problem, n);
+            errors(grid(n), problem, &run(n, &load, Goal::RoundingFloor).0, &load)
+        });
+        for pair in errors.windows(2) {
+            let rate = |norm: fn(&signorini::norms::Errors) -> f64| {
+                (norm(&pair[0]) / norm(&pair[1])).log2()
+            };
+            assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{problem:?} L2 {}", rate(|e| e.l2));
+            assert!((rate(|e| e.h1) - 1.0).abs() < 0.05, "{problem:?} H1 {}", rate(|e| e.h1));
+            assert!(rate(|e| e.multiplier_l2) > 1.0, "{problem:?} {}", rate(|e| e.multiplier_l2));
+        }
+    }
+}
+
+#[test]
+fn two_cycles_reach_the_discretisation_error() {
+    for problem in Exact::ALL {
+        for n in [32, 64, 256] {
+            let load = exact_load(problem, n);
+            let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
+            let (y, outcome) = run(n, &load, Goal::DiscretisationError);
+            assert_eq!(outcome.stop, StopReason::Converged);
+            if n >= 64 {
+                assert!(outcome.work_units < 12.0, "{problem:?} {n} {outcome:?}");
+            }
+            let values = exact_values(problem, n);
+            let norm = |a: &[f64], b: &[f64]| -> f64 {
+                a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+            };
+            let ratio = norm(&y, &exact_discrete) / norm(&exact_discrete, &values);
+            assert!(ratio < 0.1, "{problem:?} {n} algebraic over discretisation error {ratio}");
+            let zero = vec![0.0; y.len()];
+            let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();
+            let h1 = |y: &[f64]| errors_in_h1(n, y, &zero);
+            assert!(
+                h1(&algebraic) < 0.1 * errors(grid(n), problem, &y, &load).h1,
+                "{problem:?} {n} H1"
+            );
+        }
+    }
+}
+
+/// H1 seminorm of the difference of two discrete functions.
+fn errors_in_h1(n: usize, a: &[f64], b: &[f64]) -> f64 {
+    let at = |i: usize, j: usize| a[j * (n + 1) + i] - b[j * (n + 1) + i];
+    let mut sum = 0.0;
+    for j in 0..=n {
+        for k in 0..n {
+            let share = if j == 0 || j == n { 0.5 } else { 1.0 };
+            sum += share * (at(k + 1, j) - at(k, j)).powi(2);
+            sum += share * (at(j, k + 1) - at(j, k)).powi(2);
+        }
+    }
+    sum.sqrt()
+}
+
+#[test]
+fn multigrid_and_active_set_agree_to_rounding() {
+    for n in [4, 6, 16, 40, 64] {
+        let exact = Exact::ALL.map(|problem| ("exact", exact_load(problem, n)));
+        for (name, load) in exact.into_iter().chain(stress_loads(n)) {
+            let (y, outcome) = run(n, &load, Goal::RoundingFloor);
+            let params = ActiveSetParams::default();
+            let (oracle, _) = active_set(n, &load, None, &params, |_| {}).expect("valid load");
+            assert_eq!(outcome.stop, StopReason::RoundingFloor, "{name} {n} {outcome:?}");
+            // Values are determined up to the conditioning of the contact set.
+            let level = rounding_level(&oracle);
+            assert!(
+                distance(&y, &oracle) < 1e3 * level,
+                "{name} {n} {}",
+                distance(&y, &oracle) / level
+            );
+            for y in [&y, &oracle] {
+                assert!(natural_residual(n, y, &load) <= level, "{name} {n} {outcome:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn work_does_not_depend_on_the_grid() {
+    for n in [128, 256, 512] {
+        let exact = Exact::ALL.map(|problem| ("exact", exact_load(problem, n)));
+        for (name, load) in exact.into_iter().chain(paper_loads(n)) {
+            let floor = run(n, &load, Goal::RoundingFloor).1;
+            assert_eq!(floor.stop, StopReason::RoundingFloor);
+            assert!(floor.work_units < 55.0, "{name} {n} {floor:?}");
+        }
+        for (name, load) in stress_loads(n) {
+            let floor = run(n, &load, Goal::RoundingFloor).1;
+            assert_eq!(floor.stop, StopReason::RoundingFloor);
+            assert!(floor.work_units < 110.0, "{name} {n} {floor:?}");
+        }
+    }
+}
+
+#[test]
+fn a_claimed_tolerance_holds() {
+    let n = 64;
+    for (name, load) in stress_loads(n) {
+        for exponent in 2..20 {
+            let tolerance = 10_f64.powi(-exponent);
+            let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
+            let measured = natural_residual(n, &y, &load);
+            // The check adds in another order.
+            let slack = 8.0 * f64::EPSILON * rounding_level(&y) / (32.0 * f64::EPSILON);
+            match outcome.stop {
+                StopReason::Converged => {
+                    assert!(measured <= tolerance + slack, "{name} {measured:e}")
+                }
+                StopReason::RoundingFloor => assert!(measured <= rounding_level(&y), "{name}"),
+                stop => panic!("{name} {tolerance:e} {stop:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn solutions_scale_with_the_load() {
+    let n = 32;
+    let load = exact_load(Exact::FreeCorner, n);
+    let (y, plain) = run(n, &load, Goal::RoundingFloor);
+    for exponent in [-500, -332, -40, 40, 332, 500] {
+        let factor = 2_f64.powi(exponent);
+        let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
+        let (z, outcome) = run(n, &scaled, Goal::RoundingFloor);
+        assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles));
+        let same = y.iter().zip(&z).all(|(y, z)| y * factor == *z);
+        assert!(same, "2^{exponent}");
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let n = 512;
+    let load = exact_load(Exact::FreeSegment, n);
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
+        pool.install(|| run(n, &load, Goal::RoundingFloor).0)
+    };
+    let one = with_threads(1);
+    for threads in [2, 3] {
+        assert!(one == with_threads(threads), "{threads} threads");
+    }
+}
+
+#[test]
+fn absurd_starts_lead_to_the_same_solution() {
+    let n = 64;
+    for problem in Exact::ALL {
+        let load = exact_load(problem, n);
+        let (y, _) = run(n, &load, Goal::RoundingFloor);
+        let noise = |k: usize| (k as f64 * 12.9898).sin() * 43758.5453 % 1.0;
+        let starts = [
+            vec![0.0; y.len()],
+            vec![1e9; y.len()],
+            vec![-1e9; y.len()],
+            (0..y.len()).map(|k| 1e3 * noise(k)).collect::<Vec<_>>(),
+            y.clone(),
+        ];
+        for (k, start) in starts.iter().enumerate() {
+            let params = MultigridParams::default();
+            let (z, outcome) = multigrid(n, &load, Some(start), &params, |_| {}).expect("valid");
+            assert_eq!(
+                outcome.stop,
+                StopReason::RoundingFloor,
+                "{problem:?} start {k} {outcome:?}"
+            );
+            assert!(distance(&y, &z) < 100.0 * rounding_level(&y), "{problem:?} start {k}");
+        }
+    }
+}
+
+#[test]
+fn impossible_input_is_refused() {
+    let n = 16;
+    let good = vec![-1.0; 17 * 17];
+    let params = MultigridParams::default();
+    let solve = |n: usize, load: &[f64]| multigrid(n, load, None, &params, |_| {}).map(|_| ());
+    assert!(matches!(solve(9, &good), Err(InputError::GridSize(9, _))));
+    assert!(matches!(solve(0, &good), Err(InputError::GridSize(0, _))));
+    assert!(matches!(solve(n, &good[1..]), Err(InputError::Length { found: 288, expected: 289 })));
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut bad = good.clone();
+        bad[40] = value;
+        assert_eq!(solve(n, &bad), Err(InputError::NotFinite("load")));
+    }
+    let opposite: Vec<_> = good.iter().map(|entry| -entry).collect();
+    assert!(matches!(solve(n, &opposite), Err(InputError::NotCoercive(sum)) if sum == 289.0));
+    assert!(matches!(solve(n, &vec![0.0; 289]), Err(InputError::NotCoercive(_))));
+    // The smallest negative sum there is must not drown in rounding errors.
+    let mut barely = vec![1e16, -1e16, -1.0];
+    barely.resize(289, 0.0);
+    assert!(solve(n, &barely).is_ok());
+}
+
+#[test]
+fn the_workspace_stays_small_and_can_be_used_again() {
+    let n = 512;
+    let mut workspace = Multigrid::new(n).expect("valid size");
+    assert!(workspace.bytes() as f64 <= 24.0 * ((n + 1) * (n + 1)) as f64);
+    let load = exact_load(Exact::FreeCorner, n);
+    let params = MultigridParams::default();
+    let mut solve = |load: &[f64]| {
+        workspace.solve(load, None, &params, |_| {}).expect("valid load");
+        let mut y = vec![0.0; load.len()];
+        workspace.write_solution(&mut y);
+        y
+    };
+    let first = solve(&load);
+    solve(&exact_load(Exact::FullContact, n));
+    assert!(first == solve(&load));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Random loads, from smooth to rough, with any negative sum.
+    #[test]
+    fn random_problems_are_solved(
+        log_n in 1_u32..6,
+        odd in prop::sample::select(vec![1_usize, 3]),
+        amplitudes in prop::collection::vec(-1.0..1.0_f64, 12),
+        roughness in 0.0..1.0_f64,
+        deficit_exponent in -8.0..-0.3_f64,
+    ) {
+        let n = odd << log_n;
+        let load = nodal_load(n, Some(10_f64.powf(deficit_exponent)), |x, y| {
+            let smooth: f64 = amplitudes.iter().enumerate().map(|(k, a)| {
+                a * ((k / 4 + 1) as f64 * 2.0 * x + k as f64).sin() * ((k % 4) as f64 * 2.5 * y + 0.3).cos()
+            }).sum();
+            smooth + roughness * ((x * 517.3 + y * 917.7).sin() * 4317.5).fract()
+        });
+        let (y, outcome) = run(n, &load, Goal::RoundingFloor);
+        prop_assert_eq!(outcome.stop, StopReason::RoundingFloor);
+        let (oracle, _) = active_set(n, &load, None, &ActiveSetParams::default(), |_| {}).expect("valid");
+        // Twice what the solver asks for: the check adds in another order.
+        let level = 2.0 * rounding_level(&oracle);
+        prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
+        prop_assert!(natural_residual(n, &oracle, &load) <= level);
+        prop_assert!(distance(&y, &oracle) <= 1e4 * level, "{}", distance(&y, &oracle) / level);
+    }
+}
