@@ -62,6 +62,30 @@ fn solve_json_has_every_promised_field() {
 }
 
 #[test]
+fn uzawa_solvers_agree_with_arrow_hurwicz_and_count_their_sweeps() {
+    let project = Project::with(TABLE);
+    let solved = |solver: &str| {
+        let args = ["solve", "--f", BUMP, "--h", "1/32", "--solver", solver];
+        let text = project.run(&args).out;
+        assert_eq!(text.contains("sweeps"), solver != "arrow-hurwicz", "{text}");
+        let json = project.run(&[&args[..], &["--json"]].concat()).json();
+        assert_eq!((&json["solver"], &json["stop"]), (&solver.into(), &"converged".into()));
+        // The gradient sees h r of what is left of y in contact, here 10 / 32.
+        assert!(json["kkt"]["natural"].as_f64().unwrap() <= 4e-4, "{json}");
+        let number = |name: &str| json[name].as_u64().unwrap();
+        assert_eq!(json["sweeps_per_grid"].as_array().unwrap().len(), 4);
+        (number("iterations"), number("sweeps"), json["energy"].as_f64().unwrap())
+    };
+    let (iterations, sweeps, want) = solved("arrow-hurwicz");
+    assert_eq!(iterations, sweeps);
+    for solver in ["uzawa", "uzawa-proximal"] {
+        let (iterations, sweeps, energy) = solved(solver);
+        assert!(0 < iterations && iterations < sweeps, "{iterations} of {sweeps}");
+        assert!((energy - want).abs() < 1e-2 * want.abs(), "{energy} {want}");
+    }
+}
+
+#[test]
 fn printed_rule_leaves_a_residual_of_its_tolerance() {
     let project = Project::with(TABLE);
     // Grids 1/4, 1/8, 1/16, ...: the tolerance on the k-th is 10^-k.

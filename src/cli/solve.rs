@@ -11,7 +11,10 @@ use crate::kkt::{Kkt, kkt};
 use crate::load::{LoadRule, load};
 use crate::norms::{Errors, errors};
 use crate::project::Project;
-use crate::saddle::{self, Pair, Params, StopRule, solve_nested};
+use crate::saddle::{
+    self, Outcome, Pair, Params, ProximalParams, StopRule, UzawaOutcome, UzawaParams, on_nested,
+    solve_nested, tolerance, uzawa, uzawa_proximal,
+};
 use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::source::Source;
 use crate::stiffness::{energy, residual};
@@ -44,7 +47,7 @@ pub(super) struct SolveArgs {
     /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
     #[arg(long, default_value = "printed")]
     stop: String,
-    /// Cap on iterations per grid
+    /// Cap on iterations per grid; for the Uzawa solvers, on sweeps
     #[arg(long, value_name = "N", default_value_t = Params::default().max_iterations)]
     max_iterations: usize,
     /// Print JSON
@@ -59,6 +62,10 @@ pub(super) struct SolveArgs {
 enum Solver {
     /// The paper's method on nested grids
     ArrowHurwicz,
+    /// A full minimisation before each step of the multiplier, on nested grids
+    Uzawa,
+    /// The same with iterative proximal regularisation
+    UzawaProximal,
     /// Full multigrid to the rounding floor: the fastest by far
     Multigrid,
     /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
@@ -114,14 +121,14 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
     let problem = Problem { name, f: &f, rule, finest };
     let solved = match args.solver {
-        Solver::ArrowHurwicz => {
+        Solver::ArrowHurwicz | Solver::Uzawa | Solver::UzawaProximal => {
             let params = Params {
                 r: positive_r(args.r)?,
                 rule: stop,
                 max_iterations: args.max_iterations,
                 ..Params::default()
             };
-            problem.arrow_hurwicz(&params)?
+            problem.saddle(args.solver, &params)?
         }
         Solver::Multigrid => problem.multigrid()?,
         Solver::ActiveSet => problem.active_set()?,
@@ -150,6 +157,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             "kkt": last.kkt,
             "seconds": { "setup": solved.setup, "solve": solved.seconds },
         });
+        let sweeps: Vec<_> = solved.levels.iter().filter_map(|o| o.sweeps).collect();
+        if let Some(last) = sweeps.last() {
+            json["sweeps"] = (*last).into();
+            json["sweeps_per_grid"] = sweeps.into();
+        }
         if let Some(work_units) = solved.work_units {
             json["work_units"] = work_units.into();
         }
@@ -193,6 +205,8 @@ struct Solved {
 struct Level {
     cells: usize,
     iterations: usize,
+    /// Gauss-Seidel sweeps, if they are what the solver does.
+    sweeps: Option<usize>,
     stop: String,
     energy: f64,
     sum_load: f64,
@@ -204,16 +218,17 @@ impl Problem<'_> {
         load(grid, self.f, self.rule)
     }
 
-    fn arrow_hurwicz(&self, params: &Params) -> Result<Solved> {
+    fn saddle(&self, solver: Solver, params: &Params) -> Result<Solved> {
         let start = Instant::now();
         let grids = hierarchy(self.finest)?;
         let loads: Vec<_> = grids.iter().map(|&grid| self.load(grid)).collect();
         let setup = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let (outcomes, pair) =
-            solve_nested(&grids, &loads, params, Prolongation::default(), &mut ());
+        let (outcomes, pair) = on_saddle(solver, &grids, &loads, params);
         let seconds = start.elapsed().as_secs_f64();
-        if let Some(o) = outcomes.last().filter(|o| o.stop == saddle::StopReason::Diverged) {
+        if let Some(o) =
+            outcomes.last().map(|o| o.end).filter(|o| o.stop == saddle::StopReason::Diverged)
+        {
             return Err(Error::Stage(vec![format!(
                 "{} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
                 self.name, o.cells, o.iterations
@@ -221,9 +236,10 @@ impl Problem<'_> {
         }
         let levels = outcomes
             .iter()
-            .map(|o| Level {
+            .map(|&UzawaOutcome { end: o, sweeps }| Level {
                 cells: o.cells,
                 iterations: o.iterations,
+                sweeps: Some(sweeps),
                 stop: o.stop.to_string(),
                 energy: o.energy,
                 sum_load: o.sum_load,
@@ -287,6 +303,7 @@ impl Problem<'_> {
         let level = Level {
             cells: grid.cells(),
             iterations,
+            sweeps: None,
             stop: stop.name().into(),
             energy: energy(grid, &y, &load),
             sum_load: load.iter().sum(),
@@ -302,19 +319,64 @@ impl Problem<'_> {
     }
 }
 
+/// Runs a saddle-point method over the nested grids: the end and the sweeps on each, and the last pair.
+fn on_saddle(
+    solver: Solver,
+    grids: &[Grid],
+    loads: &[Vec<f64>],
+    params: &Params,
+) -> (Vec<UzawaOutcome>, Pair) {
+    let prolongation = Prolongation::default();
+    if solver == Solver::ArrowHurwicz {
+        let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
+        let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
+        return (ends.into_iter().map(sweeps).collect(), pair);
+    }
+    let Params { r, rule, max_iterations, .. } = *params;
+    on_nested(grids, loads, prolongation, |level, grid, load, pair| {
+        let params = UzawaParams {
+            r,
+            rule,
+            tolerance: tolerance(level),
+            max_sweeps: max_iterations,
+            ..UzawaParams::default()
+        };
+        let outcome = if solver == Solver::Uzawa {
+            uzawa(grid, load, &params, pair, None)
+        } else {
+            let params = ProximalParams { uzawa: params, ..ProximalParams::default() };
+            uzawa_proximal(grid, load, &params, pair, None)
+        };
+        (outcome, outcome.end.stop)
+    })
+}
+
 type FastResult = std::result::Result<(Vec<f64>, usize, fast::StopReason, Option<f64>), InputError>;
 
 fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -> String {
     let mut text = format!("{}: f = {}, integral {integral:.4}\n", problem.name, problem.f);
+    // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
+    let nested = solved.levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
+    let column = |what: &dyn std::fmt::Display| match nested {
+        true => format!(" {what:>9}"),
+        false => String::new(),
+    };
     text += &format!(
-        "{:>8} {:>11} {:>16} {:>14} {:>13} {:>10}\n",
-        "grid", "iterations", "stop", "energy", "KKT residual", "relative"
+        "{:>8} {:>11}{} {:>16} {:>14} {:>13} {:>10}\n",
+        "grid",
+        "iterations",
+        column(&"sweeps"),
+        "stop",
+        "energy",
+        "KKT residual",
+        "relative"
     );
     for level in &solved.levels {
         text += &format!(
-            "{:>8} {:>11} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
+            "{:>8} {:>11}{} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
             format!("1/{}", level.cells),
             level.iterations,
+            column(&level.sweeps.unwrap_or(level.iterations)),
             level.stop,
             level.energy,
             level.kkt.natural,

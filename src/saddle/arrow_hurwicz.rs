@@ -5,11 +5,12 @@
 //! Reference: N. N. Maksimova, equations (7)-(13); the misprints are mended as the report says.
 
 use super::Pair;
+use super::gradient::{Gradient, dual_step};
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use crate::grid::Grid;
 use crate::kkt::{Kkt, kkt};
-use crate::stiffness::{energy, residual_row};
+use crate::stiffness::energy;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -89,20 +90,20 @@ pub fn arrow_hurwicz(
     assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
     assert!(pair.a.len() == grid.boundary_nodes());
     let boundary: Vec<usize> = grid.boundary().collect();
-    let mut gradient = Gradient { grid, load, r: params.r, row: vec![0.0; grid.side()], failed: 0 };
+    let mut gradient = Gradient::new(grid, params.r, 0.0);
     let (mut iterations, mut delta_a) = (0, 0.0);
     let stop = loop {
         if iterations == params.max_iterations {
             break StopReason::IterationLimit;
         }
         iterations += 1;
-        sweep(grid, load, params.r, &mut pair.y, &pair.a);
+        sweep(grid, load, 0.0, params.r, &mut pair.y, &pair.a);
         delta_a = match dual_step(&boundary, params.r, &pair.y, &mut pair.a) {
             Some(change) => change,
             None => break StopReason::Diverged,
         };
         if let Some(monitor) = monitor.as_mut() {
-            let (gradient_signed, gradient_abs) = gradient.extrema(pair);
+            let (gradient_signed, gradient_abs) = gradient.extrema(load, pair);
             let iteration =
                 Iteration { number: iterations, gradient_signed, gradient_abs, delta_a };
             if monitor(&iteration).is_break() {
@@ -110,101 +111,38 @@ pub fn arrow_hurwicz(
             }
         }
         if (!params.rule.asks_dual() || delta_a <= params.tolerance)
-            && gradient.within(pair, params.tolerance, params.rule.is_printed())
+            && gradient.within(load, pair, params.tolerance, params.rule.is_printed())
         {
             break StopReason::Converged;
         }
     };
-    let (gradient_signed, gradient_abs) = gradient.extrema(pair);
-    let (energy, kkt) = (energy(grid, &pair.y, load), kkt(grid, &pair.y, load));
-    let finite = [energy, gradient_abs, kkt.natural, kkt.min_lambda].iter().all(|v| v.is_finite());
-    let stop = if finite { stop } else { StopReason::Diverged };
-    Outcome {
-        cells: grid.cells(),
-        iterations,
-        stop,
-        gradient_signed,
-        gradient_abs,
-        delta_a,
-        energy,
-        sum_load: load.iter().sum(),
-        kkt,
-    }
+    Outcome::at(grid, load, &mut gradient, pair, (iterations, delta_a, stop))
 }
 
-/// `a <- (a - r y)^+` (12); the largest change, or `None` if a value is no longer finite.
-fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) -> Option<f64> {
-    let (mut change, mut finite) = (0.0f64, true);
-    for (a, &node) in a.iter_mut().zip(boundary) {
-        let next = *a - r * y[node];
-        finite &= next.is_finite();
-        let next = if next > 0.0 { next } else { 0.0 };
-        change = change.max((next - *a).abs());
-        *a = next;
-    }
-    finite.then_some(change)
-}
-
-/// The gradient (8) of the modified functional with respect to y, evaluated row by row.
-struct Gradient<'a> {
-    grid: Grid,
-    load: &'a [f64],
-    r: f64,
-    row: Vec<f64>,
-    /// Row that failed the last comparison: the likeliest to fail the next.
-    failed: usize,
-}
-
-impl Gradient<'_> {
-    fn evaluate(&mut self, j: usize, pair: &Pair) {
-        let (grid, n) = (self.grid, self.grid.cells());
-        residual_row(grid, j, &pair.y, self.load, &mut self.row);
-        let y = &pair.y[j * grid.side()..];
-        let pull = |b: usize, i: usize| grid.h() * (pair.a[b] - self.r * y[i]).max(0.0);
-        if j == 0 {
-            (0..=n).for_each(|i| self.row[i] -= pull(i, i));
-        } else if j == n {
-            (0..=n).for_each(|i| self.row[i] -= pull(3 * n - i, i));
-        } else {
-            self.row[0] -= pull(4 * n - j, 0);
-            self.row[n] -= pull(n + j, n);
+impl Outcome {
+    /// What is to be said of `pair` after so many iterations, the last of which changed a by `delta_a`.
+    pub(super) fn at(
+        grid: Grid,
+        load: &[f64],
+        gradient: &mut Gradient,
+        pair: &Pair,
+        (iterations, delta_a, stop): (usize, f64, StopReason),
+    ) -> Self {
+        let (gradient_signed, gradient_abs) = gradient.extrema(load, pair);
+        let (energy, kkt) = (energy(grid, &pair.y, load), kkt(grid, &pair.y, load));
+        let finite =
+            [energy, gradient_abs, kkt.natural, kkt.min_lambda].iter().all(|v| v.is_finite());
+        let stop = if finite { stop } else { StopReason::Diverged };
+        Self {
+            cells: grid.cells(),
+            iterations,
+            stop,
+            gradient_signed,
+            gradient_abs,
+            delta_a,
+            energy,
+            sum_load: load.iter().sum(),
+            kkt,
         }
-    }
-
-    /// Whether every component, or its absolute value, is at most `tolerance`; NaN never is.
-    fn within(&mut self, pair: &Pair, tolerance: f64, absolute: bool) -> bool {
-        let side = self.grid.side();
-        let first = self.failed;
-        for k in 0..side {
-            let j = (first + k) % side;
-            self.evaluate(j, pair);
-            // No early exit inside a row, so that the comparison vectorises.
-            let ok = if absolute {
-                self.row.iter().fold(true, |ok, g| ok & (g.abs() <= tolerance))
-            } else {
-                self.row.iter().fold(true, |ok, g| ok & (*g <= tolerance))
-            };
-            if !ok {
-                self.failed = j;
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Largest component and largest absolute value; NaN if any component is.
-    fn extrema(&mut self, pair: &Pair) -> (f64, f64) {
-        let (mut signed, mut absolute) = (f64::NEG_INFINITY, 0.0);
-        for j in 0..self.grid.side() {
-            self.evaluate(j, pair);
-            for &g in &self.row {
-                if g.is_nan() {
-                    return (f64::NAN, f64::NAN);
-                }
-                signed = signed.max(g);
-                absolute = g.abs().max(absolute);
-            }
-        }
-        (signed, absolute)
     }
 }

@@ -1,11 +1,14 @@
 //! Saddle-point methods for the modified Lagrange functional (7), and their run over nested grids.
 
 mod arrow_hurwicz;
+mod gradient;
 mod stopping;
 mod sweep;
+mod uzawa;
 
 pub use arrow_hurwicz::{Iteration, Outcome, Params, arrow_hurwicz};
 pub use stopping::{StopReason, StopRule};
+pub use uzawa::{ProximalParams, UzawaOutcome, UzawaParams, uzawa, uzawa_proximal};
 
 use crate::grid::Grid;
 use crate::transfer::{Prolongation, prolong, prolong_boundary};
@@ -72,25 +75,43 @@ pub fn solve_nested(
     prolongation: Prolongation,
     monitor: &mut impl Monitor,
 ) -> (Vec<Outcome>, Pair) {
-    let mut pair = Pair::zero(grids[0]);
-    let mut outcomes = Vec::with_capacity(grids.len());
-    for (k, (&grid, load)) in grids.iter().zip(loads).enumerate() {
-        let level = k + 1;
-        if k > 0 {
-            pair = pair.prolonged(grids[k - 1], prolongation);
-        }
+    on_nested(grids, loads, prolongation, |level, grid, load, pair| {
         let params = Params { tolerance: tolerance(level), ..*params };
         let outcome = if monitor.wants_iterations() {
             let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
-            arrow_hurwicz(grid, load, &params, &mut pair, Some(&mut on_iteration))
+            arrow_hurwicz(grid, load, &params, pair, Some(&mut on_iteration))
         } else {
-            arrow_hurwicz(grid, load, &params, &mut pair, None)
+            arrow_hurwicz(grid, load, &params, pair, None)
         };
-        monitor.level(grid, &pair);
-        outcomes.push(outcome);
-        if matches!(outcome.stop, StopReason::Diverged | StopReason::Interrupted) {
+        monitor.level(grid, pair);
+        (outcome, outcome.stop)
+    })
+}
+
+/// Runs any method on each of the nested `grids` in turn, as [`solve_nested`] does.
+///
+/// `solve` is given the level, counted from 1, the grid, its load vector, and the pair to work on;
+/// it returns what to keep, and how the grid ended. Returns all that was kept, and the last pair.
+///
+/// # Panics
+/// If the grids are not as [`crate::grid::nested`] gives them.
+pub fn on_nested<T>(
+    grids: &[Grid],
+    loads: &[Vec<f64>],
+    prolongation: Prolongation,
+    mut solve: impl FnMut(usize, Grid, &[f64], &mut Pair) -> (T, StopReason),
+) -> (Vec<T>, Pair) {
+    let mut pair = Pair::zero(grids[0]);
+    let mut kept = Vec::with_capacity(grids.len());
+    for (k, (&grid, load)) in grids.iter().zip(loads).enumerate() {
+        if k > 0 {
+            pair = pair.prolonged(grids[k - 1], prolongation);
+        }
+        let (outcome, stop) = solve(k + 1, grid, load, &mut pair);
+        kept.push(outcome);
+        if matches!(stop, StopReason::Diverged | StopReason::Interrupted) {
             break;
         }
     }
-    (outcomes, pair)
+    (kept, pair)
 }

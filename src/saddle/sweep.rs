@@ -10,9 +10,12 @@ use crate::grid::Grid;
 const BAND: usize = 4;
 
 /// Replaces `y` by the result of one sweep; `a` is the boundary vector of multipliers, r > 0.
-pub(super) fn sweep(grid: Grid, load: &[f64], r: f64, y: &mut [f64], a: &[f64]) {
+///
+/// `shift` is added to the diagonal of interior rows, half of it on edges and a quarter at corners:
+/// the lumped mass of a proximal term, whose other half belongs in `load`. The paper's sweep has none.
+pub(super) fn sweep(grid: Grid, load: &[f64], shift: f64, r: f64, y: &mut [f64], a: &[f64]) {
     let n = grid.cells();
-    let nodes = Nodes { grid, load, a, r, h: grid.h() };
+    let nodes = Nodes::new(grid, load, shift, r, a);
     for i in 0..=n {
         nodes.relax(y, i, 0);
     }
@@ -34,17 +37,29 @@ struct Nodes<'a> {
     a: &'a [f64],
     r: f64,
     h: f64,
+    /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
+    edge: (f64, f64),
+    corner: (f64, f64),
+    inside: f64,
 }
 
-/// `1/4` of the sum over the neighbours and the load: (9) for an interior node.
+/// `1/A_ii` times the sum over the neighbours and the load: (9) for an interior node.
 ///
 /// The order of summation is part of the definition: results are compared bit by bit.
 #[inline(always)]
-fn interior(south: f64, north: f64, east: f64, load: f64, west: f64) -> f64 {
-    0.25 * (((south + north) + (east + load)) + west)
+fn interior(inverse: f64, south: f64, north: f64, east: f64, load: f64, west: f64) -> f64 {
+    inverse * (((south + north) + (east + load)) + west)
 }
 
-impl Nodes<'_> {
+impl<'a> Nodes<'a> {
+    fn new(grid: Grid, load: &'a [f64], shift: f64, r: f64, a: &'a [f64]) -> Self {
+        // Powers of two, and so exact, if there is no shift.
+        let with_inverse = |diagonal: f64| (diagonal, 1.0 / diagonal);
+        let edge = with_inverse(2.0 + 0.5 * shift);
+        let corner = with_inverse(1.0 + 0.25 * shift);
+        Self { grid, load, a, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
+    }
+
     /// Relaxes the node in column `i` and row `j`, wherever it lies.
     fn relax(&self, y: &mut [f64], i: usize, j: usize) {
         let (n, side) = (self.grid.cells(), self.grid.side());
@@ -53,28 +68,31 @@ impl Nodes<'_> {
         let along_x = |y: &[f64]| y[node - 1] + y[node + 1];
         let along_y = |y: &[f64]| y[node - side] + y[node + side];
         y[node] = match (i, j) {
-            (0, 0) => self.boundary(0, 1.0, 0.5 * (y[node + 1] + y[node + side]) + load, 1.0),
+            (0, 0) => self.boundary(0, self.corner, 0.5 * (y[node + 1] + y[node + side]) + load),
             (0, _) if j == n => {
-                self.boundary(3 * n, 1.0, 0.5 * (y[node + 1] + y[node - side]) + load, 1.0)
+                self.boundary(3 * n, self.corner, 0.5 * (y[node + 1] + y[node - side]) + load)
             }
             (_, 0) if i == n => {
-                self.boundary(n, 1.0, 0.5 * (y[node - 1] + y[node + side]) + load, 1.0)
+                self.boundary(n, self.corner, 0.5 * (y[node - 1] + y[node + side]) + load)
             }
             _ if i == n && j == n => {
-                self.boundary(2 * n, 1.0, 0.5 * (y[node - 1] + y[node - side]) + load, 1.0)
+                self.boundary(2 * n, self.corner, 0.5 * (y[node - 1] + y[node - side]) + load)
             }
-            (_, 0) => self.boundary(i, 2.0, 0.5 * along_x(y) + y[node + side] + load, 0.5),
+            (_, 0) => self.boundary(i, self.edge, 0.5 * along_x(y) + y[node + side] + load),
             _ if j == n => {
-                self.boundary(3 * n - i, 2.0, 0.5 * along_x(y) + y[node - side] + load, 0.5)
+                self.boundary(3 * n - i, self.edge, 0.5 * along_x(y) + y[node - side] + load)
             }
-            (0, _) => self.boundary(4 * n - j, 2.0, 0.5 * along_y(y) + y[node + 1] + load, 0.5),
-            _ if i == n => self.boundary(n + j, 2.0, 0.5 * along_y(y) + y[node - 1] + load, 0.5),
-            _ => interior(y[node - side], y[node + side], y[node + 1], load, y[node - 1]),
+            (0, _) => self.boundary(4 * n - j, self.edge, 0.5 * along_y(y) + y[node + 1] + load),
+            _ if i == n => self.boundary(n + j, self.edge, 0.5 * along_y(y) + y[node - 1] + load),
+            _ => {
+                let (south, north) = (y[node - side], y[node + side]);
+                interior(self.inside, south, north, y[node + 1], load, y[node - 1])
+            }
         };
     }
 
     /// (10) and (11) for boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
-    fn boundary(&self, b: usize, diagonal: f64, sum: f64, inverse: f64) -> f64 {
+    fn boundary(&self, b: usize, (diagonal, inverse): (f64, f64), sum: f64) -> f64 {
         let a = self.a[b];
         let psi = inverse * sum;
         if psi >= a / self.r { psi } else { (sum + self.h * a) / (diagonal + self.h * self.r) }
@@ -109,16 +127,17 @@ impl Nodes<'_> {
             let [y0, y1, y2, y3] = [0, 1, 2, 3].map(&mut window);
             let mut window = |k: usize| &loads.next().expect("a band")[BAND - k..][..len];
             let [f0, f1, f2, f3] = [0, 1, 2, 3].map(&mut window);
+            let inverse = self.inside;
             let [mut w0, mut w1, mut w2, mut w3] = [y0[0], y1[0], y2[0], y3[0]];
             for t in 0..len {
                 // The node north of row k is the one east of row k + 1, and the node south of
                 // row k + 1 is the one row k has just left.
                 let (e0, e1, e2, e3) = (y0[t + 2], y1[t + 2], y2[t + 2], y3[t + 2]);
                 let (s1, s2, s3) = (w0, w1, w2);
-                w0 = interior(below[t], e1, e0, f0[t], w0);
-                w1 = interior(s1, e2, e1, f1[t], w1);
-                w2 = interior(s2, e3, e2, f2[t], w2);
-                w3 = interior(s3, above[t], e3, f3[t], w3);
+                w0 = interior(inverse, below[t], e1, e0, f0[t], w0);
+                w1 = interior(inverse, s1, e2, e1, f1[t], w1);
+                w2 = interior(inverse, s2, e3, e2, f2[t], w2);
+                w3 = interior(inverse, s3, above[t], e3, f3[t], w3);
                 (y0[t + 1], y1[t + 1], y2[t + 1], y3[t + 1]) = (w0, w1, w2, w3);
             }
         }
@@ -136,7 +155,7 @@ mod tests {
     proptest! {
         #[test]
         fn bands_give_the_plain_loop_to_the_last_bit(
-            n in 2usize..40, seed in any::<u64>(), r in 1e-3..1e6f64,
+            n in 2usize..40, seed in any::<u64>(), r in 1e-3..1e6f64, shift in 0.0..2.0f64,
         ) {
             let grid = Grid::new(n).unwrap();
             let mut state = seed;
@@ -148,14 +167,14 @@ mod tests {
             let a: Vec<f64> = (0..grid.boundary_nodes()).map(|_| random().max(0.0)).collect();
             let mut plain: Vec<f64> = (0..grid.nodes()).map(|_| random()).collect();
             let mut banded = plain.clone();
-            let nodes = Nodes { grid, load: &load, a: &a, r, h: grid.h() };
+            let nodes = Nodes::new(grid, &load, shift, r, &a);
             for _ in 0..3 {
                 for j in 0..=n {
                     for i in 0..=n {
                         nodes.relax(&mut plain, i, j);
                     }
                 }
-                sweep(grid, &load, r, &mut banded, &a);
+                sweep(grid, &load, shift, r, &mut banded, &a);
             }
             prop_assert_eq!(plain, banded);
         }
@@ -164,10 +183,10 @@ mod tests {
     #[test]
     fn boundary_formula_is_continuous_where_it_switches() {
         let grid = Grid::new(4).unwrap();
-        let nodes = Nodes { grid, load: &[0.0; 25], a: &[0.3; 16], r: 2.0, h: 0.25 };
+        let nodes = Nodes::new(grid, &[0.0; 25], 0.0, 2.0, &[0.3; 16]);
         // psi = a / r exactly, and a hair below.
-        let at = nodes.boundary(1, 2.0, 0.3, 0.5);
-        let below = nodes.boundary(1, 2.0, 0.3 - 1e-12, 0.5);
+        let at = nodes.boundary(1, nodes.edge, 0.3);
+        let below = nodes.boundary(1, nodes.edge, 0.3 - 1e-12);
         assert_eq!(at, 0.15);
         assert!((at - below).abs() < 1e-11);
     }

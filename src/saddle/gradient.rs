@@ -1,0 +1,99 @@
+//! The gradient (8) of the modified functional and the step (12) of its multiplier, for every method here.
+
+use super::Pair;
+use crate::grid::Grid;
+use crate::stiffness::residual_row;
+
+/// `a <- (a - r y)^+` (12); the largest change, or `None` if a value is no longer finite.
+pub(super) fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) -> Option<f64> {
+    let (mut change, mut finite) = (0.0f64, true);
+    for (a, &node) in a.iter_mut().zip(boundary) {
+        let next = *a - r * y[node];
+        finite &= next.is_finite();
+        let next = if next > 0.0 { next } else { 0.0 };
+        change = change.max((next - *a).abs());
+        *a = next;
+    }
+    finite.then_some(change)
+}
+
+/// The gradient (8) of the modified functional with respect to y, evaluated row by row.
+pub(super) struct Gradient {
+    grid: Grid,
+    r: f64,
+    /// As in [`super::sweep::sweep`].
+    shift: f64,
+    row: Vec<f64>,
+    /// Row that failed the last comparison: the likeliest to fail the next.
+    failed: usize,
+}
+
+impl Gradient {
+    pub(super) fn new(grid: Grid, r: f64, shift: f64) -> Self {
+        Self { grid, r, shift, row: vec![0.0; grid.side()], failed: 0 }
+    }
+
+    fn evaluate(&mut self, j: usize, load: &[f64], pair: &Pair) {
+        let (grid, n) = (self.grid, self.grid.cells());
+        residual_row(grid, j, &pair.y, load, &mut self.row);
+        let y = &pair.y[j * grid.side()..][..grid.side()];
+        if self.shift > 0.0 {
+            let mass = if j == 0 || j == n { 0.5 * self.shift } else { self.shift };
+            self.row.iter_mut().zip(y).for_each(|(g, y)| *g += mass * y);
+            self.row[0] -= 0.5 * mass * y[0];
+            self.row[n] -= 0.5 * mass * y[n];
+        }
+        let pull = |b: usize, i: usize| grid.h() * (pair.a[b] - self.r * y[i]).max(0.0);
+        if j == 0 {
+            (0..=n).for_each(|i| self.row[i] -= pull(i, i));
+        } else if j == n {
+            (0..=n).for_each(|i| self.row[i] -= pull(3 * n - i, i));
+        } else {
+            self.row[0] -= pull(4 * n - j, 0);
+            self.row[n] -= pull(n + j, n);
+        }
+    }
+
+    /// Whether every component, or its absolute value, is at most `tolerance`; NaN never is.
+    pub(super) fn within(
+        &mut self,
+        load: &[f64],
+        pair: &Pair,
+        tolerance: f64,
+        absolute: bool,
+    ) -> bool {
+        let side = self.grid.side();
+        let first = self.failed;
+        for k in 0..side {
+            let j = (first + k) % side;
+            self.evaluate(j, load, pair);
+            // No early exit inside a row, so that the comparison vectorises.
+            let ok = if absolute {
+                self.row.iter().fold(true, |ok, g| ok & (g.abs() <= tolerance))
+            } else {
+                self.row.iter().fold(true, |ok, g| ok & (*g <= tolerance))
+            };
+            if !ok {
+                self.failed = j;
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Largest component and largest absolute value; NaN if any component is.
+    pub(super) fn extrema(&mut self, load: &[f64], pair: &Pair) -> (f64, f64) {
+        let (mut signed, mut absolute) = (f64::NEG_INFINITY, 0.0);
+        for j in 0..self.grid.side() {
+            self.evaluate(j, load, pair);
+            for &g in &self.row {
+                if g.is_nan() {
+                    return (f64::NAN, f64::NAN);
+                }
+                signed = signed.max(g);
+                absolute = g.abs().max(absolute);
+            }
+        }
+        (signed, absolute)
+    }
+}
