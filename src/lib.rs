@@ -1,4 +1,20 @@
 //! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
+//!
+//! ```
+//! use signorini::fast::multigrid::{MultigridParams, multigrid};
+//! use signorini::grid::Grid;
+//! use signorini::kkt::kkt;
+//! use signorini::load::{LoadRule, load};
+//! use signorini::source::Source;
+//!
+//! let f: Source = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
+//! let grid = Grid::new(128)?;
+//! let load = load(grid, &f, LoadRule::default());
+//! let (y, outcome) = multigrid(128, &load, None, &MultigridParams::default(), |_| ())?;
+//! assert!(kkt(grid, &y, &load).relative < 1e-10);
+//! assert!(outcome.work_units < 60.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod book;
 pub mod cli;

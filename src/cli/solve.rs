@@ -1,27 +1,18 @@
 //! `solve`: one problem, once, without scene files, cache or book.
 
+mod problem;
+
 use super::{current_folder, say, say_json};
 use crate::error::{Error, IoContext, Result};
-use crate::fast::active_set::{ActiveSetParams, active_set};
-use crate::fast::multigrid::{MultigridParams, multigrid};
-use crate::fast::{self, InputError};
 use crate::fields;
-use crate::grid::{Grid, nested};
-use crate::kkt::{Kkt, kkt};
-use crate::load::{LoadRule, load};
-use crate::norms::{Errors, errors};
+use crate::load::{Diagonal, LoadRule};
 use crate::project::Project;
-use crate::saddle::{
-    self, Outcome, Pair, Params, ProximalParams, StopRule, UzawaOutcome, UzawaParams, on_nested,
-    solve_nested, tolerance, uzawa, uzawa_proximal,
-};
+use crate::saddle::{Params, StopRule};
 use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::source::Source;
-use crate::stiffness::{energy, residual};
-use crate::transfer::Prolongation;
 use clap::{Args, ValueEnum};
+use problem::{Problem, Solved};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Arguments of `solve`.
 #[derive(Args)]
@@ -86,7 +77,7 @@ impl From<LoadName> for LoadRule {
     fn from(name: LoadName) -> Self {
         match name {
             LoadName::Nodal => Self::default(),
-            LoadName::Exact => Self::Exact { diagonal: crate::load::Diagonal::Rising },
+            LoadName::Exact => Self::Exact { diagonal: Diagonal::Rising },
             LoadName::LumpedAverage => Self::LumpedAverage,
         }
     }
@@ -175,184 +166,6 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     say(&text(&problem, integral, &solved, args.out.as_deref()))
 }
 
-/// What is to be solved.
-struct Problem<'a> {
-    name: &'a str,
-    f: &'a Source,
-    rule: LoadRule,
-    /// Cells per side.
-    finest: usize,
-}
-
-/// What came out.
-struct Solved {
-    /// The finest grid.
-    grid: Grid,
-    pair: Pair,
-    /// One entry per grid on which the solver stopped, coarsest first.
-    levels: Vec<Level>,
-    /// Cost in sweeps of the finest grid, if the solver counts it.
-    work_units: Option<f64>,
-    /// Errors, if the solution is known.
-    errors: Option<Errors>,
-    /// Seconds for grids and load vectors.
-    setup: f64,
-    /// Seconds for the solver.
-    seconds: f64,
-}
-
-/// How a solver stopped on one grid.
-struct Level {
-    cells: usize,
-    iterations: usize,
-    /// Gauss-Seidel sweeps, if they are what the solver does.
-    sweeps: Option<usize>,
-    stop: String,
-    energy: f64,
-    sum_load: f64,
-    kkt: Kkt,
-}
-
-impl Problem<'_> {
-    fn load(&self, grid: Grid) -> Vec<f64> {
-        load(grid, self.f, self.rule)
-    }
-
-    fn saddle(&self, solver: Solver, params: &Params) -> Result<Solved> {
-        let start = Instant::now();
-        let grids = hierarchy(self.finest)?;
-        let loads: Vec<_> = grids.iter().map(|&grid| self.load(grid)).collect();
-        let setup = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let (outcomes, pair) = on_saddle(solver, &grids, &loads, params);
-        let seconds = start.elapsed().as_secs_f64();
-        if let Some(o) =
-            outcomes.last().map(|o| o.end).filter(|o| o.stop == saddle::StopReason::Diverged)
-        {
-            return Err(Error::Stage(vec![format!(
-                "{} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
-                self.name, o.cells, o.iterations
-            )]));
-        }
-        let levels = outcomes
-            .iter()
-            .map(|&UzawaOutcome { end: o, sweeps }| Level {
-                cells: o.cells,
-                iterations: o.iterations,
-                sweeps: Some(sweeps),
-                stop: o.stop.to_string(),
-                energy: o.energy,
-                sum_load: o.sum_load,
-                kkt: o.kkt,
-            })
-            .collect();
-        let (grid, load) = (grids[grids.len() - 1], &loads[loads.len() - 1]);
-        let errors = self.errors(grid, &pair.y, load);
-        Ok(Solved { grid, pair, levels, work_units: None, errors, setup, seconds })
-    }
-
-    fn multigrid(&self) -> Result<Solved> {
-        self.fast(|grid, load| {
-            let params = MultigridParams::default();
-            let (y, outcome) = multigrid(grid.cells(), load, None, &params, |_| ())?;
-            Ok((y, outcome.cycles, outcome.stop, Some(outcome.work_units)))
-        })
-    }
-
-    fn active_set(&self) -> Result<Solved> {
-        if self.finest > MAX_DIRECT {
-            return Err(Error::input(format!(
-                "active-set factorises a matrix, which at h = 1/{} takes too much memory; use --solver multigrid, or h = 1/{MAX_DIRECT}",
-                self.finest
-            )));
-        }
-        self.fast(|grid, load| {
-            let params = ActiveSetParams::default();
-            let (y, outcome) = active_set(grid.cells(), load, None, &params, |_| ())?;
-            Ok((y, outcome.steps, outcome.stop, None))
-        })
-    }
-
-    /// Runs a solver that works on the finest grid alone; it returns y, steps, why it stopped, and work units.
-    fn fast(&self, solver: impl Fn(Grid, &[f64]) -> FastResult) -> Result<Solved> {
-        let start = Instant::now();
-        let grid = Grid::new(self.finest).map_err(|e| Error::input(e.to_string()))?;
-        let load = self.load(grid);
-        let setup = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let (y, iterations, stop, work_units) = solver(grid, &load).map_err(|e| {
-            let remedy = match e {
-                InputError::NotCoercive(_) => {
-                    "average f on its jumps with --load lumped-average, or lower it"
-                }
-                InputError::GridSize(..) => "choose another --h",
-                _ => "check f",
-            };
-            Error::input(format!("{}: {e}; {remedy}", self.name))
-        })?;
-        let seconds = start.elapsed().as_secs_f64();
-        if stop == fast::StopReason::Diverged {
-            return Err(Error::Stage(vec![format!("{} diverged; scale f down", self.name)]));
-        }
-        let mut flux = vec![0.0; grid.nodes()];
-        residual(grid, &y, &load, &mut flux);
-        // In contact y is exactly zero; elsewhere the flux is rounding error.
-        let multiplier =
-            |node: usize| if y[node] > 0.0 { 0.0 } else { flux[node].max(0.0) / grid.h() };
-        let a = grid.boundary().map(multiplier).collect();
-        let level = Level {
-            cells: grid.cells(),
-            iterations,
-            sweeps: None,
-            stop: stop.name().into(),
-            energy: energy(grid, &y, &load),
-            sum_load: load.iter().sum(),
-            kkt: kkt(grid, &y, &load),
-        };
-        let errors = self.errors(grid, &y, &load);
-        let pair = Pair { y, a };
-        Ok(Solved { grid, pair, levels: vec![level], work_units, errors, setup, seconds })
-    }
-
-    fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> Option<Errors> {
-        self.f.exact().map(|exact| errors(grid, exact, y, load))
-    }
-}
-
-/// Runs a saddle-point method over the nested grids: the end and the sweeps on each, and the last pair.
-fn on_saddle(
-    solver: Solver,
-    grids: &[Grid],
-    loads: &[Vec<f64>],
-    params: &Params,
-) -> (Vec<UzawaOutcome>, Pair) {
-    let prolongation = Prolongation::default();
-    if solver == Solver::ArrowHurwicz {
-        let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
-        let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
-        return (ends.into_iter().map(sweeps).collect(), pair);
-    }
-    let Params { r, rule, max_iterations, .. } = *params;
-    on_nested(grids, loads, prolongation, |level, grid, load, pair| {
-        let params = UzawaParams {
-            r,
-            rule,
-            tolerance: tolerance(level),
-            max_sweeps: max_iterations,
-            ..UzawaParams::default()
-        };
-        let outcome = if solver == Solver::Uzawa {
-            uzawa(grid, load, &params, pair, None)
-        } else {
-            let params = ProximalParams { uzawa: params, ..ProximalParams::default() };
-            uzawa_proximal(grid, load, &params, pair, None)
-        };
-        (outcome, outcome.end.stop)
-    })
-}
-
-type FastResult = std::result::Result<(Vec<f64>, usize, fast::StopReason, Option<f64>), InputError>;
-
 fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -> String {
     let mut text = format!("{}: f = {}, integral {integral:.4}\n", problem.name, problem.f);
     // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
@@ -431,18 +244,6 @@ fn cells(h: &str) -> Result<usize> {
     Ok(n)
 }
 
-/// Finest grid whose Cholesky factor fits comfortably in memory.
-const MAX_DIRECT: usize = 1024;
-
-/// Grids from the coarsest that halves down to `finest`, with at least four cells if possible.
-fn hierarchy(finest: usize) -> Result<Vec<Grid>> {
-    let mut sizes = vec![finest];
-    while sizes[0].is_multiple_of(2) && sizes[0] >= 8 {
-        sizes.insert(0, sizes[0] / 2);
-    }
-    nested(&sizes).map_err(|e| Error::input(e.to_string()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -455,14 +256,5 @@ mod tests {
             assert!(cells(wrong).is_err(), "{wrong}");
         }
         assert!(cells("1/100000").unwrap_err().to_string().contains("memory"));
-    }
-
-    #[test]
-    fn hierarchies_halve_down_to_an_odd_or_small_grid() {
-        let sizes = |n| -> Vec<_> { hierarchy(n).unwrap().iter().map(|g| g.cells()).collect() };
-        assert_eq!(sizes(64), [4, 8, 16, 32, 64]);
-        assert_eq!(sizes(12), [6, 12]);
-        assert_eq!(sizes(7), [7]);
-        assert!(hierarchy(1).is_err());
     }
 }
