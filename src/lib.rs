@@ -1,5 +1,8 @@
 //! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
 //!
+//! Logarithms and the like come from the `libm` crate throughout: the C library's differ in the last bit
+//! from one machine to the next, and artifacts are compared by hash.
+//!
 //! ```
 //! use signorini::fast::multigrid::{MultigridParams, multigrid};
 //! use signorini::grid::Grid;

@@ -54,7 +54,7 @@ fn plain(x: f64) -> String {
     if x.is_infinite() {
         return if x > 0.0 { r"\infty" } else { r"-\infty" }.into();
     }
-    let exponent = x.abs().log10();
+    let exponent = libm::log10(x.abs());
     if exponent >= 6.0 && exponent.fract() == 0.0 && x > 0.0 {
         return format!("10^{{{exponent}}}");
     }

@@ -292,7 +292,7 @@ fn misfit(measure: f64, tolerance: f64, last: bool) -> f64 {
     if measure.is_nan() {
         CELL_CAP
     } else if last {
-        if measure > tolerance { (measure / tolerance).ln() } else { 0.0 }
+        if measure > tolerance { libm::log(measure / tolerance) } else { 0.0 }
     } else if measure <= tolerance {
         EARLY + (1.0 - measure / tolerance).min(CELL_CAP)
     } else {

@@ -192,7 +192,7 @@ impl<'a> Plan<'a> {
             let mut next = at.clone();
             if step > 0 {
                 // Moves shrink by a factor of a hundred; each spans a decade.
-                let reach = 0.5 * 0.1f64.powf(random.unit() + 2.0 * (1.0 - cooling));
+                let reach = 0.5 * libm::pow(0.1, random.unit() + 2.0 * (1.0 - cooling));
                 let [p, q, kind] = [sizes.len(), sizes.len(), 4].map(|n| random.below(n));
                 // Opposite moves leave the integral of f nearly alone, on which most depends.
                 let moves = match kind {
@@ -217,7 +217,7 @@ impl<'a> Plan<'a> {
                 continue;
             }
             // Metropolis's rule, turned round: the draw comes first, and bounds what is worth running.
-            let bar = here - temperature * random.unit().ln();
+            let bar = here - temperature * libm::log(random.unit());
             let bar = if here.is_finite() { bar } else { f64::MAX };
             if let Some(objective) = evaluate(self.target, evaluator, &candidate, bar, 0) {
                 live.note(objective);

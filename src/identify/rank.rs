@@ -136,10 +136,11 @@ impl Best {
 pub(super) fn delta_a_misfit(target: &Target, delta_a: &[f64]) -> f64 {
     let one = |(&ours, &published): (&f64, &f64)| {
         // Printed with two digits, a value stands for half a unit of the second one either way.
-        let unit = 10f64.powf(published.log10().floor() - 1.0);
-        let allowed = (1.0 + 0.5 * unit / published).ln();
-        let off = ((ours / published).ln().abs() - allowed).max(0.0);
-        if off.is_nan() { GIVEN_UP.ln() } else { off.min(GIVEN_UP.ln()) }
+        let unit = libm::pow(10.0, libm::log10(published).floor() - 1.0);
+        let allowed = libm::log(1.0 + 0.5 * unit / published);
+        let off = (libm::log(ours / published).abs() - allowed).max(0.0);
+        let most = libm::log(GIVEN_UP);
+        if off.is_nan() { most } else { off.min(most) }
     };
     delta_a.iter().zip(&target.delta_a).map(one).sum()
 }
@@ -178,7 +179,7 @@ pub(super) fn explain(
     let table = evaluator.free(candidate.geometry, &values);
     let pairs = || table.counts.iter().flatten().zip(target.counts.iter().flatten());
     let log_ratio = |(ours, published): (&Option<usize>, &usize)| {
-        ours.map_or(GIVEN_UP, |n| n as f64 / *published as f64).ln().powi(2)
+        libm::log(ours.map_or(GIVEN_UP, |n| n as f64 / *published as f64)).powi(2)
     };
     let digits = |x: f64| format!("{x:.1e}");
     let same = |(a, b): &(&f64, &f64)| digits(**a) == digits(**b);

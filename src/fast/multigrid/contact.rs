@@ -177,7 +177,7 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
             if first == last {
                 let reach = (0.5 * (before * before + after * after)).sqrt();
                 if reach <= POINT_IN_CORNER {
-                    let resistance = 2.0 / PI * (POINT_IN_CORNER / reach).ln();
+                    let resistance = 2.0 / PI * libm::log(POINT_IN_CORNER / reach);
                     add(first, 2.0 * conductance(resistance));
                     return;
                 }
@@ -208,7 +208,7 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
     // `offset (1 - offset)` is what sharing them between two nodes changes.
     let middle = 0.5 * (start + end);
     let offset = middle - middle.floor();
-    let own = (2.0 * POINT_ON_EDGE / (end - start)).ln() / PI;
+    let own = libm::log(2.0 * POINT_ON_EDGE / (end - start)) / PI;
     let spring = conductance(own + offset * (1.0 - offset));
     add(middle.floor(), spring * (1.0 - offset));
     add(middle.floor() + 1.0, spring * offset);
