@@ -264,6 +264,7 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             load: "nodal".into(),
             tie: "lower-left".into(),
             diagonal: "rising".into(),
+            prolongation: "bilinear".into(),
             printed: columns(&source, StopRule::Printed),
             signed_dual: columns(&source, StopRule::SignedDual),
             signed,

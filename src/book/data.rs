@@ -45,6 +45,8 @@ pub struct Problem {
     pub tie: String,
     /// The diagonal of the grid's squares, by its name in scenes, if the load rule uses one.
     pub diagonal: String,
+    /// The interpolation to the next grid, by its name in scenes.
+    pub prolongation: String,
     /// One column per r, stopped by the signed rule.
     pub signed: Vec<Column>,
     /// The same, stopped by (13) as printed.

@@ -9,7 +9,7 @@ use tera::{Context, ErrorKind, Tera};
 /// Ending of the templates that become a page each; the others hold components.
 const PAGE: &str = ".md.tera";
 
-/// Renders every `*.md.tera` among `templates` and copies every `*.md`.
+/// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`.
 ///
 /// Keys of `templates` are paths below `report/templates`; those of the result are paths below
 /// `report`, in the book's source folder, as [`super::build`] takes them.
@@ -31,7 +31,7 @@ pub fn pages(
 
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
-        if name.ends_with(".md") {
+        if name.ends_with(".md") || name.ends_with(".js") {
             pages.insert(format!("src/{name}"), text.clone());
         } else if let Some(stem) = name.strip_suffix(PAGE) {
             let page = tera.render(name, &context).map_err(|error| located(name, &error))?;

@@ -163,6 +163,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
         load,
         tie,
         diagonal,
+        prolongation: name_of(scene.prolongation),
         signed: signed?,
         printed: printed?,
         signed_dual: signed_dual?,
@@ -204,6 +205,12 @@ fn rows(comparison: &TableComparison) -> Vec<Row> {
 fn load_names(rule: LoadRule) -> [String; 3] {
     let value = serde_json::to_value(rule).expect("plain data");
     ["rule", "tie", "diagonal"].map(|key| value[key].as_str().unwrap_or_default().to_owned())
+}
+
+/// The name by which scenes know a value.
+fn name_of(value: impl serde::Serialize) -> String {
+    let value = serde_json::to_value(value).expect("plain data");
+    value.as_str().unwrap_or_default().to_owned()
 }
 
 fn pieces(f: &Source) -> Vec<Piece> {
