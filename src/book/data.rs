@@ -1,9 +1,12 @@
 //! What the templates are given: plain data, everything computed, nothing formatted.
 
 use crate::identify::Findings;
+use crate::pipeline::Graph;
+use crate::project::CommandHelp;
 use crate::record::Record;
 use crate::saddle::Outcome;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// All that the book says and that was not written by hand.
 #[derive(Clone, Debug, Serialize)]
@@ -22,6 +25,8 @@ pub struct Report {
     pub record: Record,
     /// The figures of the chapters.
     pub figures: Figures,
+    /// The commands of the program.
+    pub commands: Vec<CommandHelp>,
     /// Where everything comes from.
     pub provenance: Provenance,
 }
@@ -127,6 +132,10 @@ pub struct Scene {
     pub name: String,
     /// Title.
     pub title: String,
+    /// Its file, as written.
+    pub text: String,
+    /// Its own figures in the book's folder `figures`, by the output of the scene that asks for each.
+    pub figures: BTreeMap<String, String>,
     /// f in the notation of scenes.
     pub f: String,
     /// Integral of f over the square.
@@ -189,6 +198,8 @@ pub struct Provenance {
     pub artifacts: Vec<Artifact>,
     /// The tool and the libraries whose output shows in the book.
     pub versions: Vec<Version>,
+    /// What was run, task by task.
+    pub graph: Graph,
     /// Licence of code and text, as an SPDX expression.
     pub license: String,
 }

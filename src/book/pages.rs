@@ -2,7 +2,7 @@
 
 use super::data::Report;
 use super::facts::{Facts, Told};
-use super::{ReportError, filters};
+use super::{ReportError, filters, graph};
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
@@ -28,6 +28,8 @@ pub fn pages(
     context.insert("facts", &Facts::of(data));
     let problems: Vec<_> = data.problems.iter().map(Told::of).collect();
     context.insert("problems", &problems);
+    context.insert("graph", &graph::picture(&data.provenance.graph));
+    context.insert("mermaid", &data.provenance.graph.mermaid());
 
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
