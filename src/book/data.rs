@@ -4,6 +4,7 @@ use crate::identify::Findings;
 use crate::record::Record;
 use crate::saddle::Outcome;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// All that the book says and that was not written by hand.
 #[derive(Clone, Debug, Serialize)]
@@ -20,6 +21,8 @@ pub struct Report {
     pub scenes: Vec<Scene>,
     /// What the search for the lost Figure 1 has found, as committed.
     pub record: Record,
+    /// What the experiments of [`crate::bench`] found, by name.
+    pub bench: BTreeMap<String, serde_json::Value>,
     /// The figures of the chapters.
     pub figures: Figures,
     /// Where everything comes from.
@@ -161,6 +164,8 @@ pub struct Figures {
     pub histories: Figure,
     /// Counts that come out around each f.
     pub identifiability: Figure,
+    /// Pictures of experiments, by name.
+    pub bench: BTreeMap<String, Figure>,
 }
 
 /// A figure and what made it.

@@ -42,6 +42,8 @@ pub enum Stage {
     Diff,
     /// How sharply a published table fixes f, and a search for it.
     Identify,
+    /// Numerical experiments past the paper: accuracy, claims, stability.
+    Bench,
     /// SVG pictures.
     Figures,
     /// Markdown pages and the book.
@@ -50,8 +52,15 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 6] =
-        [Self::Solve, Self::Tabulate, Self::Diff, Self::Identify, Self::Figures, Self::Report];
+    pub const ALL: [Self; 7] = [
+        Self::Solve,
+        Self::Tabulate,
+        Self::Diff,
+        Self::Identify,
+        Self::Bench,
+        Self::Figures,
+        Self::Report,
+    ];
 
     /// The name on the command line and in task ids.
     pub fn name(self) -> &'static str {
@@ -60,6 +69,7 @@ impl Stage {
             Self::Tabulate => "tabulate",
             Self::Diff => "diff",
             Self::Identify => "identify",
+            Self::Bench => "bench",
             Self::Figures => "figures",
             Self::Report => "report",
         }
@@ -74,6 +84,7 @@ impl Stage {
             | Self::Tabulate
             | Self::Diff
             | Self::Identify
+            | Self::Bench
             | Self::Figures
             | Self::Report => 1,
         }

@@ -1,5 +1,6 @@
 //! The stages of the replication, and the plan that ties them together.
 
+pub mod bench;
 pub mod diff;
 pub mod figures;
 pub mod identify;
@@ -48,6 +49,8 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
+        tasks.extend(bench::tasks(project));
+        tasks.extend(bench::pictures());
         tasks.push(report::task(project, &tasks)?);
     }
     tasks.sort_by_key(|task| task.stage);

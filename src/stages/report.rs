@@ -3,7 +3,7 @@
 use super::diff::{self, DIFF};
 use super::identify::{self, FINDINGS};
 use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
-use super::{artifact, figures, from_json};
+use super::{artifact, bench, figures, from_json};
 use crate::book::{
     self, Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     Row, Solution, Version,
@@ -103,7 +103,9 @@ fn make(
             contact: figure(inputs, Output::Contact)?,
             histories: figure(inputs, Output::History)?,
             identifiability: figure(inputs, Output::Identify)?,
+            bench: bench_figures(inputs),
         },
+        bench: bench::results(inputs)?,
         provenance: provenance(inputs, versions),
         record: {
             let text =
@@ -257,6 +259,22 @@ fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
         note: String::new(),
         command: "signorini run --only figures".into(),
     })
+}
+
+/// The pictures of experiments, by name.
+fn bench_figures(inputs: &Inputs) -> BTreeMap<String, Figure> {
+    let drawn = bench::PICTURES.iter().filter_map(|picture| {
+        let made = inputs.artifacts.get(&picture.id())?;
+        let (file, svg) = made.first_key_value()?;
+        let figure = Figure {
+            file: file.clone(),
+            note: String::new(),
+            command: "signorini run --only figures".into(),
+            hash: hash(svg),
+        };
+        Some((picture.name.to_owned(), figure))
+    });
+    drawn.collect()
 }
 
 fn provenance(inputs: &Inputs, versions: &[Version]) -> Provenance {
