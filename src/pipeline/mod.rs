@@ -19,6 +19,7 @@ pub use lock::CacheLock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict};
 pub use progress::Progress;
+pub(crate) use store::write_atomically;
 pub use store::{Garbage, Hit, Store};
 
 use serde::Serialize;

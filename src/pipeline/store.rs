@@ -229,7 +229,7 @@ impl Store {
 ///
 /// # Errors
 /// [`Error::Io`].
-pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().expect("a file lies in a folder");
     fs::create_dir_all(folder).context("create", folder)?;
     // Unique among threads, the same in every process: what a killed run leaves behind is

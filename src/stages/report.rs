@@ -295,7 +295,7 @@ fn provenance(inputs: &Inputs, versions: &[Version]) -> Provenance {
 }
 
 /// The versions of what shows in the book, as the build resolved them.
-fn versions() -> Vec<Version> {
+pub fn versions() -> Vec<Version> {
     #[derive(serde::Deserialize)]
     struct Lock {
         package: Vec<Version>,
