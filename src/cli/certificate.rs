@@ -72,6 +72,7 @@ struct Check {
     tasks: usize,
     hashes: usize,
     lock_hash: String,
+    lock_is_committed: Option<bool>,
 }
 
 /// A file of the bundle.
@@ -189,6 +190,7 @@ impl Check {
             inputs,
             tasks: summary.verdicts.len(),
             hashes: lock_file.tasks.len() + lock_file.exports.len(),
+            lock_is_committed: machine::lock_is_committed(&project.root),
             lock_hash: hash(&fs::read(&lock).context("read", &lock)?),
         })
     }

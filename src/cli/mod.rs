@@ -54,7 +54,8 @@ enum Command {
     #[command(after_help = "Examples:\n  signorini run                     everything\n  \
         signorini run problem1            what concerns one scene alone: its cells, tables, comparison\n  \
         signorini run --only figures      the figures, and what they need\n  \
-        signorini run --locked            fail if anything differs from pipeline/lock.toml")]
+        signorini run --locked            fail if anything differs from pipeline/lock.toml\n  \
+        signorini run --trace t.json      what ran when on which thread; open it in ui.perfetto.dev")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
     #[command(after_help = "Example:\n  signorini status --exit-code || signorini run")]
@@ -166,17 +167,21 @@ fn talk(line: &str) {
     let _ = writeln!(anstream::stderr(), "{line}");
 }
 
-/// Writes a file that the user named: whole or not at all, and never into a folder that is not there.
+/// Refuses a file that the user named in a folder that is not there: a slip of the pen makes no folders.
+fn check_folder(path: &Path) -> Result<()> {
+    if path.parent().is_none_or(|folder| folder == Path::new("") || folder.is_dir()) {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(Error::input(format!("cannot write {path}: no such folder; make it, or name another file")))
+}
+
+/// Writes a file that the user named: whole or not at all.
 fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
+    check_folder(path)?;
     // A pipe or a device can only be written in place.
     if path.exists() && !path.is_file() {
         return std::fs::write(path, bytes).context("write", path);
-    }
-    if path.parent().is_some_and(|folder| folder != Path::new("") && !folder.is_dir()) {
-        return Err(Error::input(format!(
-            "cannot write {}: no such folder; make it, or name another file",
-            path.display()
-        )));
     }
     write_atomically(path, bytes)
 }

@@ -4,7 +4,7 @@ use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say};
 use crate::error::{Error, IoContext, Result};
 use crate::pipeline::{
-    CacheLock, LockFile, Manifest, Options, Progress, Stage, Store, Summary, Task, execute,
+    CacheLock, LockFile, Manifest, Options, Progress, Stage, Store, Summary, Task, Times, execute,
 };
 use crate::project::Project;
 use crate::stages::plan;
@@ -168,6 +168,11 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     let wanted: BTreeSet<String> = workplace.tasks(&[], None)?.into_iter().map(|t| t.id).collect();
     let _lock = CacheLock::take(workplace.store.folder())?;
     let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;
+    if !args.dry_run && garbage.files > 0 {
+        let mut times = Times::read(workplace.store.folder());
+        times.keep(&wanted);
+        times.save();
+    }
     let verb = if args.dry_run { "would remove" } else { "removed" };
     say(&format!(
         "{verb} {} files, {}; kept {} files, {}\n",

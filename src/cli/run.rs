@@ -1,11 +1,12 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::pipeline::Workplace;
-use super::{CacheArgs, say};
+use super::{CacheArgs, check_folder, say, talk, write_file};
 use crate::error::{Error, Result};
-use crate::pipeline::{Options, Progress, Stage, Summary, Verdict};
+use crate::pipeline::{Options, Progress, Stage, Summary, Times, Verdict, brief, why};
 use clap::Args;
-use std::time::Duration;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug)]
@@ -31,6 +32,9 @@ pub(super) struct RunArgs {
     /// Fail if the results differ from pipeline/lock.toml, instead of updating it
     #[arg(long, conflicts_with_all = ["scenes", "only", "dry_run"])]
     locked: bool,
+    /// Write what each thread did when, for chrome://tracing or Perfetto
+    #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
+    trace: Option<PathBuf>,
     /// A line for every task that runs, with the reason
     #[arg(short, long)]
     verbose: bool,
@@ -51,25 +55,64 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
-    let progress = Progress::new(args.verbose, args.quiet);
     if args.dry_run {
-        return say(&verdicts(&workplace.judge(&tasks)?));
-    }
-    let summary = if args.locked {
-        let (summary, differences) = workplace.run_locked(&tasks, options, &progress)?;
-        if !differences.is_empty() {
-            let lines = differences.join("\n  ");
-            say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
-            return Ok(1);
+        let summary = workplace.judge(&tasks)?;
+        if let Some(time) = expected(&workplace, &summary, args.jobs) {
+            talk(&format!("about {}, if all that waits has to run", brief(time)));
         }
-        summary
+        return say(&verdicts(&summary));
+    }
+    args.trace.as_deref().map_or(Ok(()), check_folder)?;
+    let mut progress = Progress::new(args.verbose, args.quiet);
+    if args.trace.is_some() {
+        progress = progress.traced();
+    }
+    let start = Instant::now();
+    let ran = if args.locked {
+        workplace.run_locked(&tasks, options, &progress)
     } else {
-        workplace.run(&tasks, options, &progress)?
+        workplace.run(&tasks, options, &progress).map(|summary| (summary, Vec::new()))
     };
+    // A run that failed is worth looking at too.
+    if let (Some(path), Some(trace)) = (&args.trace, progress.trace()) {
+        write_file(path, trace.to_json().as_bytes())?;
+    }
+    let (summary, differences) = ran?;
+    if !args.quiet && !summary.stages.is_empty() {
+        talk(&clock(&summary, start.elapsed()));
+    }
+    if !differences.is_empty() {
+        let lines = differences.join("\n  ");
+        say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
+        return Ok(1);
+    }
     if summary.nothing_to_do() {
         return say("nothing to do\n");
     }
     say(&account(&summary))
+}
+
+/// How long a run of what is stale, or waits for what is, may take.
+fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Duration> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if jobs > 0 { jobs } else { cores() };
+    let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
+    let tasks: Vec<_> = stale.map(|j| (j.stage, j.task.as_str())).collect();
+    let times = Times::read(workplace.store.folder());
+    times.expect(tasks.iter().copied(), threads).filter(|_| !tasks.is_empty())
+}
+
+/// By the clock: the whole run, and each stage, which may keep several threads busy.
+fn clock(summary: &Summary, whole: Duration) -> String {
+    let expected = summary.expected.map(|time| format!(" ({} expected)", brief(time)));
+    let stages =
+        summary.stages.iter().map(|(stage, time)| format!("{} {}", stage.name(), brief(*time)));
+    format!(
+        "took {}{}: {}",
+        brief(whole),
+        expected.unwrap_or_default(),
+        stages.collect::<Vec<_>>().join(", ")
+    )
 }
 
 /// One line per stage that ran: how many tasks, how long, why.
@@ -78,16 +121,17 @@ fn account(summary: &Summary) -> String {
     for stage in Stage::ALL {
         let ran: Vec<_> = summary.ran.iter().filter(|ran| ran.stage == stage).collect();
         let all = summary.verdicts.iter().filter(|judged| judged.stage == stage).count();
-        let Some(first) = ran.first() else { continue };
+        if ran.is_empty() {
+            continue;
+        }
         let time: Duration = ran.iter().map(|ran| ran.time).sum();
-        let others = ran.iter().filter(|ran| ran.reason != first.reason).count();
-        let more = if others > 0 { format!(" (others differ: {others})") } else { String::new() };
+        let reasons: Vec<_> = ran.iter().map(|ran| &ran.reason).collect();
         text += &format!(
-            "{:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}{more}\n",
+            "{:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}\n",
             stage.name(),
             ran.len(),
             time.as_secs_f64(),
-            first.reason
+            why(&reasons)
         );
     }
     if summary.exported > 0 {

@@ -11,7 +11,7 @@ use crate::book::{
 use crate::error::{Error, Result};
 use crate::load::{LoadRule, integral};
 use crate::paper::TableComparison;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, hash, parameters};
+use crate::pipeline::{Artifacts, Inputs, Stage, Task, hash};
 use crate::project::Project;
 use crate::record::{self, Record};
 use crate::saddle::StopRule;
@@ -64,7 +64,10 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     Ok(Task {
         id: "report/book".into(),
         stage: Stage::Report,
-        parameters: parameters(&versions),
+        parameters: versions
+            .iter()
+            .map(|library| (format!("version of {}", library.name), library.version.clone()))
+            .collect(),
         files,
         needs: earlier.iter().map(|task| task.id.clone()).collect(),
         export: Some("report"),

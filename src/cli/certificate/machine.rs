@@ -39,6 +39,14 @@ pub(super) fn commit(project: &Path) -> Option<String> {
     Some(if edited.is_empty() { commit } else { format!("{commit}, with local changes") })
 }
 
+/// Whether the lock file is the committed one; `None` without git.
+pub(super) fn lock_is_committed(project: &Path) -> Option<bool> {
+    commit(project)?;
+    let mut git = Command::new("git");
+    git.arg("-C").arg(project).args(["diff", "--quiet", "HEAD", "--", "pipeline/lock.toml"]);
+    Some(git.status().ok()?.success())
+}
+
 /// Now in UTC, or the moment in `SOURCE_DATE_EPOCH`, as `2026-11-21 07:20:05`.
 ///
 /// # Errors

@@ -53,8 +53,17 @@ pub(super) fn page(check: &Check) -> String {
     }
     out += &format!(
         "\n## The run\n\nAll {} tasks are up to date: their inputs have today's hashes, and their artifacts were read \
-        and hashed again. All {} hashes of tasks and of exported files agree with `pipeline/lock.toml` (blake3 `{}`).\n\n",
-        check.tasks, check.hashes, check.lock_hash
+        and hashed again. All {} hashes of tasks and of exported files agree with `pipeline/lock.toml` (blake3 `{}`){}.\n\n",
+        check.tasks,
+        check.hashes,
+        check.lock_hash,
+        match check.lock_is_committed {
+            Some(true) =>
+                ", which is the committed one: this run is identical to the authors' to the bit",
+            Some(false) =>
+                ", which is **not** the committed one: `git diff pipeline/lock.toml` shows what differs",
+            None => "",
+        }
     );
     out += "| command | does |\n|---|---|\n";
     for (command, does) in COMMANDS {
