@@ -27,6 +27,7 @@ pub mod error;
 pub mod exact;
 pub mod fast;
 pub mod fields;
+mod files;
 pub mod grid;
 pub mod identify;
 pub mod kkt;

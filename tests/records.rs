@@ -201,10 +201,7 @@ fn times_of_the_last_run_make_an_estimate_and_nothing_else() {
     assert_eq!(project.run(&["run", "-n"]).err, "", "nothing is known yet");
     let first = project.run(&["run"]);
     assert!(first.err.starts_with("solve: 2 to run (never ran)\n"), "{first:?}");
-    assert!(
-        first.err.lines().last().unwrap().starts_with("took "),
-        "{first:?}"
-    );
+    assert!(first.err.lines().last().unwrap().starts_with("took "), "{first:?}");
     let made = project.made();
     let times: Value =
         serde_json::from_slice(&fs::read(project.path(".signorini/times.json")).unwrap()).unwrap();

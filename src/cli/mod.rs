@@ -4,6 +4,7 @@ mod certificate;
 mod diff;
 mod identify;
 mod interrupt;
+mod man;
 mod pipeline;
 mod run;
 mod solve;
@@ -58,7 +59,8 @@ enum Command {
         signorini run --trace t.json      what ran when on which thread; open it in ui.perfetto.dev")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
-    #[command(after_help = "Example:\n  signorini status --exit-code || signorini run")]
+    #[command(after_help = "In narrow terminals, COLUMNS says where lines are cut.\n\
+        Example:\n  signorini status --exit-code || signorini run")]
     Status(status::StatusArgs),
     /// Tell why a stage or task would run: each input that changed, old -> new
     #[command(
@@ -102,6 +104,15 @@ enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
+    /// Print the manual page, or write those of all commands to a folder
+    #[command(
+        after_help = "Examples:\n  signorini man | man -l -\n  signorini man --output ~/.local/share/man/man1"
+    )]
+    Man {
+        /// Folder for a page per command, which must exist
+        #[arg(short, long, value_name = "DIR")]
+        output: Option<PathBuf>,
+    },
 }
 
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.
@@ -142,6 +153,7 @@ fn dispatch(cli: Cli) -> Result<u8> {
             clap_complete::generate(shell, &mut Cli::command(), "signorini", &mut script);
             say(&String::from_utf8_lossy(&script))
         }
+        Command::Man { output } => man::man(output.as_deref()),
     }
 }
 

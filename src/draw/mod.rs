@@ -11,6 +11,7 @@ mod history;
 mod identifiability;
 mod maps;
 mod palette;
+mod panels;
 mod picture;
 mod regions;
 mod surface;
