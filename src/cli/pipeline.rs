@@ -4,8 +4,8 @@ use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say, say_json, styled};
 use crate::error::{Error, IoContext, Result};
 use crate::pipeline::{
-    CacheLock, LockFile, Manifest, Options, Progress, Reason, Stage, Store, Summary, Task, Verdict,
-    execute,
+    CacheLock, Graph, LockFile, Manifest, Node, Options, Progress, Reason, Stage, Store, Summary,
+    Task, Verdict, execute,
 };
 use crate::project::Project;
 use crate::stages::plan;
@@ -120,7 +120,8 @@ pub(super) struct Workplace {
 
 impl Workplace {
     pub fn open(cache: &CacheArgs) -> Result<Self> {
-        let project = Project::read(Project::find(&current_folder()?)?)?;
+        let mut project = Project::read(Project::find(&current_folder()?)?)?;
+        project.commands = super::commands();
         let folder = cache.cache_dir.clone().unwrap_or_else(|| project.root.join(".signorini"));
         Ok(Self { store: Store::new(&folder)?, project })
     }
@@ -321,22 +322,12 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let project = Project::read(Project::find(&current_folder()?)?)?;
     let tasks = plan(&project, &project.select(&[])?, None)?;
-    let number: BTreeMap<&str, usize> =
-        tasks.iter().enumerate().map(|(k, t)| (t.id.as_str(), k)).collect();
-    let edges = || {
-        tasks.iter().flat_map(|t| t.needs.iter().map(move |need| (need.as_str(), t.id.as_str())))
-    };
+    let graph = || Graph::new(tasks.iter().map(Node::of).collect());
     let mut text = String::new();
     if args.mermaid {
-        text += "graph LR\n";
-        tasks.iter().for_each(|t| text += &format!("  t{}[\"{}\"]\n", number[t.id.as_str()], t.id));
-        edges()
-            .for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
+        text = graph().mermaid();
     } else if args.dot {
-        text += "digraph signorini {\n  rankdir=LR; node [shape=box];\n";
-        tasks.iter().for_each(|t| text += &format!("  \"{}\";\n", t.id));
-        edges().for_each(|(from, to)| text += &format!("  \"{from}\" -> \"{to}\";\n"));
-        text += "}\n";
+        text = graph().dot();
     } else {
         for task in &tasks {
             let needs = if task.needs.is_empty() {
