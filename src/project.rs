@@ -6,6 +6,7 @@ use crate::paper::Paper;
 use crate::pipeline::Artifacts;
 use crate::record::{self, Record};
 use crate::scene::Scene;
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,17 @@ pub struct Project {
     pub record_text: Option<Vec<u8>>,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
+    /// The commands of the program, for the book; a reader of the folder alone knows none.
+    pub commands: Vec<CommandHelp>,
+}
+
+/// A command of the program.
+#[derive(Clone, Debug, Serialize)]
+pub struct CommandHelp {
+    /// Its name; empty for the program without a command.
+    pub name: String,
+    /// What it says with `--help`.
+    pub help: String,
 }
 
 impl Project {
@@ -57,7 +69,16 @@ impl Project {
         let record_text = read_record(&root)?;
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
-        Ok(Self { root, scenes, scene_files, paper, paper_text, record_text, templates })
+        Ok(Self {
+            root,
+            scenes,
+            scene_files,
+            paper,
+            paper_text,
+            record_text,
+            templates,
+            commands: Vec::new(),
+        })
     }
 
     /// The scenes with these names, each once, or all if no name is given.

@@ -8,6 +8,8 @@ use signorini::grid::nested;
 use signorini::identify::{Findings, Questions, Variant, findings};
 use signorini::load::{LoadRule, integral, load};
 use signorini::paper::Paper;
+use signorini::pipeline::{Graph, Node, Stage};
+use signorini::project::CommandHelp;
 use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
 use signorini::source::Source;
@@ -264,6 +266,7 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             load: "nodal".into(),
             tie: "lower-left".into(),
             diagonal: "rising".into(),
+            prolongation: "bilinear".into(),
             printed: columns(&source, StopRule::Printed),
             signed_dual: columns(&source, StopRule::SignedDual),
             signed,
@@ -283,6 +286,8 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
     let scene = Scene {
         name: "contact".into(),
         title: "the whole boundary in contact".into(),
+        text: "# a scene\ntitle = \"contact\"\n".into(),
+        figures: BTreeMap::new(),
         f: torsion.to_string(),
         integral_f: -1.0,
         exact: Some(r"v = -\cos \pi x \cos \pi y".into()),
@@ -322,6 +327,11 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             identifiability: figure("identifiability"),
         },
         record: record(),
+        commands: vec![CommandHelp {
+            name: "run".into(),
+            help: "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1)=$1'\n"
+                .into(),
+        }],
         provenance: Provenance {
             command: "signorini run".into(),
             inputs: vec![
@@ -330,9 +340,17 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             ],
             artifacts: vec![artifact("figures/figure1.svg")],
             versions: vec![Version { name: "signorini".into(), version: "0.1.0".into() }],
+            graph: Graph::new(vec![
+                node("solve/problem1/signed/r=1", Stage::Solve, &[]),
+                node("report/book", Stage::Report, &["solve/problem1/signed/r=1"]),
+            ]),
             license: "MIT OR Apache-2.0".into(),
         },
     }
+}
+
+fn node(id: &str, stage: Stage, needs: &[&str]) -> Node {
+    Node { id: id.into(), stage, needs: needs.iter().map(|need| (*need).into()).collect() }
 }
 
 /// The committed record.

@@ -1,5 +1,8 @@
 //! Every command in the README runs as written there, and the outputs it shows are the true ones.
 
+mod common;
+
+use common::copy;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -20,20 +23,6 @@ fn blocks() -> Vec<(String, String)> {
         }
     }
     blocks
-}
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        let generated = path.ends_with("report/book") || path.ends_with("report/src");
-        if path.is_dir() && !generated {
-            copy(&path, &target);
-        } else if path.is_file() {
-            fs::copy(&path, &target).unwrap();
-        }
-    }
 }
 
 /// Runs a README line in `project`, with the program that the tests built instead of `cargo run`.

@@ -1,6 +1,8 @@
 //! What the templates are given: plain data, everything computed, nothing formatted.
 
 use crate::identify::Findings;
+use crate::pipeline::Graph;
+use crate::project::CommandHelp;
 use crate::record::Record;
 use crate::saddle::Outcome;
 use serde::{Deserialize, Serialize};
@@ -25,6 +27,8 @@ pub struct Report {
     pub bench: BTreeMap<String, serde_json::Value>,
     /// The figures of the chapters.
     pub figures: Figures,
+    /// The commands of the program.
+    pub commands: Vec<CommandHelp>,
     /// Where everything comes from.
     pub provenance: Provenance,
 }
@@ -48,6 +52,8 @@ pub struct Problem {
     pub tie: String,
     /// The diagonal of the grid's squares, by its name in scenes, if the load rule uses one.
     pub diagonal: String,
+    /// The interpolation to the next grid, by its name in scenes.
+    pub prolongation: String,
     /// One column per r, stopped by the signed rule.
     pub signed: Vec<Column>,
     /// The same, stopped by (13) as printed.
@@ -128,6 +134,10 @@ pub struct Scene {
     pub name: String,
     /// Title.
     pub title: String,
+    /// Its file, as written.
+    pub text: String,
+    /// Its own figures in the book's folder `figures`, by the output of the scene that asks for each.
+    pub figures: BTreeMap<String, String>,
     /// f in the notation of scenes.
     pub f: String,
     /// Integral of f over the square.
@@ -192,6 +202,8 @@ pub struct Provenance {
     pub artifacts: Vec<Artifact>,
     /// The tool and the libraries whose output shows in the book.
     pub versions: Vec<Version>,
+    /// What was run, task by task.
+    pub graph: Graph,
     /// Licence of code and text, as an SPDX expression.
     pub license: String,
 }

@@ -1,6 +1,6 @@
 //! How numbers read in the book: template filters that write LaTeX between dollars.
 
-use tera::{Kwargs, State, Tera, TeraResult};
+use tera::{Kwargs, State, Tera, TeraResult, Value};
 
 /// Makes the filters known to templates.
 pub(super) fn register(tera: &mut Tera) {
@@ -16,11 +16,19 @@ pub(super) fn register(tera: &mut Tera) {
         // A true minus sign, as wide as the plus.
         format!("{}{}", if d < 0 { '\u{2212}' } else { '+' }, d.abs())
     });
+    // For the scripts of a page: text, lists and numbers as JSON; a number as JavaScript writes it.
+    tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
+    tera.register_filter("plain", |x: f64, _: Kwargs, _: &State| x.to_string());
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
 }
 
 fn math(latex: String) -> String {
     format!("${latex}$")
+}
+
+/// JSON that can stand in a `<script>`, which only `</` could end.
+fn json(value: &Value) -> String {
+    serde_json::to_string(value).expect("plain data").replace("</", r"<\/")
 }
 
 /// `$x = value$` if the filter is called with `eq="x"`, else `$value$`.

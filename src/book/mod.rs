@@ -4,6 +4,7 @@ mod build;
 mod data;
 mod facts;
 mod filters;
+mod graph;
 mod mathml;
 mod pages;
 mod room;

@@ -2,14 +2,14 @@
 
 use super::data::Report;
 use super::facts::{Facts, Told};
-use super::{ReportError, filters};
+use super::{ReportError, filters, graph};
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
 /// Ending of the templates that become a page each; the others hold components.
 const PAGE: &str = ".md.tera";
 
-/// Renders every `*.md.tera` among `templates` and copies every `*.md`.
+/// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`.
 ///
 /// Keys of `templates` are paths below `report/templates`; those of the result are paths below
 /// `report`, in the book's source folder, as [`super::build`] takes them.
@@ -28,10 +28,12 @@ pub fn pages(
     context.insert("facts", &Facts::of(data));
     let problems: Vec<_> = data.problems.iter().map(Told::of).collect();
     context.insert("problems", &problems);
+    context.insert("graph", &graph::picture(&data.provenance.graph));
+    context.insert("mermaid", &data.provenance.graph.mermaid());
 
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
-        if name.ends_with(".md") {
+        if name.ends_with(".md") || name.ends_with(".js") {
             pages.insert(format!("src/{name}"), text.clone());
         } else if let Some(stem) = name.strip_suffix(PAGE) {
             let page = tera.render(name, &context).map_err(|error| located(name, &error))?;

@@ -12,10 +12,14 @@ mod status;
 
 use crate::error::{Error, IoContext, Result};
 use crate::pipeline::write_atomically;
+use crate::project::CommandHelp;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// Columns of help, in a terminal as wide or wider and in the book.
+const HELP_WIDTH: usize = 100;
 
 /// Replicates N. N. Maksimova's study of the semicoercive scalar Signorini problem.
 ///
@@ -26,7 +30,7 @@ use std::process::ExitCode;
     name = "signorini",
     version,
     args_conflicts_with_subcommands = true,
-    max_term_width = 100,
+    max_term_width = HELP_WIDTH,
     after_help = "Examples:\n  \
         signorini                         the whole paper; then open report/book/index.html\n  \
         signorini diff                    our tables against the published ones\n  \
@@ -155,6 +159,28 @@ fn dispatch(cli: Cli) -> Result<u8> {
         }
         Command::Man { output } => man::man(output.as_deref()),
     }
+}
+
+/// The long help of the program and of each of its commands, as plain text of one width.
+fn commands() -> Vec<CommandHelp> {
+    let mut cli = Cli::command().term_width(HELP_WIDTH);
+    cli.build();
+    let help = |name: &str, command: &mut clap::Command| CommandHelp {
+        name: name.into(),
+        // Terminals pad some lines; a page must not depend on it.
+        help: command
+            .render_long_help()
+            .to_string()
+            .lines()
+            .map(|line| line.trim_end().to_owned() + "\n")
+            .collect(),
+    };
+    let mut all = vec![help("", &mut cli)];
+    for command in cli.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+        let name = command.get_name().to_owned();
+        all.push(help(&name, command));
+    }
+    all
 }
 
 /// Writes data to standard output; a reader that has gone away is no error.

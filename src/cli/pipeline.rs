@@ -4,7 +4,8 @@ use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say};
 use crate::error::{Error, IoContext, Result};
 use crate::pipeline::{
-    CacheLock, LockFile, Manifest, Options, Progress, Stage, Store, Summary, Task, Times, execute,
+    CacheLock, Graph, LockFile, Manifest, Node, Options, Progress, Stage, Store, Summary, Task,
+    Times, execute,
 };
 use crate::project::Project;
 use crate::stages::plan;
@@ -55,7 +56,8 @@ pub(super) struct Workplace {
 
 impl Workplace {
     pub fn open(cache: &CacheArgs) -> Result<Self> {
-        let project = Project::read(Project::find(&current_folder()?)?)?;
+        let mut project = Project::read(Project::find(&current_folder()?)?)?;
+        project.commands = super::commands();
         let folder = cache.cache_dir.clone().unwrap_or_else(|| project.root.join(".signorini"));
         Ok(Self { store: Store::new(&folder)?, project })
     }
@@ -109,22 +111,12 @@ impl Workplace {
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let project = Project::read(Project::find(&current_folder()?)?)?;
     let tasks = plan(&project, &project.select(&[])?, None)?;
-    let number: BTreeMap<&str, usize> =
-        tasks.iter().enumerate().map(|(k, t)| (t.id.as_str(), k)).collect();
-    let edges = || {
-        tasks.iter().flat_map(|t| t.needs.iter().map(move |need| (need.as_str(), t.id.as_str())))
-    };
+    let graph = || Graph::new(tasks.iter().map(Node::of).collect());
     let mut text = String::new();
     if args.mermaid {
-        text += "graph LR\n";
-        tasks.iter().for_each(|t| text += &format!("  t{}[\"{}\"]\n", number[t.id.as_str()], t.id));
-        edges()
-            .for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
+        text = graph().mermaid();
     } else if args.dot {
-        text += "digraph signorini {\n  rankdir=LR; node [shape=box];\n";
-        tasks.iter().for_each(|t| text += &format!("  \"{}\";\n", t.id));
-        edges().for_each(|(from, to)| text += &format!("  \"{from}\" -> \"{to}\";\n"));
-        text += "}\n";
+        text = graph().dot();
     } else {
         for task in &tasks {
             let needs = if task.needs.is_empty() {

@@ -118,7 +118,8 @@ fn cut(text: &str, width: usize) -> String {
 
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
-    let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
+    let tasks = workplace.tasks(&[], None)?;
+    let summary = workplace.judge(&tasks)?;
     let prefix = format!("{}/", args.stage);
     let asked: Vec<_> = summary
         .verdicts
@@ -144,6 +145,14 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
                 changes.iter().for_each(|change| text += &format!("  {change}\n"));
             }
             other => text += &format!("{}: {other}\n", judged.task),
+        }
+        // Of what waits, more may have changed than what it waits for.
+        if matches!(judged.verdict, Verdict::Waits(_)) {
+            let task = tasks.iter().find(|task| task.id == judged.task);
+            let last = workplace.store.manifests(&judged.task).into_iter().next();
+            let changes = task.zip(last).map(|(task, last)| task.own_changes(&last));
+            let changes = changes.into_iter().flatten();
+            changes.for_each(|change| text += &format!("  {change}\n"));
         }
     }
     say(&text)

@@ -8,6 +8,7 @@
 
 mod execute;
 mod export;
+mod graph;
 mod lock;
 mod lockfile;
 mod manifest;
@@ -17,6 +18,7 @@ mod times;
 mod trace;
 
 pub use execute::{Judged, Options, Ran, Summary, execute};
+pub use graph::{Graph, Node};
 pub use lock::CacheLock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict, why};

@@ -3,7 +3,7 @@
 use super::diff::{self, DIFF};
 use super::identify::{self, FINDINGS};
 use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
-use super::{artifact, bench, figures, from_json};
+use super::{artifact, bench, figures, from_json, to_json};
 use crate::book::{
     self, Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     Row, Solution, Version,
@@ -11,8 +11,8 @@ use crate::book::{
 use crate::error::{Error, Result};
 use crate::load::{LoadRule, integral};
 use crate::paper::TableComparison;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, hash};
-use crate::project::Project;
+use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
+use crate::project::{CommandHelp, Project};
 use crate::record::{self, Record};
 use crate::saddle::StopRule;
 use crate::scene::{Output, Scene};
@@ -61,18 +61,35 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
     let versions = versions();
+    let commands = project.commands.clone();
+    let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
+    let own = Node { id: "report/book".into(), stage: Stage::Report, needs: needs.clone() };
+    let graph = Graph::new(earlier.iter().map(Node::of).chain([own]).collect());
+    let mut parameters: BTreeMap<String, String> = versions
+        .iter()
+        .map(|library| (format!("version of {}", library.name), library.version.clone()))
+        .collect();
+    // By hash: whoever asks what changed does not want to read it all, old and new.
+    for (name, text) in [("commands", to_json(&commands)), ("graph", to_json(&graph))] {
+        parameters.insert(name.into(), hash(&text));
+    }
+    let about = About { versions, commands, graph };
     Ok(Task {
         id: "report/book".into(),
         stage: Stage::Report,
-        parameters: versions
-            .iter()
-            .map(|library| (format!("version of {}", library.name), library.version.clone()))
-            .collect(),
+        parameters,
         files,
-        needs: earlier.iter().map(|task| task.id.clone()).collect(),
+        needs,
         export: Some("report"),
-        work: Box::new(move |inputs| make(inputs, &problems, &others, &versions)),
+        work: Box::new(move |inputs| make(inputs, &problems, &others, &about)),
     })
+}
+
+/// What the book tells about the program and its run.
+struct About {
+    versions: Vec<Version>,
+    commands: Vec<CommandHelp>,
+    graph: Graph,
 }
 
 /// The rules that the chapters compare, in the order of the columns.
@@ -80,12 +97,7 @@ const RULES: [StopRule; 3] = [StopRule::Signed, StopRule::Printed, StopRule::Sig
 
 type Made<T> = std::result::Result<T, String>;
 
-fn make(
-    inputs: &Inputs,
-    problems: &[Scene],
-    others: &[Scene],
-    versions: &[Version],
-) -> Made<Artifacts> {
+fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Artifacts> {
     let comparisons = problems
         .iter()
         .map(|scene| from_json::<TableComparison>(inputs, &diff::id(scene), DIFF))
@@ -109,7 +121,8 @@ fn make(
             bench: bench_figures(inputs),
         },
         bench: bench::results(inputs)?,
-        provenance: provenance(inputs, versions),
+        commands: about.commands.clone(),
+        provenance: provenance(inputs, about),
         record: {
             let text =
                 inputs.files.get(record::PATH).ok_or("the record of the search is missing")?;
@@ -168,6 +181,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
         load,
         tie,
         diagonal,
+        prolongation: name_of(scene.prolongation),
         signed: signed?,
         printed: printed?,
         signed_dual: signed_dual?,
@@ -211,6 +225,12 @@ fn load_names(rule: LoadRule) -> [String; 3] {
     ["rule", "tie", "diagonal"].map(|key| value[key].as_str().unwrap_or_default().to_owned())
 }
 
+/// The name by which scenes know a value.
+fn name_of(value: impl serde::Serialize) -> String {
+    let value = serde_json::to_value(value).expect("plain data");
+    value.as_str().unwrap_or_default().to_owned()
+}
+
 fn pieces(f: &Source) -> Vec<Piece> {
     let Source::Pieces { background, pieces } = f else { return Vec::new() };
     let words = |region: &Region| match region {
@@ -236,6 +256,12 @@ fn other(inputs: &Inputs, scene: &Scene) -> Made<book::Scene> {
     Ok(book::Scene {
         name: scene.name.clone(),
         title: scene.title.clone(),
+        text: text_of(inputs, &format!("pipeline/scenes/{}.toml", scene.name))?,
+        figures: figures::KINDS
+            .iter()
+            .filter(|(kind, _)| scene.wants(*kind))
+            .map(|(kind, _)| (kind.name().into(), format!("{}-{}.svg", scene.name, kind.name())))
+            .collect(),
         f: scene.f.to_string(),
         integral_f: integral(&scene.f),
         exact: scene.f.exact().map(|exact| exact.latex().to_owned()),
@@ -245,6 +271,12 @@ fn other(inputs: &Inputs, scene: &Scene) -> Made<book::Scene> {
             .map(|(k, outcome)| Level { outcome: *outcome, error: outcomes.errors.get(k).copied() })
             .collect(),
     })
+}
+
+/// A file of the project that was read, as text.
+fn text_of(inputs: &Inputs, path: &str) -> Made<String> {
+    let bytes = inputs.files.get(path).ok_or_else(|| format!("{path} is missing"))?;
+    String::from_utf8(bytes.clone()).map_err(|_| format!("{path} is not UTF-8"))
 }
 
 /// Pictures by file name.
@@ -280,7 +312,7 @@ fn bench_figures(inputs: &Inputs) -> BTreeMap<String, Figure> {
     drawn.collect()
 }
 
-fn provenance(inputs: &Inputs, versions: &[Version]) -> Provenance {
+fn provenance(inputs: &Inputs, about: &About) -> Provenance {
     let made = inputs.artifacts.iter().filter(|(id, _)| !id.starts_with("solve/")).flat_map(
         |(id, made)| made.iter().map(move |(name, bytes)| (format!("{id}/{name}"), bytes)),
     );
@@ -292,7 +324,8 @@ fn provenance(inputs: &Inputs, versions: &[Version]) -> Provenance {
             .map(|(name, bytes)| Artifact { name: name.clone(), hash: hash(bytes) })
             .collect(),
         artifacts: made.map(|(name, bytes)| Artifact { name, hash: hash(bytes) }).collect(),
-        versions: versions.to_vec(),
+        versions: about.versions.clone(),
+        graph: about.graph.clone(),
         license: env!("CARGO_PKG_LICENSE").into(),
     }
 }

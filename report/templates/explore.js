@@ -1,0 +1,478 @@
+// The page with the live iteration: controls, pictures, counters. The method is in arrow-hurwicz.js.
+//
+// Problems and published numbers are data of the run that built the book, in `.explore-data`.
+// Colours are CSS variables, so that the pictures follow the reader's theme.
+"use strict";
+
+(() => {
+  const root = document.querySelector(".explore");
+  const data = JSON.parse(document.querySelector(".explore-data").textContent);
+  const find = (selector) => root.querySelector(selector);
+  const form = find("form");
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  // Milliseconds of computing between two pictures: enough for speed, short enough to stay responsive.
+  const SLICE = 12;
+
+  let run; // the solve that is shown
+  let target; // what it runs to: "play", "grid", "end", or nothing
+  let owed = 0; // iterations that playing is behind, with their fraction
+  let before = 0; // time of the last picture
+  let azimuth = 0; // degrees by which the viewer has walked around the surface
+
+  // ---- What is asked ----------------------------------------------------------------------------
+
+  function asked() {
+    const own = form.problem.value === "own";
+    const of = data.problems.find((problem) => String(problem.number) === form.problem.value);
+    const problem = own ? { ...data.problems[0], number: 0, f: form.f.value, table: [] } : of;
+    const grids = data.grids.filter((n) => n <= Number(form.finest.value));
+    const r = Number(form.r.value);
+    if (!(r >= 1e-3 && r <= 1e9)) throw new Error("r must be a number from 0.001 to 1000000000");
+    return new signorini.Run(problem, grids, r, form.rule.value);
+  }
+
+  // Starts over with what the form says; returns whether that can be solved.
+  function restart() {
+    form.f.parentElement.hidden = form.problem.value !== "own";
+    for (const button of root.querySelectorAll("[data-r]")) {
+      button.setAttribute("aria-pressed", Number(button.dataset.r) === Number(form.r.value));
+    }
+    target = undefined;
+    try {
+      run = asked();
+    } catch (error) {
+      run = undefined;
+      find(".explore-status").textContent = `${error.message}.`;
+    }
+    for (const part of root.querySelectorAll("[data-do], .explore-shown")) {
+      part.toggleAttribute("inert", !run);
+    }
+    return Boolean(run);
+  }
+
+  // A changed problem is shown solved, from its best side; playing starts it over.
+  function changed() {
+    if (restart()) go("end");
+  }
+
+  const actions = {
+    play() {
+      if (target === "play") return pause();
+      if (run.done) restart();
+      go("play");
+    },
+    step() {
+      pause();
+      if (run.done) restart();
+      run.step();
+      show();
+    },
+    grid() {
+      if (run.done) restart();
+      go("grid");
+    },
+    end: () => go("end"),
+    restart() {
+      restart();
+      show();
+    },
+    all,
+  };
+
+  function pause() {
+    target = undefined;
+    show();
+  }
+
+  function go(where) {
+    target = where;
+    owed = 1;
+    before = performance.now();
+    advance(before);
+  }
+
+  // Computes for a slice of time, draws, and comes back with the next picture.
+  function advance(now) {
+    if (!target || !run) return;
+    const until = performance.now() + SLICE;
+    const playing = target === "play" && !calm.matches;
+    if (playing) owed += (Math.max(now - before, 0) / 1000) * 2 ** Number(form.speed.value);
+    before = now;
+    do {
+      if (playing && owed < 1) break;
+      owed -= 1;
+      run.step();
+      // Without motion, playing goes from grid to grid.
+      if (run.level.stop && (target === "grid" || (target === "play" && calm.matches))) {
+        target = undefined;
+      }
+    } while (target && !run.done && performance.now() < until);
+    owed = Math.min(owed, 1);
+    if (run.done) {
+      if (target === "end") azimuth = uphill();
+      target = undefined;
+    }
+    if (!target || !calm.matches) show();
+    if (target) requestAnimationFrame(advance);
+  }
+
+  function all() {
+    const began = performance.now();
+    const tables = signorini.allCells(data);
+    const seconds = ((performance.now() - began) / 1000).toFixed(1);
+    let exact = 0, cells = 0;
+    for (const table of tables) {
+      const published = data.problems.find((problem) => problem.number === table.number).table;
+      table.counts.forEach((row, k) => row.forEach((count, level) => {
+        cells += 1;
+        exact += Number(count === published[k].counts[level]);
+      }));
+    }
+    const out = find(".explore-all");
+    out.textContent = `${exact} of ${cells} counts as published; all tables took ${seconds} s here.`;
+    // Numbers as text keep all their digits, whoever reads them.
+    out.dataset.tables = JSON.stringify(tables, (_, v) => (typeof v === "number" ? String(v) : v));
+  }
+
+  // ---- Counters ---------------------------------------------------------------------------------
+
+  // Two digits and a power of ten, as the tables print them.
+  function sci(x) {
+    if (x === undefined) return "–";
+    if (x === 0 || !Number.isFinite(x)) return String(x);
+    const [mantissa, exponent] = x.toExponential(1).replace("-", "−").split("e");
+    const raised = [...String(Number(exponent.replace("−", "-")))]
+      .map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c])).join("");
+    return `${mantissa}·10${raised}`;
+  }
+
+  const published = () => run.problem.table.find((row) => row.r === run.r);
+
+  function counters() {
+    const row = published();
+    const cells = run.grids.map((n, k) => {
+      const level = run.levels[k], paper = row && row.counts[k];
+      const exact = level && level.stop && level.iterations === paper;
+      const current = level === run.level && !run.done ? ' aria-current="step"' : "";
+      return {
+        head: `<th scope="col"${current}>1/${n}</th>`,
+        ours: `<td class="${exact ? "is-exact" : ""}">${level ? level.iterations : ""}</td>`,
+        paper: `<td>${row ? paper : "–"}</td>`,
+      };
+    });
+    const line = (key) => cells.map((cell) => cell[key]).join("");
+    find(".explore-counts").innerHTML =
+      `<thead><tr><th scope="row"><i>h</i></th>${line("head")}</tr></thead>` +
+      `<tbody><tr><th scope="row">iterations</th>${line("ours")}</tr>` +
+      `<tr><th scope="row">published</th>${line("paper")}</tr></tbody>`;
+    const level = run.level;
+    for (const key of ["signed", "absolute", "delta", "tolerance"]) {
+      find(`[data-value="${key}"]`).textContent = sci(level[key]);
+    }
+    find(".explore-status").textContent = status(row);
+    find('[data-do="play"]').textContent = target === "play" ? "Pause" : "Play";
+  }
+
+  function status(row) {
+    const { n, iterations, stop, delta } = run.level;
+    const warning = run.levels.some((level) => level.sum >= 0)
+      ? " On some grid the load sums to a non-negative number: that discrete problem has no solution."
+      : "";
+    if (stop === "diverged") return `Diverged on the grid 1/${n}.${warning}`;
+    const over = stop === "iteration-limit" ? `The rule is not met on 1/${n} within ` : "";
+    if (over) return `${over}${iterations} iterations.${warning}`;
+    if (!stop) return `Grid 1/${n}, iteration ${iterations}.${warning}`;
+    if (!run.done) return `The rule is met on 1/${n} after ${iterations} iterations.${warning}`;
+    if (!row) return `Done: ${iterations} iterations on 1/${n}, Δa = ${sci(delta)}.${warning}`;
+    const same = run.levels.filter((level, k) => level.iterations === row.counts[k]).length;
+    const paper = n === data.grids[data.grids.length - 1] ? `, published ${sci(row.delta_a)}` : "";
+    return `Done: ${same} of ${run.levels.length} counts as published; ` +
+      `Δa = ${sci(delta)}${paper}.${warning}`;
+  }
+
+  // ---- Pictures ---------------------------------------------------------------------------------
+
+  function show() {
+    if (!run) return;
+    counters();
+    surface();
+    history();
+    boundary();
+  }
+
+  const span = (values) => {
+    let low = 0, high = 0;
+    for (const v of values) [low, high] = [Math.min(low, v), Math.max(high, v)];
+    return high - low > 1e-9 ? [low, high] : [low, low + 1];
+  };
+
+  // Round numbers in [low, high], about `count` of them.
+  function ticks(low, high, count) {
+    const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw));
+    const step = power * [1, 2, 5, 10].find((factor) => factor * power >= raw);
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    const first = Math.ceil(low / step - 1e-9);
+    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => {
+      const value = (first + k) * step;
+      return [value, first + k === 0 ? "0" : value.toFixed(digits).replace("-", "−")];
+    });
+  }
+
+  const VIRIDIS = [
+    0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151,
+    0xbddf26, 0xfde725,
+  ];
+
+  function viridis(t, light) {
+    const place = Math.min(Math.max(t, 0), 1) * (VIRIDIS.length - 1);
+    const k = Math.min(Math.floor(place), VIRIDIS.length - 2), s = place - k;
+    const channel = (shift) => {
+      const [low, high] = [VIRIDIS[k], VIRIDIS[k + 1]].map((c) => (c >> shift) & 255);
+      return Math.min(255, Math.round((low + s * (high - low)) * light));
+    };
+    return `rgb(${channel(16)},${channel(8)},${channel(0)})`;
+  }
+
+  // The view from above the corner that looks most uphill, as Figure 2 is drawn.
+  function uphill() {
+    const n = run.n, at = (i, j) => run.y[j * (n + 1) + i];
+    const rises = [[0, 0], [n, 0], [n, n], [0, n]].map(([i, j]) => at(n - i, n - j) - at(i, j));
+    return -37.5 + 90 * rises.indexOf(Math.max(...rises));
+  }
+
+  // The solution as a shaded surface in parallel projection, painted from the far corner to the near.
+  function surface() {
+    const canvas = find("canvas"), style = getComputedStyle(canvas);
+    const width = canvas.clientWidth, height = canvas.clientHeight, ratio = devicePixelRatio || 1;
+    [canvas.width, canvas.height] = [width * ratio, height * ratio];
+    const pen = canvas.getContext("2d");
+    pen.scale(ratio, ratio);
+    const [sinA, cosA] = [Math.sin, Math.cos].map((f) => f((azimuth * Math.PI) / 180));
+    const [sinE, cosE] = [0.5, Math.sqrt(0.75)]; // seen from 30 degrees above the horizon
+    const right = [cosA, sinA, 0], up = [-sinA * sinE, cosA * sinE, cosE];
+    const toward = [sinA * cosE, -cosA * cosE, sinE];
+    const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    const [low, high] = span(run.y), floor = low - 0.12 * (high - low);
+    const unit = Math.min(width / 1.66, height / 1.44);
+    const point = (x, y, v) => [x, y, 0.66 * ((v - floor) / (high - floor) - 0.5)];
+    const place = (p) => [0.53 * width + unit * dot(p, right), 0.52 * height - unit * dot(p, up)];
+    const trace = (points) => {
+      pen.beginPath();
+      points.forEach((p) => pen.lineTo(...place(p)));
+    };
+    const stroke = (points, color, thick) => {
+      trace(points);
+      [pen.strokeStyle, pen.lineWidth, pen.lineCap] = [color, thick, "round"];
+      pen.stroke();
+    };
+    const [fx, fy] = [toward[0] < 0 ? 0.5 : -0.5, toward[1] < 0 ? 0.5 : -0.5]; // the far corner
+    const rule = style.getPropertyValue("--explore-rule"), ink = style.color;
+    trace([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([x, y]) => point(x, y, floor)));
+    pen.fillStyle = style.getPropertyValue("--explore-shade");
+    pen.fill();
+    // The wall to the left carries the scale of v.
+    const left = dot([fx, -fy, 0], right) < dot([-fx, fy, 0], right) ? [fx, -fy] : [-fx, fy];
+    [pen.font, pen.textBaseline, pen.textAlign] = [style.font, "middle", "right"];
+    for (const [v, label] of ticks(floor, high, 4)) {
+      stroke([point(-fx, fy, v), point(fx, fy, v), point(fx, -fy, v)], rule, v === 0 ? 1.5 : 0.75);
+      const [x, y] = place(point(...left, v));
+      pen.fillStyle = ink;
+      pen.fillText(label, x - 6, y);
+    }
+    for (const [x, y] of [[-fx, fy], [fx, fy], [fx, -fy]]) {
+      stroke([point(x, y, floor), point(x, y, high)], rule, 1);
+    }
+
+    // Finer grids are thinned: the eye gains nothing, and drawing must keep up with the iteration.
+    const n = run.n, each = Math.max(1, n / 32), count = n / each;
+    const node = (i, j) => point(i / count - 0.5, j / count - 0.5, run.y[(j * (n + 1) + i) * each]);
+    const value = (i, j) => run.y[(j * (n + 1) + i) * each];
+    const contact = new Set(run.nodes.filter((_, b) => run.a[b] > 0));
+    const touches = ([i, j]) => contact.has((j * (n + 1) + i) * each);
+    const mark = (p, q) => {
+      if (!touches(p) || !touches(q)) return;
+      stroke([node(...p), node(...q)], style.getPropertyValue("--explore-contact"), 2.75);
+    };
+    const lamp = [0, 1, 2].map((d) => toward[d] + 0.9 * up[d] - 0.8 * right[d]);
+    const walk = (k, ascending) => (ascending ? k : count - 1 - k);
+    const near = [];
+    for (let q = 0; q < count; q++) {
+      for (let p = 0; p < count; p++) {
+        const i = walk(p, fx < 0), j = walk(q, fy < 0);
+        const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+        const [s, t, u, w] = corners.map((c) => node(...c));
+        const [d, e] = [[u, s], [w, t]].map(([b, a]) => [b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
+        const normal =
+          [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]];
+        const cosine = dot(normal, lamp) / Math.sqrt(dot(normal, normal) * dot(lamp, lamp));
+        const light = (dot(normal, toward) < 0 ? 0.8 : 1) * (0.62 + 0.44 * Math.abs(cosine));
+        const mean = corners.reduce((sum, c) => sum + value(...c), 0) / 4;
+        trace([s, t, u, w, s]);
+        pen.fillStyle = viridis((mean - low) / (high - low), light);
+        pen.fill();
+        // A thin mesh in the same ink on every theme; it also closes the seams between cells.
+        [pen.strokeStyle, pen.lineWidth] = ["rgba(20, 32, 38, 0.55)", 0.5];
+        pen.stroke();
+        // Contact on the far sides goes in here, where nearer cells can still hide it.
+        corners.forEach((c, k) => {
+          const to = corners[(k + 1) % 4], axis = c[0] === to[0] ? 0 : 1;
+          if (c[axis] !== 0 && c[axis] !== count) return;
+          const far = c[axis] / count - 0.5 === [fx, fy][axis];
+          if (far) mark(c, to);
+          else near.push([c, to]);
+        });
+      }
+    }
+    near.forEach(([from, to]) => mark(from, to));
+    for (const [name, x, y] of [["x", 0, -fy], ["y", -fx, 0]]) {
+      const [px, py] = place(point(x * 1.2, y * 1.2, floor));
+      [pen.fillStyle, pen.textAlign, pen.font] = [ink, "center", `italic ${style.font}`];
+      pen.fillText(name, px, py + 4);
+    }
+  }
+
+  // A drawing surface of the width that the page gives it, with text of one size on any screen.
+  function chart(name, height, draw) {
+    const svg = find(`svg[data-chart="${name}"]`), width = svg.clientWidth;
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    svg.setAttribute("height", height);
+    svg.innerHTML = draw(width);
+  }
+
+  const line = (x0, y0, x1, y1, kind) =>
+    `<line class="${kind}" x1="${x0}" y1="${y0}" x2="${x1}" y2="${y1}"/>`;
+  const text = (x, y, content, anchor = "middle", kind = "") =>
+    `<text class="${kind}" x="${x}" y="${y}" text-anchor="${anchor}">${content}</text>`;
+  const path = (points, kind) =>
+    `<path class="${kind}" d="M${points.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L")}"/>`;
+
+  function history() {
+    chart("history", 300, (width) => {
+      const [left, top, bottom] = [38, 26, 266], end = width - 48;
+      const { signed, absolute } = run.history, levels = run.levels;
+      const row = published();
+      const expected = row ? run.grids.reduce((sum, _, k) => sum + row.counts[k], 0) : 0;
+      const most = Math.max(signed.length, expected, 8) * 1.02;
+      const lowest = -run.grids.length - 1;
+      const across = (k) => left + (end - left) * (k / most);
+      const down = (v) => {
+        const power = v > 0 ? Math.log10(v) : lowest;
+        return bottom + (bottom - top) * ((Math.max(power, lowest) - lowest) / lowest);
+      };
+      let out = "";
+      for (let power = 0; power >= lowest; power--) {
+        const y = down(10 ** power), name = power === 0 ? "1" : sci(10 ** power).slice(4);
+        out += line(left, y, end, y, "rule") + text(left - 6, y + 4, name, "end");
+        const n = run.grids[-power - 1];
+        if (n) out += text(end + 6, y + 4, `1/${n}`, "start", "muted");
+      }
+      for (const [k, label] of ticks(0, most, Math.max(3, Math.floor(width / 80)))) {
+        out += line(across(k), bottom, across(k), bottom + 4, "axis");
+        out += text(across(k), bottom + 16, label);
+      }
+      out += text((left + end) / 2, bottom + 31, "iterations, all grids");
+      // Long histories are thinned to a point per pixel.
+      const stride = Math.ceil(signed.length / 1000);
+      for (const [values, kind] of [[absolute, "second dashed"], [signed, "first"]]) {
+        const points = [];
+        values.forEach((v, k) => {
+          if (k % stride === 0 || k === values.length - 1) points.push([across(k + 1), down(v)]);
+        });
+        if (points.length > 0) out += path(points, kind);
+      }
+      const watched = run.rule.startsWith("printed") ? absolute : signed;
+      for (const level of levels) {
+        const last = level.begin + level.iterations, y = down(level.tolerance);
+        out += line(across(level.begin), y, across(last), y, "bound");
+        if (level.stop === "converged") {
+          const kind = watched === signed ? "first" : "second";
+          out += `<circle class="${kind}" cx="${across(last)}" cy="${down(watched[last - 1])}" r="4"/>`;
+        }
+      }
+      out += line(left, bottom, end, bottom, "axis") + line(left, top, left, bottom, "axis");
+      out += line(left, 10, left + 22, 10, "first") + text(left + 28, 14, "max ∂", "start");
+      out += line(left + 78, 10, left + 100, 10, "second dashed");
+      out += text(left + 106, 14, "max |∂|", "start");
+      out += line(left + 166, 10, left + 188, 10, "bound") + text(left + 194, 14, "tolerance", "start");
+      return out;
+    });
+  }
+
+  function boundary() {
+    chart("boundary", 326, (width) => {
+      const left = 52, end = width - 14, across = (s) => left + (end - left) * (s / 4);
+      const { n, nodes, a, y } = run;
+      let out = "";
+      const panel = (top, bottom, name, kind, values) => {
+        const [low, high] = span(values), pad = 0.08 * (high - low);
+        const down = (v) => bottom - ((v - low + pad) / (high - low + 2 * pad)) * (bottom - top);
+        for (const [v, label] of ticks(low, high, 3)) {
+          out += line(left, down(v), end, down(v), "rule") + text(left - 6, down(v) + 4, label, "end");
+        }
+        [1, 2, 3].forEach((s) => { out += line(across(s), top, across(s), bottom, "rule"); });
+        // Closed: the corner where it ends is the one where it began.
+        out += path([...values, values[0]].map((v, b) => [across(b / n), down(v)]), kind);
+        out += text(12, (top + bottom) / 2 + 4, name, "middle", "italic");
+        out += line(left, top, left, bottom, "axis") + line(left, bottom, end, bottom, "axis");
+      };
+      panel(22, 134, "y", "first", nodes.map((k) => y[k]));
+      panel(172, 284, "a", "third", [...a]);
+      // Each node stands for the half cells on both of its sides.
+      let bars = "";
+      [...a, a[0]].forEach((value, b) => {
+        const [from, to] = [b - 0.5, b + 0.5].map((s) => across(Math.min(Math.max(s / n, 0), 4)));
+        if (value > 0) bars += `M${from} 153H${to}`;
+      });
+      out += `<path class="contact" d="${bars}"/>`;
+      out += text(left - 6, 157, "contact", "end", "muted small");
+      ["bottom", "right", "top", "left"].forEach((side, k) => {
+        out += text(across(k + 0.5), 14, side, "middle", "muted");
+      });
+      [0, 1, 2, 3, 4].forEach((s) => {
+        out += line(across(s), 284, across(s), 288, "axis") + text(across(s), 301, s);
+      });
+      return out + text(across(2), 319, "arc length, counter-clockwise from the lower left corner");
+    });
+  }
+
+  // ---- Wiring -----------------------------------------------------------------------------------
+
+  form.addEventListener("submit", (event) => event.preventDefault());
+  form.addEventListener("change", (event) => {
+    if (event.target !== form.speed) changed();
+  });
+  root.addEventListener("click", (event) => {
+    const { do: what, r } = event.target.dataset || {};
+    if (what) actions[what]();
+    if (r) {
+      form.r.value = r;
+      changed();
+    }
+  });
+  // mdBook turns the page on arrow keys and searches on letters; in here they belong to the controls.
+  root.addEventListener("keydown", (event) => event.stopPropagation());
+
+  const canvas = find("canvas");
+  const turn = (degrees) => {
+    azimuth += degrees;
+    if (run) surface();
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (event.key === "ArrowLeft") turn(-7.5);
+    if (event.key === "ArrowRight") turn(7.5);
+  });
+  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+  canvas.addEventListener("pointermove", (event) => {
+    if (canvas.hasPointerCapture(event.pointerId)) turn(-0.5 * event.movementX);
+  });
+
+  new ResizeObserver(() => show()).observe(root);
+  new MutationObserver(() => show()).observe(document.documentElement, { attributeFilter: ["class"] });
+
+  // A link may say what to show: explore.html#problem=2&r=1&rule=printed&finest=32
+  for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
+    if (form.elements[name]) form.elements[name].value = value;
+  }
+  root.hidden = false;
+  changed();
+})();
