@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{EVERYTHING, Project, TABLE, assert_same, wanting};
+use common::{EVERYTHING, Project, TABLE, assert_same, promised, wanting};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -217,7 +217,9 @@ fn times_of_the_last_run_make_an_estimate_and_nothing_else() {
     assert!(said.err.contains("(2 min expected)"), "{said:?}");
     // Whatever is in the file, results are the same, and it is mended.
     project.scene("a", TABLE);
-    for damage in [&b"{"[..], b"\xff\xfe", b"[]", b""] {
+    let damage = [&b"{"[..], b"\xff\xfe", b"[]", b""];
+    assert_eq!(damage.len() + 2, promised("Record of times damaged"));
+    for damage in damage {
         project.write(".signorini/times.json", damage);
         let forced = project.run(&["run", "--force"]);
         assert!(forced.err.starts_with("solve: 2 to run (forced)\n"), "{forced:?}");

@@ -201,7 +201,7 @@ impl Inner {
 mod tests {
     use super::*;
     use crate::load::{LoadRule, load};
-    use crate::saddle::arrow_hurwicz;
+    use crate::saddle::{Iteration, arrow_hurwicz};
 
     const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
 

@@ -198,6 +198,16 @@ pub fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// How many of this fault the book says that the tests make; the fault is the first cell of its row.
+#[track_caller]
+pub fn promised(fault: &str) -> usize {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates/reliability.md.tera");
+    let page = fs::read_to_string(page).unwrap();
+    let row = page.lines().find_map(|line| line.strip_prefix(&format!("| {fault} | ")));
+    let count = row.and_then(|rest| rest.split(' ').next()?.parse().ok());
+    count.unwrap_or_else(|| panic!("the book promises no number of `{fault}`"))
+}
+
 fn walk(folder: &Path, visit: &mut dyn FnMut(&Path)) {
     for entry in fs::read_dir(folder).into_iter().flatten() {
         let path = entry.unwrap().path();
