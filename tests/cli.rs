@@ -404,7 +404,7 @@ fn manual_pages_exist_for_each_command() {
             continue;
         };
         assert!(
-            String::from_utf8_lossy(text).contains(&format!(".TH signorini\\-{name} 1")),
+            String::from_utf8_lossy(text).contains(&format!(".TH signorini-{name} 1")),
             "{name}"
         );
         count += 1;

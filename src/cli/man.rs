@@ -30,7 +30,9 @@ pub(super) fn man(output: Option<&Path>) -> Result<u8> {
 
 /// A command's page by its file name.
 fn page(command: &Command) -> (String, String) {
-    let page = Man::new(command.clone());
+    let page = Man::new(command.clone())
+        .source(concat!("signorini ", env!("CARGO_PKG_VERSION")))
+        .manual("Signorini problem");
     let mut text = Vec::new();
     page.render(&mut text).expect("memory takes every byte");
     (page.get_filename(), String::from_utf8_lossy(&text).into_owned())
