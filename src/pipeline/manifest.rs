@@ -139,6 +139,16 @@ impl fmt::Display for Reason {
     }
 }
 
+/// Why several tasks have to run, in a few words: the first reason, and how many have others.
+pub fn why(reasons: &[&Reason]) -> String {
+    let Some(first) = reasons.first() else { return String::new() };
+    match reasons.iter().filter(|reason| *reason != first).count() {
+        0 => first.to_string(),
+        1 => format!("{first}; one task for another reason"),
+        n => format!("{first}; {n} tasks for other reasons"),
+    }
+}
+
 /// What becomes of a task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "state", content = "reason")]

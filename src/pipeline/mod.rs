@@ -14,14 +14,19 @@ mod lockfile;
 mod manifest;
 mod progress;
 mod store;
+mod times;
+mod trace;
 
 pub use execute::{Judged, Options, Ran, Summary, execute};
 pub use graph::{Graph, Node};
 pub use lock::CacheLock;
 pub use lockfile::LockFile;
-pub use manifest::{Change, Manifest, Reason, Verdict};
+pub use manifest::{Change, Manifest, Reason, Verdict, why};
 pub use progress::Progress;
+pub(crate) use store::write_atomically;
 pub use store::{Garbage, Hit, Store};
+pub use times::{Times, brief};
+pub use trace::Trace;
 
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -11,7 +11,7 @@ use crate::book::{
 use crate::error::{Error, Result};
 use crate::load::{LoadRule, integral};
 use crate::paper::TableComparison;
-use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash, parameters};
+use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
 use crate::project::{CommandHelp, Project};
 use crate::record::{self, Record};
 use crate::saddle::StopRule;
@@ -65,7 +65,10 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let own = Node { id: "report/book".into(), stage: Stage::Report, needs: needs.clone() };
     let graph = Graph::new(earlier.iter().map(Node::of).chain([own]).collect());
-    let mut parameters = parameters(&versions);
+    let mut parameters: BTreeMap<String, String> = versions
+        .iter()
+        .map(|library| (format!("version of {}", library.name), library.version.clone()))
+        .collect();
     // By hash: whoever asks what changed does not want to read it all, old and new.
     for (name, text) in [("commands", to_json(&commands)), ("graph", to_json(&graph))] {
         parameters.insert(name.into(), hash(&text));
@@ -328,7 +331,7 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
 }
 
 /// The versions of what shows in the book, as the build resolved them.
-fn versions() -> Vec<Version> {
+pub fn versions() -> Vec<Version> {
     #[derive(serde::Deserialize)]
     struct Lock {
         package: Vec<Version>,

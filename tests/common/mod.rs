@@ -65,7 +65,7 @@ impl Said {
     pub fn refusal(&self) -> &str {
         assert_eq!(self.code, Some(2), "{self:?}");
         assert_eq!(self.out, "", "{self:?}");
-        let mut others = self.err.lines().filter(|line| !line.ends_with(" to run"));
+        let mut others = self.err.lines().filter(|line| !line.contains(" to run"));
         let error = others.next().unwrap_or_default();
         assert!(
             error.starts_with("error: ") && self.err.ends_with(&format!("{error}\n")),
