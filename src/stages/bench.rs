@@ -1,6 +1,7 @@
 //! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
 
 use super::{artifact, to_json};
+use crate::bench::claims;
 use crate::draw::Caption;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::project::Project;
@@ -12,8 +13,8 @@ use std::collections::BTreeMap;
 const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
-pub fn tasks(_project: &Project) -> Vec<Task> {
-    Vec::new()
+pub fn tasks(project: &Project) -> Vec<Task> {
+    vec![task("claims", claims::Plan::of(&project.scenes), claims::claims)]
 }
 
 /// A picture of what experiments found.
