@@ -35,7 +35,7 @@ pub enum Method {
 pub enum Goal {
     /// A stopping rule with its tolerance, tried after each step of the multiplier.
     Rule(StopRule, f64),
-    /// The natural KKT residual over the largest component of F, tried after each sweep.
+    /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
     Kkt(f64),
 }
 
@@ -102,7 +102,7 @@ pub fn run(grid: Grid, jobs: &[Job]) -> Vec<End> {
                 run.delta_a = changes[lane];
                 lanes.after_step(lane, run);
             }
-            let met = run.met(&mut lanes, lane, steps[lane]);
+            let met = steps[lane] && run.met(&mut lanes, lane);
             if met || run.sweeps == run.job.cap {
                 let Run { sweeps, delta_a, .. } = *run;
                 ends[run.number] = Some(End { sweeps, met, delta_a, pair: lanes.pair(lane) });
@@ -128,24 +128,17 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn met(&mut self, lanes: &mut Lanes, lane: usize, stepped: bool) -> bool {
-        match self.job.goal {
-            Goal::Kkt(target) => {
-                let bound = target * self.scale;
-                lanes.within(lane, Measure::Kkt, bound, &mut self.witness, self.job)
-            }
-            Goal::Rule(rule, tolerance) => {
-                let (measure, dual) = match rule {
-                    StopRule::Signed => (Measure::Signed, false),
-                    StopRule::Printed => (Measure::Printed, false),
-                    StopRule::SignedDual => (Measure::Signed, true),
-                    StopRule::PrintedDual => (Measure::Printed, true),
-                };
-                stepped
-                    && (!dual || self.delta_a <= tolerance)
-                    && lanes.within(lane, measure, tolerance, &mut self.witness, self.job)
-            }
-        }
+    /// Whether the goal is reached, after a step of the multiplier.
+    fn met(&mut self, lanes: &mut Lanes, lane: usize) -> bool {
+        let (measure, bound, dual) = match self.job.goal {
+            Goal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
+            Goal::Rule(StopRule::Signed, tolerance) => (Measure::Signed, tolerance, false),
+            Goal::Rule(StopRule::Printed, tolerance) => (Measure::Printed, tolerance, false),
+            Goal::Rule(StopRule::SignedDual, tolerance) => (Measure::Signed, tolerance, true),
+            Goal::Rule(StopRule::PrintedDual, tolerance) => (Measure::Printed, tolerance, true),
+        };
+        (!dual || self.delta_a <= bound)
+            && lanes.within(lane, measure, bound, &mut self.witness, self.job)
     }
 }
 
@@ -195,6 +188,10 @@ struct Lanes {
     r: V,
     /// The proximal term's share of an interior node.
     shift: V,
+    /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
+    edge: [V; 2],
+    corner: [V; 2],
+    inside: V,
     y: Vec<V>,
     a: Vec<V>,
     /// F, with the proximal term.
@@ -213,6 +210,9 @@ impl Lanes {
             grid,
             r: V::all(1.0),
             shift: V::all(0.0),
+            edge: [V::all(2.0), V::all(0.5)],
+            corner: [V::all(1.0); 2],
+            inside: V::all(0.25),
             y: nodes(),
             a: vec![V::all(0.0); grid.boundary_nodes()],
             load: nodes(),
@@ -237,7 +237,13 @@ impl Lanes {
                 (weight, if loose { inner.max(0.1 * scale) } else { inner })
             }
         };
-        self.shift.0[lane] = weight * self.grid.h() * self.grid.h();
+        let shift = weight * self.grid.h() * self.grid.h();
+        self.shift.0[lane] = shift;
+        self.inside.0[lane] = 1.0 / (4.0 + shift);
+        for (k, value) in [2.0 + 0.5 * shift, 1.0 + 0.25 * shift].into_iter().enumerate() {
+            let [diagonal, inverse] = if k == 0 { &mut self.edge } else { &mut self.corner };
+            (diagonal.0[lane], inverse.0[lane]) = (value, 1.0 / value);
+        }
         self.regularise(lane, job.load);
         Run { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, inner_witness: 0, scale }
     }
@@ -258,7 +264,7 @@ impl Lanes {
     /// (9)-(11) in every lane.
     fn sweep(&mut self) {
         let (n, side) = (self.grid.cells(), self.grid.side());
-        let inside = V(self.shift.0.map(|shift| 1.0 / (4.0 + shift)));
+        let inside = self.inside;
         for i in 0..=n {
             self.relax_boundary(i, i, 0);
         }
@@ -287,16 +293,15 @@ impl Lanes {
         let (y, half) = (&self.y, V::all(0.5));
         let x = if i == 0 { y[node + 1] } else { y[node - 1] };
         let z = if j == 0 { y[node + side] } else { y[node - side] };
-        let (neighbours, diagonal, mass) = match (i == 0 || i == n, j == 0 || j == n) {
-            (true, true) => (half * (x + z), 1.0, 0.25),
-            (_, true) => (half * (y[node - 1] + y[node + 1]) + z, 2.0, 0.5),
-            _ => (half * (y[node - side] + y[node + side]) + x, 2.0, 0.5),
+        let (neighbours, [diagonal, inverse]) = match (i == 0 || i == n, j == 0 || j == n) {
+            (true, true) => (half * (x + z), self.corner),
+            (_, true) => (half * (y[node - 1] + y[node + 1]) + z, self.edge),
+            _ => (half * (y[node - side] + y[node + side]) + x, self.edge),
         };
         let (sum, a, h) = (neighbours + self.load[node], self.a[b], self.grid.h());
         self.y[node] = V(from_fn(|l| {
-            let diagonal = diagonal + mass * self.shift.0[l];
-            let (psi, r) = ((1.0 / diagonal) * sum.0[l], self.r.0[l]);
-            let pulled = (sum.0[l] + h * a.0[l]) / (diagonal + h * r);
+            let (psi, r) = (inverse.0[l] * sum.0[l], self.r.0[l]);
+            let pulled = (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r);
             if psi >= a.0[l] / r { psi } else { pulled }
         }));
     }

@@ -71,7 +71,8 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
         // The finest grids first: they take longest.
         for level in (0..case.grids.len()).rev() {
             let mut runs = Vec::new();
-            for &target in plan.targets.iter().rev() {
+            let asked = |(_, finest): &&(f64, usize)| case.grids[level].cells() <= *finest;
+            for &(target, _) in plan.targets.iter().filter(asked).rev() {
                 runs.extend(swept.iter().map(|&r| Direct { target, variant: None, r }));
                 if case.grids[level].cells() >= plan.compared_from {
                     for variant in (0..super::VARIANTS.len()).map(Some) {
@@ -203,8 +204,9 @@ impl<'a> Case<'a> {
                 rows.push(Row::new(Measure::Rule(rule), grid.cells(), &swept, counts));
             }
         }
-        for &target in &plan.targets {
-            for (level, grid) in self.grids.iter().enumerate() {
+        for &(target, finest) in &plan.targets {
+            let asked = |(_, grid): &(usize, &Grid)| grid.cells() <= finest;
+            for (level, grid) in self.grids.iter().enumerate().filter(asked) {
                 let counts = swept.iter().map(|&r| direct(level, target, None, r)).collect();
                 rows.push(Row::new(Measure::Kkt(target), grid.cells(), &swept, counts));
             }
@@ -224,11 +226,10 @@ impl<'a> Case<'a> {
             Table { rule, lines: self.problem.r.iter().map(line).collect() }
         });
         let mut cells = Vec::new();
-        for &target in &plan.targets {
-            for (level, grid) in self.grids.iter().enumerate() {
-                if grid.cells() < plan.compared_from {
-                    continue;
-                }
+        for &(target, finest) in &plan.targets {
+            let compared = plan.compared_from..=finest;
+            let asked = |(_, grid): &(usize, &Grid)| compared.contains(&grid.cells());
+            for (level, grid) in self.grids.iter().enumerate().filter(asked) {
                 cells.extend(plan.compared_r.iter().map(|&r| Cell {
                     cells: grid.cells(),
                     target,

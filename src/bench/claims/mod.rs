@@ -20,8 +20,9 @@ pub struct Plan {
     pub decades: (i32, i32),
     /// Values of r in each decade.
     pub per_decade: i32,
-    /// KKT residuals to reach, over the largest component of F.
-    pub targets: Vec<f64>,
+    /// KKT residuals to reach, over the largest component of F, each with the finest grid for which
+    /// there is time, in cells per side.
+    pub targets: Vec<(f64, usize)>,
     /// Sweeps on a grid after which a run towards a KKT residual has failed.
     pub cap: usize,
     /// Values of r at which methods are compared; all belong to the sweep over r.
@@ -60,7 +61,7 @@ impl Plan {
             problems,
             decades: (-2, 6),
             per_decade: 8,
-            targets: vec![1e-3, 1e-6],
+            targets: vec![(1e-3, 64), (1e-6, 32)],
             cap: 50_000,
             compared_r: vec![0.1, 1.0, 10.0, 100.0, 1e4, 1e6],
             compared_from: 16,
@@ -107,8 +108,8 @@ impl Problem {
 pub struct Claims {
     /// The values of the sweep over r, ascending.
     pub r: Vec<f64>,
-    /// KKT residuals to reach.
-    pub targets: Vec<f64>,
+    /// KKT residuals to reach, each with the finest grid on which it was asked for.
+    pub targets: Vec<(f64, usize)>,
     /// Sweeps after which a run towards one has failed.
     pub cap: usize,
     /// The counts.

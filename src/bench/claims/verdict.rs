@@ -93,6 +93,8 @@ pub struct Range {
 pub struct Spread {
     /// Problem.
     pub problem: u8,
+    /// Cells per side.
+    pub cells: usize,
     /// When the runs end.
     pub measure: Measure,
     /// Over the values of r between the least and the greatest of the paper.
@@ -183,10 +185,10 @@ impl Range {
     }
 }
 
-/// The rows on the finest grid.
+/// The row on the finest grid of each measure.
 fn finest(problem: &Measured) -> impl Iterator<Item = &Row> {
-    let cells = problem.rows.iter().map(|row| row.cells).max();
-    problem.rows.iter().filter(move |row| Some(row.cells) == cells)
+    // Rows go from coarse to fine.
+    problem.rows.chunk_by(|a, b| a.measure == b.measure).filter_map(<[Row]>::last)
 }
 
 fn spreads<'a>(r: &'a [f64], problem: &'a Measured) -> impl Iterator<Item = Spread> {
@@ -201,6 +203,7 @@ fn spreads<'a>(r: &'a [f64], problem: &'a Measured) -> impl Iterator<Item = Spre
         let inside = r.iter().zip(&row.counts).filter(|(r, _)| least <= **r && **r <= greatest);
         Spread {
             problem: problem.number,
+            cells: row.cells,
             measure: row.measure,
             paper: spread(Range::of(&within(least, greatest))),
             large: spread(Range::of(&within(10.0, f64::INFINITY))),
