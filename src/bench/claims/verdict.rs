@@ -55,6 +55,8 @@ impl Tally {
 pub struct Verdicts {
     /// The speed depends on r: counts on the finest grid over the paper's range of r.
     pub depends_on_r: Tally,
+    /// The same over r from 10 up.
+    pub depends_on_large_r: Tally,
     /// A line per problem and measure.
     pub spreads: Vec<Spread>,
     /// The speed depends on the problem: counts of the problems differ, per measure and r.
@@ -154,6 +156,7 @@ impl Verdicts {
         };
         Self {
             depends_on_r: Tally::of(spreads.iter().map(|spread| spread.paper > EQUAL)),
+            depends_on_large_r: Tally::of(spreads.iter().map(|spread| spread.large > EQUAL)),
             depends_on_problem: Tally::of(ends().into_iter().flat_map(|(a, b)| differ(a, b))),
             still_moves: Tally::of(
                 problems.iter().flat_map(excess).map(|excess| excess > CONSIDERABLE),
