@@ -2,3 +2,6 @@
 //!
 //! What they count (errors, sweeps, work units, flipped counts) depends on no machine: it is hashed,
 //! cached and pinned like everything else. Time is measured apart, by `signorini bench`.
+
+pub mod claims;
+pub mod lanes;

@@ -1,6 +1,9 @@
 //! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
 
+mod claims;
+
 use super::{artifact, to_json};
+use crate::bench;
 use crate::draw::Caption;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::project::Project;
@@ -12,8 +15,8 @@ use std::collections::BTreeMap;
 const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
-pub fn tasks(_project: &Project) -> Vec<Task> {
-    Vec::new()
+pub fn tasks(project: &Project) -> Vec<Task> {
+    vec![task("claims", bench::claims::Plan::of(&project.scenes), bench::claims::claims)]
 }
 
 /// A picture of what experiments found.
@@ -28,7 +31,20 @@ pub struct Picture {
 }
 
 /// The pictures of the chapters on experiments.
-pub const PICTURES: &[Picture] = &[];
+pub const PICTURES: &[Picture] = &[
+    Picture {
+        name: "sweep",
+        experiments: &["claims"],
+        title: "Iterations of both problems against the duality parameter, three ways of stopping",
+        draw: claims::sweep,
+    },
+    Picture {
+        name: "uzawa",
+        experiments: &["claims"],
+        title: "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
+        draw: claims::uzawa,
+    },
+];
 
 type Drawn = Result<String, String>;
 
