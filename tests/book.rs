@@ -329,8 +329,9 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
         record: record(),
         commands: vec![CommandHelp {
             name: "run".into(),
-            help: "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1)=$1'\n"
-                .into(),
+            help:
+                "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1,0,1)=1'\n"
+                    .into(),
         }],
         provenance: Provenance {
             command: "signorini run".into(),
