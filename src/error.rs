@@ -48,6 +48,12 @@ impl Error {
     }
 }
 
+/// Where a TOML text is wrong, and how, in one line.
+pub(crate) fn mistake(text: &str, error: &toml::de::Error) -> String {
+    let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+    format!("line {line}: {}", error.message().replace('\n', " "))
+}
+
 /// Turns an I/O result into ours, with the path and a remedy that fits the kind of failure.
 pub trait IoContext<T> {
     /// Names what was tried on which path.

@@ -19,6 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod bench;
 pub mod book;
 pub mod cli;
 pub mod draw;
@@ -26,6 +27,7 @@ pub mod error;
 pub mod exact;
 pub mod fast;
 pub mod fields;
+mod files;
 pub mod grid;
 pub mod identify;
 pub mod kkt;

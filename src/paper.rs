@@ -1,6 +1,6 @@
 //! The published tables, the tolerance we declare for them, and the comparison with ours.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, mistake};
 use crate::identify::Target;
 use serde::{Deserialize, Serialize};
 
@@ -101,10 +101,7 @@ impl Paper {
     /// [`Error::Input`] with the line of the mistake.
     pub fn parse(text: &str) -> Result<Self> {
         let wrong = |what: String| Error::input(format!("pipeline/paper.toml: {what}"));
-        let paper: Self = toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            wrong(format!("line {line}: {}", e.message().replace('\n', " ")))
-        })?;
+        let paper: Self = toml::from_str(text).map_err(|e| wrong(mistake(text, &e)))?;
         for t in &paper.table {
             let width = t.counts.first().map_or(0, Vec::len);
             if t.counts.len() != paper.r.len()

@@ -1,6 +1,7 @@
 //! A project folder: the scenes, published values and templates that a run reads, and where it writes.
 
 use crate::error::{Error, IoContext, Result};
+use crate::files::read_tree;
 use crate::paper::Paper;
 use crate::pipeline::Artifacts;
 use crate::record::{self, Record};
@@ -66,8 +67,8 @@ impl Project {
         let paper_text = fs::read_to_string(&path).context("read", &path)?;
         let paper = Paper::parse(&paper_text)?;
         let record_text = read_record(&root)?;
-        let mut templates = Artifacts::new();
-        read_tree(&root.join("report"), "", &mut templates)?;
+        let templates = read_tree(&root.join("report"), is_not_ours)
+            .or_else(|(path, e)| Err(e).context("read", &path))?;
         Ok(Self {
             root,
             scenes,
@@ -120,22 +121,9 @@ fn read_record(root: &Path) -> Result<Option<Vec<u8>>> {
 /// Folders under `report/` that a run writes.
 const GENERATED: [&str; 2] = ["src", "book"];
 
-fn read_tree(folder: &Path, prefix: &str, out: &mut Artifacts) -> Result<()> {
-    for entry in fs::read_dir(folder).context("read", folder)? {
-        let path = entry.context("read", folder)?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let generated = prefix.is_empty() && GENERATED.contains(&name.as_str());
-        if name.starts_with('.') || generated {
-            continue;
-        }
-        let name = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
-        if path.is_dir() {
-            read_tree(&path, &name, out)?;
-        } else {
-            out.insert(name, fs::read(&path).context("read", &path)?);
-        }
-    }
-    Ok(())
+/// Whether a path under `report/` is hidden or generated.
+fn is_not_ours(path: &str) -> bool {
+    path.rsplit('/').next().is_some_and(|name| name.starts_with('.')) || GENERATED.contains(&path)
 }
 
 /// Reads every `pipeline/scenes/*.toml`, sorted by name.

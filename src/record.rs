@@ -1,6 +1,6 @@
 //! `pipeline/identified.toml`: what the search for the lost Figure 1 has found, and how much was searched.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, mistake};
 use crate::identify::Questions;
 use serde::{Deserialize, Serialize};
 
@@ -91,10 +91,7 @@ impl Record {
     /// # Errors
     /// [`Error::Input`] with the line of the mistake.
     pub fn parse(text: &str) -> Result<Self> {
-        toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            Error::input(format!("{PATH}: line {line}: {}", e.message().replace('\n', " ")))
-        })
+        toml::from_str(text).map_err(|e| Error::input(format!("{PATH}: {}", mistake(text, &e))))
     }
 
     /// The f that are compared for this table.

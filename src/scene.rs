@@ -1,6 +1,6 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, mistake};
 use crate::grid::{Grid, nested};
 use crate::load::{LoadRule, integral};
 use crate::saddle::StopRule;
@@ -115,10 +115,7 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let wrong = |what: String| Error::input(format!("scene `{name}`: {what}"));
-        let file: SceneFile = toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            wrong(format!("line {line}: {}", e.message().replace('\n', " ")))
-        })?;
+        let file: SceneFile = toml::from_str(text).map_err(|e| wrong(mistake(text, &e)))?;
         let f: Source = file.f.parse().map_err(|e| wrong(format!("{e}")))?;
         // A known solution is proof enough, and its integral takes milliseconds on every command.
         if f.exact().is_none() {

@@ -161,6 +161,11 @@ fn explain_prints_old_and_new() {
             "  parameter grids: [4,8] -> [8,16]"
         ]
     );
+    // The table waits, and has changes of its own.
+    assert_eq!(
+        project.run(&["explain", "tabulate"]).lines(),
+        ["tabulate/a/signed: waits for solve/a/signed/r=10", "  parameter grids: [4,8] -> [8,16]"]
+    );
     let json = project.run(&["explain", "solve", "--json"]).json();
     let change = &json["tasks"][CELLS[0]]["reason"]["what"][0];
     assert_eq!((json["schema"].as_u64(), change["old"].as_str()), (Some(1), Some("else=-1")));

@@ -2,11 +2,12 @@
 
 mod common;
 
-use common::{Dice, EVERYTHING, PAPER, Project, TABLE, assert_same, wanting};
+use common::{Dice, EVERYTHING, PAPER, Project, TABLE, assert_same, promised, wanting};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, SystemTime};
 
 /// Task id before the first slash, or `objects`: the kinds of file in a cache.
 fn by_kind(project: &Project) -> BTreeMap<String, Vec<PathBuf>> {
@@ -58,7 +59,9 @@ fn every_damaged_file_of_the_cache_is_noticed_and_repaired() {
             }
         }
     }
-    assert!(repaired >= 60, "{repaired}");
+    let kinds = ["deleted", "truncated", "with a flipped bit", "emptied"];
+    let counts = kinds.map(|kind| promised(&format!("File of the cache {kind}")));
+    assert_eq!(counts, [repaired / 4; 4]);
 }
 
 #[test]
@@ -106,9 +109,9 @@ fn a_figure_is_ours_even_when_the_cache_is_lost() {
 #[test]
 fn a_damaged_lock_file_is_refused_and_kept() {
     let project = Project::with(TABLE);
-    for garbage in
-        [&b"tasks = 3"[..], b"[tasks\n", b"\xff\xfe\x00", b"[tasks]\n[exports]\n[more]\n"]
-    {
+    let damage = [&b"tasks = 3"[..], b"[tasks\n", b"\xff\xfe\x00", b"[tasks]\n[exports]\n[more]\n"];
+    assert_eq!(damage.len(), promised("`pipeline/lock.toml` damaged"));
+    for garbage in damage {
         project.write("pipeline/lock.toml", garbage);
         let said = project.run(&["run"]);
         assert!(said.refusal().contains("lock.toml is damaged; restore it with `git checkout`"));
@@ -135,6 +138,65 @@ fn a_second_run_at_once_is_told_who_runs() {
     project.run(&["run", "--cache-dir", "elsewhere"]).lines();
     drop(held);
     assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+}
+
+#[test]
+fn two_runs_started_at_once_share_a_cache() {
+    let scene = wanting(EVERYTHING);
+    let reference = Project::with(&scene);
+    reference.run(&["run"]).lines();
+    let project = Project::with(&scene);
+    let (pairs, mut refused) = (promised("Two runs started at once"), 0);
+    for _ in 0..pairs {
+        let start = || {
+            let mut command = project.command(&["run", "--force"]);
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        };
+        let both =
+            [start(), start()].map(|run| common::Said::from(run.wait_with_output().unwrap()));
+        for said in &both {
+            if said.code != Some(0) {
+                assert!(said.refusal().contains("another signorini ("), "{said:?}");
+                refused += 1;
+            }
+        }
+        assert!(both.iter().any(|said| said.code == Some(0)), "one of them ran: {both:?}");
+        assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+        assert_same(&project.made(), &reference.made());
+    }
+    eprintln!("{refused} of {pairs} second runs came while the first had the cache");
+    assert!(refused > 0);
+}
+
+#[test]
+fn what_the_clock_says_does_not_matter() {
+    let project = Project::with(&wanting(EVERYTHING));
+    project.run(&["run"]).lines();
+    let made = project.made();
+    let mut wrong = 0;
+    // 1980 and 2100.
+    for seconds in [315_532_800, 4_102_444_800] {
+        let then = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
+        let date =
+            |file: &PathBuf| File::options().write(true).open(file).unwrap().set_modified(then);
+        project.times().keys().for_each(|file| date(file).unwrap());
+        assert_eq!(project.run(&["run"]).lines(), ["nothing to do"], "dated, not changed");
+        wrong += 1;
+        let edited = project.path("pipeline/scenes/a.toml");
+        project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
+        date(&edited).unwrap();
+        assert_eq!(project.run(&["run", "-v"]).ran().len(), 7, "changed, whatever the date");
+        wrong += 1;
+        project.scene("a", &wanting(EVERYTHING));
+        project.run(&["run"]).lines();
+        for (name, bytes) in project.files("figures") {
+            assert!(made[&format!("figures/{name}")] == bytes, "{name}");
+        }
+        fs::remove_dir_all(project.path(".signorini")).unwrap();
+        project.run(&["run"]).lines();
+        assert_same(&project.made(), &made);
+    }
+    assert_eq!(wrong, promised("Clock set back or ahead"));
 }
 
 #[test]
@@ -190,14 +252,26 @@ fn with_mounts(project: &Project, script: &str) -> Option<std::process::Output> 
 
 #[test]
 fn a_read_only_file_system_is_one_clear_line() {
-    let project = Project::with(TABLE);
+    let project = Project::with(&wanting("[\"table\", \"source\"]"));
     fs::create_dir(project.path("cache")).unwrap();
-    let script = "mount -t tmpfs -o ro tmpfs cache && exec signorini run --cache-dir cache";
-    let Some(output) = with_mounts(&project, script) else { return };
-    let said = common::Said::from(output);
-    assert!(said.refusal().contains("Read-only file system"), "{said:?}");
-    assert!(said.refusal().contains("give a cache elsewhere with --cache-dir"), "{said:?}");
+    fs::create_dir(project.path("figures")).unwrap();
+    let mut refused = 0;
+    for folder in ["cache", "figures", "pipeline"] {
+        let read_only =
+            format!("mount --bind {folder} {folder} && mount -o remount,ro,bind {folder}");
+        let script = format!("{read_only} && exec signorini run --cache-dir cache");
+        let Some(output) = with_mounts(&project, &script) else { return };
+        let said = common::Said::from(output);
+        assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{said:?}");
+        let error = said.err.lines().last().unwrap();
+        assert!(error.starts_with("error: cannot ") && error.contains("Read-only file system"));
+        assert!(error.contains(&format!("{folder}/")) && error.contains("; make it accessible"));
+        assert_eq!(said.err.matches("error: ").count(), 1, "{said:?}");
+        refused += 1;
+    }
+    assert_eq!(refused, promised("Folder read-only"));
     project.run(&["run", "--cache-dir", "cache"]).lines();
+    assert_eq!(project.run(&["status", "--exit-code", "--cache-dir", "cache"]).code, Some(0));
 }
 
 #[test]
@@ -221,27 +295,61 @@ fn a_full_disk_is_one_clear_line_and_finished_cells_stay() {
     let ran = |log: &str| log.lines().filter(|line| line.starts_with("ran ")).count();
     assert!(ran(first) > 0, "{first}");
     assert_eq!(ran(first) + ran(second), 7, "each task succeeded once: {said:?}");
+
+    let reference = Project::with(&wanting(EVERYTHING));
+    reference.run(&["run"]).lines();
+    let sizes = [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 52, 56, 60, 64, 68, 72, 76, 80];
+    assert_eq!(1 + sizes.len(), promised("Disk full"));
+    let mut full = 0;
+    for size in sizes {
+        let project = Project::with(&wanting(EVERYTHING));
+        fs::create_dir(project.path("cache")).unwrap();
+        let script = script.replace("size=48k", &format!("size={size}k"));
+        let script = script.replace("echo $? >&2;", "echo code=$? >&2;");
+        let said = common::Said::from(with_mounts(&project, &script).expect("allowed above"));
+        assert_eq!(said.code, Some(0), "{size}: {said:?}");
+        let (first, _) = said.err.split_once("code=").unwrap();
+        let errors: Vec<_> = first.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert_eq!(errors.len(), usize::from(!said.err.contains("code=0")), "{size}: {said:?}");
+        assert!(errors.iter().all(|error| error.contains("free some space")), "{errors:?}");
+        full += errors.len();
+        assert_same(&project.files("figures"), &reference.files("figures"));
+        let lock = |project: &Project| fs::read(project.path("pipeline/lock.toml")).unwrap();
+        assert_eq!(lock(&project), lock(&reference), "{size}");
+    }
+    eprintln!("{full} of {} disks were too small", sizes.len());
+    assert!(full >= sizes.len() / 2, "{full}");
 }
 
 #[test]
 fn a_file_size_limit_is_one_clear_line_and_the_next_run_completes() {
     let reference = Project::with(&wanting(EVERYTHING));
     reference.run(&["run"]).lines();
-    let project = Project::with(&wanting(EVERYTHING));
-    let script = format!("trap '' XFSZ; ulimit -f 8; exec {} run", env!("CARGO_BIN_EXE_signorini"));
-    let output =
-        Command::new("sh").args(["-c", &script]).current_dir(project.path(".")).output().unwrap();
-    let said = common::Said::from(output);
-    assert!(said.refusal().contains("raise the limit on file sizes"), "{said:?}");
-    assert!(!project.stale().contains(&"solve/a/signed/r=10".into()), "finished cells are kept");
-    project.run(&["run"]).lines();
-    assert_same(&project.made(), &reference.made());
+    let mut refused = 0;
+    for blocks in 1..=16 {
+        let project = Project::with(&wanting(EVERYTHING));
+        let program = env!("CARGO_BIN_EXE_signorini");
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} run");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script]).current_dir(project.path("."));
+        let said = common::Said::from(shell.output().unwrap());
+        assert!(said.refusal().contains("raise the limit on file sizes"), "{blocks}: {said:?}");
+        if blocks == 8 {
+            let stale = project.stale();
+            assert!(!stale.contains(&"solve/a/signed/r=10".into()), "finished cells are kept");
+        }
+        project.run(&["run"]).lines();
+        assert_same(&project.made(), &reference.made());
+        refused += 1;
+    }
+    assert_eq!(refused, promised("File size limit"));
 }
 
 #[test]
 fn a_cache_of_an_older_layout_is_ignored_and_collected() {
     let project = Project::with(TABLE);
     project.run(&["run"]).lines();
+    assert_eq!(promised("Cache of an older layout"), 1);
     fs::rename(project.path(".signorini/v1"), project.path(".signorini/v0")).unwrap();
     assert_eq!(project.run(&["run", "-v"]).ran().len(), 3, "nothing of it is believed");
     assert!(project.path(".signorini/v0/tasks").exists(), "a run removes nothing");
@@ -253,7 +361,7 @@ fn a_cache_of_an_older_layout_is_ignored_and_collected() {
 #[test]
 fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
     let project = Project::with(TABLE);
-    for (wrong, remedy) in [
+    let mistakes = [
         (TABLE.replace("title", "titel"), "line 1: unknown field `titel`"),
         (TABLE.to_owned() + "colour = 3\n", "line 6: unknown field `colour`, expected one of"),
         (TABLE.replace("else=-1", "else=1"), "(2) asks for a negative one; lower f somewhere"),
@@ -280,7 +388,9 @@ fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
         (TABLE.replace("[\"table\"]", "[\"poem\"]"), "unknown variant `poem`, expected one of"),
         (TABLE[..TABLE.len() / 2].to_owned(), "line "),
         (String::new(), "missing field `title`"),
-    ] {
+    ];
+    assert_eq!(mistakes.len(), promised("Mistake in a scene"));
+    for (wrong, remedy) in mistakes {
         project.scene("a", &wrong);
         let said = project.run(&["run"]);
         assert!(said.refusal().starts_with("error: scene `a`: "), "{said:?}");

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{EVERYTHING, Project, assert_same, wanting};
+use common::{EVERYTHING, Project, assert_same, promised, wanting};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{RngSeed, TestCaseError};
@@ -226,7 +226,9 @@ fn random_bytes_in_the_cache_are_never_believed() {
         Just(vec![b'['; 100_000]),
         Just(b"{\"schema\":1,\"seal\":\"\",\"task\":\"\",\"generation\":18446744073709551615,\"inputs\":{},\"outputs\":{}}".to_vec()),
     ];
-    let mut runner = proptest::test_runner::TestRunner::new(config(60));
+    let mut runner = proptest::test_runner::TestRunner::new(config(promised(
+        "Random bytes in the cache",
+    ) as u32));
     let damage = prop::collection::vec((select(names), bytes), 1..6);
     runner
         .run(&damage, |damage| {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, EVERYTHING, Project, TABLE, assert_same, wanting};
+use common::{Dice, EVERYTHING, Project, TABLE, assert_same, promised, wanting};
 use std::io::Read;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -61,14 +61,41 @@ fn killed_runs_resume(kills: usize, seed: u64) {
 }
 
 #[test]
-fn runs_killed_at_32_random_moments_resume() {
-    killed_runs_resume(32, 0x5165_6e6f);
+fn runs_killed_at_random_moments_resume() {
+    killed_runs_resume(promised("Killed (`SIGKILL`) at a random moment"), 0x5165_6e6f);
 }
 
 #[test]
 #[ignore = "takes a minute; run with --ignored"]
-fn runs_killed_at_200_random_moments_resume() {
-    killed_runs_resume(200, 0x7269_6e69);
+fn runs_killed_at_1000_random_moments_resume() {
+    killed_runs_resume(1000, 0x7269_6e69);
+}
+
+#[test]
+fn runs_interrupted_at_random_moments_resume() {
+    let interrupts = promised("Ctrl-C (`SIGINT`) at a random moment");
+    let project = long();
+    let start = Instant::now();
+    project.run(&["run"]).lines();
+    let bound = start.elapsed().as_micros() as u64;
+    let made = project.made();
+    let mut dice = Dice(0x4374_726c);
+    let mut in_time = 0;
+    for _ in 0..interrupts {
+        let mut child = project.start(&["run", "--force"]);
+        std::thread::sleep(Duration::from_micros(dice.below(bound)));
+        let id = child.id().to_string();
+        // Fails if the run has ended by itself.
+        let _ = Command::new("kill").args(["-INT", &id]).stderr(Stdio::null()).status().unwrap();
+        // No code: the signal came before the program was ready for it.
+        let code = child.wait().unwrap().code();
+        assert!(matches!(code, Some(0 | 130) | None), "{code:?}");
+        in_time += usize::from(code != Some(0));
+        project.run(&["run"]).lines();
+        assert_same(&project.made(), &made);
+    }
+    eprintln!("{in_time} of {interrupts} interrupted in time");
+    assert!(in_time > interrupts / 4, "{in_time} of {interrupts}");
 }
 
 #[test]

@@ -51,10 +51,12 @@ fn commands_run_and_outputs_are_true() {
     assert_eq!(run("cargo run --release", project).stdout, b"nothing to do\n");
     assert!(project.join("report/book/index.html").is_file());
     assert!(project.join("target/v.svg").is_file());
+    assert!(project.join("codecheck/codecheck.yml").is_file());
 
     ran = follow("report/templates/own-problems.md.tera", project);
     assert!(ran >= 6, "only {ran} commands found in the chapter");
     assert!(project.join("target/v.npy").is_file());
+    changes_are_explained(project);
 }
 
 /// Does what a page says in its fenced blocks; returns how many commands that were.
@@ -81,6 +83,51 @@ fn follow(page: &str, project: &Path) -> usize {
         }
     }
     ran
+}
+
+/// After a full run: every kind of input, changed, is named with what it was and what it is.
+fn changes_are_explained(project: &Path) {
+    let edit = |file: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(project.join(file)).unwrap();
+        assert!(text.contains(from), "{from} in {file}");
+        fs::write(project.join(file), text.replacen(from, to, 1)).unwrap();
+    };
+    let explained = |what: &str| {
+        let output = run(&format!("cargo run --release -- explain {what}"), project);
+        String::from_utf8(output.stdout).unwrap()
+    };
+    // `  file NAME: 0123456789ab -> ba9876543210`
+    let is_hash = |text: &str| text.len() == 12 && text.bytes().all(|b| b.is_ascii_hexdigit());
+    let told = |text: &str, file: &str| {
+        text.lines().filter_map(|l| l.strip_prefix(&format!("  file {file}: "))).any(|change| {
+            let (old, new) = change.split_once(" -> ").unwrap();
+            is_hash(old) && is_hash(new) && old != new
+        })
+    };
+    edit("report/templates/verdict.md.tera", "# What", "# Just what");
+    let report = explained("report");
+    assert!(report.starts_with("report/book: stale\n"), "{report}");
+    assert!(
+        told(&report, "report/templates/verdict.md.tera") && report.lines().count() == 2,
+        "{report}"
+    );
+    edit("pipeline/paper.toml", "# Published", "# The published");
+    let diff = explained("diff/problem1");
+    assert!(told(&diff, "pipeline/paper.toml") && diff.lines().count() == 2, "{diff}");
+    edit("pipeline/scenes/problem1.toml", "title = \"Problem 1", "title = \"The problem 1");
+    let figure = explained("figures/figure1");
+    assert_eq!(
+        figure,
+        "figures/figure1: stale\n  parameter problem1.title: Problem 1 -> The problem 1\n"
+    );
+    // The book waits for the figure, which is no reason to keep its own changes back.
+    let report = explained("report");
+    assert!(report.starts_with("report/book: waits for "), "{report}");
+    for file in
+        ["report/templates/verdict.md.tera", "pipeline/paper.toml", "pipeline/scenes/problem1.toml"]
+    {
+        assert!(told(&report, file), "{file}: {report}");
+    }
 }
 
 /// Times, and how many files a run found missing, differ from run to run.

@@ -2,6 +2,7 @@
 
 use super::ReportError;
 use super::mathml::{Labels, collect_labels, convert};
+use crate::files::read_tree;
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 use std::collections::BTreeMap;
@@ -45,9 +46,7 @@ pub fn build(
     }
     let built = scratch.0.join(&config.build.build_dir);
     MDBook::load_with_config(scratch.0, config).and_then(|book| book.build()).map_err(refused)?;
-    let mut output = BTreeMap::new();
-    read_tree(&built, "", &mut output)?;
-    Ok(output)
+    read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
 }
 
 /// A folder that lives as long as this value.
@@ -88,23 +87,4 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(path, bytes))
         .map_err(|source| io(path, source))
-}
-
-/// Reads the files below `folder` into `output`, named by `prefix` and their path from there.
-fn read_tree(
-    folder: &Path,
-    prefix: &str,
-    output: &mut BTreeMap<String, Vec<u8>>,
-) -> Result<(), ReportError> {
-    for entry in fs::read_dir(folder).map_err(|source| io(folder, source))? {
-        let entry = entry.map_err(|source| io(folder, source))?;
-        let path = entry.path();
-        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        if path.is_dir() {
-            read_tree(&path, &format!("{name}/"), output)?;
-        } else {
-            output.insert(name, fs::read(&path).map_err(|source| io(&path, source))?);
-        }
-    }
-    Ok(())
 }

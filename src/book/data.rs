@@ -23,6 +23,8 @@ pub struct Report {
     pub scenes: Vec<Scene>,
     /// What the search for the lost Figure 1 has found, as committed.
     pub record: Record,
+    /// What the experiments of [`crate::bench`] found, by name.
+    pub bench: BTreeMap<String, serde_json::Value>,
     /// The figures of the chapters.
     pub figures: Figures,
     /// The commands of the program.
@@ -172,6 +174,8 @@ pub struct Figures {
     pub histories: Figure,
     /// Counts that come out around each f.
     pub identifiability: Figure,
+    /// Pictures of experiments, by name.
+    pub bench: BTreeMap<String, Figure>,
 }
 
 /// A figure and what made it.

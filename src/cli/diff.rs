@@ -4,10 +4,11 @@ use super::pipeline::{Workplace, bring_up_to_date};
 use super::{CacheArgs, say, say_json, styled};
 use crate::error::{Error, Result};
 use crate::paper::{Comparison, RowComparison, TableComparison};
-use crate::pipeline::Stage;
+use crate::pipeline::{Manifest, Stage};
 use crate::stages::diff::DIFF;
 use anstyle::AnsiColor;
 use clap::Args;
+use std::collections::BTreeMap;
 
 /// Arguments of `diff`.
 #[derive(Args)]
@@ -30,7 +31,21 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
             "no scene has a `paper_table`; add one to compare with the paper",
         ));
     }
-    let manifests = bring_up_to_date(&workplace, &tasks)?;
+    let comparison = comparison(&workplace, &bring_up_to_date(&workplace, &tasks)?)?;
+    if args.json {
+        say_json(&comparison)?;
+    } else {
+        let print = if args.md { markdown } else { text };
+        say(&comparison.tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
+    }
+    Ok(u8::from(!comparison.holds()))
+}
+
+/// The comparisons among the outputs of these runs, by number of table.
+pub(super) fn comparison(
+    workplace: &Workplace,
+    manifests: &BTreeMap<String, Manifest>,
+) -> Result<Comparison> {
     let mut tables = Vec::new();
     for manifest in manifests.values().filter(|manifest| manifest.outputs.contains_key(DIFF)) {
         let artifacts = workplace.store.artifacts(&manifest.task, &manifest.outputs)?;
@@ -39,14 +54,7 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
         tables.push(table);
     }
     tables.sort_by_key(|table| table.table);
-    let comparison = Comparison { schema: 1, tables };
-    if args.json {
-        say_json(&comparison)?;
-    } else {
-        let print = if args.md { markdown } else { text };
-        say(&comparison.tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
-    }
-    Ok(u8::from(!comparison.holds()))
+    Ok(Comparison { schema: 1, tables })
 }
 
 /// Iterations with their mark: `=` exact, `~` within tolerance, `!` outside.

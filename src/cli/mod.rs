@@ -1,16 +1,21 @@
 //! The command line: what there is to say, and which function says it.
 
+mod certificate;
 mod diff;
 mod identify;
 mod interrupt;
+mod man;
 mod pipeline;
+mod run;
 mod solve;
+mod status;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, IoContext, Result};
+use crate::pipeline::write_atomically;
 use crate::project::CommandHelp;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Columns of help, in a terminal as wide or wider and in the book.
@@ -37,7 +42,7 @@ struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    run: pipeline::RunArgs,
+    run: run::RunArgs,
 }
 
 /// Where the cache is.
@@ -54,16 +59,18 @@ enum Command {
     #[command(after_help = "Examples:\n  signorini run                     everything\n  \
         signorini run problem1            what concerns one scene alone: its cells, tables, comparison\n  \
         signorini run --only figures      the figures, and what they need\n  \
-        signorini run --locked            fail if anything differs from pipeline/lock.toml")]
-    Run(pipeline::RunArgs),
+        signorini run --locked            fail if anything differs from pipeline/lock.toml\n  \
+        signorini run --trace t.json      what ran when on which thread; open it in ui.perfetto.dev")]
+    Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
-    #[command(after_help = "Example:\n  signorini status --exit-code || signorini run")]
-    Status(pipeline::StatusArgs),
+    #[command(after_help = "In narrow terminals, COLUMNS says where lines are cut.\n\
+        Example:\n  signorini status --exit-code || signorini run")]
+    Status(status::StatusArgs),
     /// Tell why a stage or task would run: each input that changed, old -> new
     #[command(
         after_help = "Examples:\n  signorini explain report\n  signorini explain solve/problem1"
     )]
-    Explain(pipeline::ExplainArgs),
+    Explain(status::ExplainArgs),
     /// Print the graph of tasks
     #[command(after_help = "Example:\n  signorini dag --dot | dot -Tsvg > dag.svg")]
     Dag(pipeline::DagArgs),
@@ -86,6 +93,11 @@ enum Command {
     Identify(identify::IdentifyArgs),
     /// Build the book, and open it with --open
     Report(pipeline::ReportArgs),
+    /// Write what a reviewer attaches to a review: a CODECHECK bundle and a one-page certificate
+    #[command(after_help = "Only for a run that is up to date.\n\
+        Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
+        signorini certificate --output ../review")]
+    Certificate(certificate::CertificateArgs),
     /// Remove from the cache what no scene needs any more
     Gc(pipeline::GcArgs),
     /// Print a completion script for a shell
@@ -95,6 +107,15 @@ enum Command {
     Completions {
         /// The shell
         shell: clap_complete::Shell,
+    },
+    /// Print the manual page, or write those of all commands to a folder
+    #[command(
+        after_help = "Examples:\n  signorini man | man -l -\n  signorini man --output ~/.local/share/man/man1"
+    )]
+    Man {
+        /// Folder for a page per command, which must exist
+        #[arg(short, long, value_name = "DIR")]
+        output: Option<PathBuf>,
     },
 }
 
@@ -121,20 +142,22 @@ pub fn main() -> ExitCode {
 
 fn dispatch(cli: Cli) -> Result<u8> {
     match cli.command.unwrap_or(Command::Run(cli.run)) {
-        Command::Run(args) => pipeline::run(&args),
-        Command::Status(args) => pipeline::status(&args),
-        Command::Explain(args) => pipeline::explain(&args),
+        Command::Run(args) => run::run(&args),
+        Command::Status(args) => status::status(&args),
+        Command::Explain(args) => status::explain(&args),
         Command::Dag(args) => pipeline::dag(&args),
         Command::Diff(args) => diff::diff(&args),
         Command::Solve(args) => solve::solve(&args),
         Command::Identify(args) => identify::identify(&args),
         Command::Report(args) => pipeline::report(&args),
+        Command::Certificate(args) => certificate::certificate(&args),
         Command::Gc(args) => pipeline::gc(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "signorini", &mut script);
             say(&String::from_utf8_lossy(&script))
         }
+        Command::Man { output } => man::man(output.as_deref()),
     }
 }
 
@@ -169,6 +192,30 @@ fn say(text: &str) -> Result<u8> {
 fn say_json(value: &impl serde::Serialize) -> Result<u8> {
     let text = serde_json::to_string_pretty(value).expect("answers are plain data");
     say(&(text + "\n"))
+}
+
+/// A line of talk on standard error; a reader that has gone away is no reason to stop.
+fn talk(line: &str) {
+    let _ = writeln!(anstream::stderr(), "{line}");
+}
+
+/// Refuses a file that the user named in a folder that is not there: a slip of the pen makes no folders.
+fn check_folder(path: &Path) -> Result<()> {
+    if path.parent().is_none_or(|folder| folder == Path::new("") || folder.is_dir()) {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(Error::input(format!("cannot write {path}: no such folder; make it, or name another file")))
+}
+
+/// Writes a file that the user named: whole or not at all.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
+    check_folder(path)?;
+    // A pipe or a device can only be written in place.
+    if path.exists() && !path.is_file() {
+        return std::fs::write(path, bytes).context("write", path);
+    }
+    write_atomically(path, bytes)
 }
 
 fn styled(text: &str, color: anstyle::AnsiColor) -> String {

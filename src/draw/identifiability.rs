@@ -2,7 +2,8 @@
 
 use super::axes::{Frame, colour_bar, key};
 use super::palette::{CONTACT, INK, WHITE, viridis};
-use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
+use super::panels::{Panels, centre, title};
+use super::picture::{NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
 use super::text::Ticks;
 use super::{Caption, FigureError, IdentifiabilityPanel, finite, some};
 use plotters::style::RGBColor;
@@ -38,19 +39,22 @@ pub fn identifiability(
     let range = (least.min(most) as f64, most as f64);
     let color = |n: f64| viridis((n - range.0) / (range.1 - range.0).max(1.0));
 
-    let columns = panels.len().min(2);
-    let rows = panels.len().div_ceil(2);
-    let (cell_width, cell_height) = (SIDE + 95.0, SIDE + 100.0);
-    let width = 20.0 + columns as f64 * cell_width;
-    let height = rows as f64 * cell_height + 96.0;
+    let layout = Panels {
+        count: panels.len(),
+        side: SIDE,
+        margin: 10.0,
+        left: 78.0,
+        around: (95.0, 100.0),
+        foot: 96.0,
+    };
+    let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
     picture.layer("", |pen| {
         for (k, panel) in panels.iter().enumerate() {
-            let left = 10.0 + (k % 2) as f64 * cell_width + 78.0;
-            let top = (k / 2) as f64 * cell_height + 48.0;
-            draw_panel(pen, panel, (left, top), color);
+            let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
+            draw_panel(pen, panel, frame, color);
         }
-        let top = rows as f64 * cell_height + 14.0;
+        let top = layout.foot_top() + 14.0;
         let middle = 0.5 * width + 60.0;
         let half = 0.5 * (width - 260.0).min(420.0);
         colour_bar(pen, (middle - half, middle + half), top, range, color, "counts that come out");
@@ -59,27 +63,21 @@ pub fn identifiability(
     Ok(picture.finish(caption))
 }
 
+/// The range of an axis: each point stands for the cell around it.
+fn ends(values: &[f64]) -> (f64, f64) {
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let half = 0.5 * (last - first) / (values.len() - 1).max(1) as f64;
+    (first - half, last + half)
+}
+
 fn draw_panel(
     pen: &mut Pen,
     panel: &IdentifiabilityPanel,
-    (left, top): Place,
+    frame: Frame,
     color: impl Fn(f64) -> RGBColor,
 ) {
     let slice = panel.slice;
-    let ends = |values: &[f64]| {
-        let (first, last) = (values[0], values[values.len() - 1]);
-        // Each point stands for the cell around it.
-        let half = 0.5 * (last - first) / (values.len() - 1).max(1) as f64;
-        (first - half, last + half)
-    };
-    let frame = Frame {
-        across: (left, left + SIDE),
-        down: (top, top + SIDE),
-        x: ends(&slice.x),
-        y: ends(&slice.y),
-    };
-    let middle = left + 0.5 * SIDE;
-    pen.text(panel.title, (middle, top - 22.0), Type::size(LARGE).bold());
+    title(pen, &frame, panel.title);
     let (nx, ny) = (slice.x.len(), slice.y.len());
     let line = |k: usize, n: usize, (low, high): (f64, f64)| {
         low + (high - low) * k.min(n) as f64 / n as f64
@@ -119,8 +117,9 @@ fn draw_panel(
     frame.label_below(pen, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
     frame.label_left(pen, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
     let kind = Type::size(NORMAL);
-    pen.text("f on the odd quadrant", (middle, top + SIDE + 32.0), kind);
-    pen.text("f elsewhere", (left - 64.0, top + 0.5 * SIDE), kind.upwards());
+    let (x, y) = centre(&frame);
+    pen.text("f on the odd quadrant", (x, frame.down.1 + 32.0), kind);
+    pen.text("f elsewhere", (frame.across.0 - 64.0, y), kind.upwards());
 }
 
 fn ring(pen: &mut Pen, at: Place) {

@@ -2,7 +2,8 @@
 
 use super::axes::{Frame, colour_bar};
 use super::palette::{INK, WHITE, diverging, legible_on};
-use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type, text_width};
+use super::panels::{Panels, centre, title};
+use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
 use super::{Caption, FMap, FigureError, finite, some};
@@ -47,24 +48,20 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
     let limit = if limit > 0.0 { limit } else { 1.0 };
     let color = |value: f64| diverging(value / limit);
 
-    let columns = panels.len().min(2);
-    let rows = panels.len().div_ceil(2);
-    let (cell_width, cell_height) = (SIDE + 92.0, SIDE + 94.0);
-    let width = 40.0 + columns as f64 * cell_width;
-    let height = rows as f64 * cell_height + 66.0;
+    let layout = Panels {
+        count: panels.len(),
+        side: SIDE,
+        margin: 20.0,
+        left: 66.0,
+        around: (92.0, 94.0),
+        foot: 66.0,
+    };
+    let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
     picture.layer("", |pen| {
         for (k, (panel, values)) in panels.iter().zip(&rasters).enumerate() {
-            let left = 20.0 + (k % 2) as f64 * cell_width + 66.0;
-            let top = (k / 2) as f64 * cell_height + 48.0;
-            let frame = Frame {
-                across: (left, left + SIDE),
-                down: (top, top + SIDE),
-                x: (-0.5, 0.5),
-                y: (-0.5, 0.5),
-            };
-            let middle = left + 0.5 * SIDE;
-            pen.text(panel.title, (middle, top - 22.0), Type::size(LARGE).bold());
+            let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
+            title(pen, &frame, panel.title);
             match panel.f {
                 Source::Pieces { background, pieces } => {
                     frame.band(pen, frame.x, color(*background));
@@ -92,11 +89,12 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
             frame.label_below(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
             frame.label_left(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
             let kind = Type::size(NORMAL).italic();
-            pen.text("x", (middle, top + SIDE + 31.0), kind);
-            pen.text("y", (left - 48.0, top + 0.5 * SIDE), kind);
+            let (x, y) = centre(&frame);
+            pen.text("x", (x, frame.down.1 + 31.0), kind);
+            pen.text("y", (frame.across.0 - 48.0, y), kind);
         }
         let middle = 0.5 * width + 10.0;
-        let top = rows as f64 * cell_height + 12.0;
+        let top = layout.foot_top() + 12.0;
         let half = 0.5 * (width - 160.0).min(420.0);
         colour_bar(pen, (middle - half, middle + half), top, (-limit, limit), color, "f (x, y)");
     })?;

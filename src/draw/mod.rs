@@ -5,17 +5,20 @@
 
 mod axes;
 mod camera;
+mod chart;
 mod contact;
 mod history;
 mod identifiability;
 mod maps;
 mod palette;
+mod panels;
 mod picture;
 mod regions;
 mod surface;
 mod text;
 
 pub use camera::View;
+pub use chart::charts;
 pub use contact::contact;
 pub use history::histories;
 pub use identifiability::identifiability;
@@ -123,6 +126,63 @@ pub struct IdentifiabilityPanel<'a> {
     pub cells: usize,
     /// Other f to mark, as points of the plane.
     pub others: &'a [[f64; 2]],
+}
+
+/// One panel of [`charts`].
+#[derive(Clone, Copy, Debug)]
+pub struct Chart<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// The horizontal axis.
+    pub x: Axis<'a>,
+    /// The vertical axis.
+    pub y: Axis<'a>,
+    /// What is plotted.
+    pub curves: &'a [Curve<'a>],
+}
+
+/// An axis of a [`Chart`].
+#[derive(Clone, Copy, Debug)]
+pub struct Axis<'a> {
+    /// Its name, with the unit.
+    pub name: &'a str,
+    /// How values are placed along it.
+    pub scale: Scale,
+    /// The range shown at least.
+    pub range: Option<(f64, f64)>,
+}
+
+/// How values are placed along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// By value, ticks at round numbers.
+    Linear,
+    /// By logarithm, ticks at powers of ten.
+    Log,
+}
+
+/// A curve of a [`Chart`].
+#[derive(Clone, Copy, Debug)]
+pub struct Curve<'a> {
+    /// Name in the legend; equal names share a colour across panels.
+    pub label: &'a str,
+    /// Points in the order in which they are joined.
+    pub points: &'a [(f64, f64)],
+    /// How it is drawn.
+    pub stroke: Stroke,
+}
+
+/// How a [`Curve`] is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// A line with a ring at each point.
+    Marked,
+    /// A line only.
+    Line,
+    /// Rings only.
+    Rings,
+    /// A thin dashed line in secondary ink, named at its right end and not in the legend: a bound, a slope.
+    Reference,
 }
 
 /// Why data cannot be drawn.

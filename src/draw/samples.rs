@@ -145,6 +145,24 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     let curves: Vec<_> = labels.iter().map(|label| History { label, levels: &levels }).collect();
     let panel = HistoryPanel { title, grids: &grids, curves: &curves };
     figures.push(("long".into(), histories(CAPTION, Span::AllGrids, &[panel]).unwrap()));
+    let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
+    let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
+    let curve = |label, points, stroke| Curve { label, points, stroke };
+    let curves = [
+        curve("L2 error", &falling[..], Stroke::Marked),
+        curve("maximum error", &falling[3..6], Stroke::Line),
+        curve("one", &falling[..1], Stroke::Rings),
+        curve("order 2", &slope, Stroke::Reference),
+    ];
+    let log = |name| Axis { name, scale: Scale::Log, range: None };
+    let linear = |name| Axis { name, scale: Scale::Linear, range: Some((0.0, 1e-3)) };
+    let panels = [
+        Chart { title: "both logarithmic", x: log("1/h"), y: log("error"), curves: &curves },
+        Chart { title: "both linear", x: linear("1/h"), y: linear("error"), curves: &curves[..3] },
+        Chart { title: "alone", x: log("1/h"), y: linear("error"), curves: &curves[..2] },
+    ];
+    figures.push(("charts".into(), charts(CAPTION, 2, &panels).unwrap()));
+    figures.push(("chart".into(), charts(CAPTION, 1, &panels[..1]).unwrap()));
     figures
 }
 

@@ -56,20 +56,36 @@ impl Manifest {
 impl Task {
     /// Today's inputs; `upstream` holds the outputs of every task that this one needs.
     pub(super) fn inputs(&self, upstream: &BTreeMap<String, Hashes>) -> BTreeMap<String, String> {
+        let mut inputs = self.own_inputs();
+        for need in &self.needs {
+            for (name, hash) in &upstream[need] {
+                inputs.insert(format!("{ARTIFACT}{need}/{name}"), hash.clone());
+            }
+        }
+        inputs
+    }
+
+    /// The inputs that no other task makes.
+    fn own_inputs(&self) -> BTreeMap<String, String> {
         let mut inputs = BTreeMap::from([
             ("signorini".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("stage version".to_owned(), self.stage.version().to_string()),
         ]);
         inputs.extend(self.parameters.iter().map(|(k, v)| (format!("parameter {k}"), v.clone())));
         inputs.extend(self.files.iter().map(|(path, bytes)| (format!("file {path}"), hash(bytes))));
-        for need in &self.needs {
-            for (name, hash) in &upstream[need] {
-                inputs.insert(format!("artifact {need}/{name}"), hash.clone());
-            }
-        }
         inputs
     }
+
+    /// What has changed since this run among the inputs that no other task makes.
+    pub fn own_changes(&self, since: &Manifest) -> Vec<Change> {
+        let mut old = since.inputs.clone();
+        old.retain(|input, _| !input.starts_with(ARTIFACT));
+        changes(&old, &self.own_inputs())
+    }
 }
+
+/// How the inputs begin that other tasks make.
+const ARTIFACT: &str = "artifact ";
 
 /// One input that is not what it was.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -136,6 +152,16 @@ impl fmt::Display for Reason {
             Self::Damaged(name) => write!(out, "artifact {name} is missing, truncated or edited"),
             Self::Forced => out.write_str("forced"),
         }
+    }
+}
+
+/// Why several tasks have to run, in a few words: the first reason, and how many have others.
+pub fn why(reasons: &[&Reason]) -> String {
+    let Some(first) = reasons.first() else { return String::new() };
+    match reasons.iter().filter(|reason| *reason != first).count() {
+        0 => first.to_string(),
+        1 => format!("{first}; one task for another reason"),
+        n => format!("{first}; {n} tasks for other reasons"),
     }
 }
 

@@ -14,14 +14,19 @@ mod lockfile;
 mod manifest;
 mod progress;
 mod store;
+mod times;
+mod trace;
 
 pub use execute::{Judged, Options, Ran, Summary, execute};
 pub use graph::{Graph, Node};
 pub use lock::CacheLock;
 pub use lockfile::LockFile;
-pub use manifest::{Change, Manifest, Reason, Verdict};
+pub use manifest::{Change, Manifest, Reason, Verdict, why};
 pub use progress::Progress;
+pub(crate) use store::write_atomically;
 pub use store::{Garbage, Hit, Store};
+pub use times::{Times, brief};
+pub use trace::Trace;
 
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -44,6 +49,8 @@ pub enum Stage {
     Diff,
     /// How sharply a published table fixes f, and a search for it.
     Identify,
+    /// Numerical experiments past the paper: accuracy, claims, stability.
+    Bench,
     /// SVG pictures.
     Figures,
     /// Markdown pages and the book.
@@ -52,8 +59,15 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 6] =
-        [Self::Solve, Self::Tabulate, Self::Diff, Self::Identify, Self::Figures, Self::Report];
+    pub const ALL: [Self; 7] = [
+        Self::Solve,
+        Self::Tabulate,
+        Self::Diff,
+        Self::Identify,
+        Self::Bench,
+        Self::Figures,
+        Self::Report,
+    ];
 
     /// The name on the command line and in task ids.
     pub fn name(self) -> &'static str {
@@ -62,6 +76,7 @@ impl Stage {
             Self::Tabulate => "tabulate",
             Self::Diff => "diff",
             Self::Identify => "identify",
+            Self::Bench => "bench",
             Self::Figures => "figures",
             Self::Report => "report",
         }
@@ -76,6 +91,7 @@ impl Stage {
             | Self::Tabulate
             | Self::Diff
             | Self::Identify
+            | Self::Bench
             | Self::Figures
             | Self::Report => 1,
         }

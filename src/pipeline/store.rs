@@ -23,6 +23,8 @@ pub struct Store {
 pub struct Hit {
     /// Its record.
     pub manifest: Manifest,
+    /// Size of its artifacts.
+    pub(super) bytes: usize,
     /// Latest generation of the task; higher if an edit was reverted.
     latest: u64,
 }
@@ -89,10 +91,11 @@ impl Store {
         let Some(same) = manifests.iter().find(|manifest| manifest.inputs == *inputs) else {
             return Err(Reason::Changed(changes(&latest.inputs, inputs)));
         };
-        match same.outputs.iter().find(|(_, hash)| self.get(hash).is_none()) {
-            Some((name, _)) => Err(Reason::Damaged(name.clone())),
-            None => Ok(Hit { manifest: same.clone(), latest: latest.generation }),
+        let mut bytes = 0;
+        for (name, hash) in &same.outputs {
+            bytes += self.get(hash).ok_or_else(|| Reason::Damaged(name.clone()))?.len();
         }
+        Ok(Hit { manifest: same.clone(), bytes, latest: latest.generation })
     }
 
     /// Makes a hit the latest generation of its task, so that `gc` keeps what is in use.
@@ -100,7 +103,7 @@ impl Store {
     /// # Errors
     /// [`Error::Io`].
     pub fn renew(&self, hit: Hit) -> Result<Manifest> {
-        let Hit { mut manifest, latest } = hit;
+        let Hit { mut manifest, latest, .. } = hit;
         if manifest.generation < latest {
             let old = self.manifest_file(&manifest);
             manifest.generation = latest + 1;
@@ -229,7 +232,7 @@ impl Store {
 ///
 /// # Errors
 /// [`Error::Io`].
-pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().expect("a file lies in a folder");
     fs::create_dir_all(folder).context("create", folder)?;
     // Unique among threads, the same in every process: what a killed run leaves behind is

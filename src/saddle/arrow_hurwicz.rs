@@ -5,7 +5,7 @@
 //! Reference: N. N. Maksimova, equations (7)-(13); the misprints are mended as the report says.
 
 use super::Pair;
-use super::gradient::{Gradient, dual_step};
+use super::gradient::{DualStep, Gradient};
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use crate::grid::Grid;
@@ -90,45 +90,25 @@ pub fn arrow_hurwicz(
     assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
     assert!(pair.a.len() == grid.boundary_nodes());
     let boundary: Vec<usize> = grid.boundary().collect();
-    let mut gradient = Gradient::new(grid, params.r, 0.0);
-    let (mut iterations, mut delta_a) = (0, 0.0);
+    let gradient = Gradient::new(grid, params.r, 0.0);
+    let mut dual = DualStep::new(load, &boundary, (params.rule, params.tolerance), gradient);
     let stop = loop {
-        if iterations == params.max_iterations {
+        if dual.iterations == params.max_iterations {
             break StopReason::IterationLimit;
         }
-        iterations += 1;
         sweep(grid, load, 0.0, params.r, &mut pair.y, &pair.a);
-        delta_a = match dual_step(&boundary, params.r, &pair.y, &mut pair.a) {
-            Some(change) => change,
-            None => break StopReason::Diverged,
-        };
-        if let Some(monitor) = monitor.as_mut() {
-            let (gradient_signed, gradient_abs) = gradient.extrema(load, pair);
-            let iteration =
-                Iteration { number: iterations, gradient_signed, gradient_abs, delta_a };
-            if monitor(&iteration).is_break() {
-                break StopReason::Interrupted;
-            }
-        }
-        if (!params.rule.asks_dual() || delta_a <= params.tolerance)
-            && gradient.within(load, pair, params.tolerance, params.rule.is_printed())
-        {
-            break StopReason::Converged;
+        if let ControlFlow::Break(stop) = dual.step(pair, &mut monitor) {
+            break stop;
         }
     };
-    Outcome::at(grid, load, &mut gradient, pair, (iterations, delta_a, stop))
+    Outcome::at(grid, pair, dual, stop)
 }
 
 impl Outcome {
-    /// What is to be said of `pair` after so many iterations, the last of which changed a by `delta_a`.
-    pub(super) fn at(
-        grid: Grid,
-        load: &[f64],
-        gradient: &mut Gradient,
-        pair: &Pair,
-        (iterations, delta_a, stop): (usize, f64, StopReason),
-    ) -> Self {
-        let (gradient_signed, gradient_abs) = gradient.extrema(load, pair);
+    /// What is to be said of `pair` after the last step.
+    pub(super) fn at(grid: Grid, pair: &Pair, mut dual: DualStep, stop: StopReason) -> Self {
+        let (load, iterations, delta_a) = (dual.load, dual.iterations, dual.delta_a);
+        let (gradient_signed, gradient_abs) = dual.gradient.extrema(load, pair);
         let (energy, kkt) = (energy(grid, &pair.y, load), kkt(grid, &pair.y, load));
         let finite =
             [energy, gradient_abs, kkt.natural, kkt.min_lambda].iter().all(|v| v.is_finite());

@@ -16,8 +16,8 @@
 //! R. V. Namm and A. S. Tkachenko, Izv. vuzov. Matematika, 2010, no. 4, for the proximal term (the
 //! paper's refs 5 and 6); G. Woo, R. V. Namm, S. A. Sachkoff, Comput. Math. Math. Phys. 46 (2006) 23-33.
 
-use super::arrow_hurwicz::{Iteration, OnIteration, Outcome};
-use super::gradient::{Gradient, dual_step};
+use super::arrow_hurwicz::{OnIteration, Outcome};
+use super::gradient::{DualStep, Gradient};
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use super::{Pair, Params};
@@ -124,7 +124,8 @@ fn run(
     assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
     assert!(pair.a.len() == grid.boundary_nodes());
     let boundary: Vec<usize> = grid.boundary().collect();
-    let mut gradient = Gradient::new(grid, params.r, 0.0);
+    let gradient = Gradient::new(grid, params.r, 0.0);
+    let mut dual = DualStep::new(load, &boundary, (params.rule, params.tolerance), gradient);
     let mut inner = Inner {
         grid,
         r: params.r,
@@ -135,34 +136,18 @@ fn run(
         sweeps: 0,
         max_sweeps: params.max_sweeps,
     };
-    let (mut iterations, mut delta_a) = (0, 0.0);
     let stop = loop {
-        if iterations == params.max_iterations {
+        if dual.iterations == params.max_iterations {
             break StopReason::IterationLimit;
         }
         if let ControlFlow::Break(stop) = inner.minimise(load, &boundary, pair) {
             break stop;
         }
-        iterations += 1;
-        delta_a = match dual_step(&boundary, params.r, &pair.y, &mut pair.a) {
-            Some(change) => change,
-            None => break StopReason::Diverged,
-        };
-        if let Some(monitor) = monitor.as_mut() {
-            let (gradient_signed, gradient_abs) = gradient.extrema(load, pair);
-            let iteration =
-                Iteration { number: iterations, gradient_signed, gradient_abs, delta_a };
-            if monitor(&iteration).is_break() {
-                break StopReason::Interrupted;
-            }
-        }
-        if (!params.rule.asks_dual() || delta_a <= params.tolerance)
-            && gradient.within(load, pair, params.tolerance, params.rule.is_printed())
-        {
-            break StopReason::Converged;
+        if let ControlFlow::Break(stop) = dual.step(pair, &mut monitor) {
+            break stop;
         }
     };
-    let end = Outcome::at(grid, load, &mut gradient, pair, (iterations, delta_a, stop));
+    let end = Outcome::at(grid, pair, dual, stop);
     UzawaOutcome { end, sweeps: inner.sweeps }
 }
 
@@ -216,7 +201,7 @@ impl Inner {
 mod tests {
     use super::*;
     use crate::load::{LoadRule, load};
-    use crate::saddle::arrow_hurwicz;
+    use crate::saddle::{Iteration, arrow_hurwicz};
 
     const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
 

@@ -1,5 +1,6 @@
 //! The stages of the replication, and the plan that ties them together.
 
+pub mod bench;
 pub mod diff;
 pub mod figures;
 pub mod identify;
@@ -26,18 +27,9 @@ use std::collections::BTreeSet;
 pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Vec<Task>> {
     let mut tasks = Vec::new();
     for scene in scenes {
-        for (k, &stop) in scene.stop.iter().enumerate() {
-            let table = scene.wants(Output::Table);
-            for &r in &scene.r {
-                let drawn = (scene.wants(Output::History) && k == 0)
-                    || (r == scene.draw_r
-                        && (scene.wants(Output::Contact)
-                            || (scene.wants(Output::Surface) && k == 0)));
-                if table || drawn {
-                    tasks.push(solve::task(scene, stop, r));
-                }
-            }
-            if table {
+        for &stop in &scene.stop {
+            tasks.extend(solve::tasks(scene, stop));
+            if scene.wants(Output::Table) {
                 tasks.push(tabulate::task(scene, stop));
             }
         }
@@ -48,6 +40,8 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
+        tasks.extend(bench::tasks(project));
+        tasks.extend(bench::pictures());
         tasks.push(report::task(project, &tasks)?);
     }
     tasks.sort_by_key(|task| task.stage);

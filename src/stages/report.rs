@@ -3,7 +3,7 @@
 use super::diff::{self, DIFF};
 use super::identify::{self, FINDINGS};
 use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
-use super::{artifact, figures, from_json, to_json};
+use super::{artifact, bench, figures, from_json, to_json};
 use crate::book::{
     self, Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     Row, Solution, Version,
@@ -11,7 +11,7 @@ use crate::book::{
 use crate::error::{Error, Result};
 use crate::load::{LoadRule, integral};
 use crate::paper::TableComparison;
-use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash, parameters};
+use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
 use crate::project::{CommandHelp, Project};
 use crate::record::{self, Record};
 use crate::saddle::StopRule;
@@ -65,7 +65,10 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let own = Node { id: "report/book".into(), stage: Stage::Report, needs: needs.clone() };
     let graph = Graph::new(earlier.iter().map(Node::of).chain([own]).collect());
-    let mut parameters = parameters(&versions);
+    let mut parameters: BTreeMap<String, String> = versions
+        .iter()
+        .map(|library| (format!("version of {}", library.name), library.version.clone()))
+        .collect();
     // By hash: whoever asks what changed does not want to read it all, old and new.
     for (name, text) in [("commands", to_json(&commands)), ("graph", to_json(&graph))] {
         parameters.insert(name.into(), hash(&text));
@@ -115,7 +118,9 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             contact: figure(inputs, Output::Contact)?,
             histories: figure(inputs, Output::History)?,
             identifiability: figure(inputs, Output::Identify)?,
+            bench: bench_figures(inputs),
         },
+        bench: bench::results(inputs)?,
         commands: about.commands.clone(),
         provenance: provenance(inputs, about),
         record: {
@@ -291,6 +296,22 @@ fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
     })
 }
 
+/// The pictures of experiments, by name.
+fn bench_figures(inputs: &Inputs) -> BTreeMap<String, Figure> {
+    let drawn = bench::PICTURES.iter().filter_map(|picture| {
+        let made = inputs.artifacts.get(&picture.id())?;
+        let (file, svg) = made.first_key_value()?;
+        let figure = Figure {
+            file: file.clone(),
+            note: String::new(),
+            command: "signorini run --only figures".into(),
+            hash: hash(svg),
+        };
+        Some((picture.name.to_owned(), figure))
+    });
+    drawn.collect()
+}
+
 fn provenance(inputs: &Inputs, about: &About) -> Provenance {
     let made = inputs.artifacts.iter().filter(|(id, _)| !id.starts_with("solve/")).flat_map(
         |(id, made)| made.iter().map(move |(name, bytes)| (format!("{id}/{name}"), bytes)),
@@ -310,7 +331,7 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
 }
 
 /// The versions of what shows in the book, as the build resolved them.
-fn versions() -> Vec<Version> {
+pub fn versions() -> Vec<Version> {
     #[derive(serde::Deserialize)]
     struct Lock {
         package: Vec<Version>,

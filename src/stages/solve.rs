@@ -56,10 +56,16 @@ pub fn id(scene: &Scene, stop: StopRule, r: f64) -> String {
     format!("solve/{}/{stop}/r={r}", scene.name)
 }
 
-/// The task that solves a cell of a scene.
-pub fn task(scene: &Scene, stop: StopRule, r: f64) -> Task {
+/// The tasks that solve the cells of a scene under a rule, as far as a table or a figure asks for them.
+pub fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task> {
+    let cells = scene.r.iter().map(move |&r| cell(scene, stop, r));
+    let asked = |cell: &Cell| scene.wants(Output::Table) || cell.keep_pair || cell.keep_history;
+    cells.filter(asked).map(|cell| task(scene, cell))
+}
+
+fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     let drawn_rule = stop == scene.stop[0];
-    let cell = Cell {
+    Cell {
         f: scene.f.to_string(),
         load: scene.load,
         prolongation: scene.prolongation,
@@ -70,9 +76,12 @@ pub fn task(scene: &Scene, stop: StopRule, r: f64) -> Task {
         keep_pair: r == scene.draw_r
             && ((scene.wants(Output::Surface) && drawn_rule) || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && drawn_rule,
-    };
+    }
+}
+
+fn task(scene: &Scene, cell: Cell) -> Task {
     Task {
-        id: id(scene, stop, r),
+        id: id(scene, cell.stop, cell.r),
         stage: Stage::Solve,
         parameters: parameters(&cell),
         files: Artifacts::new(),

@@ -65,7 +65,7 @@ impl Said {
     pub fn refusal(&self) -> &str {
         assert_eq!(self.code, Some(2), "{self:?}");
         assert_eq!(self.out, "", "{self:?}");
-        let mut others = self.err.lines().filter(|line| !line.ends_with(" to run"));
+        let mut others = self.err.lines().filter(|line| !line.contains(" to run"));
         let error = others.next().unwrap_or_default();
         assert!(
             error.starts_with("error: ") && self.err.ends_with(&format!("{error}\n")),
@@ -196,6 +196,16 @@ pub fn copy(from: &Path, to: &Path) {
             fs::copy(&path, &target).unwrap();
         }
     }
+}
+
+/// How many of this fault the book says that the tests make; the fault is the first cell of its row.
+#[track_caller]
+pub fn promised(fault: &str) -> usize {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates/reliability.md.tera");
+    let page = fs::read_to_string(page).unwrap();
+    let row = page.lines().find_map(|line| line.strip_prefix(&format!("| {fault} | ")));
+    let count = row.and_then(|rest| rest.split(' ').next()?.parse().ok());
+    count.unwrap_or_else(|| panic!("the book promises no number of `{fault}`"))
 }
 
 fn walk(folder: &Path, visit: &mut dyn FnMut(&Path)) {

@@ -1,0 +1,257 @@
+//! `certificate`: what a reviewer attaches to a review, as a CODECHECK bundle and on one page.
+
+mod codecheck;
+mod machine;
+mod page;
+mod yaml;
+
+use super::diff::comparison;
+use super::pipeline::Workplace;
+use super::{CacheArgs, say, write_file};
+use crate::error::{Error, IoContext, Result};
+use crate::paper::TableComparison;
+use crate::pipeline::{LockFile, Summary, Verdict, hash};
+use crate::project::Project;
+use crate::saddle::StopRule;
+use crate::scene::Scene;
+use crate::stages::{report, tabulate};
+use clap::Args;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
+const TITLE: &str = "The study of the semicoercive Signorini problem by the Arrow-Hurwicz method \
+    (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
+const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
+const COMPILER: &str = env!("SIGNORINI_RUSTC");
+
+/// What makes the files of the bundle, each with its effect in words.
+const COMMANDS: [(&str, &str); 4] = [
+    ("cargo run --release -- run --locked", "fails if one hash differs from the committed ones"),
+    ("cargo run --release -- diff", "shows both tables cell by cell"),
+    ("cargo run --release -- certificate", "writes these files"),
+    ("cargo test --release", "tests the program"),
+];
+
+/// Arguments of `certificate`.
+#[derive(Args)]
+pub(super) struct CertificateArgs {
+    /// Folder for the bundle, which must exist [default: codecheck in the project]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Who checked
+    #[arg(long, value_name = "NAME", default_value = "(name of the codechecker)")]
+    name: String,
+    /// Their ORCID
+    #[arg(long, value_name = "ID")]
+    orcid: Option<String>,
+    /// Where the code is published
+    #[arg(long, value_name = "URL", default_value = "not published yet")]
+    repository: String,
+    /// Overwrite a codecheck.yml that is there already
+    #[arg(short, long)]
+    force: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Everything that the two files say.
+struct Check {
+    codechecker: String,
+    orcid: Option<String>,
+    repository: String,
+    time: String,
+    commit: Option<String>,
+    machine: Vec<(&'static str, String)>,
+    libraries: Vec<(String, String)>,
+    tables: Vec<TableComparison>,
+    /// What a reader of the numbers has to know, in sentences.
+    reservations: Vec<&'static str>,
+    files: Vec<File>,
+    inputs: Vec<(String, String)>,
+    tasks: usize,
+    hashes: usize,
+    lock_hash: String,
+    lock_is_committed: Option<bool>,
+}
+
+/// A file of the bundle.
+struct File {
+    path: String,
+    comment: String,
+    hash: String,
+    bytes: Vec<u8>,
+}
+
+pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let folder = folder(args.output.as_deref(), &workplace.project.root)?;
+    if !args.force && folder.join(MANIFEST).exists() {
+        return Err(Error::input(format!(
+            "{} is there already; move it away, or overwrite it with --force",
+            folder.join(MANIFEST).display()
+        )));
+    }
+    let summary = up_to_date(&workplace)?;
+    let check = Check::new(args, &workplace, &summary)?;
+    fs::create_dir_all(&folder).context("create", &folder)?;
+    for file in &check.files {
+        let path = folder.join(&file.path);
+        let parent = path.parent().expect("a file lies in a folder");
+        fs::create_dir_all(parent).context("create", parent)?;
+        write_file(&path, &file.bytes)?;
+    }
+    write_file(&folder.join(PAGE), page::page(&check).as_bytes())?;
+    write_file(&folder.join(MANIFEST), codecheck::manifest(&check).as_bytes())?;
+    let shown = |name: &str| format!("{}\n", folder.join(name).display());
+    say(&(shown(PAGE) + &shown(MANIFEST)))?;
+    let talk = format!("{} files with their hashes; {}", check.files.len(), page::summary(&check));
+    super::talk(&talk);
+    Ok(0)
+}
+
+const MANIFEST: &str = "codecheck.yml";
+const PAGE: &str = "certificate.md";
+
+/// The folder to write to; one that was named must exist, so that a slip of the pen makes no folders.
+fn folder(asked: Option<&Path>, project: &Path) -> Result<PathBuf> {
+    match asked {
+        None => Ok(project.join("codecheck")),
+        Some(folder) if folder.is_dir() => Ok(folder.to_path_buf()),
+        Some(folder) => Err(Error::input(format!(
+            "--output {0}: no such folder; make it with `mkdir -p {0}`",
+            folder.display()
+        ))),
+    }
+}
+
+/// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
+fn up_to_date(workplace: &Workplace) -> Result<Summary> {
+    let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
+    let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
+    let refused = if let Some(first) = stale.clone().next() {
+        let of = summary.verdicts.len();
+        format!(
+            "{} of {of} tasks are not up to date ({} {})",
+            stale.count(),
+            first.task,
+            first.verdict
+        )
+    } else if let Some(edited) = summary.edited.first() {
+        return Err(Error::input(edited.clone()));
+    } else if !summary.nothing_to_do() {
+        "files in figures/ or report/ are missing or old".into()
+    } else {
+        let differences =
+            LockFile::read(&workplace.project.root)?.differences(&summary.lock_file());
+        match differences.first() {
+            Some(first) => format!(
+                "pipeline/lock.toml differs from this run in {} hashes ({first})",
+                differences.len()
+            ),
+            None => return Ok(summary),
+        }
+    };
+    Err(Error::input(format!(
+        "{refused}; a certificate is for an up-to-date run: do `signorini run` first"
+    )))
+}
+
+impl Check {
+    fn new(args: &CertificateArgs, workplace: &Workplace, summary: &Summary) -> Result<Self> {
+        let project = &workplace.project;
+        let tables = comparison(workplace, &summary.manifests)?.tables;
+        if tables.is_empty() {
+            return Err(Error::input(
+                "no scene has a `paper_table`; add one to compare with the paper",
+            ));
+        }
+        let mut inputs: Vec<_> = project
+            .scene_files
+            .iter()
+            .map(|(name, bytes)| (name.clone(), hash(bytes)))
+            .chain([("pipeline/paper.toml".to_owned(), hash(project.paper_text.as_bytes()))])
+            .collect();
+        let record = project.record_text.as_ref();
+        inputs.extend(record.map(|text| (crate::record::PATH.to_owned(), hash(text))));
+        let lock = LockFile::path(&project.root);
+        let lock_file = summary.lock_file();
+        Ok(Self {
+            codechecker: args.name.clone(),
+            orcid: args.orcid.clone(),
+            repository: args.repository.clone(),
+            time: machine::check_time()?,
+            commit: machine::commit(&project.root),
+            machine: machine::machine(),
+            libraries: report::versions().into_iter().map(|v| (v.name, v.version)).collect(),
+            reservations: reservations(project),
+            files: files(workplace, summary, &tables)?,
+            tables,
+            inputs,
+            tasks: summary.verdicts.len(),
+            hashes: lock_file.tasks.len() + lock_file.exports.len(),
+            lock_is_committed: machine::lock_is_committed(&project.root),
+            lock_hash: hash(&fs::read(&lock).context("read", &lock)?),
+        })
+    }
+}
+
+/// What the project itself says about its right-hand sides and stopping rules.
+fn reservations(project: &Project) -> Vec<&'static str> {
+    let compared = || project.scenes.iter().filter(|scene| scene.paper_table.is_some());
+    let mut told = Vec::new();
+    if project.record_text.is_some() {
+        told.push(
+            "The figure that defines the right-hand sides f is lost; they are recovered from these very tables, \
+            so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
+        );
+    }
+    if compared().any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
+        told.push(
+            "The counts come out with the stopping criterion (13) read without its absolute value; \
+            as printed, it cannot have made these tables.",
+        );
+    }
+    told
+}
+
+/// Both tables and all figures, with what each shows.
+fn files(
+    workplace: &Workplace,
+    summary: &Summary,
+    tables: &[TableComparison],
+) -> Result<Vec<File>> {
+    let mut files = Vec::new();
+    let file = |path: String, comment: String, bytes: Vec<u8>| File {
+        path,
+        comment,
+        hash: hash(&bytes),
+        bytes,
+    };
+    for table in tables {
+        let scene: &Scene = workplace.project.scene(&table.scene)?;
+        let task = tabulate::id(scene, scene.stop[0]);
+        let manifest = &summary.manifests[&task];
+        let mut artifacts = workplace.store.artifacts(&task, &manifest.outputs)?;
+        let bytes = artifacts.remove(tabulate::TABLE).unwrap_or_default();
+        let comment = format!(
+            "Table {} of the paper: {} of {} counts exact",
+            table.table, table.exact, table.cells
+        );
+        files.push(file(format!("tables/table{}.csv", table.table), comment, bytes));
+    }
+    for path in summary.exports.keys().filter(|path| path.starts_with("figures/")) {
+        let on_disk = workplace.project.root.join(path);
+        let bytes = fs::read(&on_disk).context("read", &on_disk)?;
+        files.push(file(path.clone(), title(&bytes), bytes));
+    }
+    Ok(files)
+}
+
+/// The title that a picture gives itself.
+fn title(svg: &[u8]) -> String {
+    let text = String::from_utf8_lossy(svg);
+    let title = text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    let title = title.map_or("picture", |(title, _)| title);
+    title.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+}

@@ -1,0 +1,159 @@
+//! `status` and `explain`: what is stale, and why.
+
+use super::pipeline::Workplace;
+use super::run::exports;
+use super::{CacheArgs, say, say_json, styled};
+use crate::error::{Error, Result};
+use crate::pipeline::{Judged, Reason, Stage, Summary, Verdict};
+use anstyle::AnsiColor;
+use clap::Args;
+use std::collections::BTreeMap;
+
+/// Arguments of `status`.
+#[derive(Args)]
+pub(super) struct StatusArgs {
+    /// Scenes to look at [default: all]
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Exit with 1 if anything is stale
+    #[arg(long)]
+    exit_code: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Arguments of `explain`.
+#[derive(Args)]
+pub(super) struct ExplainArgs {
+    /// A stage (solve, tabulate, diff, identify, figures, report) or the beginning of a task's id
+    stage: String,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+pub(super) fn status(args: &StatusArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?)?;
+    let stale = !summary.nothing_to_do();
+    if args.json {
+        let tasks: BTreeMap<_, _> =
+            summary.verdicts.iter().map(|j| (&j.task, &j.verdict)).collect();
+        say_json(&serde_json::json!({ "schema": 1, "stale": stale, "tasks": tasks }))?;
+    } else {
+        let mut text = table(&summary, width());
+        text += &exports(&summary);
+        say(&text)?;
+    }
+    Ok(u8::from(args.exit_code && stale))
+}
+
+/// Columns of the terminal, where the shell or the user tells.
+fn width() -> usize {
+    let told = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse().ok());
+    told.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
+}
+
+/// A line for each stage: its state, how many tasks are concerned, and one of them with the reason.
+fn table(summary: &Summary, width: usize) -> String {
+    let mut lines = Vec::new();
+    for stage in Stage::ALL {
+        let of: Vec<_> = summary.verdicts.iter().filter(|j| j.stage == stage).collect();
+        let is_stale = |judged: &&&Judged| matches!(judged.verdict, Verdict::Stale(_));
+        let late: Vec<_> = of.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
+        let Some(any) = late.first() else {
+            if !of.is_empty() {
+                let state = ("up to date", AnsiColor::Green);
+                lines.push((stage, state, of.len().to_string(), "", String::new()));
+            }
+            continue;
+        };
+        let first = late.iter().find(|judged| is_stale(judged)).unwrap_or(any);
+        let (state, reason) = match &first.verdict {
+            Verdict::Stale(reason) => (("stale", AnsiColor::Yellow), reason.to_string()),
+            other => (("waits", AnsiColor::Cyan), other.to_string()),
+        };
+        let count = format!("{} of {}", late.len(), of.len());
+        lines.push((stage, state, count, first.task.as_str(), reason));
+    }
+    let widest = |of: fn(&Line) -> usize| lines.iter().map(of).max().unwrap_or(0);
+    let counts = widest(|(_, _, count, ..)| count.len());
+    let ids = widest(|(.., id, _)| id.chars().count());
+    let mut text = String::new();
+    for (stage, (state, color), count, id, reason) in &lines {
+        let gap = " ".repeat("up to date".len() - state.len());
+        let detail = format!("{count:>counts$}  {id:<ids$}  {reason}");
+        let room = width.saturating_sub("tabulate   up to date  ".len());
+        let state = styled(state, *color);
+        text += &format!("{:<9}  {state}{gap}  {}\n", stage.name(), cut(detail.trim_end(), room));
+    }
+    let count =
+        |of: fn(&Verdict) -> bool| summary.verdicts.iter().filter(|j| of(&j.verdict)).count();
+    let counts = [
+        (count(|v| *v == Verdict::Fresh), "up to date"),
+        (count(|v| matches!(v, Verdict::Stale(_))), "stale"),
+        (count(|v| matches!(v, Verdict::Waits(_))), "waiting for those"),
+    ];
+    let counts = counts.iter().filter(|(n, _)| *n > 0).map(|(n, state)| format!("{n} {state}"));
+    let counts = counts.collect::<Vec<_>>().join(", ");
+    text + &format!("{} tasks: {counts}\n", summary.verdicts.len())
+}
+
+/// Stage, state, counts, one task, and why it is not up to date.
+type Line<'a> = (Stage, (&'static str, AnsiColor), String, &'a str, String);
+
+/// The text in so many columns, with dots where something is missing.
+fn cut(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(width.saturating_sub(3)).collect();
+    kept.trim_end().to_owned() + "..."
+}
+
+pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
+    let workplace = Workplace::open(&args.cache)?;
+    let tasks = workplace.tasks(&[], None)?;
+    let summary = workplace.judge(&tasks)?;
+    let prefix = format!("{}/", args.stage);
+    let asked: Vec<_> = summary
+        .verdicts
+        .iter()
+        .filter(|j| j.task == args.stage || j.task.starts_with(&prefix))
+        .collect();
+    if asked.is_empty() {
+        let names = Stage::ALL.map(Stage::name).join(", ");
+        return Err(Error::input(format!(
+            "no stage or task `{}`; stages are {names}, `signorini dag` lists the tasks",
+            args.stage
+        )));
+    }
+    if args.json {
+        let tasks: BTreeMap<_, _> = asked.into_iter().map(|j| (&j.task, &j.verdict)).collect();
+        return say_json(&serde_json::json!({ "schema": 1, "tasks": tasks }));
+    }
+    let mut text = String::new();
+    for judged in asked {
+        match &judged.verdict {
+            Verdict::Stale(Reason::Changed(changes)) => {
+                text += &format!("{}: stale\n", judged.task);
+                changes.iter().for_each(|change| text += &format!("  {change}\n"));
+            }
+            other => text += &format!("{}: {other}\n", judged.task),
+        }
+        // Of what waits, more may have changed than what it waits for.
+        if matches!(judged.verdict, Verdict::Waits(_)) {
+            let task = tasks.iter().find(|task| task.id == judged.task);
+            let last = workplace.store.manifests(&judged.task).into_iter().next();
+            let changes = task.zip(last).map(|(task, last)| task.own_changes(&last));
+            let changes = changes.into_iter().flatten();
+            changes.for_each(|change| text += &format!("  {change}\n"));
+        }
+    }
+    say(&text)
+}

@@ -1,0 +1,59 @@
+//! Square panels, two in a row, each with room for its title and axes, above a foot common to all.
+
+use super::axes::Frame;
+use super::picture::{LARGE, Pen, Place, Type};
+
+/// The layout, in display pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Panels {
+    /// How many.
+    pub(super) count: usize,
+    /// Side of the square.
+    pub(super) side: f64,
+    /// Empty on the left and on the right of the picture.
+    pub(super) margin: f64,
+    /// From the left edge of a panel's cell to the square.
+    pub(super) left: f64,
+    /// What a cell is wider and higher than the square.
+    pub(super) around: (f64, f64),
+    /// Height of the foot.
+    pub(super) foot: f64,
+}
+
+/// From the upper edge of a cell to the square.
+const ABOVE: f64 = 48.0;
+
+impl Panels {
+    fn cell(&self) -> (f64, f64) {
+        (self.side + self.around.0, self.side + self.around.1)
+    }
+
+    /// Width and height of the picture.
+    pub(super) fn size(&self) -> (f64, f64) {
+        let columns = self.count.min(2) as f64;
+        (2.0 * self.margin + columns * self.cell().0, self.foot_top() + self.foot)
+    }
+
+    /// Where the foot begins.
+    pub(super) fn foot_top(&self) -> f64 {
+        self.count.div_ceil(2) as f64 * self.cell().1
+    }
+
+    /// The square of the k-th panel, with the ranges of its axes.
+    pub(super) fn frame(&self, k: usize, x: (f64, f64), y: (f64, f64)) -> Frame {
+        let left = self.margin + (k % 2) as f64 * self.cell().0 + self.left;
+        let top = (k / 2) as f64 * self.cell().1 + ABOVE;
+        Frame { across: (left, left + self.side), down: (top, top + self.side), x, y }
+    }
+}
+
+/// The title above a panel.
+pub(super) fn title(pen: &mut Pen, frame: &Frame, text: &str) {
+    pen.text(text, (centre(frame).0, frame.down.0 - 22.0), Type::size(LARGE).bold());
+}
+
+/// The middle of a panel.
+pub(super) fn centre(frame: &Frame) -> Place {
+    let side = frame.across.1 - frame.across.0;
+    (frame.across.0 + 0.5 * side, frame.down.0 + 0.5 * side)
+}

@@ -1,0 +1,116 @@
+//! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
+
+mod claims;
+
+use super::{artifact, to_json};
+use crate::bench;
+use crate::draw::Caption;
+use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::project::Project;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+
+/// Artifact with what an experiment found.
+const RESULT: &str = "result.json";
+
+/// The experiments, as tasks; they need the whole project, as the book does.
+pub fn tasks(project: &Project) -> Vec<Task> {
+    vec![task("claims", bench::claims::Plan::of(&project.scenes), bench::claims::claims)]
+}
+
+/// A picture of what experiments found.
+pub struct Picture {
+    /// Name in the book and of the file, without ending.
+    pub name: &'static str,
+    /// Experiments it is drawn from.
+    experiments: &'static [&'static str],
+    /// Its title for readers who cannot see it.
+    title: &'static str,
+    draw: fn(&Inputs, Caption) -> Drawn,
+}
+
+/// The pictures of the chapters on experiments.
+pub const PICTURES: &[Picture] = &[
+    Picture {
+        name: "sweep",
+        experiments: &["claims"],
+        title: "Iterations of both problems against the duality parameter, three ways of stopping",
+        draw: claims::sweep,
+    },
+    Picture {
+        name: "uzawa",
+        experiments: &["claims"],
+        title: "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
+        draw: claims::uzawa,
+    },
+];
+
+type Drawn = Result<String, String>;
+
+impl Picture {
+    /// Id of the task that draws it.
+    pub fn id(&self) -> String {
+        format!("figures/{}", self.name)
+    }
+}
+
+/// The tasks that draw [`PICTURES`].
+pub fn pictures() -> impl Iterator<Item = Task> {
+    PICTURES.iter().map(|picture| Task {
+        id: picture.id(),
+        stage: Stage::Figures,
+        parameters: BTreeMap::from([("title".into(), picture.title.into())]),
+        files: Artifacts::new(),
+        needs: picture.experiments.iter().map(|name| id(name)).collect(),
+        export: Some("figures"),
+        work: Box::new(|inputs| {
+            let description = format!(
+                "Made by `signorini run --only figures` from inputs {} (blake3).",
+                &inputs.digest[..12]
+            );
+            let caption = Caption { title: picture.title, description: &description };
+            let svg = (picture.draw)(inputs, caption)?;
+            Ok(Artifacts::from([(format!("{}.svg", picture.name), svg.into_bytes())]))
+        }),
+    })
+}
+
+fn id(experiment: &str) -> String {
+    format!("bench/{experiment}")
+}
+
+/// The task of an experiment: everything that it depends on is in `plan`.
+fn task<P, R>(name: &str, plan: P, run: fn(&P) -> Result<R, String>) -> Task
+where
+    P: Serialize + Send + Sync + 'static,
+    R: Serialize + 'static,
+{
+    Task {
+        id: id(name),
+        stage: Stage::Bench,
+        parameters: parameters(&plan),
+        files: Artifacts::new(),
+        needs: Vec::new(),
+        export: None,
+        work: Box::new(move |_| Ok(Artifacts::from([(RESULT.into(), to_json(&run(&plan)?))]))),
+    }
+}
+
+/// What an experiment found.
+fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
+    super::from_json(inputs, &id(experiment), RESULT)
+}
+
+/// What all experiments found, by name, for the templates.
+pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, serde_json::Value>, String> {
+    let mut results = BTreeMap::new();
+    for task in inputs.artifacts.keys() {
+        if let Some(name) = task.strip_prefix("bench/") {
+            let value = serde_json::from_slice(artifact(inputs, task, RESULT)?)
+                .map_err(|e| format!("{RESULT} of {task}: {e}"))?;
+            results.insert(name.to_owned(), value);
+        }
+    }
+    Ok(results)
+}
