@@ -1,5 +1,6 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
+use signorini::bench::{rounding, stress};
 use signorini::book::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     ReportError, Row, Scene, Solution, Version, build, pages,
@@ -11,6 +12,7 @@ use signorini::paper::Paper;
 use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
 use signorini::source::Source;
+use signorini::stages::bench::PICTURES;
 use signorini::transfer::Prolongation;
 use std::collections::BTreeMap;
 use std::fs;
@@ -320,7 +322,9 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             contact: figure("contact"),
             histories: figure("histories"),
             identifiability: figure("identifiability"),
+            bench: PICTURES.iter().map(|p| (p.name.to_owned(), figure(p.name))).collect(),
         },
+        bench: experiments().clone(),
         record: record(),
         provenance: Provenance {
             command: "signorini run".into(),
@@ -333,6 +337,31 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             license: "MIT OR Apache-2.0".into(),
         },
     }
+}
+
+/// What the experiments find, with smaller plans.
+fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
+    static ONCE: OnceLock<BTreeMap<String, serde_json::Value>> = OnceLock::new();
+    ONCE.get_or_init(|| {
+        let tables: Vec<_> = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"]
+            .iter()
+            .zip(1..)
+            .map(|(f, number)| rounding::TablePlan {
+                number,
+                f: (*f).into(),
+                load: LoadRule::default(),
+                prolongation: Prolongation::Bilinear,
+                grids: CELLS[..3].into(),
+                r: R.into(),
+            })
+            .collect();
+        let few = stress::Plan { cap: CAP, ..stress::Plan::new(tables.clone()) };
+        let some = rounding::Plan { repetitions: 4, further: 1, ..rounding::Plan::new(tables) };
+        BTreeMap::from([
+            ("stress".into(), serde_json::to_value(stress::stress(&few).unwrap()).unwrap()),
+            ("rounding".into(), serde_json::to_value(rounding::rounding(&some).unwrap()).unwrap()),
+        ])
+    })
 }
 
 /// The committed record.
@@ -399,7 +428,7 @@ fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     ] {
         files.insert(name.into(), fs::read(report.join(name)).unwrap());
     }
-    for name in FIGURES {
+    for name in FIGURES.into_iter().chain(PICTURES.iter().map(|picture| picture.name)) {
         files.insert(format!("src/figures/{name}.svg"), placeholder(name).into_bytes());
     }
     files

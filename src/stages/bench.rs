@@ -1,5 +1,7 @@
 //! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
 
+mod stability;
+
 use super::{artifact, to_json};
 use crate::draw::Caption;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
@@ -12,8 +14,10 @@ use std::collections::BTreeMap;
 const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
-pub fn tasks(_project: &Project) -> Vec<Task> {
-    Vec::new()
+pub fn tasks(project: &Project) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    tasks.extend(stability::tasks(project));
+    tasks
 }
 
 /// A picture of what experiments found.
@@ -28,7 +32,38 @@ pub struct Picture {
 }
 
 /// The pictures of the chapters on experiments.
-pub const PICTURES: &[Picture] = &[];
+pub const PICTURES: &[Picture] = &[
+    Picture {
+        name: "rounding",
+        experiments: &["rounding"],
+        title: "The least relative disturbance that changes each published count",
+        draw: stability::draw_rounding,
+    },
+    Picture {
+        name: "duality",
+        experiments: &["stress"],
+        title: "KKT residual and iterations of the paper's method over r",
+        draw: stability::draw_duality,
+    },
+    Picture {
+        name: "tolerances",
+        experiments: &["stress"],
+        title: "KKT residual reached against the tolerance asked for",
+        draw: stability::draw_tolerances,
+    },
+    Picture {
+        name: "deficits",
+        experiments: &["stress"],
+        title: "Work and contact as the integral of f tends to zero",
+        draw: stability::draw_deficits,
+    },
+    Picture {
+        name: "precision",
+        experiments: &["stress"],
+        title: "KKT residual that rounding leaves, over the grids",
+        draw: stability::draw_precision,
+    },
+];
 
 type Drawn = Result<String, String>;
 
