@@ -109,10 +109,23 @@ fn the_prose_follows_the_counts() {
     assert!(intro(&some).contains("all the others within the declared tolerance"));
     assert!(!intro(&far).contains("all the others within"));
     let tables = |pages: &BTreeMap<String, String>| pages["src/tables.md"].clone();
+    assert!(tables(&exact).contains("No count hangs on [rounding]"));
     // The ten values of Delta a are near in each sample.
     assert_eq!(tables(&exact).matches("class=\"near\"").count(), 10);
     assert_eq!(tables(&some).matches("class=\"near\"").count(), 20);
     assert_eq!(tables(&far).matches("class=\"far\"").count(), 10);
+}
+
+#[test]
+fn fragile_counts_are_marked() {
+    let mut data = sample(|ours, _| ours);
+    let found = data.bench.get_mut("rounding").unwrap();
+    found["fragile"] = 1.into();
+    found["tables"][1]["rows"][2]["cells"][4]["flips"] = 3.into();
+    let pages = pages(&templates(), &data).unwrap();
+    assert_eq!(pages["src/tables.md"].matches("<sup>†</sup>").count(), 1);
+    assert!(pages["src/tables.md"].contains("The mark † is for a count"));
+    assert!(pages["src/stability.md"].contains("One of the 50 counts is fragile"));
 }
 
 #[test]
@@ -351,7 +364,7 @@ fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
                 f: (*f).into(),
                 load: LoadRule::default(),
                 prolongation: Prolongation::Bilinear,
-                grids: CELLS[..3].into(),
+                grids: CELLS.into(),
                 r: R.into(),
             })
             .collect();

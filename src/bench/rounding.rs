@@ -47,7 +47,7 @@ impl Plan {
     /// The sizes and repetitions of the book.
     pub fn new(tables: Vec<TablePlan>) -> Self {
         let sizes = (2..=15).rev().map(|k| 1.0 / libm::pow(10.0, f64::from(k))).collect();
-        Self { tables, sizes, repetitions: 100, further: 10, seed: 1 }
+        Self { tables, sizes, repetitions: 100, further: 16, seed: 1 }
     }
 }
 

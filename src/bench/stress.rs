@@ -3,7 +3,7 @@
 mod facts;
 mod runs;
 
-pub use facts::{Facts, Plateau, Span};
+pub use facts::{Exponents, Facts, Plateau, Span};
 
 use super::rounding::TablePlan;
 use super::trial::Trial;
@@ -204,7 +204,9 @@ pub struct Tally {
     pub denied: usize,
     /// Runs that returned something that is not a number and did not say so.
     pub silent: usize,
-    /// Runs in which the paper's rule was met with a KKT residual as large as the load.
+    /// Runs over r under the signed rule.
+    pub signed: usize,
+    /// Those of them in which it was met with a KKT residual as large as the load.
     pub met_far: usize,
 }
 
@@ -238,6 +240,7 @@ impl Stress {
             tally.silent += usize::from(trial.kkt.is_none() && !told);
         }
         let signed = self.duality.iter().flatten().map(|case| &case.signed);
+        tally.signed = signed.clone().count();
         tally.met_far = signed.filter(|t| t.stop == "converged" && t.kkt >= Some(1.0)).count();
         tally
     }

@@ -23,6 +23,15 @@ impl Span {
     }
 }
 
+/// Least and greatest of some decimal exponents.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exponents {
+    /// Least.
+    pub least: i32,
+    /// Greatest.
+    pub greatest: i32,
+}
+
 /// What the prose rests on; none where no run was of the kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
@@ -46,13 +55,15 @@ pub struct Facts {
     pub multigrid_tolerance: Option<f64>,
     /// Exponents of f at which the paper's method with its tolerance multiplied gave the same count and
     /// said that it was done.
-    pub scaled_same: Option<Span>,
+    pub scaled_same: Option<Exponents>,
     /// Exponents of f at which multigrid took the same cycles.
-    pub multigrid_same: Option<Span>,
+    pub multigrid_same: Option<Exponents>,
     /// Exponents of f for which the paper's method said that it diverged.
-    pub scaled_diverged: Option<Span>,
+    pub scaled_diverged: Option<Exponents>,
     /// Deficits at which multigrid gave up.
     pub stalled: Option<Span>,
+    /// Their number.
+    pub stalled_runs: usize,
     /// KKT residual that it was left with.
     pub stalled_kkt: Option<Span>,
     /// Its work at the others.
@@ -122,7 +133,8 @@ impl Facts {
         let plain = || scaling().find(|case| case.exponent == 0);
         let exponents = |holds: &dyn Fn(&super::Scaling, &super::Scaling) -> bool| {
             let plain = plain()?;
-            Span::of(scaling().filter(|c| holds(c, plain)).map(|c| f64::from(c.exponent)))
+            let held = || scaling().filter(|c| holds(c, plain)).map(|c| c.exponent);
+            Some(Exponents { least: held().min()?, greatest: held().max()? })
         };
         let deficits = || stress.deficits.iter().flatten();
         let stalled = || deficits().filter(|case| !floor(&case.multigrid));
@@ -155,6 +167,7 @@ impl Facts {
             }),
             scaled_diverged: exponents(&|case, _| case.scaled.stop == "diverged"),
             stalled: Span::of(stalled().map(|case| case.deficit)),
+            stalled_runs: stalled().count(),
             stalled_kkt: Span::of(stalled().filter_map(|case| case.multigrid.kkt)),
             deficit_work: Span::of(deficits().filter(solved).map(|case| case.multigrid.work)),
             deficit_steps: Span::of(deficits().map(|case| steps(&case.saddle))),
