@@ -1,6 +1,6 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
-use signorini::bench::claims::{Claims, Plan, claims};
+use signorini::bench::claims::{Plan, claims};
 use signorini::bench::{rounding, stress};
 use signorini::book::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
