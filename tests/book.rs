@@ -1,5 +1,6 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
+use signorini::bench::claims::{Claims, Plan, claims};
 use signorini::book::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     ReportError, Row, Scene, Solution, Version, build, pages,
@@ -9,7 +10,7 @@ use signorini::identify::{Findings, Questions, Variant, findings};
 use signorini::load::{LoadRule, integral, load};
 use signorini::paper::Paper;
 use signorini::pipeline::{Graph, Node, Stage};
-use signorini::project::CommandHelp;
+use signorini::project::{CommandHelp, Project};
 use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
 use signorini::source::Source;
@@ -24,6 +25,8 @@ const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 /// Iterations after which a test gives up: (13) as printed needs more for some f.
 const CAP: usize = 3000;
 const FIGURES: [&str; 5] = ["figure1", "figure2", "histories", "contact", "identifiability"];
+/// Pictures of experiments.
+const BENCH_FIGURES: [&str; 2] = ["sweep", "uzawa"];
 
 #[test]
 fn the_book_opens_from_a_folder_without_any_request() {
@@ -77,7 +80,7 @@ fn every_formula_is_set_and_every_figure_is_there() {
     }
     assert!(print.matches("<math").count() > 200);
     assert!(!print.contains("merror"));
-    for figure in FIGURES {
+    for figure in FIGURES.into_iter().chain(BENCH_FIGURES) {
         assert!(print.contains(&format!(r#"src="figures/{figure}.svg""#)));
         assert!(book.contains_key(&format!("figures/{figure}.svg")));
     }
@@ -325,13 +328,16 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             contact: figure("contact"),
             histories: figure("histories"),
             identifiability: figure("identifiability"),
+            bench: BENCH_FIGURES.map(|name| (name.to_owned(), figure(name))).into(),
         },
         record: record(),
         commands: vec![CommandHelp {
             name: "run".into(),
-            help: "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1)=$1'\n"
-                .into(),
+            help:
+                "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1,0,1)=1'\n"
+                    .into(),
         }],
+        bench: BTreeMap::from([("claims".to_owned(), serde_json::to_value(measured()).unwrap())]),
         provenance: Provenance {
             command: "signorini run".into(),
             inputs: vec![
@@ -351,6 +357,16 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
 
 fn node(id: &str, stage: Stage, needs: &[&str]) -> Node {
     Node { id: id.into(), stage, needs: needs.iter().map(|need| (*need).into()).collect() }
+}
+
+/// The experiment on the paper's claims, with few r and on coarse grids.
+fn measured() -> &'static Claims {
+    static ONCE: OnceLock<Claims> = OnceLock::new();
+    ONCE.get_or_init(|| {
+        let project = Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap();
+        let targets = vec![(1e-2, 16), (1e-3, 16)];
+        claims(&Plan { per_decade: 1, targets, cap: 2000, ..Plan::of(&project.scenes) }).unwrap()
+    })
 }
 
 /// The committed record.
@@ -417,7 +433,7 @@ fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     ] {
         files.insert(name.into(), fs::read(report.join(name)).unwrap());
     }
-    for name in FIGURES {
+    for name in FIGURES.into_iter().chain(BENCH_FIGURES) {
         files.insert(format!("src/figures/{name}.svg"), placeholder(name).into_bytes());
     }
     files

@@ -1,4 +1,5 @@
-//! The page with the live iteration, opened in a browser: its counts are those of the tables.
+//! The book of this project as a reader opens it: the live iteration in a browser gives the tables'
+//! counts, and what the book says about the program is what the program says.
 
 mod common;
 
@@ -139,6 +140,39 @@ fn the_controls_do_what_they_say() {
     assert!(said["no solution"].0.contains("that discrete problem has no solution"), "{log:?}");
     // Two residuals, trace, multiplier, and the bar of contact.
     assert!(said["drawn"].0.parse::<usize>().unwrap() >= 4, "{log:?}");
+}
+
+#[test]
+fn the_reference_is_what_the_program_says() {
+    let page = fs::read_to_string(book().join("../src/commands.md")).unwrap();
+    let help = String::from_utf8(signorini(&["--help"]).stdout).unwrap();
+    let listed = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let names: Vec<_> = listed.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.len() > 8, "{names:?}");
+    assert!(page.contains(&without_padding(&help)), "--help");
+    for name in names.into_iter().filter(|name| *name != "help") {
+        let help = String::from_utf8(signorini(&[name, "--help"]).stdout).unwrap();
+        let shown = format!("## `signorini {name}`\n\n```text\n{}```\n", without_padding(&help));
+        assert!(page.contains(&shown), "{name}: {page}");
+    }
+}
+
+/// Lines as the page has them.
+fn without_padding(text: &str) -> String {
+    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+#[test]
+fn the_graph_is_what_dag_prints() {
+    let page = fs::read_to_string(book().join("../src/provenance.md")).unwrap();
+    let graph = String::from_utf8(signorini(&["dag", "--mermaid"]).stdout).unwrap();
+    assert!(graph.starts_with("graph LR\n") && page.contains(&graph));
+    let picture =
+        page.split("<svg class=\"graph\"").nth(1).unwrap().split("</svg>").next().unwrap();
+    for stage in ["solve", "tabulate", "diff", "identify", "figures", "report"] {
+        assert!(picture.contains(&format!(">{stage}</text>")), "{stage}");
+    }
+    assert!(picture.contains("problem1 × 15</text>"));
 }
 
 /// The project's book, built once from a copy of the project with a cache of its own.

@@ -1,4 +1,5 @@
-//! Every command in the README runs as written there, and the outputs it shows are the true ones.
+//! Every command in the README and in the chapter on own problems runs as written there, and the
+//! outputs shown are the true ones.
 
 mod common;
 
@@ -9,12 +10,12 @@ use std::process::{Command, Output};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Fenced blocks of the README, as (language, text), in order.
-fn blocks() -> Vec<(String, String)> {
-    let readme = fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
+/// Fenced blocks of a page, as (language, text), in order.
+fn blocks(page: &str) -> Vec<(String, String)> {
+    let text = fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
     let mut blocks = Vec::new();
     let mut open: Option<(String, String)> = None;
-    for line in readme.lines() {
+    for line in text.lines() {
         match (&mut open, line.strip_prefix("```")) {
             (None, Some(language)) => open = Some((language.into(), String::new())),
             (Some(_), Some(_)) => blocks.extend(open.take()),
@@ -45,7 +46,22 @@ fn commands_run_and_outputs_are_true() {
         copy(&Path::new(ROOT).join(part), &project.join(part));
     }
     fs::create_dir(project.join("target")).unwrap();
-    let blocks = blocks();
+    let mut ran = follow("README.md", project);
+    assert!(ran >= 8, "only {ran} commands found in the README");
+    assert_eq!(run("cargo run --release", project).stdout, b"nothing to do\n");
+    assert!(project.join("report/book/index.html").is_file());
+    assert!(project.join("target/v.svg").is_file());
+    assert!(project.join("codecheck/codecheck.yml").is_file());
+
+    ran = follow("report/templates/own-problems.md.tera", project);
+    assert!(ran >= 6, "only {ran} commands found in the chapter");
+    assert!(project.join("target/v.npy").is_file());
+    changes_are_explained(project);
+}
+
+/// Does what a page says in its fenced blocks; returns how many commands that were.
+fn follow(page: &str, project: &Path) -> usize {
+    let blocks = blocks(page);
     let mut ran = 0;
     for (k, (language, text)) in blocks.iter().enumerate() {
         if language == "toml" {
@@ -66,12 +82,7 @@ fn commands_run_and_outputs_are_true() {
             }
         }
     }
-    assert!(ran >= 8, "only {ran} commands found in the README");
-    assert_eq!(run("cargo run --release", project).stdout, b"nothing to do\n");
-    assert!(project.join("report/book/index.html").is_file());
-    assert!(project.join("target/v.svg").is_file());
-    assert!(project.join("codecheck/codecheck.yml").is_file());
-    changes_are_explained(project);
+    ran
 }
 
 /// After a full run: every kind of input, changed, is named with what it was and what it is.
@@ -124,6 +135,7 @@ fn without_times(text: &str) -> String {
     let is_time = |word: &&str| word.parse::<f64>().is_ok_and(|_| word.contains('.'));
     text.lines()
         .filter(|line| !line.contains("files written"))
+        .filter(|line| !line.starts_with("solved in "))
         .map(|line| match line.split_once(" ran ") {
             Some((stage, rest)) => {
                 let rest: Vec<_> = rest.split_whitespace().filter(|w| !is_time(w)).collect();

@@ -36,7 +36,7 @@ const signorini = (() => {
     };
     const pieces = [];
     let background;
-    for (const item of text.split(";").map((t) => t.trim()).filter((t) => t)) {
+    for (const item of text.split(/[;\n]/).map((t) => t.trim()).filter((t) => t)) {
       const [left, value] = item.split("=");
       if (value === undefined) throw new Error(`“${item}” lacks “=value”`);
       if (left.trim() === "else") background = number(value);

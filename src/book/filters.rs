@@ -7,6 +7,8 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("sci", |x: f64, _: Kwargs, _: &State| math(scientific(x)));
     tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x)));
     tera.register_filter("times", |x: f64, _: Kwargs, _: &State| math(factor(x)));
+    tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| math(ratio(x)));
+    tera.register_filter("two", |x: f64, _: Kwargs, _: &State| math(plain(two_digits(x))));
     tera.register_filter("int", |n: usize, _: Kwargs, _: &State| grouped(n));
     tera.register_filter("word", |n: usize, _: Kwargs, _: &State| word(n));
     tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
@@ -81,6 +83,16 @@ fn factor(x: f64) -> String {
     }
 }
 
+/// The nearest number of two significant digits.
+fn two_digits(x: f64) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or(x)
+}
+
+/// A ratio that may be close to one: two decimals below ten, else as [`factor`].
+fn ratio(x: f64) -> String {
+    if (0.095..9.95).contains(&x.abs()) { format!("{x:.2}") } else { factor(x) }
+}
+
 /// Digits in groups of three from five digits up, parted by narrow spaces.
 fn grouped(n: usize) -> String {
     let digits = n.to_string();
@@ -118,6 +130,11 @@ mod tests {
         assert_eq!((plain(1e6).as_str(), plain(0.5).as_str()), ("10^{6}", "0.5"));
         assert_eq!(plain(0.03750000000003612), "0.0375");
         assert_eq!((plain(-1.05).as_str(), plain(-1e-14).as_str()), ("-1.05", "0"));
+        assert_eq!(
+            (plain(two_digits(562.3)), plain(two_digits(1e6))),
+            ("560".into(), "10^{6}".into())
+        );
+        assert_eq!((ratio(1.004).as_str(), ratio(12.3).as_str()), ("1.00", "12"));
         assert_eq!((factor(89.7).as_str(), factor(2.34).as_str()), ("90", "2.3"));
         assert_eq!(
             (grouped(9999).as_str(), grouped(1234567).as_str()),

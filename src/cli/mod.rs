@@ -161,26 +161,20 @@ fn dispatch(cli: Cli) -> Result<u8> {
     }
 }
 
-/// The long help of the program and of each of its commands, as plain text of one width.
+/// What the program and each of its commands print with `--help`, as plain text of one width.
 fn commands() -> Vec<CommandHelp> {
-    let mut cli = Cli::command().term_width(HELP_WIDTH);
-    cli.build();
-    let help = |name: &str, command: &mut clap::Command| CommandHelp {
-        name: name.into(),
-        // Terminals pad some lines; a page must not depend on it.
-        help: command
-            .render_long_help()
-            .to_string()
-            .lines()
-            .map(|line| line.trim_end().to_owned() + "\n")
-            .collect(),
+    let cli = Cli::command().term_width(HELP_WIDTH);
+    let names = cli.get_subcommands().map(|command| command.get_name().to_owned());
+    let help = |name: String| {
+        // The only way to the text that also decides between the short form and the long one.
+        let args = ["signorini", &name, "--help"].into_iter().filter(|arg| !arg.is_empty());
+        let printed = cli.clone().try_get_matches_from(args).expect_err("help ends the parsing");
+        let text = printed.render().to_string();
+        // The padding of empty lines means nothing.
+        let help = text.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
+        CommandHelp { name, help }
     };
-    let mut all = vec![help("", &mut cli)];
-    for command in cli.get_subcommands_mut().filter(|command| command.get_name() != "help") {
-        let name = command.get_name().to_owned();
-        all.push(help(&name, command));
-    }
-    all
+    [String::new()].into_iter().chain(names).map(help).collect()
 }
 
 /// Writes data to standard output; a reader that has gone away is no error.

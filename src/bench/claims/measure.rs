@@ -212,12 +212,18 @@ impl<'a> Case<'a> {
             }
         }
         let tables = StopRule::ALL.map(|rule| {
+            let without = match rule {
+                StopRule::Signed | StopRule::SignedDual => StopRule::Signed,
+                StopRule::Printed | StopRule::PrintedDual => StopRule::Printed,
+            };
             let line = |&r: &f64| {
                 let reached = nested(rule, r);
                 let last = reached[reached.len() - 1];
+                let fewer = nested(without, r)[reached.len() - 1].count.iterations;
                 Line {
                     r,
                     counts: reached.iter().map(|reached| reached.count).collect(),
+                    factor: last.count.iterations as f64 / fewer as f64,
                     delta_a: last.delta_a,
                     excess: last.delta_a / tolerance(reached.len()),
                     kkt: last.kkt,

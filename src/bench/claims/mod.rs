@@ -3,7 +3,7 @@
 mod measure;
 mod verdict;
 
-pub use verdict::{Gain, Spread, Tally, Verdict, Verdicts};
+pub use verdict::{Gain, GainAt, Range, Spread, Tally, Verdict, Verdicts};
 
 use crate::load::LoadRule;
 use crate::saddle::{StopReason, StopRule};
@@ -199,6 +199,8 @@ pub struct Line {
     pub r: f64,
     /// One count per grid.
     pub counts: Vec<Count>,
+    /// Iterations on the finest grid over those without the dual criterion.
+    pub factor: f64,
     /// Last change of the multiplier on the finest grid.
     pub delta_a: f64,
     /// The same in units of the tolerance.

@@ -1,6 +1,6 @@
 //! Verdicts on the claims: each is split into cases that hold or do not, by a bound stated here.
 
-use super::{Count, Measure, Measured, Row, VARIANTS};
+use super::{Cell, Count, Measure, Measured, Row, VARIANTS};
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +77,8 @@ pub struct Verdicts {
     pub cheapest: Tally,
     /// Per variant, then the best of all variants in each cell.
     pub gains: Vec<Gain>,
+    /// The same per r, over all problems, grids and targets.
+    pub gains_at: Vec<GainAt>,
     /// The gain over exact inner minimisation depends on r, per problem, grid and target.
     pub gain_depends_on_r: Tally,
 }
@@ -126,6 +128,19 @@ pub struct Gain {
     pub range: Range,
 }
 
+/// Sweeps of Uzawa's algorithm over those of Arrow-Hurwicz at one r.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GainAt {
+    /// Duality parameter.
+    pub r: f64,
+    /// With exact inner minimisation.
+    pub exact: Range,
+    /// The best variant of each cell.
+    pub best: Range,
+    /// Cells in which exact inner minimisation hit the cap.
+    pub capped: usize,
+}
+
 impl Verdicts {
     pub(super) fn of(r: &[f64], problems: &[Measured]) -> Self {
         let spreads: Vec<_> = problems.iter().flat_map(|problem| spreads(r, problem)).collect();
@@ -133,14 +148,11 @@ impl Verdicts {
             let table = problem.tables.iter().find(|table| table.rule == rule);
             table.map(|table| table.lines.clone()).unwrap_or_default()
         };
-        let last = |counts: &[Count]| counts.last().map_or(f64::NAN, |c| c.iterations as f64);
-        let factors = |of: StopRule, by: StopRule| -> Vec<f64> {
-            let of = problems.iter().flat_map(|problem| lines(problem, of));
-            let by = problems.iter().flat_map(|problem| lines(problem, by));
-            of.zip(by).map(|(of, by)| last(&by.counts) / last(&of.counts)).collect()
+        let factors = |rule: StopRule| -> Vec<f64> {
+            problems.iter().flat_map(|problem| lines(problem, rule)).map(|l| l.factor).collect()
         };
-        let signed = factors(StopRule::Signed, StopRule::SignedDual);
-        let printed = factors(StopRule::Printed, StopRule::PrintedDual);
+        let signed = factors(StopRule::SignedDual);
+        let printed = factors(StopRule::PrintedDual);
         let many = |factors: &[f64]| Tally::of(factors.iter().map(|factor| *factor > MANY));
         let excess = |problem: &Measured| -> Vec<f64> {
             lines(problem, StopRule::Signed).iter().map(|line| line.excess).collect()
@@ -174,6 +186,7 @@ impl Verdicts {
             cheapest: cheaper(BEST),
             gain_depends_on_r: Tally::of(problems.iter().flat_map(gain_depends_on_r)),
             gains,
+            gains_at: gains_at(problems),
             spreads,
         }
     }
@@ -257,18 +270,39 @@ fn gains(problems: &[Measured], target: f64) -> Vec<Gain> {
     let mut gains: Vec<_> = (0..VARIANTS.len())
         .map(|variant| gain(VARIANTS[variant], &|counts| counts[variant]))
         .collect();
-    let best = |counts: &[Count; 4]| {
-        let least = counts.iter().min_by_key(|count| (count.reached().is_none(), count.iterations));
-        *least.expect("four of them")
-    };
     gains.push(gain(BEST, &best));
     gains
 }
 
+/// The variant with the fewest sweeps.
+fn best(counts: &[Count; 4]) -> Count {
+    let least = counts.iter().min_by_key(|count| (count.reached().is_none(), count.iterations));
+    *least.expect("four of them")
+}
+
+fn gains_at(problems: &[Measured]) -> Vec<GainAt> {
+    let mut all: Vec<f64> = problems.iter().flat_map(|p| &p.cells).map(|cell| cell.r).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    let at = |r: f64| {
+        let cells = || problems.iter().flat_map(|p| &p.cells).filter(move |cell| cell.r == r);
+        let range = |pick: fn(&[Count; 4]) -> Count| {
+            let ratio = |cell: &Cell| {
+                let ours = cell.arrow_hurwicz.reached()?;
+                Some(pick(&cell.uzawa).iterations as f64 / ours as f64)
+            };
+            Range::of(&cells().filter_map(ratio).collect::<Vec<_>>())
+        };
+        let capped = cells().filter(|cell| cell.uzawa[0].reached().is_none()).count();
+        GainAt { r, exact: range(|counts| counts[0]), best: range(best), capped }
+    };
+    all.into_iter().map(at).collect()
+}
+
 /// Whether the gain over exact inner minimisation varies with r, per grid and target.
 fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
-    let same = |a: &super::Cell, b: &super::Cell| a.cells == b.cells && a.target == b.target;
-    let vary = |cells: &[super::Cell]| {
+    let same = |a: &Cell, b: &Cell| a.cells == b.cells && a.target == b.target;
+    let vary = |cells: &[Cell]| {
         let ratios: Vec<f64> = cells
             .iter()
             .filter_map(|cell| {

@@ -38,7 +38,7 @@ pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Drawn {
             });
         }
     }
-    draw(caption, claims.problems.len(), &panels)
+    draw(caption, claims.problems.len(), Stroke::Line, &panels)
 }
 
 /// Sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
@@ -52,13 +52,13 @@ pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Drawn {
                 curves.push(((*name).into(), against(problem, target, cells, Some(k))));
             }
             panels.push(Panel {
-                title: format!("Problem {}, h = 1/{cells}, to {target:e}", problem.number),
+                title: format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number),
                 counted: "sweeps",
                 curves,
             });
         }
     }
-    draw(caption, claims.problems.len(), &panels)
+    draw(caption, claims.problems.len(), Stroke::Marked, &panels)
 }
 
 /// A method over r on one grid; `variant` is a place in [`VARIANTS`], `None` stands for Arrow-Hurwicz.
@@ -73,14 +73,18 @@ fn reached<'a>(counts: impl Iterator<Item = (&'a f64, &'a Count)>) -> Points {
     counts.filter_map(|(r, count)| Some((*r, count.reached()? as f64))).collect()
 }
 
-fn draw(caption: Caption, columns: usize, panels: &[Panel]) -> Drawn {
-    let greatest = panels.iter().flat_map(|panel| &panel.curves).flat_map(|(_, points)| points);
-    let greatest = greatest.map(|point| point.1).fold(1.0, f64::max);
+fn draw(caption: Caption, columns: usize, stroke: Stroke, panels: &[Panel]) -> Drawn {
+    // One range for all panels, so that they can be compared.
+    let counts = panels.iter().flat_map(|panel| &panel.curves).flat_map(|(_, points)| points);
+    let range = counts.map(|point| point.1).fold(None, |range, count| {
+        let (low, high) = range.unwrap_or((count, count));
+        Some((count.min(low), count.max(high)))
+    });
     let curves: Vec<Vec<Curve>> = panels
         .iter()
         .map(|panel| {
             let drawn = panel.curves.iter().filter(|(_, points)| !points.is_empty());
-            drawn.map(|(label, points)| Curve { label, points, stroke: Stroke::Marked }).collect()
+            drawn.map(|(label, points)| Curve { label, points, stroke }).collect()
         })
         .collect();
     let charted: Vec<Chart> = panels
@@ -89,7 +93,7 @@ fn draw(caption: Caption, columns: usize, panels: &[Panel]) -> Drawn {
         .map(|(panel, curves)| Chart {
             title: &panel.title,
             x: Axis { name: "duality parameter r", scale: Scale::Log, range: None },
-            y: Axis { name: panel.counted, scale: Scale::Log, range: Some((1.0, greatest)) },
+            y: Axis { name: panel.counted, scale: Scale::Log, range },
             curves,
         })
         .collect();

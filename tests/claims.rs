@@ -1,0 +1,151 @@
+//! The experiment on the paper's claims: its counts, what must hold of them, and the verdicts.
+
+use signorini::bench::claims::{Claims, Measure, Plan, Verdict, claims};
+use signorini::project::Project;
+use signorini::saddle::{Params, StopRule, solve_nested};
+use std::path::Path;
+use std::sync::OnceLock;
+
+fn project() -> Project {
+    Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap()
+}
+
+/// The plan of the book with fewer r, and without the finest grid where it is dear.
+fn plan() -> Plan {
+    let targets = vec![(1e-3, 32), (1e-6, 16)];
+    Plan { per_decade: 2, targets, ..Plan::of(&project().scenes) }
+}
+
+fn measured() -> &'static Claims {
+    static ONCE: OnceLock<Claims> = OnceLock::new();
+    ONCE.get_or_init(|| claims(&plan()).unwrap())
+}
+
+#[test]
+fn the_signed_table_is_the_published_one() {
+    let project = project();
+    for problem in &measured().problems {
+        let table = problem.tables.iter().find(|table| table.rule == StopRule::Signed).unwrap();
+        let rows: Vec<_> = table
+            .lines
+            .iter()
+            .map(|line| signorini::paper::Row {
+                r: line.r,
+                counts: line.counts.iter().map(|count| count.reached().unwrap()).collect(),
+                delta_a: line.delta_a,
+            })
+            .collect();
+        let compared = project.paper.compare(problem.number, "claims", &rows).unwrap();
+        assert_eq!(compared.exact, 25, "problem {}", problem.number);
+    }
+}
+
+#[test]
+fn the_lanes_count_what_the_solver_counts() {
+    let project = project();
+    let scene = project.scene("problem2").unwrap();
+    let loads: Vec<_> =
+        scene.grids.iter().map(|&grid| signorini::load::load(grid, &scene.f, scene.load)).collect();
+    for table in &measured().problems[1].tables {
+        let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
+        let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
+        let (outcomes, _) =
+            solve_nested(&scene.grids, &loads, &params, scene.prolongation, &mut ());
+        let theirs: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
+        let ours: Vec<_> = line.counts.iter().map(|count| count.iterations).collect();
+        assert_eq!(ours, theirs, "{}", table.rule);
+        assert_eq!(line.delta_a, outcomes[4].delta_a);
+        assert_eq!(line.kkt, outcomes[4].kkt.relative);
+    }
+}
+
+#[test]
+fn the_best_r_is_the_least_of_its_row_and_lies_in_its_interval() {
+    let claims = measured();
+    for row in claims.problems.iter().flat_map(|problem| &problem.rows) {
+        let best = row.best.unwrap();
+        let counts = || claims.r.iter().zip(&row.counts);
+        for (&r, count) in counts() {
+            let Some(count) = count.reached() else { continue };
+            assert!(best.iterations <= count);
+            if best.flat.0 <= r && r <= best.flat.1 {
+                assert!(10 * count <= 11 * best.iterations, "{row:?}");
+            }
+        }
+        assert!(counts().any(|(r, count)| *r == best.r && count.iterations == best.iterations));
+        assert!(best.flat.0 <= best.r && best.r <= best.flat.1);
+    }
+}
+
+#[test]
+fn more_accuracy_takes_more_sweeps() {
+    for problem in &measured().problems {
+        let counts = |measure, cells| {
+            let row = problem.rows.iter().find(|r| r.measure == measure && r.cells == cells);
+            &row.unwrap().counts
+        };
+        for cells in [4, 8, 16] {
+            let (rough, fine) =
+                (counts(Measure::Kkt(1e-3), cells), counts(Measure::Kkt(1e-6), cells));
+            assert!(
+                rough.iter().zip(fine).all(|(rough, fine)| rough.iterations <= fine.iterations)
+            );
+        }
+        // From the same start, the absolute value can only delay the first stop.
+        let (signed, printed) = (
+            counts(Measure::Rule(StopRule::Signed), 4),
+            counts(Measure::Rule(StopRule::Printed), 4),
+        );
+        assert!(signed.iter().zip(printed).all(|(s, p)| s.iterations <= p.iterations));
+    }
+}
+
+#[test]
+fn from_ten_up_r_makes_no_difference_to_an_accuracy() {
+    // For large r the penalty alone holds the contact nodes at zero.
+    for problem in &measured().problems {
+        for row in &problem.rows {
+            if matches!(row.measure, Measure::Kkt(_)) {
+                let from = measured().r.iter().position(|&r| r == 10.0).unwrap();
+                let counts = || row.counts[from..].iter().map(|count| count.iterations);
+                let (least, greatest) = (counts().min().unwrap(), counts().max().unwrap());
+                assert!(greatest * 100 <= least * 101, "{row:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_verdicts_reproduce() {
+    let verdicts = &measured().verdicts;
+    assert_eq!(verdicts.depends_on_r.verdict, Verdict::Partly);
+    assert_eq!((verdicts.still_moves.holds, verdicts.still_moves.cases), (10, 10));
+    assert_eq!((verdicts.more_in_last.holds, verdicts.more_in_last.cases), (5, 5));
+    assert_eq!((verdicts.dual_costs.holds, verdicts.dual_costs.cases), (10, 10));
+    assert_eq!((verdicts.dual_costs_printed.holds, verdicts.dual_costs_printed.cases), (5, 10));
+    assert_eq!(verdicts.cheaper.verdict, Verdict::Confirmed);
+    assert_eq!(verdicts.cheapest.verdict, Verdict::Partly);
+    assert_eq!(verdicts.gain_depends_on_r.verdict, Verdict::Confirmed);
+}
+
+#[test]
+fn threads_change_nothing() {
+    let small = || {
+        let plan = Plan { per_decade: 1, decades: (0, 2), compared_r: vec![1.0, 10.0], ..plan() };
+        let problems = plan.problems.iter().cloned().map(|mut problem| {
+            problem.grids = vec![4, 8, 16];
+            problem
+        });
+        claims(&Plan { problems: problems.collect(), targets: vec![(1e-3, 16)], ..plan }).unwrap()
+    };
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(alone.install(small), small());
+}
+
+#[test]
+fn a_load_without_solution_is_an_error() {
+    let mut plan = plan();
+    plan.problems[0].f = "else=1".into();
+    let error = claims(&plan).unwrap_err();
+    assert!(error.contains("no solution on grid 1/4"), "{error}");
+}
