@@ -21,6 +21,7 @@
 
 pub mod book;
 pub mod cli;
+pub mod cube;
 pub mod draw;
 pub mod error;
 pub mod exact;
