@@ -27,7 +27,6 @@ const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 /// Iterations after which a test gives up: (13) as printed needs more for some f.
 const CAP: usize = 3000;
 const FIGURES: [&str; 5] = ["figure1", "figure2", "histories", "contact", "identifiability"];
-/// Pictures of experiments.
 
 #[test]
 fn the_book_opens_from_a_folder_without_any_request() {

@@ -211,8 +211,7 @@ mod tests {
         for problem in Exact::ALL {
             for number in 0..343 {
                 let at = |digit: i32, shift: f64| f64::from(1 + digit) / 8.0 - shift;
-                let point =
-                    [at(number % 7, 0.49), at(number / 7 % 7, 0.48), at(number / 49, 0.51)];
+                let point = [at(number % 7, 0.49), at(number / 7 % 7, 0.48), at(number / 49, 0.51)];
                 let Sample { value, gradient, f } = problem.at(point);
                 let mut laplacian = 0.0;
                 for axis in 0..3 {

@@ -144,8 +144,7 @@ impl Draw {
                 let near = around(self.n, &self.capacity, node);
                 let potential = 1.0 - (G[0] * near[0] + G[1] * near[1] + G[2] * near[2]);
                 let is_contact = potential * STIFFEST <= near[0];
-                inverse[place] =
-                    if is_contact { 0.0 } else { 1.0 / (6.0 + near[0] / potential) };
+                inverse[place] = if is_contact { 0.0 } else { 1.0 / (6.0 + near[0] / potential) };
             }
         });
         inverse
