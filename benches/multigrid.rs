@@ -1,8 +1,6 @@
 //! Work units, bytes and time per unknown of multigrid on all problems: `cargo bench --bench multigrid -- [REPEATS] [N ...]`.
 
-#[path = "../tests/problems/mod.rs"]
-mod problems;
-
+use signorini::bench::problems;
 use signorini::exact::Exact;
 use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams};
 use signorini::grid::Grid;

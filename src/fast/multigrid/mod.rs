@@ -92,6 +92,9 @@ pub struct Outcome {
     /// Natural residual of the solution, in units of the load.
     pub kkt: f64,
     pub work_units: f64,
+    /// Bytes per unknown that all passes together move if each reads and writes every row once: over
+    /// the bandwidth of the memory, the time that nothing can save on grids too large for the caches.
+    pub traffic: f64,
 }
 
 /// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary, `A` the five-point stiffness matrix of the
