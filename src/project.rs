@@ -5,6 +5,7 @@ use crate::paper::Paper;
 use crate::pipeline::Artifacts;
 use crate::record::{self, Record};
 use crate::scene::Scene;
+use crate::timings::{self, Timings};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +24,8 @@ pub struct Project {
     pub paper_text: String,
     /// `pipeline/identified.toml` as read, if it is there.
     pub record_text: Option<Vec<u8>>,
+    /// `pipeline/timings.toml` as read, if it is there.
+    pub timings_text: Option<Vec<u8>>,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
 }
@@ -53,10 +56,21 @@ impl Project {
         let path = root.join("pipeline").join("paper.toml");
         let paper_text = fs::read_to_string(&path).context("read", &path)?;
         let paper = Paper::parse(&paper_text)?;
-        let record_text = read_record(&root)?;
+        let record_text = read_record(&root, record::PATH, |text| Record::parse(text).map(drop))?;
+        let timings_text =
+            read_record(&root, timings::PATH, |text| Timings::parse(text).map(drop))?;
         let mut templates = Artifacts::new();
         read_tree(&root.join("report"), "", &mut templates)?;
-        Ok(Self { root, scenes, scene_files, paper, paper_text, record_text, templates })
+        Ok(Self {
+            root,
+            scenes,
+            scene_files,
+            paper,
+            paper_text,
+            record_text,
+            timings_text,
+            templates,
+        })
     }
 
     /// The scenes with these names, each once, or all if no name is given.
@@ -85,14 +99,18 @@ impl Project {
     }
 }
 
-/// The record of the search for Figure 1, checked; a project of other problems has none.
-fn read_record(root: &Path) -> Result<Option<Vec<u8>>> {
-    let path = root.join(record::PATH);
+/// An optional record of the project, checked: a project of other problems has none.
+fn read_record(
+    root: &Path,
+    path: &str,
+    check: impl Fn(&str) -> Result<()>,
+) -> Result<Option<Vec<u8>>> {
+    let path = root.join(path);
     if !fs::exists(&path).context("read", &path)? {
         return Ok(None);
     }
     let text = fs::read_to_string(&path).context("read", &path)?;
-    Record::parse(&text)?;
+    check(&text)?;
     Ok(Some(text.into_bytes()))
 }
 

@@ -1,5 +1,6 @@
 //! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
 
+use crate::bench::law::ARRIVED;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -21,13 +22,13 @@ pub struct Timings {
     /// The sweep of the paper's method.
     pub sweep: Option<Sweep>,
     /// Multigrid on one problem, from grid to grid.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub multigrid: Vec<Scaling>,
     /// All solvers on problems with known solutions.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solver: Vec<Reached>,
     /// Other people's solvers beside ours; entered by hand, kept by `bench --record`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peer: Vec<Peer>,
 }
 
@@ -164,6 +165,18 @@ pub struct Peer {
     /// Relative natural residual that it reached.
     #[serde(deserialize_with = "positive")]
     pub our_kkt: f64,
+}
+
+/// Per grid, the least time in which the error came down to that of the discretisation.
+pub fn arrivals(lines: &[&Reached]) -> impl Iterator<Item = (usize, f64)> {
+    let mut grids: Vec<usize> = lines.iter().map(|line| line.cells).collect();
+    grids.dedup();
+    grids.into_iter().filter_map(|cells| {
+        let there = lines
+            .iter()
+            .filter(|line| line.cells == cells && line.error <= ARRIVED * line.discretisation);
+        Some((cells, there.map(|line| line.seconds).min_by(f64::total_cmp)?))
+    })
 }
 
 /// A number that a median or a norm can be.

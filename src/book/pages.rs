@@ -1,5 +1,6 @@
 //! Templates and data become Markdown.
 
+use super::cost::Cost;
 use super::data::Report;
 use super::facts::{Facts, Told};
 use super::{ReportError, filters};
@@ -28,6 +29,7 @@ pub fn pages(
     context.insert("facts", &Facts::of(data));
     let problems: Vec<_> = data.problems.iter().map(Told::of).collect();
     context.insert("problems", &problems);
+    context.insert("cost", &data.timings.as_ref().map(Cost::of));
 
     let mut pages = BTreeMap::new();
     for (name, text) in templates {

@@ -1,6 +1,7 @@
 //! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
 
-use super::{artifact, to_json};
+use super::{artifact, cost, to_json};
+use crate::bench::accuracy;
 use crate::draw::Caption;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::project::Project;
@@ -13,7 +14,7 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(_project: &Project) -> Vec<Task> {
-    Vec::new()
+    vec![task("accuracy", accuracy::Plan::default(), accuracy::accuracy)]
 }
 
 /// A picture of what experiments found.
@@ -28,7 +29,20 @@ pub struct Picture {
 }
 
 /// The pictures of the chapters on experiments.
-pub const PICTURES: &[Picture] = &[];
+pub const PICTURES: &[Picture] = &[
+    Picture {
+        name: "accuracy",
+        experiments: &["accuracy"],
+        title: "Errors against the width of the grid, four problems with known solutions",
+        draw: |inputs, caption| cost::accuracy(caption, &result(inputs, "accuracy")?),
+    },
+    Picture {
+        name: "work",
+        experiments: &["accuracy"],
+        title: "Residual, error and cost of three methods in sweeps and visits of unknowns",
+        draw: |inputs, caption| cost::work(caption, &result(inputs, "accuracy")?),
+    },
+];
 
 type Drawn = Result<String, String>;
 
