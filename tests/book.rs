@@ -1,5 +1,7 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
+use signorini::bench::accuracy;
+use signorini::bench::timing::{Plan, SOLVERS, measure};
 use signorini::book::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     ReportError, Row, Scene, Solution, Version, build, pages,
@@ -11,6 +13,7 @@ use signorini::paper::Paper;
 use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
 use signorini::source::Source;
+use signorini::timings::{Peer, Timings};
 use signorini::transfer::Prolongation;
 use std::collections::BTreeMap;
 use std::fs;
@@ -75,7 +78,7 @@ fn every_formula_is_set_and_every_figure_is_there() {
     }
     assert!(print.matches("<math").count() > 200);
     assert!(!print.contains("merror"));
-    for figure in FIGURES {
+    for figure in FIGURES.into_iter().chain(bench_figures()) {
         assert!(print.contains(&format!(r#"src="figures/{figure}.svg""#)));
         assert!(book.contains_key(&format!("figures/{figure}.svg")));
     }
@@ -134,6 +137,21 @@ fn the_chapter_on_the_search_tells_what_was_found() {
     let text = page(&data);
     assert!(text.contains("In problem 1, one of these give"), "{text}");
     assert!(!text.contains("The printed stopping rule had its chance"));
+}
+
+#[test]
+fn the_chapter_on_cost_stands_with_and_without_recorded_times() {
+    let mut data = sample(|ours, _| ours);
+    let page = |data: &Report| pages(&templates(), data).unwrap().remove("src/cost.md").unwrap();
+    let text = page(&data);
+    for shown in ["| Optimal orders", "## The law", "### Where each", "| PETSc | `else=-1`"] {
+        assert!(text.contains(shown), "{shown}: {text}");
+    }
+    data.timings = None;
+    data.figures.bench.retain(|name, _| ["accuracy", "work"].contains(&&name[..]));
+    let text = page(&data);
+    assert!(text.contains("`signorini bench --record` measures all solvers"), "{text}");
+    assert!(!text.contains("What the clock says") && !text.contains("ns per unknown"), "{text}");
 }
 
 #[test]
@@ -320,8 +338,11 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             contact: figure("contact"),
             histories: figure("histories"),
             identifiability: figure("identifiability"),
+            bench: bench_figures().map(|name| (name.into(), figure(name))).collect(),
         },
         record: record(),
+        bench: experiments(),
+        timings: Some(timings()),
         provenance: Provenance {
             command: "signorini run".into(),
             inputs: vec![
@@ -333,6 +354,48 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             license: "MIT OR Apache-2.0".into(),
         },
     }
+}
+
+/// Names of the pictures of experiments and of recorded times.
+fn bench_figures() -> impl Iterator<Item = &'static str> {
+    let experiments = signorini::stages::bench::PICTURES.iter().map(|picture| picture.name);
+    experiments.chain(signorini::stages::timings::names().map(|(name, _)| name))
+}
+
+/// What the experiments find on coarse grids, by name.
+fn experiments() -> BTreeMap<String, serde_json::Value> {
+    static ONCE: OnceLock<BTreeMap<String, serde_json::Value>> = OnceLock::new();
+    let find = || {
+        let plan = accuracy::Plan {
+            cells: vec![8, 16, 32],
+            others: vec![16],
+            laws: vec![("exact(free-corner)".into(), vec![4, 8, 16])],
+            race: vec![8, 16],
+        };
+        let found = accuracy::accuracy(&plan).unwrap();
+        BTreeMap::from([("accuracy".to_owned(), serde_json::to_value(found).unwrap())])
+    };
+    ONCE.get_or_init(find).clone()
+}
+
+/// Times as `signorini bench` measures them, of the kind that one cannot rely on.
+fn timings() -> Timings {
+    let plan = Plan { repeats: 1, quick: true, solvers: SOLVERS.into(), finest: 512 };
+    static ONCE: OnceLock<Timings> = OnceLock::new();
+    let measure = || {
+        let mut timings = measure(&plan, |_| ()).unwrap();
+        timings.peer.push(Peer {
+            solver: "PETSc".into(),
+            f: "else=-1".into(),
+            cells: 64,
+            theirs: 3.0,
+            their_kkt: 1e-9,
+            ours: 0.1,
+            our_kkt: 1e-12,
+        });
+        timings
+    };
+    ONCE.get_or_init(measure).clone()
 }
 
 /// The committed record.
@@ -399,7 +462,7 @@ fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     ] {
         files.insert(name.into(), fs::read(report.join(name)).unwrap());
     }
-    for name in FIGURES {
+    for name in FIGURES.into_iter().chain(bench_figures()) {
         files.insert(format!("src/figures/{name}.svg"), placeholder(name).into_bytes());
     }
     files

@@ -4,7 +4,7 @@ use crate::bench::accuracy::{Findings, Level};
 use crate::bench::law::Law;
 use crate::bench::timing::SOLVERS;
 use crate::draw::{Axis, Caption, Chart, Curve, Scale, Stroke, charts};
-use crate::timings::{Goal, Scaling, Timings, arrivals};
+use crate::timings::{Goal, Reached, Scaling, Timings, arrivals};
 
 type Drawn = Result<String, String>;
 
@@ -70,9 +70,9 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
     type Norm =
         (&'static str, &'static str, fn(&Level) -> f64, &'static [(&'static str, f64, f64)]);
     let norms: [Norm; 4] = [
-        ("v in L2", "error in L2", |level| level.errors.l2, &[("order 2", -2.0, 0.4)]),
-        ("v in H1", "error in H1", |level| level.errors.h1, &[("order 1", -1.0, 0.4)]),
-        ("v at the nodes", "greatest error", |level| level.errors.max, &[("order 2", -2.0, 0.4)]),
+        ("v in L2", "error in L2", |level| level.errors.l2, &[("order 2", -2.0, 0.12)]),
+        ("v in H1", "error in H1", |level| level.errors.h1, &[("order 1", -1.0, 0.25)]),
+        ("v at the nodes", "greatest error", |level| level.errors.max, &[("order 2", -2.0, 0.12)]),
         (
             "multiplier in L2",
             "error in L2 of the boundary",
@@ -119,7 +119,7 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
     arrivals.push(slope("order 1", &arrivals[..1], -1.0, 0.3));
     let finest = |law: &&Law| law.target < 1e-5;
     let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
-    laws.push(slope("order 2", &laws, 2.0, 2.0));
+    laws.push(slope("order 2", &laws, 2.0, 0.5));
     let panels = [
         Panel {
             title: format!("Residual on the grid 1/{}", race.cells),
@@ -164,60 +164,44 @@ fn slope_of_error(lines: &[Line], error: f64) -> Line {
 }
 
 /// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
+///
+/// The proximal method would lie upon Uzawa's, and there are no more colours.
 pub(super) fn cost(caption: Caption, timings: &Timings) -> Drawn {
-    let mut lines = Vec::new();
-    for (goal, name) in
-        [(Goal::Discretisation, "discretisation error"), (Goal::Floor, "rounding floor")]
-    {
-        for threads in 1..=2 {
-            let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
-            let points = timings.multigrid.iter().filter(wanted).map(|line| {
-                let unknowns = unknowns(line.cells);
-                (unknowns, 1e9 * line.seconds / unknowns)
-            });
-            lines.push(marked(
-                format!("{name}, {threads} thread{}", if threads > 1 { "s" } else { "" }),
-                points.collect(),
-            ));
-        }
-    }
-    let mut panels = vec![Panel {
-        title: "Multigrid".into(),
-        x: "unknowns",
-        y: "nanoseconds per unknown",
-        lines,
-    }];
-    let Some(problem) = timings.solver.last().map(|line| line.problem.clone()) else {
-        return draw(caption, &panels);
+    let goals = [
+        ("multigrid", Goal::Discretisation, 1),
+        ("two threads", Goal::Discretisation, 2),
+        ("to the floor", Goal::Floor, 1),
+        ("to the floor, two threads", Goal::Floor, 2),
+    ];
+    let per_unknown = |(cells, seconds): (usize, f64)| {
+        let unknowns = ((cells + 1) * (cells + 1)) as f64;
+        (unknowns, 1e9 * seconds / unknowns)
     };
-    let solvers = SOLVERS.map(|solver| {
-        let mine: Vec<_> = timings
-            .solver
-            .iter()
-            .filter(|line| line.solver == solver && line.problem == problem)
-            .collect();
-        marked(
-            solver,
-            arrivals(&mine)
-                .map(|(cells, s)| (unknowns(cells), 1e9 * s / unknowns(cells)))
-                .collect(),
-        )
+    let multigrid = goals.map(|(label, goal, threads)| {
+        let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
+        let lines = timings.multigrid.iter().filter(wanted);
+        marked(label, lines.map(|line| per_unknown((line.cells, line.seconds))).collect())
     });
-    panels.push(Panel {
-        title: "To the discretisation error".into(),
+    let problem = timings.solver.last().map(|line| &line.problem);
+    let solvers = ["multigrid", "active-set", "arrow-hurwicz", "uzawa"].map(|solver| {
+        let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
+        let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
+        marked(solver, arrivals(&mine).map(per_unknown).collect())
+    });
+    let panel = |title: &str, lines: [Line; 4]| Panel {
+        title: title.into(),
         x: "unknowns",
         y: "nanoseconds per unknown",
-        lines: solvers.into_iter().collect(),
-    });
+        lines: lines.into_iter().collect(),
+    };
+    let mut panels = vec![panel("Multigrid", multigrid)];
+    panels.push(panel("To the discretisation error", solvers));
+    panels.retain(|panel| panel.lines.iter().any(|line| !line.points.is_empty()));
     draw(caption, &panels)
 }
 
-fn unknowns(cells: usize) -> f64 {
-    ((cells + 1) * (cells + 1)) as f64
-}
-
 /// Error against time, one panel per problem; of each solver the runs that no other of its own beats.
-pub(super) fn precision(caption: Caption, timings: &Timings) -> Drawn {
+pub(super) fn race(caption: Caption, timings: &Timings) -> Drawn {
     let mut problems: Vec<&str> = timings.solver.iter().map(|line| &line.problem[..]).collect();
     problems.dedup();
     let panels: Vec<_> = problems

@@ -12,7 +12,7 @@ type Draw = fn(Caption, &Timings) -> Result<String, String>;
 /// Name, title, and how it is drawn.
 const PICTURES: [(&str, &str, Draw); 2] = [
     ("cost", "Time per unknown against the number of unknowns", cost::cost),
-    ("precision", "Error against time, all solvers", cost::precision),
+    ("race", "Error against time, all solvers", cost::race),
 ];
 
 /// The names of the pictures and the ids of their tasks.
