@@ -5,6 +5,8 @@ use signorini::timings::{PATH, Timings};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+mod common;
+
 fn findings() -> &'static Findings {
     static ONCE: OnceLock<Findings> = OnceLock::new();
     ONCE.get_or_init(|| {
@@ -100,12 +102,35 @@ fn a_quick_bench_has_all_fields_and_its_record_reads_back() {
 }
 
 #[test]
+fn a_record_keeps_what_was_entered_by_hand() {
+    let project = common::Project::with(common::TABLE);
+    let record = || {
+        let said = project.run(&["bench", "--record", "--finest", "16", "--repeats", "1"]);
+        assert_eq!(said.code, Some(0), "{said:?}");
+    };
+    record();
+    let read = || std::fs::read_to_string(project.path(PATH)).unwrap();
+    let before = read();
+    assert!(Timings::parse(&before).unwrap().peer.is_empty());
+    project.write(PATH, &format!("{before}\n{PEER}"));
+    record();
+    let after = Timings::parse(&read()).unwrap();
+    assert_eq!((after.peer.len(), &after.peer[0].solver[..]), (1, "other"));
+    project.write(PATH, "schema = 1");
+    let said = project.run(&["bench", "--record"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("line 1"), "{said:?}");
+}
+
+const PEER: &str = "[[peer]]\nsolver = \"other\"\nf = \"else=-1\"\ncells = 8\ntheirs = 1\n\
+    their_kkt = 1e-9\nours = 1\nour_kkt = 1e-9\n";
+
+#[test]
 fn a_spoilt_record_is_refused_with_line_and_remedy() {
     let good = "schema = 1\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
         load = 0.1\nrepeats = 9\n[bandwidth]\nmegabytes = 8\ntriad = 10\nupdate = 20\n";
     assert!(Timings::parse(good).is_ok());
-    let peer = "[[peer]]\nsolver = \"s\"\nf = \"else=-1\"\ncells = 8\ntheirs = 1\ntheir_kkt = 1e-9\nours = 1\nour_kkt = 1e-9\n";
-    assert_eq!(Timings::parse(&format!("{good}{peer}")).unwrap().peer.len(), 1);
+    assert_eq!(Timings::parse(&format!("{good}{PEER}")).unwrap().peer.len(), 1);
     for (old, new, line, what) in [
         ("triad = 10", "triad = -1", 12, "not a positive number"),
         ("triad = 10", "triad = nan", 12, "not a positive number"),

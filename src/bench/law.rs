@@ -125,15 +125,17 @@ pub fn race(cells: &[usize]) -> Result<Race, String> {
 }
 
 /// A problem with known solution on one grid.
-struct Track {
-    grid: Grid,
-    load: Vec<f64>,
+pub(super) struct Track {
+    pub(super) grid: Grid,
+    pub(super) load: Vec<f64>,
+    /// The solution at the nodes.
     exact: Vec<f64>,
-    discretisation: f64,
+    /// Error of the discrete solution.
+    pub(super) discretisation: f64,
 }
 
 impl Track {
-    fn new(exact: Exact, grid: Grid) -> Result<Self, String> {
+    pub(super) fn new(exact: Exact, grid: Grid) -> Result<Self, String> {
         let load = load(grid, &Source::Exact(exact), LoadRule::default());
         let (n, side) = (grid.cells(), grid.side());
         let at = |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
@@ -144,7 +146,8 @@ impl Track {
         Ok(track)
     }
 
-    fn error(&self, y: &[f64]) -> f64 {
+    /// The error of `y` in the discrete L2 norm.
+    pub(super) fn error(&self, y: &[f64]) -> f64 {
         let wrong: Vec<f64> = y.iter().zip(&self.exact).map(|(a, b)| a - b).collect();
         lumped(self.grid, &wrong)
     }

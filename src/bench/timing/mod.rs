@@ -6,6 +6,7 @@
 
 mod machine;
 
+use super::law::{R, Track};
 use super::saddle::{Looks, Method, sweeps_until};
 use crate::exact::Exact;
 use crate::fast::active_set::{ActiveSetParams, active_set};
@@ -13,7 +14,6 @@ use crate::fast::multigrid::{self, Multigrid, MultigridParams, multigrid};
 use crate::grid::Grid;
 use crate::kkt::kkt;
 use crate::load::{LoadRule, load};
-use crate::norms::lumped;
 use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use crate::source::Source;
 use crate::timings::{Goal, Machine, Reached, SCHEMA, Scaling, Sweep, Timings};
@@ -151,37 +151,10 @@ fn free_corner(cells: usize) -> Result<(Grid, Vec<f64>), String> {
     Ok((grid, load(grid, &Source::Exact(Exact::FreeCorner), LoadRule::default())))
 }
 
-/// A problem with known solution on one grid.
-struct Track {
-    grid: Grid,
-    load: Vec<f64>,
-    exact: Vec<f64>,
-    discretisation: f64,
-}
-
-impl Track {
-    fn error(&self, y: &[f64]) -> f64 {
-        let wrong: Vec<f64> = y.iter().zip(&self.exact).map(|(a, b)| a - b).collect();
-        lumped(self.grid, &wrong)
-    }
-}
-
 fn tracks(problem: Exact, plan: &Plan) -> Result<Vec<Track>, String> {
     let finest = if plan.quick { 32 } else { plan.finest.min(1024) };
-    let on = |cells: usize| {
-        let grid = Grid::new(cells).map_err(|e| e.to_string())?;
-        let load = load(grid, &Source::Exact(problem), LoadRule::default());
-        let at = |k: usize| {
-            let (i, j) = (k % grid.side(), k / grid.side());
-            problem.at(grid.coordinate(i), grid.coordinate(j)).value
-        };
-        let exact = (0..grid.nodes()).map(at).collect();
-        let solved = multigrid(cells, &load, None, &MultigridParams::default(), |_| ());
-        let mut track = Track { grid, load, exact, discretisation: 0.0 };
-        track.discretisation = track.error(&solved.map_err(|e| e.to_string())?.0);
-        Ok(track)
-    };
-    (3..).map(|level| 1 << level).take_while(|n| *n <= finest).map(on).collect()
+    let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
+    grids.map(|cells| Track::new(problem, Grid::new(cells).map_err(|e| e.to_string())?)).collect()
 }
 
 /// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
@@ -277,7 +250,7 @@ fn nested(method: Method, target: f64, tracks: &[Track]) -> Option<Vec<f64>> {
             pair = pair.prolonged(tracks[k - 1].grid, Prolongation::default());
         }
         let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
-        sweeps_until(method, (*grid, load), super::law::R, LOOKS, &mut pair, done)?;
+        sweeps_until(method, (*grid, load), R, LOOKS, &mut pair, done)?;
     }
     Some(pair.y)
 }
