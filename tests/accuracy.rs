@@ -112,7 +112,7 @@ fn a_record_keeps_what_was_entered_by_hand() {
     let read = || std::fs::read_to_string(project.path(PATH)).unwrap();
     let before = read();
     assert!(Timings::parse(&before).unwrap().peer.is_empty());
-    project.write(PATH, &format!("{before}\n{PEER}"));
+    project.write(PATH, format!("{before}\n{PEER}"));
     record();
     let after = Timings::parse(&read()).unwrap();
     assert_eq!((after.peer.len(), &after.peer[0].solver[..]), (1, "other"));
