@@ -44,4 +44,5 @@ pub mod source;
 pub mod stages;
 pub mod stiffness;
 pub mod table;
+pub mod timings;
 pub mod transfer;

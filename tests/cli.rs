@@ -22,6 +22,7 @@ fn help_is_as_reviewed() {
         "diff",
         "solve",
         "identify",
+        "bench",
         "report",
         "certificate",
         "gc",

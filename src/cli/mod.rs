@@ -1,5 +1,6 @@
 //! The command line: what there is to say, and which function says it.
 
+mod bench;
 mod certificate;
 mod diff;
 mod identify;
@@ -91,6 +92,13 @@ enum Command {
     /// Search for the right-hand sides of the lost Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]
     Identify(identify::IdentifyArgs),
+    /// Measure how long every solver takes on this machine
+    #[command(
+        after_help = "Times depend on the machine and on what else it does: leave it idle.\n\
+        Examples:\n  signorini bench --quick\n  signorini bench --solver multigrid --finest 1024\n  \
+        signorini bench --record          some minutes; the book shows what was recorded last"
+    )]
+    Bench(bench::BenchArgs),
     /// Build the book, and open it with --open
     Report(pipeline::ReportArgs),
     /// Write what a reviewer attaches to a review: a CODECHECK bundle and a one-page certificate
@@ -149,6 +157,7 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Diff(args) => diff::diff(&args),
         Command::Solve(args) => solve::solve(&args),
         Command::Identify(args) => identify::identify(&args),
+        Command::Bench(args) => bench::bench(&args),
         Command::Report(args) => pipeline::report(&args),
         Command::Certificate(args) => certificate::certificate(&args),
         Command::Gc(args) => pipeline::gc(&args),

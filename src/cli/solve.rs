@@ -50,7 +50,7 @@ pub(super) struct SolveArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Solver {
+pub(super) enum Solver {
     /// The paper's method on nested grids
     ArrowHurwicz,
     /// A full minimisation before each step of the multiplier, on nested grids

@@ -35,6 +35,8 @@ pub struct Multigrid {
     /// The load is divided by this power of two, so that no residual over- or underflows.
     scale: f64,
     work_units: f64,
+    /// Bytes moved, per unknown of the finest grid.
+    traffic: f64,
 }
 
 impl Multigrid {
@@ -49,7 +51,7 @@ impl Multigrid {
         }
         let depth = n.trailing_zeros();
         let levels = (1..=depth).map(|doublings| Level::new(odd << doublings)).collect();
-        Ok(Self { levels, scale: 1.0, work_units: 0.0 })
+        Ok(Self { levels, scale: 1.0, work_units: 0.0, traffic: 0.0 })
     }
 
     /// Memory held, in bytes.
@@ -60,6 +62,13 @@ impl Multigrid {
                 + size_of_val(&level.inverse_diagonal[..])
         };
         self.levels.iter().map(of_level).sum()
+    }
+
+    /// Bytes per unknown that the passes of the last solve moved together, if each reads and writes every
+    /// row once: over the bandwidth of the memory, the time that nothing can save on grids too large for
+    /// the caches.
+    pub fn traffic(&self) -> f64 {
+        self.traffic
     }
 
     /// Solves for one load; see [`multigrid`](super::multigrid).
@@ -73,7 +82,7 @@ impl Multigrid {
         params: &MultigridParams,
         mut monitor: impl FnMut(&Progress),
     ) -> Result<Outcome, InputError> {
-        self.work_units = 0.0;
+        (self.work_units, self.traffic) = (0.0, 0.0);
         self.set_load(load)?;
         let finest = self.levels.len() - 1;
         if finest == 0 {
@@ -132,6 +141,7 @@ impl Multigrid {
             if kkt >= STAGNATION * previous {
                 let floor = FLOOR * f64::EPSILON * self.levels[finest].max_abs();
                 self.work_units += 0.25;
+                self.traffic += 8.0;
                 if kkt <= floor {
                     kkt = self.check();
                     if kkt <= floor {
@@ -155,6 +165,8 @@ impl Multigrid {
         let top = &mut self.levels[finest];
         check_length(top.nodes(), load)?;
         let extents = rows::split(top.n, load, &mut top.load, Extent::of);
+        // Read in one order, written in the other.
+        self.traffic += 16.0;
         let extent = Extent::join(&extents);
         extent.check()?;
         self.scale = extent.scale();
@@ -165,7 +177,9 @@ impl Multigrid {
         for l in (1..=finest).rev() {
             let (coarse, fine) = self.levels.split_at_mut(l);
             pass::restrict_load(&fine[0], &mut coarse[l - 1]);
-            self.count(pass::RESTRICT_LOAD * self.levels[l].nodes() as f64);
+            let nodes = self.levels[l].nodes() as f64;
+            self.count(pass::RESTRICT_LOAD * nodes);
+            self.move_bytes(10.0 * nodes);
         }
         Ok(())
     }
@@ -266,25 +280,36 @@ impl Multigrid {
         }
         let (contact, nodes) = (ContactSet::single(level.n, i, j), level.nodes());
         self.count(0.25 * nodes as f64);
+        self.move_bytes(16.0 * nodes as f64);
         contact
     }
 
     fn pass(&mut self, l: usize, problem: Problem, stages: &[Stage]) -> f64 {
         let (coarse, fine) = self.levels.split_at_mut(l);
         let natural_residual = pass::run(&mut fine[0], &mut coarse[l - 1], problem, stages);
-        self.count(pass::work(stages) * self.levels[l].nodes() as f64);
+        let nodes = self.levels[l].nodes() as f64;
+        self.count(pass::work(stages) * nodes);
+        self.move_bytes(pass::traffic(stages) * nodes);
         natural_residual
     }
 
     /// Natural residual of the finest grid, all nodes.
     fn check(&mut self) -> f64 {
         self.work_units += 1.0;
+        self.traffic += 16.0;
         pass::natural_residual(self.levels.last().expect("at least one grid"))
     }
 
     fn count(&mut self, visits: f64) {
-        let unknowns = self.levels.last().expect("at least one grid").nodes();
-        self.work_units += visits / unknowns as f64;
+        self.work_units += visits / self.unknowns();
+    }
+
+    fn move_bytes(&mut self, bytes: f64) {
+        self.traffic += bytes / self.unknowns();
+    }
+
+    fn unknowns(&self) -> f64 {
+        self.levels.last().expect("at least one grid").nodes() as f64
     }
 }
 

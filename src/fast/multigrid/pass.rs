@@ -49,6 +49,22 @@ pub(super) fn work(stages: &[Stage]) -> f64 {
     stages.iter().map(|stage| stage.work()).sum()
 }
 
+/// Bytes per node of its own grid that a pass moves if it reads and writes every row once.
+///
+/// Red values are never read: each pass begins with a half-sweep that replaces them. What the first
+/// stage replaces at the black nodes is not read either. Fetching lines only to overwrite them, which
+/// most processors do, is not counted.
+pub(super) fn traffic(stages: &[Stage]) -> f64 {
+    let black = match stages.first() {
+        Some(Stage::Interpolate | Stage::StartRed(_)) => 0.0,
+        _ => 4.0,
+    };
+    let (values, load, quarter) = (8.0, 8.0, 2.0);
+    let coarse =
+        |stage: &&Stage| matches!(stage, Stage::Interpolate | Stage::Correct | Stage::Restrict);
+    black + values + load + quarter * stages.iter().filter(coarse).count() as f64
+}
+
 /// What the values of a grid stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Problem {
