@@ -134,20 +134,27 @@ const TORSION_TERMS: u32 = 10_001;
 
 /// `v = (1 - 4 x^2) (1 - t^2) psi - A (1 - 4 x^2) t^2 (1 - t)`, `psi = -Im ((z - a) (z - b))^(3/2)`.
 fn free_segment(x: f64, y: f64) -> Sample {
-    const LEFT: f64 = -0.23;
-    const RIGHT: f64 = 0.19;
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
+    let (value, gradient) = segment(x, t);
+    let (p, dp, ddp) = (1.0 - 4.0 * x * x, -8.0 * x, -8.0);
+    let weight = product((p, dp, ddp), (1.0 - t * t, -2.0 * t, -2.0));
+    let bump = (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t);
+    let psi = Harmonic { value, gradient };
+    psi.weighted(weight).minus(AMPLITUDE, product((p, dp, ddp), bump))
+}
+
+/// Value and gradient of the harmonic function `-Im ((z - a) (z - b))^(3/2)`, `z = x + i t`, which on
+/// `t = 0` is positive between `a = -0.23` and `b = 0.19`, without slope there, and zero elsewhere.
+pub(crate) fn segment(x: f64, t: f64) -> (f64, [f64; 2]) {
+    const LEFT: f64 = -0.23;
+    const RIGHT: f64 = 0.19;
     let z = Complex { re: x, im: t };
     let (from_left, from_right) = (z.minus(LEFT), z.minus(RIGHT));
     let root = from_left.sqrt().times(from_right.sqrt());
     let derivative = root.times(from_left.plus(from_right)).scaled(1.5);
-    let psi = Harmonic::new(root.cubed(), derivative);
-
-    let (p, dp, ddp) = (1.0 - 4.0 * x * x, -8.0 * x, -8.0);
-    let weight = product((p, dp, ddp), (1.0 - t * t, -2.0 * t, -2.0));
-    let bump = (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t);
-    psi.weighted(weight).minus(AMPLITUDE, product((p, dp, ddp), bump))
+    let Harmonic { value, gradient } = Harmonic::new(root.cubed(), derivative);
+    (value, gradient)
 }
 
 /// `v = (1 - X^2) (1 - Y^2) psi - A X^2 (1 - X) Y^2 (1 - Y)`, with

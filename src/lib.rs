@@ -22,6 +22,7 @@
 pub mod bench;
 pub mod book;
 pub mod cli;
+pub mod cube;
 pub mod draw;
 pub mod error;
 pub mod exact;

@@ -1,6 +1,7 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
 use signorini::bench::claims::{Claims, Plan, claims};
+use signorini::bench::{rounding, stress};
 use signorini::book::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     ReportError, Row, Scene, Solution, Version, build, pages,
@@ -14,6 +15,7 @@ use signorini::project::{CommandHelp, Project};
 use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
 use signorini::source::Source;
+use signorini::stages::bench::PICTURES;
 use signorini::transfer::Prolongation;
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,8 +27,6 @@ const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 /// Iterations after which a test gives up: (13) as printed needs more for some f.
 const CAP: usize = 3000;
 const FIGURES: [&str; 5] = ["figure1", "figure2", "histories", "contact", "identifiability"];
-/// Pictures of experiments.
-const BENCH_FIGURES: [&str; 2] = ["sweep", "uzawa"];
 
 #[test]
 fn the_book_opens_from_a_folder_without_any_request() {
@@ -80,7 +80,7 @@ fn every_formula_is_set_and_every_figure_is_there() {
     }
     assert!(print.matches("<math").count() > 200);
     assert!(!print.contains("merror"));
-    for figure in FIGURES.into_iter().chain(BENCH_FIGURES) {
+    for figure in FIGURES.into_iter().chain(PICTURES.iter().map(|picture| picture.name)) {
         assert!(print.contains(&format!(r#"src="figures/{figure}.svg""#)));
         assert!(book.contains_key(&format!("figures/{figure}.svg")));
     }
@@ -112,10 +112,23 @@ fn the_prose_follows_the_counts() {
     assert!(intro(&some).contains("all the others within the declared tolerance"));
     assert!(!intro(&far).contains("all the others within"));
     let tables = |pages: &BTreeMap<String, String>| pages["src/tables.md"].clone();
+    assert!(tables(&exact).contains("No count hangs on [rounding]"));
     // The ten values of Delta a are near in each sample.
     assert_eq!(tables(&exact).matches("class=\"near\"").count(), 10);
     assert_eq!(tables(&some).matches("class=\"near\"").count(), 20);
     assert_eq!(tables(&far).matches("class=\"far\"").count(), 10);
+}
+
+#[test]
+fn fragile_counts_are_marked() {
+    let mut data = sample(|ours, _| ours);
+    let found = data.bench.get_mut("rounding").unwrap();
+    found["fragile"] = 1.into();
+    found["tables"][1]["rows"][2]["cells"][4]["flips"] = 3.into();
+    let pages = pages(&templates(), &data).unwrap();
+    assert_eq!(pages["src/tables.md"].matches("<sup>†</sup>").count(), 1);
+    assert!(pages["src/tables.md"].contains("The mark † is for a count"));
+    assert!(pages["src/stability.md"].contains("One of the 50 counts is fragile"));
 }
 
 #[test]
@@ -328,8 +341,9 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             contact: figure("contact"),
             histories: figure("histories"),
             identifiability: figure("identifiability"),
-            bench: BENCH_FIGURES.map(|name| (name.to_owned(), figure(name))).into(),
+            bench: PICTURES.iter().map(|p| (p.name.to_owned(), figure(p.name))).collect(),
         },
+        bench: experiments().clone(),
         record: record(),
         commands: vec![CommandHelp {
             name: "run".into(),
@@ -337,7 +351,6 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
                 "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1,0,1)=1'\n"
                     .into(),
         }],
-        bench: BTreeMap::from([("claims".to_owned(), serde_json::to_value(measured()).unwrap())]),
         provenance: Provenance {
             command: "signorini run".into(),
             inputs: vec![
@@ -359,13 +372,32 @@ fn node(id: &str, stage: Stage, needs: &[&str]) -> Node {
     Node { id: id.into(), stage, needs: needs.iter().map(|need| (*need).into()).collect() }
 }
 
-/// The experiment on the paper's claims, with few r and on coarse grids.
-fn measured() -> &'static Claims {
-    static ONCE: OnceLock<Claims> = OnceLock::new();
+/// What the experiments find, with smaller plans.
+fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
+    static ONCE: OnceLock<BTreeMap<String, serde_json::Value>> = OnceLock::new();
     ONCE.get_or_init(|| {
+        let tables: Vec<_> = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"]
+            .iter()
+            .zip(1..)
+            .map(|(f, number)| rounding::TablePlan {
+                number,
+                f: (*f).into(),
+                load: LoadRule::default(),
+                prolongation: Prolongation::Bilinear,
+                grids: CELLS.into(),
+                r: R.into(),
+            })
+            .collect();
+        let few = stress::Plan { cap: CAP, ..stress::Plan::new(tables.clone()) };
+        let some = rounding::Plan { repetitions: 4, further: 1, ..rounding::Plan::new(tables) };
         let project = Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap();
         let targets = vec![(1e-2, 16), (1e-3, 16)];
-        claims(&Plan { per_decade: 1, targets, cap: 2000, ..Plan::of(&project.scenes) }).unwrap()
+        let coarse = Plan { per_decade: 1, targets, cap: 2000, ..Plan::of(&project.scenes) };
+        BTreeMap::from([
+            ("claims".into(), serde_json::to_value(claims(&coarse).unwrap()).unwrap()),
+            ("stress".into(), serde_json::to_value(stress::stress(&few).unwrap()).unwrap()),
+            ("rounding".into(), serde_json::to_value(rounding::rounding(&some).unwrap()).unwrap()),
+        ])
     })
 }
 
@@ -433,7 +465,7 @@ fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     ] {
         files.insert(name.into(), fs::read(report.join(name)).unwrap());
     }
-    for name in FIGURES.into_iter().chain(BENCH_FIGURES) {
+    for name in FIGURES.into_iter().chain(PICTURES.iter().map(|picture| picture.name)) {
         files.insert(format!("src/figures/{name}.svg"), placeholder(name).into_bytes());
     }
     files

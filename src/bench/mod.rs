@@ -5,3 +5,7 @@
 
 pub mod claims;
 pub mod lanes;
+pub mod reference;
+pub mod rounding;
+pub mod stress;
+pub mod trial;

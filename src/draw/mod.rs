@@ -7,6 +7,7 @@ mod axes;
 mod camera;
 mod chart;
 mod contact;
+mod fragility;
 mod history;
 mod identifiability;
 mod maps;
@@ -20,6 +21,7 @@ mod text;
 pub use camera::View;
 pub use chart::charts;
 pub use contact::contact;
+pub use fragility::fragility;
 pub use history::histories;
 pub use identifiability::identifiability;
 pub use maps::maps_of_f;
@@ -126,6 +128,19 @@ pub struct IdentifiabilityPanel<'a> {
     pub cells: usize,
     /// Other f to mark, as points of the plane.
     pub others: &'a [[f64; 2]],
+}
+
+/// One panel of [`fragility`].
+#[derive(Clone, Copy, Debug)]
+pub struct FragilityPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Names of the columns.
+    pub columns: &'a [String],
+    /// Names of the rows.
+    pub rows: &'a [String],
+    /// Row by row, each count with the least disturbance that changes it.
+    pub cells: &'a [Vec<(usize, Option<f64>)>],
 }
 
 /// One panel of [`charts`].

@@ -161,6 +161,13 @@ pub(super) fn unusual() -> Vec<(String, String)> {
         Chart { title: "both linear", x: linear("1/h"), y: linear("error"), curves: &curves[..3] },
         Chart { title: "alone", x: log("1/h"), y: linear("error"), curves: &curves[..2] },
     ];
+    let names = |names: [&str; 3]| names.map(String::from);
+    let (columns, rows) = (names(["h = 1/4", "1/8", "1/16"]), names(["r = 10", "5", "0.5"]));
+    let cells = [-15.0, -6.0, -2.0]
+        .map(|k| vec![(1, None), (1234, Some(libm::pow(10.0, k))), (56, Some(1e-8))]);
+    let panel = FragilityPanel { title, columns: &columns, rows: &rows, cells: &cells };
+    let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
+    figures.push(("fragility".into(), fragility(CAPTION, &sizes, &[panel; 2]).unwrap()));
     figures.push(("charts".into(), charts(CAPTION, 2, &panels).unwrap()));
     figures.push(("chart".into(), charts(CAPTION, 1, &panels[..1]).unwrap()));
     figures

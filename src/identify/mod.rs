@@ -19,7 +19,7 @@ mod evaluate;
 mod findings;
 mod identifiability;
 mod plan;
-mod random;
+pub(crate) mod random;
 mod rank;
 mod search;
 mod select;

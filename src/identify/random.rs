@@ -1,11 +1,11 @@
 //! Random numbers that depend on the seed and the item of work alone.
 
 /// Steele, Lea and Flood's SplitMix64: a stream per item, whoever runs it.
-pub(super) struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
     /// The stream numbered `stream` of this seed.
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut random = Self(seed ^ stream.wrapping_mul(0xd134_2543_de82_ef95));
         random.next();
         random
@@ -19,12 +19,12 @@ impl Random {
     }
 
     /// Uniform in (0, 1).
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         ((self.next() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }
 
     /// Uniform in `0..n`.
-    pub(super) fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         ((self.unit() * n as f64) as usize).min(n - 1)
     }
 }

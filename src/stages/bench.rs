@@ -1,6 +1,7 @@
 //! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
 
 mod claims;
+mod stability;
 
 use super::{artifact, to_json};
 use crate::bench;
@@ -16,7 +17,10 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
-    vec![task("claims", bench::claims::Plan::of(&project.scenes), bench::claims::claims)]
+    let plan = bench::claims::Plan::of(&project.scenes);
+    let mut tasks = vec![task("claims", plan, bench::claims::claims)];
+    tasks.extend(stability::tasks(project));
+    tasks
 }
 
 /// A picture of what experiments found.
@@ -43,6 +47,36 @@ pub const PICTURES: &[Picture] = &[
         experiments: &["claims"],
         title: "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
         draw: claims::uzawa,
+    },
+    Picture {
+        name: "rounding",
+        experiments: &["rounding"],
+        title: "The least relative disturbance that changes each published count",
+        draw: stability::draw_rounding,
+    },
+    Picture {
+        name: "duality",
+        experiments: &["stress"],
+        title: "KKT residual and iterations of the paper's method over r",
+        draw: stability::draw_duality,
+    },
+    Picture {
+        name: "tolerances",
+        experiments: &["stress"],
+        title: "KKT residual reached against the tolerance asked for",
+        draw: stability::draw_tolerances,
+    },
+    Picture {
+        name: "deficits",
+        experiments: &["stress"],
+        title: "Work and contact as the integral of f tends to zero",
+        draw: stability::draw_deficits,
+    },
+    Picture {
+        name: "precision",
+        experiments: &["stress"],
+        title: "KKT residual that rounding leaves, over the grids",
+        draw: stability::draw_precision,
     },
 ];
 

@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use super::contact::ContactSet;
-use super::level::{Colour, Level};
+use super::level::Level;
 use super::pass::Problem::{Correction, Obstacle};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
 use super::{Goal, MultigridParams, Outcome, Progress, coarsest};
 use crate::fast::StopReason;
 use crate::fast::input::{Extent, InputError, check_length};
+use crate::fast::rows::{self, Colour};
 
 /// Coarse grids see two cycles per cycle of the grid above from this many grids below the finest.
 const F_CYCLE_DEPTH: usize = 3;
@@ -26,8 +27,6 @@ const FLOOR: f64 = 32.0;
 
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.
 const HOPELESS: f64 = 1e12;
-/// Loads whose largest entry lies in here are not rescaled.
-const COMFORTABLE: std::ops::Range<f64> = 1e-100..1e100;
 
 /// Preallocated grids for problems with `n` cells per side.
 pub struct Multigrid {
@@ -148,23 +147,21 @@ impl Multigrid {
     /// Copies the solution, row-major, `(n + 1)^2` numbers.
     pub fn write_solution(&self, solution: &mut [f64]) {
         let finest = &self.levels[self.levels.len() - 1];
-        finest.merge_values(self.scale, solution);
+        rows::merge(finest.n, &finest.values, self.scale, solution);
     }
 
     fn set_load(&mut self, load: &[f64]) -> Result<(), InputError> {
         let finest = self.levels.len() - 1;
         let top = &mut self.levels[finest];
-        check_length(top.n, load)?;
-        let rows = Level::split(top.n, load, &mut top.load, Extent::of);
-        let extent = Extent::join(&rows);
+        check_length(top.nodes(), load)?;
+        let extents = rows::split(top.n, load, &mut top.load, Extent::of);
+        let extent = Extent::join(&extents);
         extent.check()?;
-        let largest = extent.largest;
-        // Only where squares and ratios of the numbers could leave the range of double precision.
-        self.scale = if COMFORTABLE.contains(&largest) { 1.0 } else { power_of_two_near(largest) };
+        self.scale = extent.scale();
         if self.scale != 1.0 {
-            Level::scale(&mut top.load, 1.0 / self.scale);
+            rows::scale(&mut top.load, 1.0 / self.scale);
         }
-        top.load_scale = largest / self.scale;
+        top.load_scale = extent.largest / self.scale;
         for l in (1..=finest).rev() {
             let (coarse, fine) = self.levels.split_at_mut(l);
             pass::restrict_load(&fine[0], &mut coarse[l - 1]);
@@ -176,13 +173,13 @@ impl Multigrid {
     fn set_start(&mut self, start: &[f64]) -> Result<(), InputError> {
         let scale = self.scale;
         let top = self.levels.last_mut().expect("at least one grid");
-        check_length(top.n, start)?;
+        check_length(top.nodes(), start)?;
         if start.iter().any(|value| !(value / scale).is_finite()) {
             return Err(InputError::NotFinite("start"));
         }
-        Level::split(top.n, start, &mut top.values, |_| ());
+        rows::split(top.n, start, &mut top.values, |_| ());
         if scale != 1.0 {
-            Level::scale(&mut top.values, 1.0 / scale);
+            rows::scale(&mut top.values, 1.0 / scale);
         }
         Ok(())
     }
@@ -307,11 +304,4 @@ fn smooth_twice(from_coarser: Stage, over: f64) -> [Stage; 6] {
         Relax(Colour::Black, 1.0),
         Restrict,
     ]
-}
-
-/// A power of two within a factor of two of `x`, itself and its inverse normal numbers.
-fn power_of_two_near(x: f64) -> f64 {
-    const EXPONENT_BITS: u64 = 0x7ff << 52;
-    let tiny = f64::MIN_POSITIVE * 4.0;
-    f64::from_bits(x.clamp(tiny, 1.0 / tiny).to_bits() & EXPONENT_BITS)
 }

@@ -9,9 +9,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::level::{Colour, Level, Rows, deinterleave, long_and_short, max_abs, stride, worse};
+use super::level::Level;
 use super::stencil::{Boundary, EdgeNode, Row, perimeter};
 use super::transfer::{CoarseRows, Restriction, weigh_load};
+use crate::fast::rows::{Colour, Rows, deinterleave, long_and_short, max_abs, stride, worse};
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -218,7 +219,7 @@ impl Walk<'_> {
 
     #[inline(always)]
     fn run_portable(&self, job: &mut Job, rows_of: impl Fn(usize) -> Range<usize>) -> f64 {
-        let stride = stride(self.n);
+        let (stride, coarse_stride) = (stride(self.n), stride(self.n / 2));
         let mut corrections = CoarseRows::new(self.n / 2, self.coarse_values);
         let mut restriction = Restriction::new(self.n);
         let ranges: Vec<_> = (0..self.stages.len()).map(rows_of).collect();
@@ -266,8 +267,10 @@ impl Walk<'_> {
                         let [coarse_red, coarse_black] = &mut job.coarse_load;
                         restriction.add_row(row, self.boundary, red, rows.start, move |coarse_j| {
                             let at = coarse_j - first_coarse;
-                            let stride = super::level::stride(self.n / 2);
-                            [row_mut(coarse_red, at, stride), row_mut(coarse_black, at, stride)]
+                            [
+                                row_mut(coarse_red, at, coarse_stride),
+                                row_mut(coarse_black, at, coarse_stride),
+                            ]
                         });
                     }
                 }

@@ -1,0 +1,105 @@
+//! One run of a solver under stress, judged by a measure that no solver computes for itself.
+
+use crate::fast;
+use crate::fast::multigrid::{Goal, MultigridParams, multigrid};
+use crate::grid::Grid;
+use crate::kkt::kkt;
+use crate::saddle::{Pair, Params, StopReason, arrow_hurwicz};
+use serde::{Deserialize, Serialize};
+
+/// How a run ended, and what [`kkt`] says of the vector it returned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// The solver's own word; `refused` if it did not begin.
+    pub stop: String,
+    /// Iterations, or cycles on the finest grid.
+    pub steps: usize,
+    /// Work in units of one sweep of the finest grid.
+    pub work: f64,
+    /// Natural residual over `|F|_inf`; none if it is not finite.
+    pub kkt: Option<f64>,
+    /// Natural residual over `EPSILON * max |y|`, about 1 to 10 where only rounding is left.
+    pub floor: Option<f64>,
+    /// `max |y|`; none if it is not finite.
+    pub size: Option<f64>,
+    /// Boundary nodes in contact: there the flux exceeds y.
+    pub contact: usize,
+    /// Whether what the solver claims of the natural residual is so; none if it claims nothing of it, as
+    /// the paper's stopping rules do.
+    pub holds: Option<bool>,
+}
+
+impl Trial {
+    fn of(grid: Grid, load: &[f64], y: &[f64], stop: &str, (steps, work): (usize, f64)) -> Self {
+        let judged = kkt(grid, y, load);
+        let size = y
+            .iter()
+            .fold(0.0, |size: f64, y| if y.abs() > size || y.is_nan() { y.abs() } else { size });
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let mut flux = vec![0.0; y.len()];
+        crate::stiffness::residual(grid, y, load, &mut flux);
+        Self {
+            stop: stop.into(),
+            steps,
+            work,
+            kkt: finite(judged.relative),
+            floor: finite(judged.natural / (f64::EPSILON * size)),
+            size: finite(size),
+            contact: grid.boundary().filter(|&node| flux[node] > y[node]).count(),
+            holds: None,
+        }
+    }
+
+    fn refused() -> Self {
+        Self {
+            stop: "refused".into(),
+            steps: 0,
+            work: 0.0,
+            kkt: None,
+            floor: None,
+            size: None,
+            contact: 0,
+            holds: None,
+        }
+    }
+}
+
+/// The paper's iteration on one grid, from `pair`.
+pub fn saddle(grid: Grid, load: &[f64], params: &Params, mut pair: Pair) -> Trial {
+    let outcome = arrow_hurwicz(grid, load, params, &mut pair, None);
+    let stop = outcome.stop.to_string();
+    // A sweep, and about as much to look at the gradient.
+    let cost = (outcome.iterations, outcome.iterations as f64);
+    let trial = Trial::of(grid, load, &pair.y, &stop, cost);
+    // A vector that is not a number must not pass as a result.
+    let holds = (outcome.stop != StopReason::Diverged).then_some(trial.kkt.is_some());
+    Trial { holds: holds.filter(|holds| !holds), ..trial }
+}
+
+/// Multigrid, by nested iteration or from `start`.
+pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
+    let params = MultigridParams { goal, ..MultigridParams::default() };
+    let Ok((y, outcome)) = multigrid(grid.cells(), load, start, &params, |_| {}) else {
+        return Trial::refused();
+    };
+    let cost = (outcome.cycles, outcome.work_units);
+    let trial = Trial::of(grid, load, &y, outcome.stop.name(), cost);
+    let natural = kkt(grid, &y, load).natural;
+    let size = trial.size.unwrap_or(f64::NAN);
+    // The check adds in another order than the solver: it may differ by some units of the last place.
+    let slack = SLACK * f64::EPSILON * size;
+    let holds = match (outcome.stop, goal) {
+        (fast::StopReason::Converged, Goal::Kkt(tolerance)) => Some(natural <= tolerance + slack),
+        (fast::StopReason::RoundingFloor, _) => {
+            Some(natural <= FLOOR * f64::EPSILON * size + slack)
+        }
+        (fast::StopReason::Converged, _) => Some(natural.is_finite()),
+        _ => None,
+    };
+    Trial { holds, ..trial }
+}
+
+/// Units of `EPSILON * max |y|` by which two ways to compute a residual may differ.
+const SLACK: f64 = 8.0;
+/// Units of `EPSILON * max |y|` at which multigrid speaks of the rounding floor.
+const FLOOR: f64 = 32.0;

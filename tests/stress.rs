@@ -1,0 +1,180 @@
+//! Extreme parameters, data, tolerances, starts and precision: no solver may hang, lie, or return nonsense.
+
+use proptest::prelude::*;
+use signorini::bench::rounding::{self, TablePlan, rounding};
+use signorini::bench::stress::{self, Stress, stress};
+use signorini::bench::trial::Trial;
+use signorini::grid::Grid;
+use signorini::kkt::kkt;
+use signorini::load::{LoadRule, load};
+use signorini::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use signorini::transfer::Prolongation;
+use std::sync::OnceLock;
+
+fn tables(grids: &[usize]) -> Vec<TablePlan> {
+    ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"]
+        .iter()
+        .zip(1..)
+        .map(|(f, number)| TablePlan {
+            number,
+            f: (*f).into(),
+            load: LoadRule::default(),
+            prolongation: Prolongation::Bilinear,
+            grids: grids.into(),
+            r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
+        })
+        .collect()
+}
+
+fn found() -> &'static Stress {
+    static ONCE: OnceLock<Stress> = OnceLock::new();
+    ONCE.get_or_init(|| stress(&stress::Plan::new(tables(&[4, 8, 16, 32, 64]))).unwrap())
+}
+
+#[test]
+fn no_run_hangs_lies_or_returns_nonsense() {
+    let found = found();
+    for trial in found.trials() {
+        assert!(trial.steps <= 100_000, "{trial:?}");
+        assert!(trial.holds != Some(false), "{trial:?}");
+        let told = ["diverged", "refused"].contains(&trial.stop.as_str());
+        assert!(told || trial.kkt.is_some(), "{trial:?}");
+    }
+    assert_eq!((found.tally.denied, found.tally.silent), (0, 0));
+}
+
+#[test]
+fn the_signed_rule_is_met_far_from_the_solution_and_no_tolerance_mends_it() {
+    let plateau = found().facts.plateau.expect("in problem 2");
+    assert_eq!((plateau.problem, plateau.steps), (2, 240));
+    assert!(plateau.tolerances.least <= 1e-14 && plateau.tolerances.greatest >= 1e-6);
+    assert!(plateau.kkt > 0.05);
+    let met = |trial: &Trial| trial.stop == "converged";
+    for case in found().duality.iter().flatten() {
+        assert!(met(&case.signed) && case.signed.kkt > Some(0.1), "{case:?}");
+    }
+}
+
+#[test]
+fn large_r_breaks_nothing_and_the_strict_rule_keeps_its_word() {
+    let strict = found().strict;
+    for case in found().duality.iter().flatten() {
+        if case.r >= 1.0 {
+            assert_eq!(case.strict.stop, "converged", "{case:?}");
+        }
+        if case.strict.stop == "converged" {
+            // A change of a below the tolerance bounds y only by the tolerance over r.
+            assert!(case.strict.kkt <= Some(1.1 * strict * (1.0 / case.r).max(1.0)), "{case:?}");
+        }
+    }
+}
+
+#[test]
+fn the_unit_of_f_changes_nothing_but_an_absolute_tolerance() {
+    let plain = found().scaling.iter().find(|case| case.exponent == 0).unwrap();
+    for case in &found().scaling {
+        assert_eq!(case.multigrid.steps, plain.multigrid.steps, "1e{}", case.exponent);
+        assert_eq!(case.multigrid.stop, "rounding-floor");
+        assert_eq!(case.scaled.steps, plain.scaled.steps, "1e{}", case.exponent);
+        let (kkt, want) = (case.scaled.kkt.unwrap(), plain.scaled.kkt.unwrap());
+        assert!((kkt / want - 1.0).abs() < 1e-9, "1e{}", case.exponent);
+        if case.exponent < 0 {
+            assert_eq!(case.fixed.steps, 1, "1e{}", case.exponent);
+        }
+    }
+}
+
+#[test]
+fn multigrid_stands_a_vanishing_integral_jumps_and_spikes() {
+    for case in found().deficits.iter().flatten().filter(|case| case.deficit >= 1e-12) {
+        assert_eq!(case.multigrid.stop, "rounding-floor", "{case:?}");
+        assert!(case.multigrid.work < 70.0, "{case:?}");
+    }
+    for case in found().jumps.iter().chain(&found().spikes) {
+        assert_eq!(case.multigrid.stop, "rounding-floor", "{case:?}");
+        assert!(case.multigrid.work < 70.0, "{case:?}");
+    }
+}
+
+#[test]
+fn what_is_not_a_number_is_never_a_result() {
+    for case in found().starts.iter().filter(|case| case.name.contains("in one node")) {
+        assert_eq!(case.multigrid.stop, "refused");
+        assert_eq!(case.saddle.stop, "diverged");
+    }
+    let grid = Grid::new(8).unwrap();
+    let good = load(grid, &"else=-1".parse().unwrap(), LoadRule::default());
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for rule in StopRule::ALL {
+            let params = Params { rule, max_iterations: 1000, ..Params::default() };
+            let mut poisoned = good.clone();
+            poisoned[40] = bad;
+            let outcome = arrow_hurwicz(grid, &poisoned, &params, &mut Pair::zero(grid), None);
+            assert_eq!(outcome.stop, StopReason::Diverged, "load {bad} {rule}");
+            let mut pair = Pair::zero(grid);
+            pair.a[3] = bad;
+            let outcome = arrow_hurwicz(grid, &good, &params, &mut pair, None);
+            let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
+            assert!(finite || outcome.stop == StopReason::Diverged, "a {bad} {rule}");
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let plan = stress::Plan { cap: 500, ..stress::Plan::new(tables(&[4, 8])) };
+    let shaken = rounding::Plan { repetitions: 8, ..rounding::Plan::new(tables(&[4, 8])) };
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| (stress(&plan).unwrap(), rounding(&shaken).unwrap()))
+    };
+    assert!(with_threads(1) == with_threads(3));
+}
+
+#[test]
+fn counts_survive_rounding_but_not_everything() {
+    let few =
+        rounding::Plan { repetitions: 20, further: 1, ..rounding::Plan::new(tables(&[4, 8, 16])) };
+    let found = rounding(&few).unwrap();
+    assert_eq!((found.cells, found.fragile, found.reordered), (30, 0, 0));
+    // The residual at the stop is below the tolerance, and was above it before.
+    let cells = found.tables.iter().flat_map(|table| &table.rows).flat_map(|row| &row.cells);
+    for cell in cells {
+        assert!(cell.below >= 0.0 && cell.above.is_none_or(|above| above > 0.0), "{cell:?}");
+        assert!(cell.above.is_some() == (cell.count > 1), "{cell:?}");
+    }
+    let rough = rounding(&rounding::Plan { sizes: vec![1e-2], ..few }).unwrap();
+    assert!(rough.fragile > 10, "the experiment must see what is there: {}", rough.fragile);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Whatever r, scale and start: the printed and the dual rule together bound the natural residual.
+    #[test]
+    fn the_strict_rule_is_a_claim_that_holds(
+        r_exponent in -12.0..12.0f64,
+        f_exponent in -100.0..100.0f64,
+        relative_exponent in -9.0..-1.0f64,
+        start in -1e3..1e3f64,
+        jump in 0.0..5.0f64,
+    ) {
+        let grid = Grid::new(8).unwrap();
+        let f = format!("quadrant(ll)={jump}; else=-2");
+        let scale = 10f64.powf(f_exponent);
+        let load: Vec<f64> =
+            load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage).iter().map(|f| f * scale).collect();
+        let largest = load.iter().fold(0.0f64, |largest, f| f.abs().max(largest));
+        let r = 10f64.powf(r_exponent);
+        let tolerance = 10f64.powf(relative_exponent) * largest;
+        let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000 };
+        let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero(grid) };
+        let outcome = arrow_hurwicz(grid, &load, &params, &mut pair, None);
+        let natural = kkt(grid, &pair.y, &load).natural;
+        prop_assert!(natural.is_finite());
+        if outcome.stop == StopReason::Converged {
+            let bound = (1.0 + grid.h()) * tolerance * (1.0 / r).max(1.0);
+            prop_assert!(natural <= bound * (1.0 + 1e-9), "{natural:e} {bound:e} {outcome:?}");
+        }
+    }
+}
