@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{EVERYTHING, Project, TABLE, wanting};
+use common::{Project, TABLE};
 use expect_test::{expect, expect_file};
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 const BUMP: &str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 
