@@ -76,9 +76,8 @@ impl Grid {
 /// The load vector `F_i = f(M_i) h^3`, on faces, edges and corners times 1/2, 1/4, 1/8.
 pub fn load(grid: Grid, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
     let volume = grid.h().powi(3);
-    let at = |indices: [usize; 3]| {
-        f(indices.map(|i| grid.coordinate(i))) * grid.share(indices) * volume
-    };
+    let at =
+        |indices: [usize; 3]| f(indices.map(|i| grid.coordinate(i))) * grid.share(indices) * volume;
     grid.indices().map(at).collect()
 }
 

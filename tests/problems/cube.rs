@@ -24,8 +24,9 @@ pub fn exact_load(problem: Exact, n: usize) -> Vec<f64> {
 /// and corners, at last at one corner.
 pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     use std::f64::consts::TAU;
-    let waves =
-        |[x, y, z]: [f64; 3]| (TAU * x).sin() + 0.7 * (3.0 * y + 1.0).cos() + 0.6 * (4.0 * z - 0.5).sin();
+    let waves = |[x, y, z]: [f64; 3]| {
+        (TAU * x).sin() + 0.7 * (3.0 * y + 1.0).cos() + 0.6 * (4.0 * z - 0.5).sin()
+    };
     let chess = |[x, y, z]: [f64; 3]| (TAU * x).cos() * (TAU * y).cos() * (TAU * z).cos();
     let octant = |[x, y, z]: [f64; 3]| {
         if x <= 0.0 && y <= 0.0 && z <= 0.0 { 1.0 } else { -1.0 / 7.0 }

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::coarsest;
 use super::contact::ContactSet;
 use super::level::{Level, share};
 use super::surface;
 use super::sweep::Problem::{Correction, Obstacle};
 use super::sweep::{self, Problem};
-use super::coarsest;
 use crate::fast::StopReason;
 use crate::fast::banded::Banded;
 use crate::fast::input::{Extent, InputError, check_length};
@@ -307,8 +307,7 @@ impl Multigrid {
 
     fn restrict(&mut self, l: usize, problem: Problem) -> f64 {
         let (coarse, fine) = self.levels.split_at_mut(l);
-        let natural =
-            sweep::restrict(&fine[0], problem, &mut coarse[l - 1], &mut self.residuals);
+        let natural = sweep::restrict(&fine[0], problem, &mut coarse[l - 1], &mut self.residuals);
         self.count_sweeps(l, RESTRICT);
         natural
     }

@@ -76,9 +76,8 @@ fn around_edge(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
         for (j, dj) in near[1] {
             for (i, di) in near[0] {
                 let other = [i, j, k];
-                let on_face = |axis: usize| {
-                    node[axis] == other[axis] && (node[axis] == 0 || node[axis] == n)
-                };
+                let on_face =
+                    |axis: usize| node[axis] == other[axis] && (node[axis] == 0 || node[axis] == n);
                 if (0..3).any(on_face) {
                     sums[di + dj + dk] += field[place(n, other)];
                 }

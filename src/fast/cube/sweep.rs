@@ -3,9 +3,7 @@
 //! Red only depends on black and black on red: the order of the planes, and hence the number of
 //! threads, does not change a single bit of the result.
 
-use super::level::{
-    Level, for_each_pair_of_planes, for_each_plane, is_long, mirrored, plane, row,
-};
+use super::level::{Level, for_each_pair_of_planes, for_each_plane, is_long, mirrored, plane, row};
 use super::stencil::{Boundary, Row, walk};
 use crate::fast::rows::{Colour, Rows, deinterleave, interleave, long_and_short, stride, worse};
 
@@ -166,8 +164,7 @@ pub(super) fn restrict(
         let rows = plane.chunks_exact_mut(stride(n)).enumerate();
         let of_row = |(j, residual): (usize, &mut [f64])| {
             residual.copy_from_slice(&red[row(n, j, k)]);
-            Row::new(n, [j, k], Colour::Red, load, black)
-                .replace_by_residual(boundary, residual)
+            Row::new(n, [j, k], Colour::Red, load, black).replace_by_residual(boundary, residual)
         };
         rows.map(of_row).fold(0.0, worse)
     });
@@ -260,8 +257,7 @@ impl Weighting {
 pub(super) fn natural_residual(level: &Level, buffer: &mut [f64]) -> f64 {
     let n = level.n;
     let of_colour = |colour: Colour| {
-        let (own, other) =
-            (&level.values[colour as usize], &level.values[colour.other() as usize]);
+        let (own, other) = (&level.values[colour as usize], &level.values[colour.other() as usize]);
         for_each_plane(n, &mut buffer[..(n + 1) * plane(n)], |k, plane| {
             let rows = plane.chunks_exact_mut(stride(n)).enumerate();
             let of_row = |(j, residual): (usize, &mut [f64])| {
