@@ -136,6 +136,39 @@ fn solutions_are_written_as_npy_and_vti() {
 }
 
 #[test]
+fn the_cube_is_solved_by_both_its_solvers() {
+    let project = Project::with(TABLE);
+    let solved = |solver: &str| {
+        let args = ["solve", "--cube", "exact(free-disc)", "--h", "1/16", "--solver", solver];
+        let text = project.run(&args);
+        assert!(text.lines()[0].starts_with("cube: f = exact(free-disc), integral -"), "{text:?}");
+        let json = project.run(&[&args[..], &["--json"]].concat()).json();
+        assert_eq!((&json["schema"], &json["dimension"]), (&1.into(), &3.into()));
+        assert_eq!((&json["solver"], &json["h"]), (&solver.into(), &0.0625.into()));
+        assert_eq!(json["unknowns"], 17 * 17 * 17);
+        assert_eq!(json["work_units"].is_number(), solver == "multigrid");
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        assert!(number(&json["kkt"]["relative"]) < 1e-12, "{json}");
+        assert!(number(&json["kkt"]["min_y"]) == 0.0 && number(&json["integral_f"]) < 0.0);
+        assert!(number(&json["seconds"]["solve"]) < 10.0);
+        (number(&json["energy"]), number(&json["errors"]["l2"]))
+    };
+    let (ours, direct) = (solved("multigrid"), solved("active-set"));
+    assert!((ours.0 - direct.0).abs() < 1e-12 * ours.0.abs(), "{ours:?} {direct:?}");
+    assert!((ours.1 - direct.1).abs() < 1e-10 * ours.1, "{ours:?} {direct:?}");
+
+    let f = "ball(0,0,0,0.25)=2; else=-1";
+    for (name, size) in [("v.npy", 128 + 729 * 8), ("v.vti", 729 * 8)] {
+        let said = project.run(&["solve", "--cube", f, "--h", "1/8", "--out", name]);
+        assert!(said.lines().contains(&format!("wrote {name}").as_str()), "{said:?}");
+        assert!(fs::read(project.path(name)).unwrap().len() >= size);
+    }
+    let vti = fs::read(project.path("v.vti")).unwrap();
+    let head = String::from_utf8_lossy(&vti[..400]);
+    assert!(head.contains("WholeExtent=\"0 8 0 8 0 8\" Origin=\"-0.5 -0.5 -0.5\""), "{head}");
+}
+
+#[test]
 fn solve_refuses_in_one_line() {
     let project = Project::with(TABLE);
     for (args, remedy) in [
@@ -150,6 +183,14 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--out", "v.doc"], "unknown ending; use one of"),
         (&["--f", "else=-1", "--h", "1/8", "--out", "no/v.npy"], "cannot write no/v.npy"),
         (&["nobody"], "no scene `nobody`; there are: a"),
+        (&["--cube", "else=1"], "lower f somewhere"),
+        (&["--cube", "disc(0,0,1)=1; else=-1"], "write e.g. 'box("),
+        (&["--cube", "ball(0,0,0,0.1)=1"], "add `else=value`"),
+        (&["--cube", "exact(torsion)"], "choose one of full-contact, free-strip, free-disc"),
+        (&["--cube", "else=-1", "--h", "1/9"], "choose another --h"),
+        (&["--cube", "else=-1", "--h", "1/1024"], "1/512 is the finest"),
+        (&["--cube", "else=-1", "--solver", "uzawa"], "only multigrid and active-set"),
+        (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");

@@ -18,7 +18,7 @@
 //!
 //! The larger of the two holds. A node that draws the current `c` when the far field is one sees the
 //! potential `1 - sum G c`, the sum over its neighbours and itself; hence the spring
-//! `c / (1 - sum G c)`, or contact if that is not positive.
+//! `c / (1 - sum G c)`, or contact if that is not positive or the node's whole area is in contact.
 //!
 //! No length, angle or topology of the set enters, and no constant but three values of `G`. The rate of
 //! convergence is that of the Poisson equation, about 0.1, for all sets tried, from a whole face to one
@@ -121,7 +121,8 @@ impl Draw {
                 let [own, nearest, diagonal] = around(self.n, field, node);
                 own + 0.5 * nearest + 0.25 * diagonal
             };
-            area[place] = 0.25 * weighted(&self.area);
+            // Where faces meet, more than one node's area may come together.
+            area[place] = (0.25 * weighted(&self.area)).min(1.0);
             capacity[place] = 0.5 * weighted(&self.capacity);
         });
         let mut screened = capacity.clone();
@@ -143,7 +144,7 @@ impl Draw {
             if self.capacity[place] > 0.0 {
                 let near = around(self.n, &self.capacity, node);
                 let potential = 1.0 - (G[0] * near[0] + G[1] * near[1] + G[2] * near[2]);
-                let is_contact = potential * STIFFEST <= near[0];
+                let is_contact = self.area[place] >= 1.0 || potential * STIFFEST <= near[0];
                 inverse[place] = if is_contact { 0.0 } else { 1.0 / (6.0 + near[0] / potential) };
             }
         });
