@@ -33,7 +33,7 @@ pub(super) struct BenchArgs {
     finest: Option<usize>,
 }
 
-/// Finest grid of a run: 1.4 GB for the load vector and multigrid.
+/// Finest grid of a run: 2 GB for the load vector and multigrid.
 const FINEST: usize = 8192;
 
 pub(super) fn bench(args: &BenchArgs) -> Result<u8> {

@@ -116,10 +116,10 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
         .iter()
         .map(|run| marked(&run.method, run.arrivals.iter().map(|a| (a.1, a.3)).collect()))
         .collect();
-    arrivals.push(slope("order 1", &arrivals[..1], -1.0, 0.3));
+    arrivals.push(slope("order 1", &arrivals[..1], -1.0, 0.15));
     let finest = |law: &&Law| law.target < 1e-5;
     let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
-    laws.push(slope("order 2", &laws, 2.0, 0.5));
+    laws.push(slope("order 2", &laws, 2.0, 0.2));
     let panels = [
         Panel {
             title: format!("Residual on the grid 1/{}", race.cells),
