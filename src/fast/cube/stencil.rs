@@ -179,7 +179,7 @@ impl<'a> Row<'a> {
         let offset = usize::from(is_long(colour, j, k));
         let last = if offset == 1 { n / 2 - 1 } else { n / 2 };
         let at_edge = |target: &mut [f64], m: usize, node: SurfaceNode| {
-            let west = along[if m >= offset { m - offset } else { 0 }];
+            let west = along[m.saturating_sub(offset)];
             let east = along[(m + 1 - offset).min(last)];
             let sum = (west + east) + ((south[m] + north[m]) + (below[m] + above[m]));
             target[m] = edge(node, target[m], load[m] + sum);
