@@ -1,8 +1,6 @@
-//! Work units, bytes and time per unknown of multigrid on all problems: `cargo bench --bench multigrid -- [REPEATS] [N ...]`.
+//! Work units, bytes and time per unknown of multigrid on all problems: `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]`.
 
-#[path = "../tests/problems/mod.rs"]
-mod problems;
-
+use signorini::bench::problems;
 use signorini::exact::Exact;
 use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams};
 use signorini::grid::Grid;
@@ -14,8 +12,13 @@ const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::Rou
 
 fn main() {
     let numbers: Vec<usize> = std::env::args().filter_map(|arg| arg.parse().ok()).collect();
+    let (threads, numbers) = numbers.split_first().unwrap_or((&1, &[]));
     let (repeats, sizes) = numbers.split_first().unwrap_or((&5, &[64, 256, 1024]));
-    println!("work units, cycles, ns per unknown (median of {repeats} runs) for three goals:");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build_global();
+    pool.expect("the first to ask for threads");
+    let threads = rayon::current_num_threads();
+    println!("{threads} thread(s), median of {repeats} runs");
+    println!("work units, cycles, ns per unknown for three goals:");
     println!("{:>6} {:14} {:>6} {:?}", "1/h", "problem", "bytes", GOALS);
     for &n in sizes {
         let grid = Grid::new(n).expect("fine enough");

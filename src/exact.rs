@@ -6,6 +6,7 @@
 //! same on all machines.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// The problems with known solutions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,46 +109,63 @@ fn torsion(x: f64, y: f64) -> Sample {
         let Sample { value, gradient: [gx, gy], f } = torsion(y, x);
         return Sample { value, gradient: [gy, gx], f };
     }
-    // u = (1/4 - x^2) / 2 - sum over odd k of s_k 4 / (pi k)^3 cos(pi k x) cosh(pi k y) / cosh(pi k / 2),
-    // s_k = 1, -1, 1, ...
+    // u = (1/4 - x^2) / 2 - sum over odd k of c_k cos(pi k x) (exp(pi k (y - 1/2)) + exp(pi k (-y - 1/2))).
     let mut u = 0.5 * (0.25 - x * x);
     let (mut ux, mut uy) = (-x, 0.0);
-    let mut sign = 1.0;
-    for k in (1..TORSION_TERMS).step_by(2) {
-        let a = PI * f64::from(k);
-        let (plus, minus) = (libm::exp(a * (y - 0.5)), libm::exp(a * (-y - 0.5)));
-        if plus + minus < f64::EPSILON * f64::EPSILON {
+    // From one odd k to the next, angles and exponents grow by the same amounts.
+    let (mut sin, mut cos) = libm::sincos(PI * x);
+    let (turn_sin, turn_cos) = (2.0 * sin * cos, cos * cos - sin * sin);
+    let mut plus = libm::exp(PI * (y - 0.5));
+    let mut minus = libm::exp(PI * (-y - 0.5));
+    let (plus_factor, minus_factor) = (plus * plus, minus * minus);
+    for &(a, coefficient) in TORSION.iter() {
+        if plus + minus < f64::EPSILON {
             break;
         }
-        let (sin, cos) = libm::sincos(a * x);
-        let coefficient = sign * 4.0 / (a * a * a * (1.0 + libm::exp(-a)));
         u -= coefficient * cos * (plus + minus);
         ux += coefficient * a * sin * (plus + minus);
         uy -= coefficient * a * cos * (plus - minus);
-        sign = -sign;
+        (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
+        plus *= plus_factor;
+        minus *= minus_factor;
     }
     Sample { value: -u, gradient: [-ux, -uy], f: -1.0 }
 }
 
+/// `pi k` and `c_k = s_k 4 / ((pi k)^3 (1 + exp(-pi k)))` for odd k, `s_k = 1, -1, 1, ...`.
+///
 /// In the corners the terms decay like k^-3 only: errors 1e-9 in the value, 1e-5 in the gradient there.
-const TORSION_TERMS: u32 = 10_001;
+static TORSION: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
+    let term = |m: u32| {
+        let (a, sign) = (PI * f64::from(2 * m + 1), if m.is_multiple_of(2) { 1.0 } else { -1.0 });
+        (a, sign * 4.0 / (a * a * a * (1.0 + libm::exp(-a))))
+    };
+    (0..5_000).map(term).collect()
+});
 
 /// `v = (1 - 4 x^2) (1 - t^2) psi - A (1 - 4 x^2) t^2 (1 - t)`, `psi = -Im ((z - a) (z - b))^(3/2)`.
 fn free_segment(x: f64, y: f64) -> Sample {
-    const LEFT: f64 = -0.23;
-    const RIGHT: f64 = 0.19;
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
+    let (value, gradient) = segment(x, t);
+    let (p, dp, ddp) = (1.0 - 4.0 * x * x, -8.0 * x, -8.0);
+    let weight = product((p, dp, ddp), (1.0 - t * t, -2.0 * t, -2.0));
+    let bump = (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t);
+    let psi = Harmonic { value, gradient };
+    psi.weighted(weight).minus(AMPLITUDE, product((p, dp, ddp), bump))
+}
+
+/// Value and gradient of the harmonic function `-Im ((z - a) (z - b))^(3/2)`, `z = x + i t`, which on
+/// `t = 0` is positive between `a = -0.23` and `b = 0.19`, without slope there, and zero elsewhere.
+pub(crate) fn segment(x: f64, t: f64) -> (f64, [f64; 2]) {
+    const LEFT: f64 = -0.23;
+    const RIGHT: f64 = 0.19;
     let z = Complex { re: x, im: t };
     let (from_left, from_right) = (z.minus(LEFT), z.minus(RIGHT));
     let root = from_left.sqrt().times(from_right.sqrt());
     let derivative = root.times(from_left.plus(from_right)).scaled(1.5);
-    let psi = Harmonic::new(root.cubed(), derivative);
-
-    let (p, dp, ddp) = (1.0 - 4.0 * x * x, -8.0 * x, -8.0);
-    let weight = product((p, dp, ddp), (1.0 - t * t, -2.0 * t, -2.0));
-    let bump = (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t);
-    psi.weighted(weight).minus(AMPLITUDE, product((p, dp, ddp), bump))
+    let Harmonic { value, gradient } = Harmonic::new(root.cubed(), derivative);
+    (value, gradient)
 }
 
 /// `v = (1 - X^2) (1 - Y^2) psi - A X^2 (1 - X) Y^2 (1 - Y)`, with

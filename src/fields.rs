@@ -1,5 +1,6 @@
 //! Solutions as files: VTK image data for ParaView, NPY for NumPy, SVG for the eye.
 
+use crate::cube;
 use crate::draw::{Caption, Surface, View, surfaces};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -42,11 +43,41 @@ pub fn write(path: &Path, grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>
     })
 }
 
+/// The same for a solution on the cube, which has no picture.
+///
+/// # Errors
+/// [`Error::Input`] if the ending is unknown or means a picture.
+pub fn write_cube(path: &Path, grid: cube::Grid, y: &[f64], name: &str) -> Result<Vec<u8>> {
+    let n = grid.cells();
+    Ok(match check_cube_ending(path)? {
+        "npy" => npy_array(&[n + 1; 3], y),
+        _ => image([n, n, n], grid.h(), y, name),
+    })
+}
+
+/// Checks that the ending of `path` names a format for solutions on the cube.
+///
+/// # Errors
+/// [`Error::Input`] with what to use instead.
+pub fn check_cube_ending(path: &Path) -> Result<&str> {
+    match check_ending(path)? {
+        "svg" => Err(Error::input(format!(
+            "--out {}: a solution on the cube has no picture; use .vti and open it in ParaView, or .npy",
+            path.display()
+        ))),
+        ending => Ok(ending),
+    }
+}
+
 /// NPY version 1.0: an array of shape (n + 1, n + 1), first index y, second x, little-endian doubles.
 pub fn npy(grid: Grid, y: &[f64]) -> Vec<u8> {
-    let side = grid.side();
-    let mut header =
-        format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({side}, {side}), }}");
+    npy_array(&[grid.side(); 2], y)
+}
+
+fn npy_array(shape: &[usize], y: &[f64]) -> Vec<u8> {
+    let shape: Vec<_> = shape.iter().map(usize::to_string).collect();
+    let shape = shape.join(", ");
+    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
     // The data must begin at a multiple of 64 bytes; magic, version and length take ten.
     header += &" ".repeat(63 - (10 + header.len()) % 64);
     header.push('\n');
@@ -59,12 +90,21 @@ pub fn npy(grid: Grid, y: &[f64]) -> Vec<u8> {
 
 /// VTK XML image data with point data `v`, appended raw little-endian doubles.
 pub fn vti(grid: Grid, y: &[f64], name: &str) -> Vec<u8> {
-    let (n, h) = (grid.cells(), grid.h());
+    let n = grid.cells();
+    image([n, n, 0], grid.h(), y, name)
+}
+
+/// Axes without cells are at 0, the others centred there.
+fn image(cells: [usize; 3], h: f64, y: &[f64], name: &str) -> Vec<u8> {
+    let along = |of_axis: &dyn Fn(usize) -> String| cells.map(of_axis).join(" ");
+    let extent = along(&|n| format!("0 {n}"));
+    let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });
+    let spacing = along(&|n| if n > 0 { h.to_string() } else { "1".into() });
     let mut bytes = format!(
         "<?xml version=\"1.0\"?>\n<!-- {name}, solution v of the scalar Signorini problem -->\n\
         <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
-        <ImageData WholeExtent=\"0 {n} 0 {n} 0 0\" Origin=\"-0.5 -0.5 0\" Spacing=\"{h} {h} 1\">\n\
-        <Piece Extent=\"0 {n} 0 {n} 0 0\"><PointData Scalars=\"v\">\n\
+        <ImageData WholeExtent=\"{extent}\" Origin=\"{origin}\" Spacing=\"{spacing}\">\n\
+        <Piece Extent=\"{extent}\"><PointData Scalars=\"v\">\n\
         <DataArray type=\"Float64\" Name=\"v\" format=\"appended\" offset=\"0\"/>\n\
         </PointData></Piece></ImageData>\n<AppendedData encoding=\"raw\">\n_"
     )

@@ -31,8 +31,20 @@ pub struct Kkt {
 pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
     let mut flux = vec![0.0; grid.nodes()];
     residual(grid, y, load, &mut flux);
+    judge(flux, grid.boundary(), y, load, grid.h())
+}
+
+/// The same from the gradient `A y - F`, the numbers of the boundary nodes, and the measure of the
+/// boundary around one of them.
+pub(crate) fn judge(
+    mut flux: Vec<f64>,
+    boundary: impl Iterator<Item = usize>,
+    y: &[f64],
+    load: &[f64],
+    measure: f64,
+) -> Kkt {
     let (mut min_y, mut min_flux, mut complementarity) = (f64::INFINITY, f64::INFINITY, 0.0);
-    for node in grid.boundary() {
+    for node in boundary {
         min_y = min(min_y, y[node]);
         min_flux = min(min_flux, flux[node]);
         complementarity = max(complementarity, y[node].min(flux[node]).abs());
@@ -44,7 +56,7 @@ pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
     Kkt {
         stationarity,
         min_y,
-        min_lambda: min_flux / grid.h(),
+        min_lambda: min_flux / measure,
         complementarity,
         natural,
         relative: if natural == 0.0 { 0.0 } else { natural / scale },

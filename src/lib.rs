@@ -22,6 +22,7 @@
 pub mod bench;
 pub mod book;
 pub mod cli;
+pub mod cube;
 pub mod draw;
 pub mod error;
 pub mod exact;
@@ -43,4 +44,5 @@ pub mod source;
 pub mod stages;
 pub mod stiffness;
 pub mod table;
+pub mod timings;
 pub mod transfer;

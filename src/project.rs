@@ -6,6 +6,7 @@ use crate::paper::Paper;
 use crate::pipeline::Artifacts;
 use crate::record::{self, Record};
 use crate::scene::Scene;
+use crate::timings::{self, Timings};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,6 +26,8 @@ pub struct Project {
     pub paper_text: String,
     /// `pipeline/identified.toml` as read, if it is there.
     pub record_text: Option<Vec<u8>>,
+    /// `pipeline/timings.toml` as read, if it is there.
+    pub timings_text: Option<Vec<u8>>,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
     /// The commands of the program, for the book; a reader of the folder alone knows none.
@@ -66,7 +69,9 @@ impl Project {
         let path = root.join("pipeline").join("paper.toml");
         let paper_text = fs::read_to_string(&path).context("read", &path)?;
         let paper = Paper::parse(&paper_text)?;
-        let record_text = read_record(&root)?;
+        let record_text = read_record(&root, record::PATH, |text| Record::parse(text).map(drop))?;
+        let timings_text =
+            read_record(&root, timings::PATH, |text| Timings::parse(text).map(drop))?;
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
         Ok(Self {
@@ -76,6 +81,7 @@ impl Project {
             paper,
             paper_text,
             record_text,
+            timings_text,
             templates,
             commands: Vec::new(),
         })
@@ -107,14 +113,18 @@ impl Project {
     }
 }
 
-/// The record of the search for Figure 1, checked; a project of other problems has none.
-fn read_record(root: &Path) -> Result<Option<Vec<u8>>> {
-    let path = root.join(record::PATH);
+/// An optional record of the project, checked: a project of other problems has none.
+fn read_record(
+    root: &Path,
+    path: &str,
+    check: impl Fn(&str) -> Result<()>,
+) -> Result<Option<Vec<u8>>> {
+    let path = root.join(path);
     if !fs::exists(&path).context("read", &path)? {
         return Ok(None);
     }
     let text = fs::read_to_string(&path).context("read", &path)?;
-    Record::parse(&text)?;
+    check(&text)?;
     Ok(Some(text.into_bytes()))
 }
 

@@ -1,6 +1,8 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
+use signorini::bench::accuracy;
 use signorini::bench::claims::{Plan, claims};
+use signorini::bench::timing::{self, SOLVERS, measure};
 use signorini::bench::{rounding, stress};
 use signorini::book::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
@@ -15,7 +17,7 @@ use signorini::project::{CommandHelp, Project};
 use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
 use signorini::source::Source;
-use signorini::stages::bench::PICTURES;
+use signorini::timings::{Peer, Timings};
 use signorini::transfer::Prolongation;
 use std::collections::BTreeMap;
 use std::fs;
@@ -27,7 +29,6 @@ const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 /// Iterations after which a test gives up: (13) as printed needs more for some f.
 const CAP: usize = 3000;
 const FIGURES: [&str; 5] = ["figure1", "figure2", "histories", "contact", "identifiability"];
-/// Pictures of experiments.
 
 #[test]
 fn the_book_opens_from_a_folder_without_any_request() {
@@ -81,7 +82,7 @@ fn every_formula_is_set_and_every_figure_is_there() {
     }
     assert!(print.matches("<math").count() > 200);
     assert!(!print.contains("merror"));
-    for figure in FIGURES.into_iter().chain(PICTURES.iter().map(|picture| picture.name)) {
+    for figure in FIGURES.into_iter().chain(bench_figures()) {
         assert!(print.contains(&format!(r#"src="figures/{figure}.svg""#)));
         assert!(book.contains_key(&format!("figures/{figure}.svg")));
     }
@@ -153,6 +154,21 @@ fn the_chapter_on_the_search_tells_what_was_found() {
     let text = page(&data);
     assert!(text.contains("In problem 1, one of these give"), "{text}");
     assert!(!text.contains("The printed stopping rule had its chance"));
+}
+
+#[test]
+fn the_chapter_on_cost_stands_with_and_without_recorded_times() {
+    let mut data = sample(|ours, _| ours);
+    let page = |data: &Report| pages(&templates(), data).unwrap().remove("src/cost.md").unwrap();
+    let text = page(&data);
+    for shown in ["| Optimal orders", "## The law", "### Where each", "| PETSc | `else=-1`"] {
+        assert!(text.contains(shown), "{shown}: {text}");
+    }
+    data.timings = None;
+    data.figures.bench.retain(|name, _| ["accuracy", "work"].contains(&&name[..]));
+    let text = page(&data);
+    assert!(text.contains("`signorini bench --record` measures all solvers"), "{text}");
+    assert!(!text.contains("What the clock says") && !text.contains("ns per unknown"), "{text}");
 }
 
 #[test]
@@ -342,7 +358,7 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             contact: figure("contact"),
             histories: figure("histories"),
             identifiability: figure("identifiability"),
-            bench: PICTURES.iter().map(|p| (p.name.to_owned(), figure(p.name))).collect(),
+            bench: bench_figures().map(|name| (name.into(), figure(name))).collect(),
         },
         bench: experiments().clone(),
         record: record(),
@@ -352,6 +368,7 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
                 "Runs it.\n\nUsage: signorini run [SCENE]...\n\n  --f <F>  e.g. 'rect(0,1,0,1)=1'\n"
                     .into(),
         }],
+        timings: Some(timings()),
         provenance: Provenance {
             command: "signorini run".into(),
             inputs: vec![
@@ -394,12 +411,46 @@ fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
         let project = Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap();
         let targets = vec![(1e-2, 16), (1e-3, 16)];
         let coarse = Plan { per_decade: 1, targets, cap: 2000, ..Plan::of(&project.scenes) };
+        let accurate = accuracy::Plan {
+            cells: vec![8, 16, 32],
+            others: vec![16],
+            laws: vec![("exact(free-corner)".into(), vec![4, 8, 16])],
+            race: vec![8, 16],
+        };
+        let accurate = accuracy::accuracy(&accurate).unwrap();
         BTreeMap::from([
+            ("accuracy".into(), serde_json::to_value(accurate).unwrap()),
             ("claims".into(), serde_json::to_value(claims(&coarse).unwrap()).unwrap()),
             ("stress".into(), serde_json::to_value(stress::stress(&few).unwrap()).unwrap()),
             ("rounding".into(), serde_json::to_value(rounding::rounding(&some).unwrap()).unwrap()),
         ])
     })
+}
+
+/// Names of the pictures of experiments and of recorded times.
+fn bench_figures() -> impl Iterator<Item = &'static str> {
+    let experiments = signorini::stages::bench::PICTURES.iter().map(|picture| picture.name);
+    experiments.chain(signorini::stages::timings::names().map(|(name, _)| name))
+}
+
+/// Times as `signorini bench` measures them, of the kind that one cannot rely on.
+fn timings() -> Timings {
+    let plan = timing::Plan { repeats: 1, quick: true, solvers: SOLVERS.into(), finest: 512 };
+    static ONCE: OnceLock<Timings> = OnceLock::new();
+    let measured = || {
+        let mut timings = measure(&plan, |_| ()).unwrap();
+        timings.peer.push(Peer {
+            solver: "PETSc".into(),
+            f: "else=-1".into(),
+            cells: 64,
+            theirs: 3.0,
+            their_kkt: 1e-9,
+            ours: 0.1,
+            our_kkt: 1e-12,
+        });
+        timings
+    };
+    ONCE.get_or_init(measured).clone()
 }
 
 /// The committed record.
@@ -466,7 +517,7 @@ fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     ] {
         files.insert(name.into(), fs::read(report.join(name)).unwrap());
     }
-    for name in FIGURES.into_iter().chain(PICTURES.iter().map(|picture| picture.name)) {
+    for name in FIGURES.into_iter().chain(bench_figures()) {
         files.insert(format!("src/figures/{name}.svg"), placeholder(name).into_bytes());
     }
     files

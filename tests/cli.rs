@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{EVERYTHING, Project, TABLE, wanting};
+use common::{Project, TABLE};
 use expect_test::{expect, expect_file};
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 const BUMP: &str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 
@@ -22,6 +22,7 @@ fn help_is_as_reviewed() {
         "diff",
         "solve",
         "identify",
+        "bench",
         "report",
         "certificate",
         "gc",
@@ -135,6 +136,39 @@ fn solutions_are_written_as_npy_and_vti() {
 }
 
 #[test]
+fn the_cube_is_solved_by_both_its_solvers() {
+    let project = Project::with(TABLE);
+    let solved = |solver: &str| {
+        let args = ["solve", "--cube", "exact(free-disc)", "--h", "1/16", "--solver", solver];
+        let text = project.run(&args);
+        assert!(text.lines()[0].starts_with("cube: f = exact(free-disc), integral -"), "{text:?}");
+        let json = project.run(&[&args[..], &["--json"]].concat()).json();
+        assert_eq!((&json["schema"], &json["dimension"]), (&1.into(), &3.into()));
+        assert_eq!((&json["solver"], &json["h"]), (&solver.into(), &0.0625.into()));
+        assert_eq!(json["unknowns"], 17 * 17 * 17);
+        assert_eq!(json["work_units"].is_number(), solver == "multigrid");
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        assert!(number(&json["kkt"]["relative"]) < 1e-12, "{json}");
+        assert!(number(&json["kkt"]["min_y"]) == 0.0 && number(&json["integral_f"]) < 0.0);
+        assert!(number(&json["seconds"]["solve"]) < 10.0);
+        (number(&json["energy"]), number(&json["errors"]["l2"]))
+    };
+    let (ours, direct) = (solved("multigrid"), solved("active-set"));
+    assert!((ours.0 - direct.0).abs() < 1e-12 * ours.0.abs(), "{ours:?} {direct:?}");
+    assert!((ours.1 - direct.1).abs() < 1e-10 * ours.1, "{ours:?} {direct:?}");
+
+    let f = "ball(0,0,0,0.25)=2; else=-1";
+    for (name, size) in [("v.npy", 128 + 729 * 8), ("v.vti", 729 * 8)] {
+        let said = project.run(&["solve", "--cube", f, "--h", "1/8", "--out", name]);
+        assert!(said.lines().contains(&format!("wrote {name}").as_str()), "{said:?}");
+        assert!(fs::read(project.path(name)).unwrap().len() >= size);
+    }
+    let vti = fs::read(project.path("v.vti")).unwrap();
+    let head = String::from_utf8_lossy(&vti[..400]);
+    assert!(head.contains("WholeExtent=\"0 8 0 8 0 8\" Origin=\"-0.5 -0.5 -0.5\""), "{head}");
+}
+
+#[test]
 fn solve_refuses_in_one_line() {
     let project = Project::with(TABLE);
     for (args, remedy) in [
@@ -149,6 +183,14 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--out", "v.doc"], "unknown ending; use one of"),
         (&["--f", "else=-1", "--h", "1/8", "--out", "no/v.npy"], "cannot write no/v.npy"),
         (&["nobody"], "no scene `nobody`; there are: a"),
+        (&["--cube", "else=1"], "lower f somewhere"),
+        (&["--cube", "disc(0,0,1)=1; else=-1"], "write e.g. 'box("),
+        (&["--cube", "ball(0,0,0,0.1)=1"], "add `else=value`"),
+        (&["--cube", "exact(torsion)"], "choose one of full-contact, free-strip, free-disc"),
+        (&["--cube", "else=-1", "--h", "1/9"], "choose another --h"),
+        (&["--cube", "else=-1", "--h", "1/1024"], "1/512 is the finest"),
+        (&["--cube", "else=-1", "--solver", "uzawa"], "only multigrid and active-set"),
+        (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
@@ -279,106 +321,6 @@ fn a_full_standard_output_is_an_error() {
 }
 
 #[test]
-fn colour_is_for_those_who_see_it() {
-    let project = Project::with(TABLE);
-    project.run(&["run"]).lines();
-    let escapes = |args: &[&str], env: &[(&str, &str)]| {
-        let output = project.command(args).envs(env.iter().copied()).output().unwrap();
-        output.stdout.contains(&0x1b) || output.stderr.contains(&0x1b)
-    };
-    for args in [&["status"][..], &["run", "nobody"], &["--help"]] {
-        assert!(!escapes(args, &[]), "not a terminal: {args:?}");
-        assert!(escapes(args, &[("CLICOLOR_FORCE", "1")]), "asked for: {args:?}");
-        assert!(
-            !escapes(args, &[("NO_COLOR", "1"), ("CLICOLOR_FORCE", "1")]),
-            "NO_COLOR: {args:?}"
-        );
-    }
-    assert!(!escapes(&["run", "-f", "-v"], &[]), "no bar without a terminal");
-}
-
-/// What a command shows on a terminal, with these variables; `None` where no terminal can be had.
-fn on_a_terminal(project: &Project, args: &str, env: &[(&str, &str)]) -> Option<String> {
-    let mut script = Command::new("script");
-    script.args(["-qec", &format!("'{}' {args}", env!("CARGO_BIN_EXE_signorini")), "/dev/null"]);
-    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"] {
-        script.env_remove(name);
-    }
-    let script = script.envs(env.iter().copied()).current_dir(project.path("."));
-    match script.stdin(Stdio::null()).output() {
-        Ok(output) => Some(String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n")),
-        Err(e) => {
-            eprintln!("skipped: script(1) gives no terminal: {e}");
-            None
-        }
-    }
-}
-
-#[test]
-fn terminals_get_what_they_can_show() {
-    let project = Project::with(TABLE);
-    let shown = |args, env: &[(&str, &str)]| on_a_terminal(&project, args, env);
-    let Some(bar) = shown("run -f", &[("TERM", "xterm")]) else { return };
-    assert!(bar.contains("\x1b[") && !bar.contains(" to run"), "{bar}");
-    // A dumb terminal cannot draw over a line, and nobody watches a log grow.
-    for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("CI", "1")]] {
-        let plain = shown("run -f", env).unwrap();
-        assert!(plain.contains("solve: 2 to run") && plain.contains("took "), "{env:?}: {plain}");
-        assert!(!plain.contains('\x1b'), "{env:?}: {plain}");
-    }
-    assert!(shown("status", &[("TERM", "xterm")]).unwrap().contains("\x1b["));
-    for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("NO_COLOR", "1")]] {
-        assert!(!shown("status", env).unwrap().contains('\x1b'), "{env:?}");
-    }
-}
-
-#[test]
-fn status_stands_in_columns_and_fits_narrow_terminals() {
-    let project = Project::with(&wanting("[\"table\", \"source\"]"));
-    project.scene("a-scene-with-a-name-that-takes-room", TABLE);
-    project.run(&["run", "a-scene-with-a-name-that-takes-room"]).lines();
-    project.scene("a-scene-with-a-name-that-takes-room", &TABLE.replace("else=-1", "else=-2"));
-    expect![[r#"
-        solve      stale       4 of 4  solve/a/signed/r=10  never ran
-        tabulate   waits       2 of 2  tabulate/a/signed    waits for solve/a/signed/r=10
-        figures    stale       1 of 1  figures/a-source     never ran
-        7 tasks: 5 stale, 2 waiting for those
-    "#]]
-    .assert_eq(&project.run(&["status"]).out);
-    project.run(&["run", "a"]).lines();
-    let wide = project.run(&["status"]).out;
-    expect![[r#"
-        solve      stale       2 of 4  solve/a-scene-with-a-name-that-takes-room/signed/r=10  parameter f: else=-1 -> else=-2
-        tabulate   waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room/signed    waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
-        figures    up to date       1
-        7 tasks: 4 up to date, 2 stale, 1 waiting for those
-    "#]]
-    .assert_eq(&wide);
-    let narrow = project.command(&["status"]).env("COLUMNS", "60").output().unwrap();
-    let narrow = String::from_utf8(narrow.stdout).unwrap();
-    assert!(narrow.lines().all(|line| line.chars().count() <= 60), "{narrow}");
-    assert!(narrow.lines().next().unwrap().ends_with("..."), "{narrow}");
-    for senseless in ["0", "wide", "-3"] {
-        let output = project.command(&["status"]).env("COLUMNS", senseless).output().unwrap();
-        assert_eq!(String::from_utf8(output.stdout).unwrap(), wide);
-    }
-}
-
-#[test]
-fn run_says_why_and_how_long_on_standard_error() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
-    fs::remove_dir_all(project.path(".signorini/v1/tasks/solve/a/signed/r=1")).unwrap();
-    let said = project.run(&["run"]);
-    assert!(said.err.contains("(parameter f: else=-1 -> else=-2; one task for another reason)"));
-    assert!(said.out.contains("  parameter f: else=-1 -> else=-2; one task for another reason\n"));
-    let clock = said.err.lines().last().unwrap();
-    assert!(clock.starts_with("took ") && clock.contains("solve ") && clock.contains("figures "));
-    assert_eq!(project.run(&["run"]).err, "", "nothing to say of nothing");
-}
-
-#[test]
 fn manual_pages_exist_for_each_command() {
     let project = Project::with(TABLE);
     let page = project.run(&["man"]);
@@ -394,19 +336,12 @@ fn manual_pages_exist_for_each_command() {
     let help = project.run(&["--help"]).out;
     let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
     let commands = commands.take_while(|line| !line.is_empty());
+    // A description that goes on in the next line is further in.
+    let commands = commands.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
     let mut count = 1;
-    for name in commands.filter_map(|line| line.split_whitespace().next()) {
-        if name == "help" {
-            continue;
-        }
-        let Some(text) = pages.get(&format!("signorini-{name}.1")) else {
-            assert!(!help.contains(&format!("  {name}  ")), "no page for {name}");
-            continue;
-        };
-        assert!(
-            String::from_utf8_lossy(text).contains(&format!(".TH signorini-{name} 1")),
-            "{name}"
-        );
+    for name in commands.filter(|name| !name.is_empty() && *name != "help") {
+        let page = String::from_utf8_lossy(&pages[&format!("signorini-{name}.1")]).into_owned();
+        assert!(page.contains(&format!(".TH signorini-{name} 1  \"signorini ")), "{name}");
         count += 1;
     }
     assert_eq!(count, pages.len());

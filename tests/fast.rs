@@ -1,7 +1,7 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
-use problems::{nodal_load, paper_loads, stress_loads};
 use proptest::prelude::*;
+use signorini::bench::problems::{nodal_load, paper_loads, stress_loads};
 use signorini::exact::Exact;
 use signorini::fast::active_set::{ActiveSetParams, active_set};
 use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams, Outcome, multigrid};
@@ -11,8 +11,6 @@ use signorini::kkt::kkt;
 use signorini::load::{LoadRule, load};
 use signorini::norms::errors;
 use signorini::source::{Source, Tie};
-
-mod problems;
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).unwrap()

@@ -4,6 +4,18 @@ SNES vinewtonrsls with CG and hypre, started by nested iteration from h = 1/16 a
 hand. Needs Debian's python3-petsc4py, which this script installs if it may; not needed to build or test.
 
     python3 benches/peers/petsc.py [N ...]        finest grids, default 64 256 1024
+
+To show a line in the book, enter it by hand at the end of pipeline/timings.toml, which must have been
+recorded on the same machine; `signorini bench --record` keeps these sections:
+
+    [[peer]]
+    solver = "PETSc 3.18, SNES vinewtonrsls, CG, hypre, nested"
+    f = "quadrant(ll)=-6; else=1.998"
+    cells = 1024
+    theirs = 3.1            # microseconds per unknown
+    their_kkt = 2e-10       # relative
+    ours = 0.040
+    our_kkt = 4e-11
 """
 
 import glob

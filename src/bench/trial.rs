@@ -4,7 +4,7 @@ use crate::fast;
 use crate::fast::multigrid::{Goal, MultigridParams, multigrid};
 use crate::grid::Grid;
 use crate::kkt::kkt;
-use crate::saddle::{Pair, Params, StopReason, arrow_hurwicz};
+use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use serde::{Deserialize, Serialize};
 
 /// How a run ended, and what [`kkt`] says of the vector it returned.
@@ -24,8 +24,7 @@ pub struct Trial {
     pub size: Option<f64>,
     /// Boundary nodes in contact: there the flux exceeds y.
     pub contact: usize,
-    /// Whether what the solver claims of the natural residual is so; none if it claims nothing of it, as
-    /// the paper's stopping rules do.
+    /// Whether what the solver claims of the natural residual is so; none if it claims nothing of it.
     pub holds: Option<bool>,
 }
 
@@ -50,6 +49,11 @@ impl Trial {
         }
     }
 
+    /// By how much two ways to compute a residual may differ, adding in another order.
+    fn slack(&self) -> f64 {
+        SLACK * f64::EPSILON * self.size.unwrap_or(f64::NAN)
+    }
+
     fn refused() -> Self {
         Self {
             stop: "refused".into(),
@@ -65,15 +69,22 @@ impl Trial {
 }
 
 /// The paper's iteration on one grid, from `pair`.
+///
+/// The printed rule and the dual one together bound the natural residual by their tolerance, over r if
+/// that is less than 1. For at a boundary node either the multiplier is zero after its step, and `A y - F`
+/// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
+/// bound nothing.
 pub fn saddle(grid: Grid, load: &[f64], params: &Params, mut pair: Pair) -> Trial {
     let outcome = arrow_hurwicz(grid, load, params, &mut pair, None);
     let stop = outcome.stop.to_string();
-    // A sweep, and about as much to look at the gradient.
     let cost = (outcome.iterations, outcome.iterations as f64);
     let trial = Trial::of(grid, load, &pair.y, &stop, cost);
-    // A vector that is not a number must not pass as a result.
-    let holds = (outcome.stop != StopReason::Diverged).then_some(trial.kkt.is_some());
-    Trial { holds: holds.filter(|holds| !holds), ..trial }
+    let strict = params.rule == StopRule::PrintedDual && outcome.stop == StopReason::Converged;
+    let holds = strict.then(|| {
+        let bound = params.tolerance * (1.0 / params.r).max(1.0);
+        kkt(grid, &pair.y, load).natural <= bound + trial.slack()
+    });
+    Trial { holds, ..trial }
 }
 
 /// Multigrid, by nested iteration or from `start`.
@@ -85,21 +96,17 @@ pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Tri
     let cost = (outcome.cycles, outcome.work_units);
     let trial = Trial::of(grid, load, &y, outcome.stop.name(), cost);
     let natural = kkt(grid, &y, load).natural;
-    let size = trial.size.unwrap_or(f64::NAN);
-    // The check adds in another order than the solver: it may differ by some units of the last place.
-    let slack = SLACK * f64::EPSILON * size;
+    let (slack, floor) = (trial.slack(), FLOOR * f64::EPSILON * trial.size.unwrap_or(f64::NAN));
     let holds = match (outcome.stop, goal) {
         (fast::StopReason::Converged, Goal::Kkt(tolerance)) => Some(natural <= tolerance + slack),
-        (fast::StopReason::RoundingFloor, _) => {
-            Some(natural <= FLOOR * f64::EPSILON * size + slack)
-        }
+        (fast::StopReason::RoundingFloor, _) => Some(natural <= floor + slack),
         (fast::StopReason::Converged, _) => Some(natural.is_finite()),
         _ => None,
     };
     Trial { holds, ..trial }
 }
 
-/// Units of `EPSILON * max |y|` by which two ways to compute a residual may differ.
+/// Units of `EPSILON * max |y|` in [`Trial::slack`].
 const SLACK: f64 = 8.0;
 /// Units of `EPSILON * max |y|` at which multigrid speaks of the rounding floor.
 const FLOOR: f64 = 32.0;

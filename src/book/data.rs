@@ -5,6 +5,7 @@ use crate::pipeline::Graph;
 use crate::project::CommandHelp;
 use crate::record::Record;
 use crate::saddle::Outcome;
+use crate::timings::Timings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,6 +26,8 @@ pub struct Report {
     pub record: Record,
     /// What the experiments of [`crate::bench`] found, by name.
     pub bench: BTreeMap<String, serde_json::Value>,
+    /// What was measured on one machine, as committed, if it was.
+    pub timings: Option<Timings>,
     /// The figures of the chapters.
     pub figures: Figures,
     /// The commands of the program.

@@ -9,6 +9,10 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("times", |x: f64, _: Kwargs, _: &State| math(factor(x)));
     tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| math(ratio(x)));
     tera.register_filter("two", |x: f64, _: Kwargs, _: &State| math(plain(two_digits(x))));
+    tera.register_filter("fix", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
+        let places = kwargs.get::<usize>("to")?.unwrap_or(1);
+        Ok(math(format!("{x:.places$}")))
+    });
     tera.register_filter("int", |n: usize, _: Kwargs, _: &State| grouped(n));
     tera.register_filter("word", |n: usize, _: Kwargs, _: &State| word(n));
     tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {

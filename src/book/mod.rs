@@ -1,6 +1,7 @@
 //! The report: templates and computed data become Markdown, Markdown becomes a book that needs no network.
 
 mod build;
+mod cost;
 mod data;
 mod facts;
 mod filters;

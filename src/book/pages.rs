@@ -1,5 +1,6 @@
 //! Templates and data become Markdown.
 
+use super::cost::Cost;
 use super::data::Report;
 use super::facts::{Facts, Told};
 use super::{ReportError, filters, graph};
@@ -30,6 +31,7 @@ pub fn pages(
     context.insert("problems", &problems);
     context.insert("graph", &graph::picture(&data.provenance.graph));
     context.insert("mermaid", &data.provenance.graph.mermaid());
+    context.insert("cost", &data.timings.as_ref().map(Cost::of));
 
     let mut pages = BTreeMap::new();
     for (name, text) in templates {

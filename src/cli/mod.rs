@@ -1,5 +1,6 @@
 //! The command line: what there is to say, and which function says it.
 
+mod bench;
 mod certificate;
 mod diff;
 mod identify;
@@ -83,14 +84,25 @@ enum Command {
     /// Solve one problem once
     #[command(after_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --stop printed --out v.vti\n  \
-        signorini solve --f 'disc(0,0,0.25)=2; else=-1' --out v.npy\n\n\
+        signorini solve --f 'disc(0,0,0.25)=2; else=-1' --out v.npy\n  \
+        signorini solve --cube 'ball(0,0,0,0.25)=2; else=-1' --h 1/128 --out v.vti\n\n\
         f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers\n\
         a point wins. Regions: rect(x0,x1,y0,y1), quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c,\n\
-        disc(x,y,radius). The square is [-0.5,0.5]^2. exact(NAME) is a problem with known solution.")]
+        disc(x,y,radius). The square is [-0.5,0.5]^2. exact(NAME) is a problem with known solution:\n\
+        full-contact, torsion, free-segment, free-corner.\n\
+        On the cube the regions are box(x0,x1,y0,y1,z0,z1) and ball(x,y,z,radius), the known solutions\n\
+        full-contact, free-strip, free-disc.")]
     Solve(solve::SolveArgs),
     /// Search for the right-hand sides of the lost Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]
     Identify(identify::IdentifyArgs),
+    /// Measure how long every solver takes on this machine
+    #[command(
+        after_help = "Times depend on the machine and on what else it does: leave it idle.\n\
+        Examples:\n  signorini bench --quick\n  signorini bench --solver multigrid --finest 1024\n  \
+        signorini bench --record          some minutes; the book shows what was recorded last"
+    )]
+    Bench(bench::BenchArgs),
     /// Build the book, and open it with --open
     Report(pipeline::ReportArgs),
     /// Write what a reviewer attaches to a review: a CODECHECK bundle and a one-page certificate
@@ -149,6 +161,7 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Diff(args) => diff::diff(&args),
         Command::Solve(args) => solve::solve(&args),
         Command::Identify(args) => identify::identify(&args),
+        Command::Bench(args) => bench::bench(&args),
         Command::Report(args) => pipeline::report(&args),
         Command::Certificate(args) => certificate::certificate(&args),
         Command::Gc(args) => pipeline::gc(&args),

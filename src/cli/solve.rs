@@ -1,5 +1,6 @@
 //! `solve`: one problem, once, without scene files, cache or book.
 
+mod cube;
 mod problem;
 
 use super::{current_folder, say, say_json};
@@ -11,24 +12,28 @@ use crate::saddle::{Params, StopRule};
 use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::source::Source;
 use clap::{Args, ValueEnum};
-use problem::{Problem, Solved};
+use problem::{Level, Problem, Solved};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `solve`.
 #[derive(Args)]
 pub(super) struct SolveArgs {
     /// A scene of the project, whose f, load rule and grids are taken
-    #[arg(required_unless_present = "f")]
+    #[arg(required_unless_present_any = ["f", "cube"])]
     scene: Option<String>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1'
     #[arg(long, conflicts_with = "scene")]
     f: Option<String>,
+    /// A right-hand side on the unit cube, e.g. 'ball(0,0,0,0.25)=2; else=-1'
+    #[arg(long, value_name = "F",
+        conflicts_with_all = ["scene", "f", "load", "r", "stop", "max_iterations"])]
+    cube: Option<String>,
     /// Width of the finest grid, e.g. 1/256 [default: the scene's finest, or 1/64]
     #[arg(long, value_name = "1/N")]
     h: Option<String>,
-    /// Solver
-    #[arg(long, value_enum, default_value_t = Solver::ArrowHurwicz)]
-    solver: Solver,
+    /// Solver [default: arrow-hurwicz; on the cube, which has the last two, multigrid]
+    #[arg(long, value_enum)]
+    solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or nodal]
     #[arg(long, value_enum)]
     load: Option<LoadName>,
@@ -50,7 +55,7 @@ pub(super) struct SolveArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Solver {
+pub(super) enum Solver {
     /// The paper's method on nested grids
     ArrowHurwicz,
     /// A full minimisation before each step of the multiplier, on nested grids
@@ -61,6 +66,12 @@ enum Solver {
     Multigrid,
     /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
     ActiveSet,
+}
+
+impl Solver {
+    fn name(self) -> String {
+        self.to_possible_value().expect("no solver is hidden").get_name().into()
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -84,6 +95,10 @@ impl From<LoadName> for LoadRule {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
+    if let Some(f) = &args.cube {
+        return cube::solve(args, f);
+    }
+    let solver = args.solver.unwrap_or(Solver::ArrowHurwicz);
     let scene = match &args.scene {
         Some(name) => Some(scene(name)?),
         None => None,
@@ -111,7 +126,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
 
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
     let problem = Problem { name, f: &f, rule, finest };
-    let solved = match args.solver {
+    let solved = match solver {
         Solver::ArrowHurwicz | Solver::Uzawa | Solver::UzawaProximal => {
             let params = Params {
                 r: positive_r(args.r)?,
@@ -119,7 +134,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
                 max_iterations: args.max_iterations,
                 ..Params::default()
             };
-            problem.saddle(args.solver, &params)?
+            problem.saddle(solver, &params)?
         }
         Solver::Multigrid => problem.multigrid()?,
         Solver::ActiveSet => problem.active_set()?,
@@ -130,13 +145,13 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         std::fs::write(out, bytes).context("write", out)?;
     }
     let last = solved.levels.last().expect("at least one grid");
-    let solver = args.solver.to_possible_value().expect("no solver is hidden");
     if args.json {
         let mut json = serde_json::json!({
             "schema": 1,
             "scene": name,
             "f": f.to_string(),
-            "solver": solver.get_name(),
+            "dimension": 2,
+            "solver": solver.name(),
             "h": grid.h(),
             "unknowns": grid.nodes(),
             "iterations": last.iterations,
@@ -168,39 +183,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
 
 fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -> String {
     let mut text = format!("{}: f = {}, integral {integral:.4}\n", problem.name, problem.f);
-    // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
-    let nested = solved.levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
-    let column = |what: &dyn std::fmt::Display| match nested {
-        true => format!(" {what:>9}"),
-        false => String::new(),
-    };
-    text += &format!(
-        "{:>8} {:>11}{} {:>16} {:>14} {:>13} {:>10}\n",
-        "grid",
-        "iterations",
-        column(&"sweeps"),
-        "stop",
-        "energy",
-        "KKT residual",
-        "relative"
-    );
-    for level in &solved.levels {
-        text += &format!(
-            "{:>8} {:>11}{} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
-            format!("1/{}", level.cells),
-            level.iterations,
-            column(&level.sweeps.unwrap_or(level.iterations)),
-            level.stop,
-            level.energy,
-            level.kkt.natural,
-            level.kkt.relative
-        );
-    }
-    text += &format!("solved in {:.3} s", solved.seconds);
-    if let Some(work_units) = solved.work_units {
-        text += &format!(", the cost of {work_units:.1} sweeps");
-    }
-    text.push('\n');
+    text += &table(&solved.levels);
+    text += &cost(solved.seconds, solved.work_units);
     if let Some(e) = &solved.errors {
         text += &format!(
             "errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}; multiplier L2 {:.2e}\n",
@@ -214,6 +198,47 @@ fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -
         text += &format!("wrote {}\n", out.display());
     }
     text
+}
+
+/// One line per grid.
+fn table(levels: &[Level]) -> String {
+    // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
+    let nested = levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
+    let column = |what: &dyn std::fmt::Display| match nested {
+        true => format!(" {what:>9}"),
+        false => String::new(),
+    };
+    let mut text = format!(
+        "{:>8} {:>11}{} {:>16} {:>14} {:>13} {:>10}\n",
+        "grid",
+        "iterations",
+        column(&"sweeps"),
+        "stop",
+        "energy",
+        "KKT residual",
+        "relative"
+    );
+    for level in levels {
+        text += &format!(
+            "{:>8} {:>11}{} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
+            format!("1/{}", level.cells),
+            level.iterations,
+            column(&level.sweeps.unwrap_or(level.iterations)),
+            level.stop,
+            level.energy,
+            level.kkt.natural,
+            level.kkt.relative
+        );
+    }
+    text
+}
+
+fn cost(seconds: f64, work_units: Option<f64>) -> String {
+    let mut text = format!("solved in {seconds:.3} s");
+    if let Some(work_units) = work_units {
+        text += &format!(", the cost of {work_units:.1} sweeps");
+    }
+    text + "\n"
 }
 
 fn scene(name: &str) -> Result<Scene> {

@@ -15,6 +15,8 @@ const LEFT: f64 = 78.0;
 const ABOVE: f64 = 62.0;
 /// Room between the panels and the scale, and below that.
 const SCALE: f64 = 104.0;
+/// Half the length of the scale.
+const HALF: f64 = 330.0;
 /// Rounding errors to be marked on the scale: the unit roundoff of a format, and its name.
 const FORMATS: [(f64, &str); 2] =
     [(0.5 * f64::EPSILON, "double precision"), (0.5 * f32::EPSILON as f64, "single precision")];
@@ -50,12 +52,14 @@ pub fn fragility(
     let color = |size: f64| viridis((decade(size) - least) / (most - least).max(1.0));
     let tall = panels.iter().map(|panel| panel.cells.len()).max().unwrap_or(0) as f64;
     let panel_width = LEFT + CELL.0 * wide as f64 + 14.0;
-    let width = panel_width * panels.len() as f64;
+    let all = panel_width * panels.len() as f64;
+    let width = all.max(2.0 * HALF + 40.0);
     let below = ABOVE + CELL.1 * tall;
     let mut picture = Picture::new(width, below + SCALE);
     picture.layer("", |pen| {
         for (k, panel) in panels.iter().enumerate() {
-            draw_panel(pen, panel, (panel_width * k as f64 + LEFT, ABOVE), color);
+            let left = 0.5 * (width - all) + panel_width * k as f64 + LEFT;
+            draw_panel(pen, panel, (left, ABOVE), color);
         }
         draw_scale(pen, sizes, (0.5 * width, below + 50.0), color);
     })?;
@@ -106,7 +110,6 @@ fn draw_panel(
 
 /// The sizes in their colours, with the roundings of the usual formats marked above.
 fn draw_scale(pen: &mut Pen, sizes: &[f64], (middle, top): Place, color: impl Fn(f64) -> RGBColor) {
-    const HALF: f64 = 330.0;
     const HEIGHT: f64 = 14.0;
     let (least, most) = (decade(sizes[0]), decade(sizes[sizes.len() - 1]));
     let roundings = FORMATS.map(|(rounding, _)| decade(rounding));

@@ -16,9 +16,9 @@ use faer::{Col, Side};
 
 use super::StopReason;
 use super::input::{Extent, InputError, check_length};
+use super::network::Network;
 use crate::grid::Grid;
 use crate::kkt::kkt;
-use crate::stiffness::residual;
 
 /// Parameters of [`active_set`].
 #[derive(Clone, Debug)]
@@ -66,15 +66,28 @@ pub fn active_set(
     load: &[f64],
     start: Option<&[f64]>,
     params: &ActiveSetParams,
-    mut monitor: impl FnMut(&Progress),
+    monitor: impl FnMut(&Progress),
 ) -> Result<(Vec<f64>, Outcome), InputError> {
     let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
-    check_length(n, load)?;
+    let (y, stop, steps) = on_network(&Network::square(n), load, start, params, monitor)?;
+    let kkt = kkt(grid, &y, load).natural;
+    Ok((y, Outcome { stop, steps, kkt }))
+}
+
+/// The same for any network; returns the solution, why the iteration ended, and its steps.
+pub(super) fn on_network(
+    network: &Network,
+    load: &[f64],
+    start: Option<&[f64]>,
+    params: &ActiveSetParams,
+    mut monitor: impl FnMut(&Progress),
+) -> Result<(Vec<f64>, StopReason, usize), InputError> {
+    check_length(network.nodes(), load)?;
     Extent::of(load).check()?;
     if let Some(start) = start {
-        check_length(n, start)?;
+        check_length(network.nodes(), start)?;
     }
-    let system = System::new(grid, load);
+    let system = System::new(network, load);
     let mut active = system.contact_of(start);
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
@@ -101,49 +114,42 @@ pub fn active_set(
         seen.push(std::mem::replace(&mut active, next));
     };
     for (k, value) in y.iter_mut().enumerate() {
-        if system.on_boundary(k) {
+        if network.is_constrained(k) {
             *value = value.max(0.0);
         }
     }
-    let kkt = kkt(grid, &y, load).natural;
-    Ok((y, Outcome { stop, steps, kkt }))
+    Ok((y, stop, steps))
 }
 
-/// The stiffness matrix with a symbolic factorisation that serves every contact set.
+/// The matrix of a network with a symbolic factorisation that serves every contact set.
 struct System<'a> {
-    grid: Grid,
-    n: usize,
+    network: &'a Network,
     load: &'a [f64],
-    /// Lower triangle; the entries of column `k` are `(k, k)`, `(k + 1, k)`, `(k + n + 1, k)`.
+    /// Lower triangle: in each column the diagonal, then the couplings in the order of the network.
     pattern: SymbolicSparseColMat<usize>,
     factorisation: SymbolicLlt<usize>,
 }
 
 impl<'a> System<'a> {
-    fn new(grid: Grid, load: &'a [f64]) -> Self {
-        let (n, size) = (grid.cells(), load.len());
+    fn new(network: &'a Network, load: &'a [f64]) -> Self {
+        let size = load.len();
         let mut column_starts = vec![0];
-        let mut rows = Vec::with_capacity(3 * size);
+        let mut rows = Vec::new();
         for k in 0..size {
             rows.push(k);
-            rows.extend(below_diagonal(n, k).map(|(row, _)| row));
+            rows.extend(network.couplings(k).map(|(row, _)| row));
             column_starts.push(rows.len());
         }
         let pattern = SymbolicSparseColMat::new_checked(size, size, column_starts, None, rows);
         let factorisation = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower)
             .expect("the pattern is valid and fits into memory");
-        Self { grid, n, load, pattern, factorisation }
-    }
-
-    fn on_boundary(&self, k: usize) -> bool {
-        let (i, j) = (k % (self.n + 1), k / (self.n + 1));
-        i == 0 || i == self.n || j == 0 || j == self.n
+        Self { network, load, pattern, factorisation }
     }
 
     fn contact_of(&self, start: Option<&[f64]>) -> Vec<bool> {
         let touches = |k| start.is_none_or(|start: &[f64]| start[k] <= 0.0);
         let mut contact: Vec<_> =
-            (0..self.load.len()).map(|k| self.on_boundary(k) && touches(k)).collect();
+            (0..self.load.len()).map(|k| self.network.is_constrained(k) && touches(k)).collect();
         // Somewhere the solution touches zero; without contact the system would be singular.
         contact[0] |= !contact.contains(&true);
         contact
@@ -152,17 +158,20 @@ impl<'a> System<'a> {
     /// Solves `A y = F` with `y = 0` where `active`; one step of iterative refinement.
     fn solve(&self, active: &[bool]) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.pattern.row_idx().len());
+        let diagonal = self.network.diagonal();
         for k in 0..active.len() {
-            values.push(if active[k] { 1.0 } else { diagonal(self.n, k) });
-            let couplings = below_diagonal(self.n, k);
-            values.extend(couplings.map(|(row, a)| if active[k] || active[row] { 0.0 } else { a }));
+            values.push(if active[k] { 1.0 } else { diagonal[k] });
+            let entry = |(row, weight): (usize, f64)| {
+                if active[k] || active[row] { 0.0 } else { -weight }
+            };
+            values.extend(self.network.couplings(k).map(entry));
         }
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values[..]);
         let factors = Llt::try_new_with_symbolic(self.factorisation.clone(), matrix, Side::Lower)
             .expect("positive definite: at least one node is in contact");
         let mut y = vec![0.0; active.len()];
         for _ in 0..2 {
-            let gradient = self.gradient(&y);
+            let gradient = self.network.gradient(&y, self.load);
             let residual =
                 Col::from_fn(active.len(), |k| if active[k] { 0.0 } else { -gradient[k] });
             let correction = factors.solve(&residual);
@@ -175,8 +184,8 @@ impl<'a> System<'a> {
 
     /// Keeps contact where the multiplier is not negative, adds negative values.
     fn next_contact(&self, active: &[bool], y: &[f64]) -> Vec<bool> {
-        let gradient = self.gradient(y);
-        let keeps = |k: usize| match (self.on_boundary(k), active[k]) {
+        let gradient = self.network.gradient(y, self.load);
+        let keeps = |k: usize| match (self.network.is_constrained(k), active[k]) {
             (false, _) => false,
             (true, true) => gradient[k] >= 0.0,
             (true, false) => y[k] < 0.0,
@@ -190,25 +199,4 @@ impl<'a> System<'a> {
         }
         next
     }
-
-    /// `A y - F`: on the boundary, `h` times the multiplier.
-    fn gradient(&self, y: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; y.len()];
-        residual(self.grid, y, self.load, &mut gradient);
-        gradient
-    }
-}
-
-/// Diagonal entry of the stiffness matrix: 4 inside, 2 on edges, 1 in corners.
-fn diagonal(n: usize, k: usize) -> f64 {
-    let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-    4.0 * share(k % (n + 1)) * share(k / (n + 1))
-}
-
-/// Row and entry of the couplings in column `k` below the diagonal.
-fn below_diagonal(n: usize, k: usize) -> impl Iterator<Item = (usize, f64)> {
-    let (i, j) = (k % (n + 1), k / (n + 1));
-    let east = (i < n).then_some((k + 1, if j == 0 || j == n { -0.5 } else { -1.0 }));
-    let north = (j < n).then_some((k + n + 1, if i == 0 || i == n { -0.5 } else { -1.0 }));
-    east.into_iter().chain(north)
 }

@@ -13,11 +13,14 @@ pub enum InputError {
     NotCoercive(f64),
 }
 
-/// Checks that there is one number for each of `(n + 1)^2` nodes.
-pub(super) fn check_length(n: usize, field: &[f64]) -> Result<(), InputError> {
-    let (found, expected) = (field.len(), (n + 1) * (n + 1));
+/// Checks that there is one number for each node.
+pub(super) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputError> {
+    let found = field.len();
     if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
 }
+
+/// Loads whose largest entry lies in here are not rescaled.
+const COMFORTABLE: std::ops::Range<f64> = 1e-100..1e100;
 
 /// What must be known of a load before it is used.
 pub(super) struct Extent {
@@ -62,6 +65,12 @@ impl Extent {
         all
     }
 
+    /// A power of two by which to divide the load, so that squares and ratios of the numbers stay within
+    /// the range of double precision; 1 where they do anyway.
+    pub(super) fn scale(&self) -> f64 {
+        if COMFORTABLE.contains(&self.largest) { 1.0 } else { power_of_two_near(self.largest) }
+    }
+
     pub(super) fn check(&self) -> Result<(), InputError> {
         let sum = self.sum + self.lost;
         if !sum.is_finite() {
@@ -83,4 +92,11 @@ fn two_sum(sum: f64, lost: f64, value: f64) -> (f64, f64) {
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
+}
+
+/// A power of two within a factor of two of `x`, itself and its inverse normal numbers.
+fn power_of_two_near(x: f64) -> f64 {
+    const EXPONENT_BITS: u64 = 0x7ff << 52;
+    let tiny = f64::MIN_POSITIVE * 4.0;
+    f64::from_bits(x.clamp(tiny, 1.0 / tiny).to_bits() & EXPONENT_BITS)
 }

@@ -1,8 +1,12 @@
 //! Solvers whose cost is proportional to the number of unknowns, and the direct oracle.
 
 pub mod active_set;
+mod banded;
+pub mod cube;
 mod input;
 pub mod multigrid;
+mod network;
+mod rows;
 
 pub use input::InputError;
 

@@ -3,8 +3,8 @@
 mod claims;
 mod stability;
 
-use super::{artifact, to_json};
-use crate::bench;
+use super::{artifact, cost, to_json};
+use crate::bench::{self, accuracy};
 use crate::draw::Caption;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::project::Project;
@@ -18,7 +18,10 @@ const RESULT: &str = "result.json";
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
     let plan = bench::claims::Plan::of(&project.scenes);
-    let mut tasks = vec![task("claims", plan, bench::claims::claims)];
+    let mut tasks = vec![
+        task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
+        task("claims", plan, bench::claims::claims),
+    ];
     tasks.extend(stability::tasks(project));
     tasks
 }
@@ -36,6 +39,18 @@ pub struct Picture {
 
 /// The pictures of the chapters on experiments.
 pub const PICTURES: &[Picture] = &[
+    Picture {
+        name: "accuracy",
+        experiments: &["accuracy"],
+        title: "Errors against the width of the grid, four problems with known solutions",
+        draw: |inputs, caption| cost::accuracy(caption, &result(inputs, "accuracy")?),
+    },
+    Picture {
+        name: "work",
+        experiments: &["accuracy"],
+        title: "Residual, error and cost of three methods in sweeps and visits of unknowns",
+        draw: |inputs, caption| cost::work(caption, &result(inputs, "accuracy")?),
+    },
     Picture {
         name: "sweep",
         experiments: &["claims"],

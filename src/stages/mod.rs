@@ -1,12 +1,14 @@
 //! The stages of the replication, and the plan that ties them together.
 
 pub mod bench;
+mod cost;
 pub mod diff;
 pub mod figures;
 pub mod identify;
 pub mod report;
 pub mod solve;
 pub mod tabulate;
+pub mod timings;
 
 use crate::error::Result;
 use crate::pipeline::{Inputs, Stage, Task};
@@ -42,6 +44,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
         tasks.extend(bench::tasks(project));
         tasks.extend(bench::pictures());
+        tasks.extend(timings::pictures(project));
         tasks.push(report::task(project, &tasks)?);
     }
     tasks.sort_by_key(|task| task.stage);

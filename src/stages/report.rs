@@ -17,6 +17,7 @@ use crate::record::{self, Record};
 use crate::saddle::StopRule;
 use crate::scene::{Output, Scene};
 use crate::source::{Region, Source};
+use crate::timings;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -57,6 +58,7 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let mut files = project.scene_files.clone();
     files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
     files.extend(project.record_text.clone().map(|text| (record::PATH.to_owned(), text)));
+    files.extend(project.timings_text.clone().map(|text| (timings::PATH.to_owned(), text)));
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
@@ -123,6 +125,7 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
         bench: bench::results(inputs)?,
         commands: about.commands.clone(),
         provenance: provenance(inputs, about),
+        timings: super::timings::read(inputs)?,
         record: {
             let text =
                 inputs.files.get(record::PATH).ok_or("the record of the search is missing")?;
@@ -298,8 +301,9 @@ fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
 
 /// The pictures of experiments, by name.
 fn bench_figures(inputs: &Inputs) -> BTreeMap<String, Figure> {
-    let drawn = bench::PICTURES.iter().filter_map(|picture| {
-        let made = inputs.artifacts.get(&picture.id())?;
+    let names = bench::PICTURES.iter().map(|picture| (picture.name, picture.id()));
+    let drawn = names.chain(super::timings::names()).filter_map(|(name, id)| {
+        let made = inputs.artifacts.get(&id)?;
         let (file, svg) = made.first_key_value()?;
         let figure = Figure {
             file: file.clone(),
@@ -307,7 +311,7 @@ fn bench_figures(inputs: &Inputs) -> BTreeMap<String, Figure> {
             command: "signorini run --only figures".into(),
             hash: hash(svg),
         };
-        Some((picture.name.to_owned(), figure))
+        Some((name.to_owned(), figure))
     });
     drawn.collect()
 }

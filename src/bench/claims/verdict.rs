@@ -79,6 +79,9 @@ pub struct Verdicts {
     pub gains: Vec<Gain>,
     /// The same per r, over all problems, grids and targets.
     pub gains_at: Vec<GainAt>,
+    /// The same with each method at its own best r, per problem, grid and target: exact inner
+    /// minimisation, and the best variant.
+    pub gains_at_best: [Range; 2],
     /// The gain over exact inner minimisation depends on r, per problem, grid and target.
     pub gain_depends_on_r: Tally,
 }
@@ -187,6 +190,10 @@ impl Verdicts {
             gain_depends_on_r: Tally::of(problems.iter().flat_map(gain_depends_on_r)),
             gains,
             gains_at: gains_at(problems),
+            gains_at_best: [
+                gains_at_best(problems, |counts| counts[0]),
+                gains_at_best(problems, best),
+            ],
             spreads,
         }
     }
@@ -299,9 +306,23 @@ fn gains_at(problems: &[Measured]) -> Vec<GainAt> {
     all.into_iter().map(at).collect()
 }
 
+fn gains_at_best(problems: &[Measured], pick: fn(&[Count; 4]) -> Count) -> Range {
+    let ratio = |cells: &[Cell]| {
+        let ours = cells.iter().filter_map(|cell| cell.arrow_hurwicz.reached()).min()?;
+        let theirs = cells.iter().map(|cell| pick(&cell.uzawa).iterations).min()?;
+        Some(theirs as f64 / ours as f64)
+    };
+    let rows = problems.iter().flat_map(|problem| problem.cells.chunk_by(same_row));
+    Range::of(&rows.filter_map(ratio).collect::<Vec<_>>())
+}
+
+/// Whether two cells differ in r only.
+fn same_row(a: &Cell, b: &Cell) -> bool {
+    a.cells == b.cells && a.target == b.target
+}
+
 /// Whether the gain over exact inner minimisation varies with r, per grid and target.
 fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
-    let same = |a: &Cell, b: &Cell| a.cells == b.cells && a.target == b.target;
     let vary = |cells: &[Cell]| {
         let ratios: Vec<f64> = cells
             .iter()
@@ -312,5 +333,5 @@ fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
         let range = Range::of(&ratios);
         range.greatest > EQUAL * range.least
     };
-    problem.cells.chunk_by(same).map(vary).collect()
+    problem.cells.chunk_by(same_row).map(vary).collect()
 }

@@ -1,6 +1,7 @@
 //! Direct solution on the coarsest grid.
 
 use super::level::Level;
+use crate::fast::banded::Banded;
 
 /// Active-set steps on the coarsest grid; it has at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
@@ -9,20 +10,18 @@ const MAX_STEPS: usize = 60;
 pub(super) fn solve_linear(level: &mut Level) {
     let n = level.n;
     let (width, size) = (n + 1, level.nodes());
-    // Row k holds the entries (k, k - band ..= k) of the lower triangle.
-    let (band, stride) = (width, width + 1);
-    let mut lower = vec![0.0; size * stride];
+    let mut matrix = Banded::zeros(size, width);
     let mut x = vec![0.0; size];
     for j in 0..=n {
         for i in 0..=n {
             let k = j * width + i;
             x[k] = level.load_at(i, j);
-            lower[k * stride + band] = 4.0;
+            *matrix.entry(k, k) = 4.0;
             if i > 0 {
-                lower[k * stride + band - 1] = if j == 0 || j == n { -0.5 } else { -1.0 };
+                *matrix.entry(k, k - 1) = if j == 0 || j == n { -0.5 } else { -1.0 };
             }
             if j > 0 {
-                lower[k * stride] = if i == 0 || i == n { -0.5 } else { -1.0 };
+                *matrix.entry(k, k - width) = if i == 0 || i == n { -0.5 } else { -1.0 };
             }
         }
     }
@@ -30,42 +29,14 @@ pub(super) fn solve_linear(level: &mut Level) {
         let k = j * width + i;
         let inverse = level.inverse_diagonal[p];
         if inverse > 0.0 {
-            lower[k * stride + band] = 1.0 / inverse;
-            return;
-        }
-        x[k] = 0.0;
-        lower[k * stride..(k + 1) * stride].fill(0.0);
-        lower[k * stride + band] = 1.0;
-        for (other, exists) in [(k + 1, i < n), (k + width, j < n)] {
-            if exists {
-                lower[other * stride + band - (other - k)] = 0.0;
-            }
+            *matrix.entry(k, k) = 1.0 / inverse;
+        } else {
+            x[k] = 0.0;
+            matrix.fix(k);
         }
     });
-    for row in 0..size {
-        let first = row.saturating_sub(band);
-        for column in first..=row {
-            let from = first.max(column.saturating_sub(band));
-            let known: f64 = (from..column)
-                .map(|m| {
-                    lower[row * stride + band + m - row]
-                        * lower[column * stride + band + m - column]
-                })
-                .sum();
-            let at = row * stride + band + column - row;
-            let rest = lower[at] - known;
-            lower[at] =
-                if column < row { rest / lower[column * stride + band] } else { rest.sqrt() };
-        }
-        let known: f64 = (first..row).map(|m| lower[row * stride + band + m - row] * x[m]).sum();
-        x[row] = (x[row] - known) / lower[row * stride + band];
-    }
-    for row in (0..size).rev() {
-        let known: f64 = (row + 1..size.min(row + band + 1))
-            .map(|m| lower[m * stride + band + row - m] * x[m])
-            .sum();
-        x[row] = (x[row] - known) / lower[row * stride + band];
-    }
+    matrix.factor();
+    matrix.solve(&mut x);
     for j in 0..=n {
         for i in 0..=n {
             level.set_value(i, j, x[j * width + i]);

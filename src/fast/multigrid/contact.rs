@@ -294,4 +294,54 @@ mod tests {
         assert!(set(8, 0..32).inverse_diagonal(4).iter().all(|&inverse| inverse == 0.0));
         assert!(set(8, []).is_empty());
     }
+
+    /// Reach around the corner, in cells, of what holds node (1, 0) of a quadrant whose left side is in
+    /// contact, `inverse` being the inverse of its diagonal: the lattice problem is solved on a square,
+    /// with `Re sqrt(z^2 - reach^2)` on its far sides, until that fits in the middle as well.
+    fn reach_around_the_corner(inverse: f64) -> f64 {
+        const N: usize = 48;
+        const SWEEPS: usize = 400;
+        let relaxation = 2.0 / (1.0 + PI / N as f64);
+        let mut reach = 0.0;
+        for _ in 0..6 {
+            let far = |i: usize, j: usize| {
+                let (x, y) = (i as f64, j as f64);
+                let (re, im) = (x * x - y * y - reach * reach, 2.0 * x * y);
+                (0.5 * (re.hypot(im) + re)).sqrt()
+            };
+            let mut v = vec![[0.0; N + 1]; N + 1];
+            for (j, row) in v.iter_mut().enumerate() {
+                for (i, value) in row.iter_mut().enumerate() {
+                    *value = far(i, j);
+                }
+            }
+            for _ in 0..SWEEPS {
+                for j in 0..N {
+                    for i in 1..N {
+                        let sides = v[j][i - 1] + v[j][i + 1];
+                        let best = match (i, j) {
+                            (1, 0) => inverse * (0.5 * sides + v[1][1]),
+                            (_, 0) => 0.5 * (0.5 * sides + v[1][i]),
+                            _ => 0.25 * (sides + v[j - 1][i] + v[j + 1][i]),
+                        };
+                        v[j][i] += relaxation * (best - v[j][i]);
+                    }
+                }
+            }
+            let middle = (N / 2) as f64;
+            reach = (middle * middle - v[0][N / 2] * v[0][N / 2]).sqrt();
+        }
+        reach
+    }
+
+    #[test]
+    fn corner_constants_are_those_of_the_lattice() {
+        let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-3;
+        let contact = reach_around_the_corner(0.0);
+        assert!(close(contact, CORNER_LEG), "{contact}");
+        for t in [0.2, 0.5, 0.8_f64] {
+            let reach = reach_around_the_corner(1.0 / (2.0 + CORNER_SPRING * t / (1.0 - t)));
+            assert!(close(reach, CORNER_LEG * t.sqrt()), "{t}: {reach}");
+        }
+    }
 }

@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use super::contact::ContactSet;
-use super::level::{Colour, Level};
+use super::level::Level;
 use super::pass::Problem::{Correction, Obstacle};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
 use super::{Goal, MultigridParams, Outcome, Progress, coarsest};
 use crate::fast::StopReason;
 use crate::fast::input::{Extent, InputError, check_length};
+use crate::fast::rows::{self, Colour};
 
 /// Coarse grids see two cycles per cycle of the grid above from this many grids below the finest.
 const F_CYCLE_DEPTH: usize = 3;
@@ -26,8 +27,6 @@ const FLOOR: f64 = 32.0;
 
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.
 const HOPELESS: f64 = 1e12;
-/// Loads whose largest entry lies in here are not rescaled.
-const COMFORTABLE: std::ops::Range<f64> = 1e-100..1e100;
 
 /// Preallocated grids for problems with `n` cells per side.
 pub struct Multigrid {
@@ -36,6 +35,8 @@ pub struct Multigrid {
     /// The load is divided by this power of two, so that no residual over- or underflows.
     scale: f64,
     work_units: f64,
+    /// Bytes moved, per unknown of the finest grid.
+    traffic: f64,
 }
 
 impl Multigrid {
@@ -50,7 +51,7 @@ impl Multigrid {
         }
         let depth = n.trailing_zeros();
         let levels = (1..=depth).map(|doublings| Level::new(odd << doublings)).collect();
-        Ok(Self { levels, scale: 1.0, work_units: 0.0 })
+        Ok(Self { levels, scale: 1.0, work_units: 0.0, traffic: 0.0 })
     }
 
     /// Memory held, in bytes.
@@ -61,6 +62,13 @@ impl Multigrid {
                 + size_of_val(&level.inverse_diagonal[..])
         };
         self.levels.iter().map(of_level).sum()
+    }
+
+    /// Bytes per unknown that the passes of the last solve moved together, if each reads and writes every
+    /// row once: over the bandwidth of the memory, the time that nothing can save on grids too large for
+    /// the caches.
+    pub fn traffic(&self) -> f64 {
+        self.traffic
     }
 
     /// Solves for one load; see [`multigrid`](super::multigrid).
@@ -74,7 +82,7 @@ impl Multigrid {
         params: &MultigridParams,
         mut monitor: impl FnMut(&Progress),
     ) -> Result<Outcome, InputError> {
-        self.work_units = 0.0;
+        (self.work_units, self.traffic) = (0.0, 0.0);
         self.set_load(load)?;
         let finest = self.levels.len() - 1;
         if finest == 0 {
@@ -133,6 +141,7 @@ impl Multigrid {
             if kkt >= STAGNATION * previous {
                 let floor = FLOOR * f64::EPSILON * self.levels[finest].max_abs();
                 self.work_units += 0.25;
+                self.traffic += 8.0;
                 if kkt <= floor {
                     kkt = self.check();
                     if kkt <= floor {
@@ -148,27 +157,29 @@ impl Multigrid {
     /// Copies the solution, row-major, `(n + 1)^2` numbers.
     pub fn write_solution(&self, solution: &mut [f64]) {
         let finest = &self.levels[self.levels.len() - 1];
-        finest.merge_values(self.scale, solution);
+        rows::merge(finest.n, &finest.values, self.scale, solution);
     }
 
     fn set_load(&mut self, load: &[f64]) -> Result<(), InputError> {
         let finest = self.levels.len() - 1;
         let top = &mut self.levels[finest];
-        check_length(top.n, load)?;
-        let rows = Level::split(top.n, load, &mut top.load, Extent::of);
-        let extent = Extent::join(&rows);
+        check_length(top.nodes(), load)?;
+        let extents = rows::split(top.n, load, &mut top.load, Extent::of);
+        // Read in one order, written in the other.
+        self.traffic += 16.0;
+        let extent = Extent::join(&extents);
         extent.check()?;
-        let largest = extent.largest;
-        // Only where squares and ratios of the numbers could leave the range of double precision.
-        self.scale = if COMFORTABLE.contains(&largest) { 1.0 } else { power_of_two_near(largest) };
+        self.scale = extent.scale();
         if self.scale != 1.0 {
-            Level::scale(&mut top.load, 1.0 / self.scale);
+            rows::scale(&mut top.load, 1.0 / self.scale);
         }
-        top.load_scale = largest / self.scale;
+        top.load_scale = extent.largest / self.scale;
         for l in (1..=finest).rev() {
             let (coarse, fine) = self.levels.split_at_mut(l);
             pass::restrict_load(&fine[0], &mut coarse[l - 1]);
-            self.count(pass::RESTRICT_LOAD * self.levels[l].nodes() as f64);
+            let nodes = self.levels[l].nodes() as f64;
+            self.count(pass::RESTRICT_LOAD * nodes);
+            self.move_bytes(10.0 * nodes);
         }
         Ok(())
     }
@@ -176,13 +187,13 @@ impl Multigrid {
     fn set_start(&mut self, start: &[f64]) -> Result<(), InputError> {
         let scale = self.scale;
         let top = self.levels.last_mut().expect("at least one grid");
-        check_length(top.n, start)?;
+        check_length(top.nodes(), start)?;
         if start.iter().any(|value| !(value / scale).is_finite()) {
             return Err(InputError::NotFinite("start"));
         }
-        Level::split(top.n, start, &mut top.values, |_| ());
+        rows::split(top.n, start, &mut top.values, |_| ());
         if scale != 1.0 {
-            Level::scale(&mut top.values, 1.0 / scale);
+            rows::scale(&mut top.values, 1.0 / scale);
         }
         Ok(())
     }
@@ -269,25 +280,36 @@ impl Multigrid {
         }
         let (contact, nodes) = (ContactSet::single(level.n, i, j), level.nodes());
         self.count(0.25 * nodes as f64);
+        self.move_bytes(16.0 * nodes as f64);
         contact
     }
 
     fn pass(&mut self, l: usize, problem: Problem, stages: &[Stage]) -> f64 {
         let (coarse, fine) = self.levels.split_at_mut(l);
         let natural_residual = pass::run(&mut fine[0], &mut coarse[l - 1], problem, stages);
-        self.count(pass::work(stages) * self.levels[l].nodes() as f64);
+        let nodes = self.levels[l].nodes() as f64;
+        self.count(pass::work(stages) * nodes);
+        self.move_bytes(pass::traffic(stages) * nodes);
         natural_residual
     }
 
     /// Natural residual of the finest grid, all nodes.
     fn check(&mut self) -> f64 {
         self.work_units += 1.0;
+        self.traffic += 16.0;
         pass::natural_residual(self.levels.last().expect("at least one grid"))
     }
 
     fn count(&mut self, visits: f64) {
-        let unknowns = self.levels.last().expect("at least one grid").nodes();
-        self.work_units += visits / unknowns as f64;
+        self.work_units += visits / self.unknowns();
+    }
+
+    fn move_bytes(&mut self, bytes: f64) {
+        self.traffic += bytes / self.unknowns();
+    }
+
+    fn unknowns(&self) -> f64 {
+        self.levels.last().expect("at least one grid").nodes() as f64
     }
 }
 
@@ -307,11 +329,4 @@ fn smooth_twice(from_coarser: Stage, over: f64) -> [Stage; 6] {
         Relax(Colour::Black, 1.0),
         Restrict,
     ]
-}
-
-/// A power of two within a factor of two of `x`, itself and its inverse normal numbers.
-fn power_of_two_near(x: f64) -> f64 {
-    const EXPONENT_BITS: u64 = 0x7ff << 52;
-    let tiny = f64::MIN_POSITIVE * 4.0;
-    f64::from_bits(x.clamp(tiny, 1.0 / tiny).to_bits() & EXPONENT_BITS)
 }

@@ -9,9 +9,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::level::{Colour, Level, Rows, deinterleave, long_and_short, max_abs, stride, worse};
+use super::level::Level;
 use super::stencil::{Boundary, EdgeNode, Row, perimeter};
 use super::transfer::{CoarseRows, Restriction, weigh_load};
+use crate::fast::rows::{Colour, Rows, deinterleave, long_and_short, max_abs, stride, worse};
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +47,22 @@ pub(super) const RESTRICT_LOAD: f64 = 0.5;
 /// Work of a pass in sweeps of its own grid.
 pub(super) fn work(stages: &[Stage]) -> f64 {
     stages.iter().map(|stage| stage.work()).sum()
+}
+
+/// Bytes per node of its own grid that a pass moves if it reads and writes every row once.
+///
+/// Red values are never read: each pass begins with a half-sweep that replaces them. What the first
+/// stage replaces at the black nodes is not read either. Fetching lines only to overwrite them, which
+/// most processors do, is not counted.
+pub(super) fn traffic(stages: &[Stage]) -> f64 {
+    let black = match stages.first() {
+        Some(Stage::Interpolate | Stage::StartRed(_)) => 0.0,
+        _ => 4.0,
+    };
+    let (values, load, quarter) = (8.0, 8.0, 2.0);
+    let coarse =
+        |stage: &&Stage| matches!(stage, Stage::Interpolate | Stage::Correct | Stage::Restrict);
+    black + values + load + quarter * stages.iter().filter(coarse).count() as f64
 }
 
 /// What the values of a grid stand for.
@@ -218,7 +235,7 @@ impl Walk<'_> {
 
     #[inline(always)]
     fn run_portable(&self, job: &mut Job, rows_of: impl Fn(usize) -> Range<usize>) -> f64 {
-        let stride = stride(self.n);
+        let (stride, coarse_stride) = (stride(self.n), stride(self.n / 2));
         let mut corrections = CoarseRows::new(self.n / 2, self.coarse_values);
         let mut restriction = Restriction::new(self.n);
         let ranges: Vec<_> = (0..self.stages.len()).map(rows_of).collect();
@@ -266,8 +283,10 @@ impl Walk<'_> {
                         let [coarse_red, coarse_black] = &mut job.coarse_load;
                         restriction.add_row(row, self.boundary, red, rows.start, move |coarse_j| {
                             let at = coarse_j - first_coarse;
-                            let stride = super::level::stride(self.n / 2);
-                            [row_mut(coarse_red, at, stride), row_mut(coarse_black, at, stride)]
+                            [
+                                row_mut(coarse_red, at, coarse_stride),
+                                row_mut(coarse_black, at, coarse_stride),
+                            ]
                         });
                     }
                 }

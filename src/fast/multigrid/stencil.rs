@@ -1,6 +1,6 @@
 //! The five-point stencil on one row of one colour, and what the boundary does to it.
 
-use super::level::{Colour, LINE, Rows, max_abs, stride, worse};
+use crate::fast::rows::{Colour, LINE, Rows, max_abs, stride, worse};
 
 /// What holds on the boundary of a level.
 #[derive(Clone, Copy)]

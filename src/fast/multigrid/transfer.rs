@@ -4,8 +4,9 @@
 //! follows replaces all red ones; only red residuals are restricted, since black ones vanish after a
 //! half-sweep over the black nodes.
 
-use super::level::{Colour, Level, Rows, deinterleave, interleave, long_and_short, stride, worse};
+use super::level::Level;
 use super::stencil::{Boundary, Row, perimeter};
+use crate::fast::rows::{Colour, Rows, deinterleave, interleave, long_and_short, stride, worse};
 
 /// The two coarse rows in row-major order that prolongation to one fine row needs.
 pub(super) struct CoarseRows<'a> {

@@ -1,10 +1,11 @@
-//! Loads without known solutions.
+//! Loads without known solutions: the paper's problems, and semicoercive ones of growing difficulty.
 
-use signorini::grid::Grid;
-use signorini::load::{LoadRule, load};
+use crate::grid::Grid;
+use crate::load::{LoadRule, load};
+use std::f64::consts::TAU;
 
 /// Nodal load of `f` on `n` by `n` cells, less the constant that makes its sum `-deficit` times the sum
-/// of absolute values; without `deficit` as it is.
+/// of absolute values; without `deficit` as it is. Row-major, `(n + 1)^2` numbers.
 pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let h = 1.0 / n as f64;
     let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
@@ -33,15 +34,16 @@ pub fn quadrants(n: usize, [ll, lr, ul, ur]: [f64; 4]) -> Vec<f64> {
 }
 
 /// Semicoercive problems of growing difficulty: contact at few nodes, at one, at both sides of a corner.
+///
+/// The number in a name is minus the sum of the load over the sum of absolute values.
 pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
-    use std::f64::consts::TAU;
-    let waves = |x: f64, y: f64| (TAU * x).sin() + 0.7 * (3.0 * y + 1.0).cos();
-    let chess = |x: f64, y: f64| (TAU * x).cos() * (TAU * y).cos();
+    let waves = |x: f64, y: f64| libm::sin(TAU * x) + 0.7 * libm::cos(3.0 * y + 1.0);
+    let chess = |x: f64, y: f64| libm::cos(TAU * x) * libm::cos(TAU * y);
     let quadrant = |x: f64, y: f64| {
         if x <= 0.0 && y <= 0.0 { 1.0 } else { -1.0 / 3.0 }
     };
     let spike = |x: f64, y: f64| {
-        if x.hypot(y - 0.2) < 1.5 / n as f64 { 1e4 } else { -1.0 }
+        if libm::hypot(x, y - 0.2) < 1.5 / n as f64 { 1e4 } else { -1.0 }
     };
     vec![
         ("waves 1e-1", nodal_load(n, Some(1e-1), waves)),
@@ -61,8 +63,12 @@ pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
 
 /// The paper's problems. The first with f averaged on the axes: with the published tie rule its load has a
 /// positive sum, and there is nothing to solve. (Averaged, the sums are nearly zero: hard, but solvable.)
+///
+/// # Panics
+/// If `n` is below 2.
 pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
-    let on_grid = |text: &str, rule| load(Grid::new(n).unwrap(), &text.parse().unwrap(), rule);
+    let grid = Grid::new(n).expect("fine enough");
+    let on_grid = |text: &str, rule| load(grid, &text.parse().expect("a valid f"), rule);
     vec![
         ("problem 1", on_grid("quadrant(ll)=3; else=-1.002", LoadRule::LumpedAverage)),
         ("problem 2", on_grid("quadrant(ll)=-6; else=1.998", LoadRule::default())),

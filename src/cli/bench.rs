@@ -1,0 +1,162 @@
+//! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
+
+use super::{current_folder, say, say_json, solve::Solver};
+use crate::bench::timing::{Plan, SOLVERS, measure};
+use crate::error::{Error, IoContext, Result};
+use crate::project::Project;
+use crate::timings::{self, Timings};
+use clap::{Args, ValueEnum};
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Arguments of `bench`.
+#[derive(Args)]
+pub(super) struct BenchArgs {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Coarse grids only: a few seconds, to see that it works
+    #[arg(long)]
+    quick: bool,
+    /// Write pipeline/timings.toml, from which the book takes its times
+    #[arg(long, conflicts_with_all = ["quick", "solver"])]
+    record: bool,
+    /// Runs per median [default: 9, with --quick 3]
+    #[arg(long, value_name = "N")]
+    repeats: Option<usize>,
+    /// Only these solvers [default: all]
+    #[arg(long, value_enum)]
+    solver: Vec<Solver>,
+    /// Cells per side of the finest grid, a power of two [default: 4096, with --quick 128]
+    #[arg(long, value_name = "N")]
+    finest: Option<usize>,
+}
+
+/// Finest grid of a run: 2 GB for the load vector and multigrid.
+const FINEST: usize = 8192;
+
+pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
+    let repeats = args.repeats.unwrap_or(if args.quick { 3 } else { 9 });
+    let finest = args.finest.unwrap_or(if args.quick { 128 } else { 4096 });
+    if repeats == 0 {
+        return Err(Error::input("--repeats 0: give at least 1"));
+    }
+    if !finest.is_power_of_two() || !(16..=FINEST).contains(&finest) {
+        return Err(Error::input(format!(
+            "--finest {finest}: give a power of two from 16 to {FINEST}, such as 1024"
+        )));
+    }
+    let solvers = SOLVERS.into_iter().filter(|name| {
+        let named = |solver: &Solver| {
+            solver.to_possible_value().is_some_and(|value| value.get_name() == *name)
+        };
+        args.solver.is_empty() || args.solver.iter().any(named)
+    });
+    let plan = Plan { repeats, quick: args.quick, solvers: solvers.collect(), finest };
+    let record = if args.record { Some(Record::open()?) } else { None };
+    let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
+    if let Some(record) = record {
+        timings.peer = record.peer;
+        fs::write(&record.path, timings.to_toml()).context("write", &record.path)?;
+        talk(&format!("wrote {}; `signorini` now builds the book with it", timings::PATH));
+    }
+    if args.json { say_json(&timings) } else { say(&text(&timings)) }
+}
+
+/// Where the record goes, and what of the old one is kept.
+struct Record {
+    path: PathBuf,
+    peer: Vec<timings::Peer>,
+}
+
+impl Record {
+    /// Before anything is measured: a project that is missing or spoilt would waste minutes.
+    fn open() -> Result<Self> {
+        let path = Project::find(&current_folder()?)?.join(timings::PATH);
+        let peer = match fs::exists(&path).context("read", &path)? {
+            true => Timings::parse(&fs::read_to_string(&path).context("read", &path)?)?.peer,
+            false => Vec::new(),
+        };
+        Ok(Self { path, peer })
+    }
+}
+
+/// Progress, for which nobody has to listen.
+fn talk(what: &str) {
+    let _ = writeln!(anstream::stderr(), "{what}");
+}
+
+fn text(timings: &Timings) -> String {
+    let Timings { machine, bandwidth, .. } = timings;
+    let mut text = format!(
+        "{}, {} cores, {}\n{}, {}; load average {}\n",
+        machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
+    );
+    text += &format!(
+        "memory, one thread, arrays of {:.0} MB: triad {:.1} GB/s, in-place update {:.1} GB/s\n",
+        bandwidth.megabytes, bandwidth.triad, bandwidth.update
+    );
+    if let Some(sweep) = &timings.sweep {
+        text += &format!(
+            "one iteration of Arrow-Hurwicz at 1/{}: {:.2} ns per node, noise {:.0} %\n",
+            sweep.cells,
+            sweep.ns,
+            100.0 * sweep.spread
+        );
+    }
+    if !timings.multigrid.is_empty() {
+        text += &format!(
+            "\nmultigrid, exact(free-corner)\n{:>7} {:>10} {:>7} {:>15} {:>6} {:>9} {:>8} {:>6} {:>9} {:>9}\n",
+            "grid",
+            "unknowns",
+            "threads",
+            "goal",
+            "WU",
+            "ns/unkn.",
+            "ns/WU",
+            "noise",
+            "bytes",
+            "stream ns"
+        );
+    }
+    for line in &timings.multigrid {
+        let unknowns = ((line.cells + 1) * (line.cells + 1)) as f64;
+        let ns = 1e9 * line.seconds / unknowns;
+        text += &format!(
+            "{:>7} {:>10} {:>7} {:>15} {:>6.1} {:>9.1} {:>8.2} {:>5.0}% {:>9.1} {:>9.1}\n",
+            format!("1/{}", line.cells),
+            unknowns,
+            line.threads,
+            match line.goal {
+                timings::Goal::Discretisation => "discretisation",
+                timings::Goal::Floor => "rounding floor",
+            },
+            line.work_units,
+            ns,
+            ns / line.work_units,
+            100.0 * line.spread,
+            line.bytes,
+            line.traffic / bandwidth.update
+        );
+    }
+    text += &format!(
+        "\n{:<15} {:<13} {:>7} {:<21} {:>9} {:>9} {:>9} {:>11} {:>6}\n",
+        "solver", "problem", "grid", "goal", "error", "discr.", "rel. KKT", "seconds", "noise"
+    );
+    for line in &timings.solver {
+        text += &format!(
+            "{:<15} {:<13} {:>7} {:<21} {:>9.2e} {:>9.2e} {:>9.1e} {:>11.6} {:>5.0}%\n",
+            line.solver,
+            line.problem,
+            format!("1/{}", line.cells),
+            line.goal,
+            line.error,
+            line.discretisation,
+            line.kkt,
+            line.seconds,
+            100.0 * line.spread
+        );
+    }
+    text
+}

@@ -1,0 +1,176 @@
+//! Rows of nodes with red and black ones stored apart, as both multigrid solvers keep them.
+
+use std::ops::{Deref, DerefMut};
+
+use rayon::prelude::*;
+
+/// Nodes with an even sum of indices are red, the others black.
+///
+/// The corners are red because the number of cells per side is even.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Colour {
+    Red,
+    Black,
+}
+
+impl Colour {
+    pub(super) const BOTH: [Colour; 2] = [Colour::Red, Colour::Black];
+
+    pub(super) fn other(self) -> Self {
+        match self {
+            Colour::Red => Colour::Black,
+            Colour::Black => Colour::Red,
+        }
+    }
+
+    /// Column of the first node of this colour in row `j`: 0 in a long row, 1 in a short one.
+    pub(super) fn first_column(self, j: usize) -> usize {
+        (j + self as usize) & 1
+    }
+}
+
+/// Places per row of one colour on a grid with `n` cells per side.
+///
+/// `n / 2 + 1` nodes, rounded up to full cache lines. That makes it an odd number of lines for the
+/// usual `n`; otherwise the same places of all rows would compete for the same few sets of the cache.
+pub(super) fn stride(n: usize) -> usize {
+    (n / 2 + 1).next_multiple_of(LINE)
+}
+
+/// Rows per task at least in loops over all rows.
+const MIN_ROWS: usize = 64;
+/// Numbers in a cache line.
+pub(super) const LINE: usize = 8;
+
+/// All rows of one colour, the first one at the start of a cache line.
+pub(super) struct Rows {
+    storage: Vec<f64>,
+    first: usize,
+}
+
+impl Rows {
+    pub(super) fn zeros(len: usize) -> Self {
+        let storage = vec![0.0; len + LINE];
+        let first = storage.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+        Self { storage, first }
+    }
+}
+
+impl Deref for Rows {
+    type Target = [f64];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f64] {
+        let end = self.storage.len() - LINE + self.first;
+        &self.storage[self.first..end]
+    }
+}
+
+impl DerefMut for Rows {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        let end = self.storage.len() - LINE + self.first;
+        &mut self.storage[self.first..end]
+    }
+}
+
+/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows; returns what
+/// `of_row` makes of each row, in order.
+pub(super) fn split<T: Send>(
+    n: usize,
+    natural: &[f64],
+    colours: &mut [Rows; 2],
+    of_row: impl Fn(&[f64]) -> T + Sync,
+) -> Vec<T> {
+    let stride = stride(n);
+    let [red, black] = colours;
+    let rows = red.par_chunks_exact_mut(stride).zip(black.par_chunks_exact_mut(stride));
+    rows.zip(natural.par_chunks_exact(n + 1))
+        .enumerate()
+        .with_min_len(MIN_ROWS)
+        .map(|(j, ((red, black), source))| {
+            let [long, short] = long_and_short(j, [red, black]);
+            deinterleave(source, long, short);
+            of_row(source)
+        })
+        .collect()
+}
+
+/// Multiplies an array of both colours by a number.
+pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
+    for half in colours {
+        half.par_iter_mut().with_min_len(1 << 14).for_each(|value| *value *= factor);
+    }
+}
+
+/// The inverse of [`split`], each number times `factor`.
+pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
+    let stride = stride(n);
+    natural.par_chunks_exact_mut(n + 1).enumerate().with_min_len(MIN_ROWS).for_each(
+        |(j, target)| {
+            let row = j * stride..(j + 1) * stride;
+            let [red, black] = [&colours[0][row.clone()], &colours[1][row]];
+            let [long, short] = long_and_short(j, [red, black]);
+            interleave(long, short, target);
+            for value in target {
+                *value *= factor;
+            }
+        },
+    );
+}
+
+/// Orders what belongs to the red and the black part of row `j` by the kind of row: a *long* row of a
+/// colour starts and ends on the boundary and has `n / 2 + 1` nodes, a *short* row has one less.
+#[inline(always)]
+pub(super) fn long_and_short<T>(j: usize, [red, black]: [T; 2]) -> [T; 2] {
+    if j.is_multiple_of(2) { [red, black] } else { [black, red] }
+}
+
+/// `target = long[0], short[0], long[1], ..., long[last]`.
+#[inline(always)]
+pub(super) fn interleave(long: &[f64], short: &[f64], target: &mut [f64]) {
+    let cells = target.len() / 2;
+    let (long, end) = long.split_at(cells);
+    for ((pair, &first), &second) in target.chunks_exact_mut(2).zip(long).zip(short) {
+        pair[0] = first;
+        pair[1] = second;
+    }
+    target[2 * cells] = end[0];
+}
+
+/// The inverse of [`interleave`].
+#[inline(always)]
+pub(super) fn deinterleave(source: &[f64], long: &mut [f64], short: &mut [f64]) {
+    let cells = source.len() / 2;
+    let (long, end) = long.split_at_mut(cells);
+    for ((pair, first), second) in source.chunks_exact(2).zip(long).zip(short) {
+        *first = pair[0];
+        *second = pair[1];
+    }
+    end[0] = source[2 * cells];
+}
+
+/// The larger number; NaN if one is.
+#[inline(always)]
+pub(super) fn worse(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// `max |x_i|`, NaN if a number is; independent lanes so that it vectorises.
+#[inline(always)]
+pub(super) fn max_abs(x: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let (mut largest, mut sums) = ([0.0_f64; LANES], [0.0; LANES]);
+    let (chunks, tail) = x.as_chunks::<LANES>();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            let size = chunk[lane].abs();
+            largest[lane] = if size > largest[lane] { size } else { largest[lane] };
+            // A maximum forgets NaN, a sum does not.
+            sums[lane] += size;
+        }
+    }
+    let lanes =
+        largest.into_iter().zip(sums).map(|(max, sum)| if sum.is_nan() { sum } else { max });
+    lanes.chain(tail.iter().map(|value| value.abs())).fold(0.0, worse)
+}

@@ -1,0 +1,161 @@
+//! The accuracy experiment, the record of times, and the command that makes it.
+
+use signorini::bench::accuracy::{Findings, Plan, accuracy};
+use signorini::timings::{PATH, Timings};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+mod common;
+
+fn findings() -> &'static Findings {
+    static ONCE: OnceLock<Findings> = OnceLock::new();
+    ONCE.get_or_init(|| {
+        let plan = Plan {
+            cells: vec![16, 32, 64, 128],
+            others: vec![64],
+            laws: vec![("exact(free-corner)".into(), vec![16, 32, 64])],
+            race: vec![8, 16, 32],
+        };
+        accuracy(&plan).unwrap()
+    })
+}
+
+#[test]
+fn slopes_are_those_of_linear_elements() {
+    for problem in &findings().problems {
+        for level in &problem.levels[1..] {
+            let orders = level.orders.unwrap();
+            assert!((orders.l2 - 2.0).abs() < 0.05, "{} {orders:?}", problem.name);
+            assert!((orders.h1 - 1.0).abs() < 0.05, "{} {orders:?}", problem.name);
+            assert!(orders.multiplier_l2 > 0.9, "{} {orders:?}", problem.name);
+        }
+    }
+}
+
+#[test]
+fn multigrid_pays_what_it_says() {
+    let facts = &findings().facts;
+    assert!(facts.known[0][1] < 12.0, "{facts:?}");
+    assert!(facts.known[2][1] < 55.0, "{facts:?}");
+    assert!(facts.others[2][1] < 110.0, "{facts:?}");
+    assert!(facts.algebraic.iter().all(|ratio| *ratio < 0.1), "{facts:?}");
+    for level in findings().problems.iter().flat_map(|problem| &problem.levels) {
+        assert_eq!(level.cost.goals[2].stop, "rounding-floor");
+        assert!(level.cost.goals[1].kkt <= 1e-10);
+    }
+}
+
+#[test]
+fn sweeps_grow_like_the_inverse_square_of_the_width() {
+    for law in findings().laws.iter().filter(|law| !law.nested) {
+        assert!((law.exponent - 2.0).abs() < 0.25, "{law:?}");
+    }
+    // Where the race ends multigrid is ahead by far, and each method has arrived on each grid.
+    let runs = &findings().race.runs;
+    assert!(runs.iter().all(|run| run.arrivals.len() == 3));
+    let visits = |k: usize| runs[k].arrivals[2].1;
+    assert!(visits(1) > 20.0 * visits(0) && visits(2) > 20.0 * visits(0));
+}
+
+#[test]
+fn the_experiment_depends_on_no_thread_count() {
+    let plan = Plan { cells: vec![8, 16], others: vec![16], laws: Vec::new(), race: vec![4, 8] };
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        serde_json::to_string(&pool.install(|| accuracy(&plan)).unwrap()).unwrap()
+    };
+    assert_eq!(with(1), with(3));
+}
+
+fn bench(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
+    command.arg("bench").args(args).output().unwrap()
+}
+
+#[test]
+fn a_quick_bench_has_all_fields_and_its_record_reads_back() {
+    let output = bench(&["--quick", "--json", "--finest", "64"]);
+    assert!(output.status.success(), "{output:?}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["schema"], 1);
+    for field in ["cpu", "cores", "os", "rustc", "load"] {
+        assert!(!json["machine"][field].is_null(), "{field}");
+    }
+    assert!(json["bandwidth"]["triad"].as_f64().unwrap() > 0.0);
+    assert!(json["sweep"]["ns"].as_f64().unwrap() > 0.0);
+    for field in ["cells", "threads", "goal", "work_units", "bytes", "traffic", "seconds", "spread"]
+    {
+        assert!(!json["multigrid"][0][field].is_null(), "{field}");
+    }
+    let solvers = json["solver"].as_array().unwrap();
+    for name in ["arrow-hurwicz", "uzawa", "uzawa-proximal", "active-set", "multigrid"] {
+        let mine: Vec<_> = solvers.iter().filter(|line| line["solver"] == name).collect();
+        assert!(!mine.is_empty(), "{name}");
+        // Whatever it took, it arrived.
+        let close = |line: &&serde_json::Value| {
+            line["error"].as_f64().unwrap() <= 1.1 * line["discretisation"].as_f64().unwrap()
+        };
+        assert!(mine.iter().any(close), "{name}");
+    }
+    let timings: Timings = serde_json::from_value(json).unwrap();
+    assert_eq!(Timings::parse(&timings.to_toml()).unwrap(), timings);
+}
+
+#[test]
+fn a_record_keeps_what_was_entered_by_hand() {
+    let project = common::Project::with(common::TABLE);
+    let record = || {
+        let said = project.run(&["bench", "--record", "--finest", "16", "--repeats", "1"]);
+        assert_eq!(said.code, Some(0), "{said:?}");
+    };
+    record();
+    let read = || std::fs::read_to_string(project.path(PATH)).unwrap();
+    let before = read();
+    assert!(Timings::parse(&before).unwrap().peer.is_empty());
+    project.write(PATH, format!("{before}\n{PEER}"));
+    record();
+    let after = Timings::parse(&read()).unwrap();
+    assert_eq!((after.peer.len(), &after.peer[0].solver[..]), (1, "other"));
+    project.write(PATH, "schema = 1");
+    let said = project.run(&["bench", "--record"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("line 1"), "{said:?}");
+}
+
+const PEER: &str = "[[peer]]\nsolver = \"other\"\nf = \"else=-1\"\ncells = 8\ntheirs = 1\n\
+    their_kkt = 1e-9\nours = 1\nour_kkt = 1e-9\n";
+
+#[test]
+fn a_spoilt_record_is_refused_with_line_and_remedy() {
+    let good = "schema = 1\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
+        load = 0.1\nrepeats = 9\n[bandwidth]\nmegabytes = 8\ntriad = 10\nupdate = 20\n";
+    assert!(Timings::parse(good).is_ok());
+    assert_eq!(Timings::parse(&format!("{good}{PEER}")).unwrap().peer.len(), 1);
+    for (old, new, line, what) in [
+        ("triad = 10", "triad = -1", 12, "not a positive number"),
+        ("triad = 10", "triad = nan", 12, "not a positive number"),
+        ("cores = 2", "cores = \"two\"", 4, "invalid type"),
+        ("load = 0.1", "lord = 0.1", 8, "unknown field"),
+    ] {
+        let message = Timings::parse(&good.replace(old, new)).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{PATH}: line {line}: ")), "{message}");
+        assert!(message.contains(what) && message.contains("bench --record"), "{message}");
+    }
+    let message = Timings::parse(&good.replace("schema = 1", "schema = 2")).unwrap_err();
+    assert!(message.to_string().contains("schema 2"), "{message}");
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    for (args, remedy) in [
+        (&["--finest", "100"][..], "power of two"),
+        (&["--repeats", "0"], "at least 1"),
+        (&["--record", "--quick"], "--quick"),
+        (&["--solver", "simplex"], "possible values"),
+    ] {
+        let output = bench(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.contains(remedy), "{message}");
+    }
+}

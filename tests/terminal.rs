@@ -1,0 +1,108 @@
+//! What a person sees: colours, bars and columns, as far as the terminal can show them.
+
+mod common;
+
+use common::{EVERYTHING, Project, TABLE, wanting};
+use expect_test::expect;
+use std::fs;
+use std::process::{Command, Stdio};
+
+#[test]
+fn colour_is_for_those_who_see_it() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    let escapes = |args: &[&str], env: &[(&str, &str)]| {
+        let output = project.command(args).envs(env.iter().copied()).output().unwrap();
+        output.stdout.contains(&0x1b) || output.stderr.contains(&0x1b)
+    };
+    for args in [&["status"][..], &["run", "nobody"], &["--help"]] {
+        assert!(!escapes(args, &[]), "not a terminal: {args:?}");
+        assert!(escapes(args, &[("CLICOLOR_FORCE", "1")]), "asked for: {args:?}");
+        assert!(
+            !escapes(args, &[("NO_COLOR", "1"), ("CLICOLOR_FORCE", "1")]),
+            "NO_COLOR: {args:?}"
+        );
+    }
+    assert!(!escapes(&["run", "-f", "-v"], &[]), "no bar without a terminal");
+}
+
+/// What a command shows on a terminal, with these variables; `None` where no terminal can be had.
+fn on_a_terminal(project: &Project, args: &str, env: &[(&str, &str)]) -> Option<String> {
+    let mut script = Command::new("script");
+    script.args(["-qec", &format!("'{}' {args}", env!("CARGO_BIN_EXE_signorini")), "/dev/null"]);
+    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"] {
+        script.env_remove(name);
+    }
+    let script = script.envs(env.iter().copied()).current_dir(project.path("."));
+    match script.stdin(Stdio::null()).output() {
+        Ok(output) => Some(String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n")),
+        Err(e) => {
+            eprintln!("skipped: script(1) gives no terminal: {e}");
+            None
+        }
+    }
+}
+
+#[test]
+fn terminals_get_what_they_can_show() {
+    let project = Project::with(TABLE);
+    let shown = |args, env: &[(&str, &str)]| on_a_terminal(&project, args, env);
+    let Some(bar) = shown("run -f", &[("TERM", "xterm")]) else { return };
+    assert!(bar.contains("\x1b[") && !bar.contains(" to run"), "{bar}");
+    // A dumb terminal cannot draw over a line, and nobody watches a log grow.
+    for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("CI", "1")]] {
+        let plain = shown("run -f", env).unwrap();
+        assert!(plain.contains("solve: 2 to run") && plain.contains("took "), "{env:?}: {plain}");
+        assert!(!plain.contains('\x1b'), "{env:?}: {plain}");
+    }
+    assert!(shown("status", &[("TERM", "xterm")]).unwrap().contains("\x1b["));
+    for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("NO_COLOR", "1")]] {
+        assert!(!shown("status", env).unwrap().contains('\x1b'), "{env:?}");
+    }
+}
+
+#[test]
+fn status_stands_in_columns_and_fits_narrow_terminals() {
+    let project = Project::with(&wanting("[\"table\", \"source\"]"));
+    project.scene("a-scene-with-a-name-that-takes-room", TABLE);
+    project.run(&["run", "a-scene-with-a-name-that-takes-room"]).lines();
+    project.scene("a-scene-with-a-name-that-takes-room", &TABLE.replace("else=-1", "else=-2"));
+    expect![[r#"
+        solve      stale       4 of 4  solve/a/signed/r=10  never ran
+        tabulate   waits       2 of 2  tabulate/a/signed    waits for solve/a/signed/r=10
+        figures    stale       1 of 1  figures/a-source     never ran
+        7 tasks: 5 stale, 2 waiting for those
+    "#]]
+    .assert_eq(&project.run(&["status"]).out);
+    project.run(&["run", "a"]).lines();
+    let wide = project.run(&["status"]).out;
+    expect![[r#"
+        solve      stale       2 of 4  solve/a-scene-with-a-name-that-takes-room/signed/r=10  parameter f: else=-1 -> else=-2
+        tabulate   waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room/signed    waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
+        figures    up to date       1
+        7 tasks: 4 up to date, 2 stale, 1 waiting for those
+    "#]]
+    .assert_eq(&wide);
+    let narrow = project.command(&["status"]).env("COLUMNS", "60").output().unwrap();
+    let narrow = String::from_utf8(narrow.stdout).unwrap();
+    assert!(narrow.lines().all(|line| line.chars().count() <= 60), "{narrow}");
+    assert!(narrow.lines().next().unwrap().ends_with("..."), "{narrow}");
+    for senseless in ["0", "wide", "-3"] {
+        let output = project.command(&["status"]).env("COLUMNS", senseless).output().unwrap();
+        assert_eq!(String::from_utf8(output.stdout).unwrap(), wide);
+    }
+}
+
+#[test]
+fn run_says_why_and_how_long_on_standard_error() {
+    let project = Project::with(&wanting(EVERYTHING));
+    project.run(&["run"]).lines();
+    project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
+    fs::remove_dir_all(project.path(".signorini/v1/tasks/solve/a/signed/r=1")).unwrap();
+    let said = project.run(&["run"]);
+    assert!(said.err.contains("(parameter f: else=-1 -> else=-2; one task for another reason)"));
+    assert!(said.out.contains("  parameter f: else=-1 -> else=-2; one task for another reason\n"));
+    let clock = said.err.lines().last().unwrap();
+    assert!(clock.starts_with("took ") && clock.contains("solve ") && clock.contains("figures "));
+    assert_eq!(project.run(&["run"]).err, "", "nothing to say of nothing");
+}
