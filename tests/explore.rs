@@ -6,6 +6,7 @@ mod common;
 use serde_json::Value;
 use signorini::grid::nested;
 use signorini::load::load;
+use signorini::pipeline::hash;
 use signorini::saddle::{Params, StopRule, solve_nested};
 use signorini::scene::Scene;
 use std::collections::BTreeMap;
@@ -189,6 +190,13 @@ fn project() -> &'static Path {
     static PROJECT: OnceLock<PathBuf> = OnceLock::new();
     PROJECT.get_or_init(|| {
         let project = Path::new(env!("CARGO_TARGET_TMPDIR")).join("explore");
+        // What another build has cached may be of another form, while its version is not yet raised.
+        let build = hash(&fs::read(env!("CARGO_BIN_EXE_signorini")).unwrap());
+        if fs::read_to_string(project.join("build")).ok().as_ref() != Some(&build) {
+            let _ = fs::remove_dir_all(&project);
+        }
+        fs::create_dir_all(&project).unwrap();
+        fs::write(project.join("build"), build).unwrap();
         for part in ["pipeline", "report"] {
             // What was removed from the project must not live on in the copy.
             let _ = fs::remove_dir_all(project.join(part));
