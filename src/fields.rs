@@ -7,7 +7,8 @@ use crate::grid::Grid;
 use crate::saddle::Pair;
 use std::path::Path;
 
-const ENDINGS: [&str; 3] = ["vti", "npy", "svg"];
+/// Endings of the files that can be written.
+pub const ENDINGS: [&str; 3] = ["vti", "npy", "svg"];
 
 /// Checks that the ending of `path` names a format, before anything is computed.
 ///

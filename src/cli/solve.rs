@@ -5,6 +5,7 @@ mod problem;
 
 use super::{current_folder, say, say_json};
 use crate::error::{Error, IoContext, Result};
+use crate::fast::multigrid::Goal;
 use crate::fields;
 use crate::load::{Diagonal, LoadRule};
 use crate::project::Project;
@@ -46,12 +47,47 @@ pub(super) struct SolveArgs {
     /// Cap on iterations per grid; for the Uzawa solvers, on sweeps
     #[arg(long, value_name = "N", default_value_t = Params::default().max_iterations)]
     max_iterations: usize,
+    /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
+    #[arg(long, value_name = "RESIDUAL")]
+    tolerance: Option<f64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write the solution: .vti for ParaView, .npy for NumPy, .svg for a picture
+    /// Write the solution: .vti for ParaView, .npy for NumPy, .svg for a picture; or vtk, npy, svg alone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+}
+
+impl SolveArgs {
+    /// The file to write: where only a format was named, one called `name` in this folder.
+    fn out(&self, name: &str) -> Option<PathBuf> {
+        self.out.as_deref().map(|out| match out.to_str() {
+            Some("vtk") => PathBuf::from(format!("{name}.vti")),
+            Some(format) if fields::ENDINGS.contains(&format) => {
+                PathBuf::from(format!("{name}.{format}"))
+            }
+            _ => out.to_path_buf(),
+        })
+    }
+
+    /// The tolerance of multigrid, if it is asked for.
+    fn tolerance(&self, solver: Solver) -> Result<Option<f64>> {
+        match self.tolerance {
+            Some(_) if solver != Solver::Multigrid => Err(Error::input(
+                "--tolerance is for --solver multigrid; the paper's method stops on its N-th grid at 10^-N",
+            )),
+            Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => Err(Error::input(
+                format!("--tolerance {tolerance}: must be a positive number, e.g. 1e-8"),
+            )),
+            tolerance => Ok(tolerance),
+        }
+    }
+}
+
+/// What multigrid is to reach for a tolerance relative to the load vector.
+fn goal(tolerance: Option<f64>, load: &[f64]) -> Goal {
+    let largest = || load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
+    tolerance.map_or(Goal::RoundingFloor, |tolerance| Goal::Kkt(tolerance * largest()))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -120,11 +156,12 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             let names = StopRule::ALL.map(StopRule::name).join(", ");
             Error::input(format!("--stop: no rule `{}`; choose one of {names}", args.stop))
         })?;
-    if let Some(out) = &args.out {
+    let name = scene.as_ref().map_or("custom", |scene| &scene.name);
+    let out = args.out(name);
+    if let Some(out) = &out {
         fields::check_ending(out)?;
     }
-
-    let name = scene.as_ref().map_or("custom", |scene| &scene.name);
+    let tolerance = args.tolerance(solver)?;
     let problem = Problem { name, f: &f, rule, finest };
     let solved = match solver {
         Solver::ArrowHurwicz | Solver::Uzawa | Solver::UzawaProximal => {
@@ -136,11 +173,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             };
             problem.saddle(solver, &params)?
         }
-        Solver::Multigrid => problem.multigrid()?,
+        Solver::Multigrid => problem.multigrid(tolerance)?,
         Solver::ActiveSet => problem.active_set()?,
     };
     let grid = solved.grid;
-    if let Some(out) = &args.out {
+    if let Some(out) = &out {
         let bytes = fields::write(out, grid, &solved.pair, name)?;
         std::fs::write(out, bytes).context("write", out)?;
     }
@@ -178,7 +215,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         }
         return say_json(&json);
     }
-    say(&text(&problem, integral, &solved, args.out.as_deref()))
+    say(&text(&problem, integral, &solved, out.as_deref()))
 }
 
 fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -> String {

@@ -1,7 +1,7 @@
 //! `solve --cube`: the same problem in three dimensions.
 
 use super::problem::Level;
-use super::{SolveArgs, Solver, cells, cost, table};
+use super::{SolveArgs, Solver, cells, cost, goal, table};
 use crate::cli::{say, say_json};
 use crate::cube::{Grid, Source, energy, errors, kkt};
 use crate::error::{Error, IoContext, Result};
@@ -38,16 +38,19 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
         )));
     }
     let grid = Grid::new(n).map_err(|e| Error::input(e.to_string()))?;
-    if let Some(out) = &args.out {
+    let out = args.out("cube");
+    if let Some(out) = &out {
         fields::check_cube_ending(out)?;
     }
+    let tolerance = args.tolerance(solver)?;
 
     let start = Instant::now();
     let load = f.load(grid);
     let setup = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let solved = if solver == Solver::Multigrid {
-        multigrid(n, &load, None, &MultigridParams::default(), |_| ())
+        let params = MultigridParams { goal: goal(tolerance, &load), ..Default::default() };
+        multigrid(n, &load, None, &params, |_| ())
             .map(|(y, o)| (y, o.cycles, o.stop, Some(o.work_units)))
     } else {
         active_set(n, &load, None, &ActiveSetParams::default(), |_| ())
@@ -75,7 +78,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
         kkt: kkt(grid, &y, &load),
     };
     let errors = f.exact().map(|exact| errors(grid, exact, &y));
-    if let Some(out) = &args.out {
+    if let Some(out) = &out {
         let bytes = fields::write_cube(out, grid, &y, "cube")?;
         std::fs::write(out, bytes).context("write", out)?;
     }
@@ -111,7 +114,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
     if let Some(e) = errors {
         text += &format!("errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}\n", e.l2, e.h1, e.max);
     }
-    if let Some(out) = &args.out {
+    if let Some(out) = &out {
         text += &format!("wrote {}\n", out.display());
     }
     say(&text)

@@ -1,6 +1,6 @@
 //! Solving one problem by any solver, each brought to the same shape of answer.
 
-use super::Solver;
+use super::{Solver, goal};
 use crate::error::{Error, Result};
 use crate::fast::active_set::{ActiveSetParams, active_set};
 use crate::fast::multigrid::{MultigridParams, multigrid};
@@ -94,9 +94,9 @@ impl Problem<'_> {
         Ok(Solved { grid, pair, levels, work_units: None, errors, setup, seconds })
     }
 
-    pub fn multigrid(&self) -> Result<Solved> {
+    pub fn multigrid(&self, tolerance: Option<f64>) -> Result<Solved> {
         self.fast(|grid, load| {
-            let params = MultigridParams::default();
+            let params = MultigridParams { goal: goal(tolerance, load), ..Default::default() };
             let (y, outcome) = multigrid(grid.cells(), load, None, &params, |_| ())?;
             Ok((y, outcome.cycles, outcome.stop, Some(outcome.work_units)))
         })
