@@ -2,6 +2,7 @@
 
 use signorini::bench::accuracy;
 use signorini::bench::claims::{Plan, claims};
+use signorini::bench::cube::{self, cube};
 use signorini::bench::timing::{self, SOLVERS, measure};
 use signorini::bench::{rounding, stress};
 use signorini::book::{
@@ -421,6 +422,10 @@ fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
         BTreeMap::from([
             ("accuracy".into(), serde_json::to_value(accurate).unwrap()),
             ("claims".into(), serde_json::to_value(claims(&coarse).unwrap()).unwrap()),
+            (
+                "cube".into(),
+                serde_json::to_value(cube(&cube::Plan { cells: vec![4, 8] }).unwrap()).unwrap(),
+            ),
             ("stress".into(), serde_json::to_value(stress::stress(&few).unwrap()).unwrap()),
             ("rounding".into(), serde_json::to_value(rounding::rounding(&some).unwrap()).unwrap()),
         ])

@@ -199,7 +199,7 @@ fn cost(name: &str, grid: Grid, load: &[f64]) -> Result<(Cost, [Vec<f64>; 3]), S
 }
 
 impl Spent {
-    fn of(outcome: &Outcome) -> Self {
+    pub(super) fn of(outcome: &Outcome) -> Self {
         let Outcome { stop, cycles, kkt, work_units, .. } = *outcome;
         Self { work_units, cycles, kkt, stop: stop.name().into() }
     }

@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod claims;
+pub mod cube;
 pub mod lanes;
 pub mod law;
 pub mod problems;

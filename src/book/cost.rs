@@ -92,11 +92,24 @@ struct Targets {
     wanted: [f64; 2],
     /// That, were time inverse to the bandwidth of in-place updates.
     scaled: [f64; 2],
+    speedup: Option<Speedup>,
+    /// Least and greatest ratio of other people's times to ours.
+    peers: Option<[f64; 2]>,
+}
+
+/// One thread's time over that of two.
+#[derive(Clone, Debug, Serialize)]
+struct Speedup {
+    cells: usize,
+    /// To the discretisation error, then to the rounding floor.
+    ratios: [f64; 2],
 }
 
 /// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
-const WANTED: [f64; 2] = [6.0, 20.0];
+const WANTED: [f64; 2] = [8.0, 30.0];
 const THEIR_UPDATE: f64 = 60.0;
+/// Cells per side of the grid on which two threads are judged.
+const THREADS_AT: usize = 2048;
 /// Power laws are fitted to grids with at least so many unknowns.
 const FIT_FROM: usize = 100_000;
 
@@ -215,11 +228,19 @@ impl Race {
 impl Targets {
     fn of(timings: &Timings) -> Option<Self> {
         let cells = timings.multigrid.iter().map(|line| line.cells).max()?;
-        let with = |threads: usize| {
+        let on = |cells: usize, threads: usize| {
             let of = |goal| find(timings, cells, threads, goal).map(ns);
             Some([of(Goal::Discretisation)?, of(Goal::Floor)?])
         };
+        let speedup = on(THREADS_AT, 1).zip(on(THREADS_AT, 2)).map(|(one, two)| Speedup {
+            cells: THREADS_AT,
+            ratios: [one[0] / two[0], one[1] / two[1]],
+        });
+        let ratios = || timings.peer.iter().map(|peer| peer.theirs / peer.ours);
+        let peers = (!timings.peer.is_empty())
+            .then(|| [ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max)]);
         let scaled = WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update);
-        Some(Self { cells, ns: with(1)?, both: with(2), wanted: WANTED, scaled })
+        let (ns, both) = (on(cells, 1)?, on(cells, 2));
+        Some(Self { cells, ns, both, wanted: WANTED, scaled, speedup, peers })
     }
 }

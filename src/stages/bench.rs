@@ -21,6 +21,7 @@ pub fn tasks(project: &Project) -> Vec<Task> {
     let mut tasks = vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, bench::claims::claims),
+        task("cube", bench::cube::Plan::default(), bench::cube::cube),
     ];
     tasks.extend(stability::tasks(project));
     tasks
