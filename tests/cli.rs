@@ -133,6 +133,33 @@ fn solutions_are_written_as_npy_and_vti() {
     let size = u64::from_le_bytes(vti[raw + 1..raw + 9].try_into().unwrap()) as usize;
     assert_eq!(doubles(&vti[raw + 9..raw + 9 + size]), from_npy);
     assert_eq!(&vti[raw + 9 + size..], b"\n</AppendedData>\n</VTKFile>\n");
+
+    // The name of a format alone.
+    let said = project.run(&["solve", "a", "--out", "vtk"]);
+    assert!(said.lines().contains(&"wrote a.vti"), "{said:?}");
+    assert_eq!(fs::read(project.path("a.vti")).unwrap(), vti);
+    let said = project.run(&["solve", "--f", "else=-1", "--out", "npy"]);
+    assert!(said.lines().contains(&"wrote solution.npy"), "{said:?}");
+}
+
+#[test]
+fn multigrid_stops_at_the_tolerance_asked_for() {
+    let project = Project::with(TABLE);
+    for problem in [["--f", "disc(0,0,0.25)=2; else=-1"], ["--cube", "exact(free-disc)"]] {
+        let solve = |more: &[&str]| {
+            let args = ["solve", problem[0], problem[1], "--h", "1/32", "--solver", "multigrid"];
+            project.run(&[&args[..], more, &["--json"]].concat()).json()
+        };
+        let (floor, early) = (solve(&[]), solve(&["--tolerance", "1e-4"]));
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        assert_eq!(
+            (&floor["stop"], &early["stop"]),
+            (&"rounding-floor".into(), &"converged".into())
+        );
+        let left = number(&early["kkt"]["relative"]);
+        assert!(left <= 1e-4 && left > number(&floor["kkt"]["relative"]), "{early}");
+        assert!(number(&early["work_units"]) < number(&floor["work_units"]), "{early}");
+    }
 }
 
 #[test]
@@ -191,6 +218,8 @@ fn solve_refuses_in_one_line() {
         (&["--cube", "else=-1", "--h", "1/1024"], "1/512 is the finest"),
         (&["--cube", "else=-1", "--solver", "uzawa"], "only multigrid and active-set"),
         (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),
+        (&["--f", "else=-1", "--tolerance", "1e-6"], "is for --solver multigrid"),
+        (&["--cube", "else=-1", "--tolerance", "nan"], "must be a positive number"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");

@@ -157,7 +157,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             Error::input(format!("--stop: no rule `{}`; choose one of {names}", args.stop))
         })?;
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
-    let out = args.out(name);
+    let out = args.out(scene.as_ref().map_or("solution", |scene| &scene.name));
     if let Some(out) = &out {
         fields::check_ending(out)?;
     }
