@@ -7,6 +7,7 @@ mod input;
 pub mod multigrid;
 mod network;
 mod rows;
+mod stopping;
 
 pub use input::InputError;
 

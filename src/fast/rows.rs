@@ -4,6 +4,8 @@ use std::ops::{Deref, DerefMut};
 
 use rayon::prelude::*;
 
+use super::input::InputError;
+
 /// Nodes with an even sum of indices are red, the others black.
 ///
 /// The corners are red because the number of cells per side is even.
@@ -94,6 +96,26 @@ pub(super) fn split<T: Send>(
             of_row(source)
         })
         .collect()
+}
+
+/// Copies a start in natural order, divided by `divisor`.
+///
+/// # Errors
+/// If a quotient is not finite.
+pub(super) fn set_scaled(
+    n: usize,
+    start: &[f64],
+    divisor: f64,
+    colours: &mut [Rows; 2],
+) -> Result<(), InputError> {
+    if start.iter().any(|value| !(value / divisor).is_finite()) {
+        return Err(InputError::NotFinite("start"));
+    }
+    split(n, start, colours, |_| ());
+    if divisor != 1.0 {
+        scale(colours, 1.0 / divisor);
+    }
+    Ok(())
 }
 
 /// Multiplies an array of both colours by a number.

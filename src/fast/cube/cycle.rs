@@ -8,25 +8,17 @@ use super::level::{Level, share};
 use super::surface;
 use super::sweep::Problem::{Correction, Obstacle};
 use super::sweep::{self, Problem};
-use crate::fast::StopReason;
 use crate::fast::banded::Banded;
 use crate::fast::input::{Extent, InputError, check_length};
 use crate::fast::multigrid::{Goal, MultigridParams, Outcome, Progress};
 use crate::fast::rows::Colour::{Black, Red};
 use crate::fast::rows::{self, Rows, stride};
+use crate::fast::stopping::{self, Hierarchy};
 
 /// Nested iteration stays on a grid until the natural residual is below this part of the load.
 const SETTLED: f64 = 1.0;
 /// Cycles on one coarse grid of the nested iteration at most.
 const MAX_NESTED_CYCLES: usize = 30;
-/// The discretisation error is reached after two cycles if the natural residual is this part of the load.
-const DISCRETISATION: f64 = 0.05;
-/// A cycle that reduces the natural residual by less is suspected to work on rounding errors.
-const STAGNATION: f64 = 0.5;
-/// Natural residual of a perfectly rounded solution, in units of `EPSILON * max |y| h`, generously.
-const FLOOR: f64 = 32.0;
-/// Growth of the natural residual, over its first value or the load, that ends the iteration.
-const HOPELESS: f64 = 1e12;
 
 /// Work in sweeps of the same grid. Interpolation to one colour takes two-point formulas at most nodes.
 const TO_BLACK: f64 = 0.25;
@@ -94,16 +86,17 @@ impl Multigrid {
         load: &[f64],
         start: Option<&[f64]>,
         params: &MultigridParams,
-        mut monitor: impl FnMut(&Progress),
+        monitor: impl FnMut(&Progress),
     ) -> Result<Outcome, InputError> {
         self.work_units = 0.0;
         self.set_load(load)?;
         let finest = self.levels.len() - 1;
         if finest == 0 {
-            return Ok(self.solve_directly(params.goal));
+            coarsest::solve_obstacle(&mut self.levels[0]);
+            return Ok(stopping::direct(self, params.goal));
         }
         let over = params.relaxation;
-        let mut kkt = match start {
+        let kkt = match start {
             Some(start) => {
                 self.set_start(start)?;
                 self.smooth(finest, Obstacle)
@@ -118,61 +111,12 @@ impl Multigrid {
                 }
             }
         };
-        let hopeless = HOPELESS * kkt.max(self.levels[finest].load_scale);
-        let mut cycles = 0;
-        let stop = loop {
-            if cycles == params.max_cycles {
-                break StopReason::CycleLimit;
-            }
-            let last_one = params.goal == Goal::DiscretisationError && cycles > 0;
-            let previous = kkt;
-            self.coarse_correction(finest, over);
-            self.add_correction(finest, Obstacle);
-            kkt = match last_one {
-                true => self.smooth(finest, Obstacle),
-                false => self.smooth_twice(finest, Obstacle, over),
-            };
-            cycles += 1;
-            let raw = kkt * self.scale;
-            monitor(&Progress { cycle: cycles, kkt: raw, work_units: self.work_units });
-            if !kkt.is_finite() || kkt > hopeless {
-                break StopReason::Diverged;
-            }
-            match params.goal {
-                Goal::DiscretisationError => {
-                    let small = DISCRETISATION * self.levels[finest].load_scale;
-                    if last_one && kkt <= small {
-                        break StopReason::Converged;
-                    }
-                }
-                // What the sweeps measured leaves out the black nodes: check before claiming.
-                Goal::Kkt(tolerance) if raw <= tolerance => {
-                    kkt = self.check();
-                    if kkt * self.scale <= tolerance {
-                        break StopReason::Converged;
-                    }
-                }
-                Goal::Kkt(_) | Goal::RoundingFloor => {}
-            }
-            if kkt >= STAGNATION * previous {
-                let top = &self.levels[finest];
-                let floor = FLOOR * f64::EPSILON * top.max_abs() / top.n as f64;
-                self.work_units += 0.25;
-                if kkt <= floor {
-                    kkt = self.check();
-                    if kkt <= floor {
-                        break StopReason::RoundingFloor;
-                    }
-                }
-            }
-        };
-        let kkt = kkt * self.scale;
-        Ok(Outcome { stop, cycles, kkt, work_units: self.work_units })
+        Ok(stopping::iterate(self, kkt, params, monitor))
     }
 
     /// Copies the solution, x fastest, `(n + 1)^3` numbers.
     pub fn write_solution(&self, solution: &mut [f64]) {
-        let finest = &self.levels[self.levels.len() - 1];
+        let finest = self.finest();
         rows::merge(finest.n, &finest.values, self.scale, solution);
     }
 
@@ -197,29 +141,9 @@ impl Multigrid {
     }
 
     fn set_start(&mut self, start: &[f64]) -> Result<(), InputError> {
-        let scale = self.scale;
         let top = self.levels.last_mut().expect("at least one grid");
         check_length(top.nodes(), start)?;
-        if start.iter().any(|value| !(value / scale).is_finite()) {
-            return Err(InputError::NotFinite("start"));
-        }
-        rows::split(top.n, start, &mut top.values, |_| ());
-        if scale != 1.0 {
-            rows::scale(&mut top.values, 1.0 / scale);
-        }
-        Ok(())
-    }
-
-    /// The finest grid is the coarsest: nothing to iterate.
-    fn solve_directly(&mut self, goal: Goal) -> Outcome {
-        coarsest::solve_obstacle(&mut self.levels[0]);
-        let kkt = self.check() * self.scale;
-        let stop = match goal {
-            Goal::Kkt(tolerance) if kkt > tolerance => StopReason::RoundingFloor,
-            Goal::RoundingFloor => StopReason::RoundingFloor,
-            Goal::Kkt(_) | Goal::DiscretisationError => StopReason::Converged,
-        };
-        Outcome { stop, cycles: 0, kkt, work_units: self.work_units }
+        rows::set_scaled(top.n, start, self.scale, &mut top.values)
     }
 
     /// Solves on all grids but the finest, each started from the one below.
@@ -344,11 +268,8 @@ impl Multigrid {
         contact
     }
 
-    /// Natural residual of the finest grid, all nodes.
-    fn check(&mut self) -> f64 {
-        self.work_units += 1.0;
-        let finest = self.levels.last().expect("at least one grid");
-        sweep::natural_residual(finest, &mut self.residuals)
+    fn finest(&self) -> &Level {
+        self.levels.last().expect("at least one grid")
     }
 
     fn count_sweeps(&mut self, l: usize, sweeps: f64) {
@@ -356,8 +277,44 @@ impl Multigrid {
     }
 
     fn count(&mut self, visits: f64) {
-        let unknowns = self.levels.last().expect("at least one grid").nodes();
+        let unknowns = self.finest().nodes();
         self.work_units += visits / unknowns as f64;
+    }
+}
+
+impl Hierarchy for Multigrid {
+    fn cycle(&mut self, relaxation: f64, last: bool) -> f64 {
+        let finest = self.levels.len() - 1;
+        self.coarse_correction(finest, relaxation);
+        self.add_correction(finest, Obstacle);
+        match last {
+            true => self.smooth(finest, Obstacle),
+            false => self.smooth_twice(finest, Obstacle, relaxation),
+        }
+    }
+
+    fn check(&mut self) -> f64 {
+        self.work_units += 1.0;
+        let finest = self.levels.last().expect("at least one grid");
+        sweep::natural_residual(finest, &mut self.residuals)
+    }
+
+    fn rounding(&mut self) -> f64 {
+        self.work_units += 0.25;
+        // Couplings are of the size h.
+        f64::EPSILON * self.finest().max_abs() / self.finest().n as f64
+    }
+
+    fn load_scale(&self) -> f64 {
+        self.finest().load_scale
+    }
+
+    fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    fn work_units(&self) -> f64 {
+        self.work_units
     }
 }
 
