@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Columns of help, in a terminal as wide or wider and in the book.
-const HELP_WIDTH: usize = 100;
+const HELP_WIDTH: usize = 90;
 
 /// Replicates N. N. Maksimova's study of the semicoercive scalar Signorini problem.
 ///
