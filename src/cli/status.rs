@@ -28,7 +28,7 @@ pub(super) struct StatusArgs {
 /// Arguments of `explain`.
 #[derive(Args)]
 pub(super) struct ExplainArgs {
-    /// A stage (solve, tabulate, diff, identify, figures, report) or the beginning of a task's id
+    /// A stage (solve, tabulate, diff, identify, bench, figures, report) or the beginning of a task's id
     stage: String,
     /// Print JSON
     #[arg(long)]
