@@ -148,7 +148,12 @@ fn the_reference_is_what_the_program_says() {
     let page = fs::read_to_string(book().join("../src/commands.md")).unwrap();
     let help = String::from_utf8(signorini(&["--help"]).stdout).unwrap();
     let listed = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
-    let names: Vec<_> = listed.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    // Descriptions go on in lines that are indented further.
+    let entries = listed.lines().filter_map(|line| line.strip_prefix("  "));
+    let names: Vec<_> = entries
+        .filter(|entry| !entry.starts_with(' '))
+        .filter_map(|entry| entry.split_whitespace().next())
+        .collect();
     assert!(names.len() > 8, "{names:?}");
     assert!(page.contains(&without_padding(&help)), "--help");
     for name in names.into_iter().filter(|name| *name != "help") {
