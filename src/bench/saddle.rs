@@ -8,7 +8,7 @@ use crate::saddle::{
 use serde::{Deserialize, Serialize};
 
 /// A saddle-point method. Uzawa's inner minimisations reduce the gradient tenfold: carried further
-/// they cost more and gain nothing (`cargo bench --bench claims`).
+/// they cost more and gain nothing (see [`claims`](super::claims)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
