@@ -33,6 +33,7 @@ pub mod grid;
 pub mod identify;
 pub mod kkt;
 pub mod load;
+pub mod machine;
 pub mod norms;
 pub mod paper;
 pub mod pipeline;

@@ -44,7 +44,7 @@ pub struct Machine {
     pub caches: String,
     /// Operating system and release.
     pub os: String,
-    /// Compiler on the path when it was measured.
+    /// Compiler that built the program.
     pub rustc: String,
     /// Load average of the last minute when it began: on an idle machine well below one.
     pub load: f64,

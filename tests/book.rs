@@ -435,7 +435,7 @@ fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
 /// Names of the pictures of experiments and of recorded times.
 fn bench_figures() -> impl Iterator<Item = &'static str> {
     let experiments = signorini::stages::bench::PICTURES.iter().map(|picture| picture.name);
-    experiments.chain(signorini::stages::timings::names().map(|(name, _)| name))
+    experiments.chain(signorini::stages::timings::names())
 }
 
 /// Times as `signorini bench` measures them, of the kind that one cannot rely on.

@@ -9,6 +9,7 @@ use super::diff::comparison;
 use super::pipeline::Workplace;
 use super::{CacheArgs, say, write_file};
 use crate::error::{Error, IoContext, Result};
+use crate::machine::COMPILER;
 use crate::paper::TableComparison;
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
 use crate::project::Project;
@@ -23,7 +24,6 @@ const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
 const TITLE: &str = "The study of the semicoercive Signorini problem by the Arrow-Hurwicz method \
     (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
 const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
-const COMPILER: &str = env!("SIGNORINI_RUSTC");
 
 /// What makes the files of the bundle, each with its effect in words.
 const COMMANDS: [(&str, &str); 4] = [
@@ -182,7 +182,7 @@ impl Check {
             repository: args.repository.clone(),
             time: machine::check_time()?,
             commit: machine::commit(&project.root),
-            machine: machine::machine(),
+            machine: machine::description(),
             libraries: report::versions().into_iter().map(|v| (v.name, v.version)).collect(),
             reservations: reservations(project),
             files: files(workplace, summary, &tables)?,

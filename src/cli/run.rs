@@ -3,6 +3,7 @@
 use super::pipeline::Workplace;
 use super::{CacheArgs, check_folder, say, talk, write_file};
 use crate::error::{Error, Result};
+use crate::machine;
 use crate::pipeline::{Options, Progress, Stage, Summary, Times, Verdict, brief, why};
 use clap::Args;
 use std::path::PathBuf;
@@ -94,8 +95,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
 
 /// How long a run of what is stale, or waits for what is, may take.
 fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Duration> {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = if jobs > 0 { jobs } else { cores() };
+    let threads = if jobs > 0 { jobs } else { machine::cores() };
     let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
     let tasks: Vec<_> = stale.map(|j| (j.stage, j.task.as_str())).collect();
     let times = Times::read(workplace.store.folder());

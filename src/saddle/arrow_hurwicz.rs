@@ -5,7 +5,7 @@
 //! Reference: N. N. Maksimova, equations (7)-(13); the misprints are mended as the report says.
 
 use super::Pair;
-use super::gradient::{DualStep, Gradient};
+use super::gradient::DualStep;
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use crate::grid::Grid;
@@ -86,12 +86,8 @@ pub fn arrow_hurwicz(
     pair: &mut Pair,
     mut monitor: Option<OnIteration>,
 ) -> Outcome {
-    assert!(params.r > 0.0, "the duality parameter r must be positive");
-    assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
-    assert!(pair.a.len() == grid.boundary_nodes());
-    let boundary: Vec<usize> = grid.boundary().collect();
-    let gradient = Gradient::new(grid, params.r, 0.0);
-    let mut dual = DualStep::new(load, &boundary, (params.rule, params.tolerance), gradient);
+    let stopping = (params.rule, params.tolerance);
+    let mut dual = DualStep::new(grid, load, params.r, stopping, pair);
     let stop = loop {
         if dual.iterations == params.max_iterations {
             break StopReason::IterationLimit;

@@ -13,7 +13,7 @@ pub(super) struct DualStep<'a> {
     pub rule: StopRule,
     pub tolerance: f64,
     /// Nodes of the boundary, in the order of the multiplier.
-    pub boundary: &'a [usize],
+    pub boundary: Vec<usize>,
     pub gradient: Gradient,
     pub iterations: usize,
     /// Last change of the multiplier.
@@ -21,12 +21,21 @@ pub(super) struct DualStep<'a> {
 }
 
 impl<'a> DualStep<'a> {
+    /// Before the first iteration on `pair`.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length for `grid`, or `r` is not positive.
     pub(super) fn new(
+        grid: Grid,
         load: &'a [f64],
-        boundary: &'a [usize],
+        r: f64,
         (rule, tolerance): (StopRule, f64),
-        gradient: Gradient,
+        pair: &Pair,
     ) -> Self {
+        assert!(r > 0.0, "the duality parameter r must be positive");
+        assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
+        assert!(pair.a.len() == grid.boundary_nodes());
+        let (boundary, gradient) = (grid.boundary().collect(), Gradient::new(grid, r, 0.0));
         Self { load, rule, tolerance, boundary, gradient, iterations: 0, delta_a: 0.0 }
     }
 
@@ -37,7 +46,7 @@ impl<'a> DualStep<'a> {
         monitor: &mut Option<OnIteration>,
     ) -> ControlFlow<StopReason> {
         self.iterations += 1;
-        match dual_step(self.boundary, self.gradient.r, &pair.y, &mut pair.a) {
+        match dual_step(&self.boundary, self.gradient.r, &pair.y, &mut pair.a) {
             Some(change) => self.delta_a = change,
             None => return ControlFlow::Break(StopReason::Diverged),
         }

@@ -120,12 +120,8 @@ fn run(
     pair: &mut Pair,
     mut monitor: Option<OnIteration>,
 ) -> UzawaOutcome {
-    assert!(params.r > 0.0, "the duality parameter r must be positive");
-    assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
-    assert!(pair.a.len() == grid.boundary_nodes());
-    let boundary: Vec<usize> = grid.boundary().collect();
-    let gradient = Gradient::new(grid, params.r, 0.0);
-    let mut dual = DualStep::new(load, &boundary, (params.rule, params.tolerance), gradient);
+    let stopping = (params.rule, params.tolerance);
+    let mut dual = DualStep::new(grid, load, params.r, stopping, pair);
     let mut inner = Inner {
         grid,
         r: params.r,
@@ -140,7 +136,7 @@ fn run(
         if dual.iterations == params.max_iterations {
             break StopReason::IterationLimit;
         }
-        if let ControlFlow::Break(stop) = inner.minimise(load, &boundary, pair) {
+        if let ControlFlow::Break(stop) = inner.minimise(load, &dual.boundary, pair) {
             break stop;
         }
         if let ControlFlow::Break(stop) = dual.step(pair, &mut monitor) {

@@ -3,7 +3,7 @@
 mod claims;
 mod stability;
 
-use super::{artifact, cost, to_json};
+use super::{artifact, cost, figures, to_json};
 use crate::bench::{self, accuracy};
 use crate::draw::Caption;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
@@ -98,31 +98,11 @@ pub const PICTURES: &[Picture] = &[
 
 type Drawn = Result<String, String>;
 
-impl Picture {
-    /// Id of the task that draws it.
-    pub fn id(&self) -> String {
-        format!("figures/{}", self.name)
-    }
-}
-
 /// The tasks that draw [`PICTURES`].
 pub fn pictures() -> impl Iterator<Item = Task> {
-    PICTURES.iter().map(|picture| Task {
-        id: picture.id(),
-        stage: Stage::Figures,
-        parameters: BTreeMap::from([("title".into(), picture.title.into())]),
-        files: Artifacts::new(),
-        needs: picture.experiments.iter().map(|name| id(name)).collect(),
-        export: Some("figures"),
-        work: Box::new(|inputs| {
-            let description = format!(
-                "Made by `signorini run --only figures` from inputs {} (blake3).",
-                &inputs.digest[..12]
-            );
-            let caption = Caption { title: picture.title, description: &description };
-            let svg = (picture.draw)(inputs, caption)?;
-            Ok(Artifacts::from([(format!("{}.svg", picture.name), svg.into_bytes())]))
-        }),
+    PICTURES.iter().map(|picture| {
+        let needs = picture.experiments.iter().map(|name| id(name)).collect();
+        figures::drawing(picture.name, picture.title.into(), needs, picture.draw)
     })
 }
 

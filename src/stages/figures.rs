@@ -61,19 +61,44 @@ fn task(kind: Output, name: String, scenes: &[&Scene]) -> Task {
         let name = &panel.scene.name;
         hashed.extend(panel.parameters.iter().map(|(k, v)| (format!("{name}.{k}"), v.clone())));
     }
+    let needs = panels.iter().flat_map(|panel| panel.needs(kind)).collect();
+    let titles: Vec<&str> = panels.iter().map(|panel| panel.scene.title.as_str()).collect();
+    let title = format!("{}: {}", caption(kind), titles.join("; "));
+    let task =
+        drawing(&name, title, needs, move |inputs, caption| draw(kind, &panels, inputs, caption));
+    Task { parameters: hashed, ..task }
+}
+
+/// The task that draws the figure `name`; its title is its only parameter.
+pub(super) fn drawing(
+    name: &str,
+    title: String,
+    needs: Vec<String>,
+    draw: impl Fn(&Inputs, Caption) -> Result<String, String> + Send + Sync + 'static,
+) -> Task {
     let picture = format!("{name}.svg");
     Task {
-        id: format!("figures/{name}"),
+        id: id(name),
         stage: Stage::Figures,
-        parameters: hashed,
+        parameters: BTreeMap::from([("title".into(), title.clone())]),
         files: Artifacts::new(),
-        needs: panels.iter().flat_map(|panel| panel.needs(kind)).collect(),
+        needs,
         export: Some("figures"),
         work: Box::new(move |inputs| {
-            let svg = draw(kind, &panels, inputs)?;
+            let description =
+                format!("Made by `{COMMAND}` from inputs {} (blake3).", &inputs.digest[..12]);
+            let svg = draw(inputs, Caption { title: &title, description: &description })?;
             Ok(Artifacts::from([(picture.clone(), svg.into_bytes())]))
         }),
     }
+}
+
+/// What draws the figures.
+pub(super) const COMMAND: &str = "signorini run --only figures";
+
+/// Id of the task that draws the figure `name`.
+pub(super) fn id(name: &str) -> String {
+    format!("figures/{name}")
 }
 
 impl Panel {
@@ -107,14 +132,12 @@ impl Panel {
     }
 }
 
-fn draw(kind: Output, panels: &[Panel], inputs: &Inputs) -> Result<String, String> {
-    let description = format!(
-        "Made by `signorini run --only figures` from inputs {} (blake3).",
-        &inputs.digest[..12]
-    );
-    let titles: Vec<&str> = panels.iter().map(|panel| panel.scene.title.as_str()).collect();
-    let title = format!("{}: {}", caption(kind), titles.join("; "));
-    let caption = Caption { title: &title, description: &description };
+fn draw(
+    kind: Output,
+    panels: &[Panel],
+    inputs: &Inputs,
+    caption: Caption,
+) -> Result<String, String> {
     let picture: Result<String, FigureError> = match kind {
         Output::Source => {
             let maps: Vec<_> =

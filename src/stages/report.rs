@@ -289,31 +289,19 @@ fn pictures<'a>(inputs: &'a Inputs) -> impl Iterator<Item = (&'a String, &'a Vec
 
 fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
     let (_, name) = figures::KINDS.iter().find(|(k, _)| *k == kind).expect("a kind of figure");
-    let file = format!("{name}.svg");
-    let svg = artifact(inputs, &format!("figures/{name}"), &file)?;
-    Ok(Figure {
-        hash: hash(svg),
-        file,
-        note: String::new(),
-        command: "signorini run --only figures".into(),
-    })
+    picture(inputs, name)
 }
 
-/// The pictures of experiments, by name.
+fn picture(inputs: &Inputs, name: &str) -> Made<Figure> {
+    let file = format!("{name}.svg");
+    let svg = artifact(inputs, &figures::id(name), &file)?;
+    Ok(Figure { hash: hash(svg), file, note: String::new(), command: figures::COMMAND.into() })
+}
+
+/// The pictures of experiments and of recorded times, if there are any, by name.
 fn bench_figures(inputs: &Inputs) -> BTreeMap<String, Figure> {
-    let names = bench::PICTURES.iter().map(|picture| (picture.name, picture.id()));
-    let drawn = names.chain(super::timings::names()).filter_map(|(name, id)| {
-        let made = inputs.artifacts.get(&id)?;
-        let (file, svg) = made.first_key_value()?;
-        let figure = Figure {
-            file: file.clone(),
-            note: String::new(),
-            command: "signorini run --only figures".into(),
-            hash: hash(svg),
-        };
-        Some((name.to_owned(), figure))
-    });
-    drawn.collect()
+    let names = bench::PICTURES.iter().map(|picture| picture.name).chain(super::timings::names());
+    names.filter_map(|name| Some((name.to_owned(), picture(inputs, name).ok()?))).collect()
 }
 
 fn provenance(inputs: &Inputs, about: &About) -> Provenance {

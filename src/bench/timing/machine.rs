@@ -1,40 +1,32 @@
 //! What there is to say about the machine that times were measured on.
 
+use crate::machine;
 use crate::timings::{Bandwidth, Machine};
 use std::fs;
 use std::hint::black_box;
-use std::process::Command;
 use std::time::Instant;
 
 impl Machine {
     /// Asks the system; what it does not tell is called unknown.
     pub(super) fn here(repeats: usize) -> Self {
-        let read = |path: &str| fs::read_to_string(path).ok();
         let unknown = || "unknown".to_owned();
-        let cpu = read("/proc/cpuinfo").and_then(|text| {
-            let line = text.lines().find(|line| line.starts_with("model name"))?;
-            Some(line.split_once(':')?.1.trim().to_owned())
-        });
-        let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
-        let os = format!("{} {} {}", std::env::consts::OS, release.trim(), std::env::consts::ARCH);
-        let rustc = Command::new("rustc").arg("--version").output().ok();
-        let rustc = rustc.and_then(|said| String::from_utf8(said.stdout).ok());
-        let load = read("/proc/loadavg").and_then(|text| text.split(' ').next()?.parse().ok());
+        let load = fs::read_to_string("/proc/loadavg").ok();
+        let load = load.and_then(|text| text.split(' ').next()?.parse().ok());
         Self {
-            cpu: cpu.unwrap_or_else(unknown),
-            cores: cores(),
+            cpu: machine::processor(),
+            cores: machine::cores(),
             caches: caches().unwrap_or_else(unknown),
-            os,
-            rustc: rustc.map_or_else(unknown, |text| text.trim().to_owned()),
+            os: format!(
+                "{} {} {}",
+                std::env::consts::OS,
+                machine::kernel(),
+                std::env::consts::ARCH
+            ),
+            rustc: machine::COMPILER.into(),
             load: load.unwrap_or(0.0),
             repeats,
         }
     }
-}
-
-/// Cores that this program may use.
-pub(super) fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// `L1d 48K, L2 2048K, L3 ...`, as the first core sees them.

@@ -114,7 +114,7 @@ fn sweep(plan: &Plan) -> Sweep {
 }
 
 fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, String> {
-    let threads: Vec<usize> = if machine::cores() > 1 { vec![1, 2] } else { vec![1] };
+    let threads: Vec<usize> = if crate::machine::cores() > 1 { vec![1, 2] } else { vec![1] };
     let mut measured = Vec::new();
     for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest) {
         say(&format!("multigrid, h = 1/{cells}"));

@@ -1,29 +1,21 @@
 //! Where and when a check was made: processor, system, compiler, commit, and the date.
 
 use crate::error::{Error, Result};
-use std::fs;
+use crate::machine;
 use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The machine in pairs of name and value, in the order in which to show them.
-pub(super) fn machine() -> Vec<(&'static str, String)> {
-    let unknown = || "unknown".to_owned();
-    let cores = std::thread::available_parallelism().map_or_else(|_| unknown(), |n| n.to_string());
-    let field = |file: &str, key: &str| {
-        let text = fs::read_to_string(file).ok()?;
-        let line = text.lines().find(|line| line.starts_with(key))?;
-        let (_, value) = line.split_once([':', '='])?;
-        Some(value.trim().trim_matches('"').to_owned())
-    };
-    let system =
-        field("/etc/os-release", "PRETTY_NAME=").unwrap_or_else(|| std::env::consts::OS.to_owned());
-    let kernel = fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
+pub(super) fn description() -> Vec<(&'static str, String)> {
+    let system = machine::field("/etc/os-release", "PRETTY_NAME=")
+        .unwrap_or_else(|| std::env::consts::OS.to_owned());
+    let memory = machine::field("/proc/meminfo", "MemTotal").unwrap_or_else(|| "unknown".into());
     vec![
-        ("processor", field("/proc/cpuinfo", "model name").unwrap_or_else(unknown)),
-        ("cores", cores),
-        ("memory", field("/proc/meminfo", "MemTotal").unwrap_or_else(unknown)),
-        ("system", format!("{system} {}", kernel.trim()).trim().to_owned()),
+        ("processor", machine::processor()),
+        ("cores", machine::cores().to_string()),
+        ("memory", memory),
+        ("system", format!("{system} {}", machine::kernel()).trim().to_owned()),
         ("architecture", std::env::consts::ARCH.to_owned()),
     ]
 }

@@ -1,0 +1,30 @@
+//! The machine that the program runs on, as far as the system tells.
+
+use std::fs;
+
+/// The compiler that built the program.
+pub const COMPILER: &str = env!("SIGNORINI_RUSTC");
+
+/// The value of `key` in one of the system's files of `key: value` or `key=value` lines.
+pub fn field(file: &str, key: &str) -> Option<String> {
+    let text = fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(key))?;
+    let (_, value) = line.split_once([':', '='])?;
+    Some(value.trim().trim_matches('"').to_owned())
+}
+
+/// Model of the processor, as it calls itself.
+pub fn processor() -> String {
+    field("/proc/cpuinfo", "model name").unwrap_or_else(|| "unknown".into())
+}
+
+/// Release of the kernel; empty if it is not told.
+pub fn kernel() -> String {
+    let release = fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
+    release.trim().to_owned()
+}
+
+/// Cores that this program may use.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
