@@ -1,9 +1,13 @@
-//! Work units, bytes and time per unknown of multigrid on all problems: `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]`.
+//! Work units, bytes and time per unknown of multigrid, in a workspace that is there:
+//!
+//! `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]` on all problems, and with `--f F TOLERANCE`
+//! on one, to that KKT residual over the largest load and to the rounding floor, as JSON.
 
 use signorini::bench::problems;
 use signorini::exact::Exact;
-use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams};
+use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams, Outcome};
 use signorini::grid::Grid;
+use signorini::kkt::kkt;
 use signorini::load::{LoadRule, load};
 use signorini::source::Source;
 use std::time::Instant;
@@ -11,13 +15,56 @@ use std::time::Instant;
 const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
 
 fn main() {
-    let numbers: Vec<usize> = std::env::args().filter_map(|arg| arg.parse().ok()).collect();
+    let args: Vec<_> = std::env::args().skip(1).collect();
+    let (args, one) = match args.iter().position(|arg| arg == "--f") {
+        Some(at) => (&args[..at], Some(&args[at + 1..])),
+        None => (&args[..], None),
+    };
+    let numbers: Vec<usize> = args.iter().filter_map(|arg| arg.parse().ok()).collect();
     let (threads, numbers) = numbers.split_first().unwrap_or((&1, &[]));
     let (repeats, sizes) = numbers.split_first().unwrap_or((&5, &[64, 256, 1024]));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build_global();
     pool.expect("the first to ask for threads");
-    let threads = rayon::current_num_threads();
-    println!("{threads} thread(s), median of {repeats} runs");
+    match one {
+        Some([f, tolerance, ..]) => {
+            let tolerance = tolerance.parse().expect("--f F TOLERANCE: a number");
+            sizes.iter().for_each(|&n| one_problem(n, f, tolerance, *repeats));
+        }
+        Some(_) => panic!("--f F TOLERANCE"),
+        None => all_problems(sizes, *repeats),
+    }
+}
+
+/// Median time in nanoseconds per unknown, and the outcome.
+fn time(workspace: &mut Multigrid, load: &[f64], goal: Goal, repeats: usize) -> (f64, Outcome) {
+    let params = MultigridParams { goal, ..MultigridParams::default() };
+    let mut runs: Vec<_> = (0..repeats.max(1))
+        .map(|_| {
+            let start = Instant::now();
+            let outcome = workspace.solve(load, None, &params, |_| ()).expect("a solvable problem");
+            (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, outcome)
+        })
+        .collect();
+    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    runs[runs.len() / 2]
+}
+
+fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
+    let grid = Grid::new(n).expect("fine enough");
+    let load = load(grid, &f.parse().expect("a valid f"), LoadRule::default());
+    let largest = load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
+    let mut workspace = Multigrid::new(n).expect("a power of two times 1, 3, 5 or 7");
+    let mut y = vec![0.0; load.len()];
+    let answers = [Goal::Kkt(tolerance * largest), Goal::RoundingFloor].map(|goal| {
+        let (ns, _) = time(&mut workspace, &load, goal, repeats);
+        workspace.write_solution(&mut y);
+        format!("{{\"ns\": {ns}, \"kkt\": {:e}}}", kkt(grid, &y, &load).relative)
+    });
+    println!("[{}]", answers.join(", "));
+}
+
+fn all_problems(sizes: &[usize], repeats: usize) {
+    println!("{} thread(s), median of {repeats} runs", rayon::current_num_threads());
     println!("work units, cycles, ns per unknown for three goals:");
     println!("{:>6} {:14} {:>6} {:?}", "1/h", "problem", "bytes", GOALS);
     for &n in sizes {
@@ -27,26 +74,10 @@ fn main() {
             .map(|exact| (exact.name(), load(grid, &Source::Exact(exact), LoadRule::default())));
         let others = problems::paper_loads(n).into_iter().chain(problems::stress_loads(n));
         for (name, load) in exact.into_iter().chain(others) {
-            let unknowns = grid.nodes() as f64;
-            print!("{n:6} {name:14} {:6.1}", workspace.bytes() as f64 / unknowns);
+            print!("{n:6} {name:14} {:6.1}", workspace.bytes() as f64 / load.len() as f64);
             for goal in GOALS {
-                let params = MultigridParams { goal, ..MultigridParams::default() };
-                let mut times = Vec::new();
-                let mut result = None;
-                for _ in 0..*repeats {
-                    let start = Instant::now();
-                    result = Some(workspace.solve(&load, None, &params, |_| ()));
-                    times.push(1e9 * start.elapsed().as_secs_f64() / unknowns);
-                }
-                times.sort_by(f64::total_cmp);
-                match result {
-                    Some(Ok(o)) => {
-                        let median = times[times.len() / 2];
-                        print!("  {:5.1} {:2} {median:5.1}", o.work_units, o.cycles);
-                    }
-                    Some(Err(error)) => print!("  {error}"),
-                    None => {}
-                }
+                let (ns, outcome) = time(&mut workspace, &load, goal, repeats);
+                print!("  {:5.1} {:2} {ns:5.1}", outcome.work_units, outcome.cycles);
             }
             println!();
         }

@@ -2,6 +2,7 @@
 
 #[path = "problems/cube.rs"]
 mod problems;
+mod solvers;
 
 use problems::{exact_load, nodal_load, stress_loads};
 use proptest::prelude::*;
@@ -10,6 +11,7 @@ use signorini::fast::active_set::ActiveSetParams;
 use signorini::fast::cube::{Multigrid, active_set, multigrid};
 use signorini::fast::multigrid::{Goal, MultigridParams, Outcome};
 use signorini::fast::{InputError, StopReason};
+use solvers::{absurd_starts, assert_threads_do_not_matter};
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).expect("fine enough")
@@ -173,14 +175,7 @@ fn solutions_scale_with_the_load() {
 fn threads_do_not_change_a_bit() {
     let n = 64;
     let load = exact_load(Exact::FreeDisc, n);
-    let with_threads = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
-        pool.install(|| run(n, &load, Goal::RoundingFloor).0)
-    };
-    let one = with_threads(1);
-    for threads in [2, 3] {
-        assert!(one == with_threads(threads), "{threads} threads");
-    }
+    assert_threads_do_not_matter(|| run(n, &load, Goal::RoundingFloor).0);
 }
 
 #[test]
@@ -189,15 +184,7 @@ fn absurd_starts_lead_to_the_same_solution() {
     for problem in Exact::ALL {
         let load = exact_load(problem, n);
         let (y, _) = run(n, &load, Goal::RoundingFloor);
-        let noise = |k: usize| (k as f64 * 12.9898).sin() * 43758.5453 % 1.0;
-        let starts = [
-            vec![0.0; y.len()],
-            vec![1e9; y.len()],
-            vec![-1e9; y.len()],
-            (0..y.len()).map(|k| 1e3 * noise(k)).collect::<Vec<_>>(),
-            y.clone(),
-        ];
-        for (k, start) in starts.iter().enumerate() {
+        for (k, start) in absurd_starts(&y).iter().enumerate() {
             let params = MultigridParams::default();
             let (z, outcome) = multigrid(n, &load, Some(start), &params, |_| {}).expect("valid");
             assert_eq!(outcome.stop, StopReason::RoundingFloor, "{problem:?} {k} {outcome:?}");

@@ -1,5 +1,7 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
+mod solvers;
+
 use proptest::prelude::*;
 use signorini::bench::problems::{nodal_load, paper_loads, stress_loads};
 use signorini::exact::Exact;
@@ -11,6 +13,7 @@ use signorini::kkt::kkt;
 use signorini::load::{LoadRule, load};
 use signorini::norms::errors;
 use signorini::source::{Source, Tie};
+use solvers::{absurd_starts, assert_threads_do_not_matter};
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).unwrap()
@@ -129,17 +132,22 @@ fn multigrid_and_active_set_agree_to_rounding() {
 
 #[test]
 fn work_does_not_depend_on_the_grid() {
-    for n in [128, 256, 512] {
-        let exact = Exact::ALL.map(|problem| ("exact", exact_load(problem, n)));
-        for (name, load) in exact.into_iter().chain(paper_loads(n)) {
-            let floor = run(n, &load, Goal::RoundingFloor).1;
-            assert_eq!(floor.stop, StopReason::RoundingFloor);
-            assert!(floor.work_units < 55.0, "{name} {n} {floor:?}");
-        }
-        for (name, load) in stress_loads(n) {
-            let floor = run(n, &load, Goal::RoundingFloor).1;
-            assert_eq!(floor.stop, StopReason::RoundingFloor);
-            assert!(floor.work_units < 110.0, "{name} {n} {floor:?}");
+    let goals =
+        [(Goal::DiscretisationError, 12.0), (Goal::Kkt(1e-10), 26.0), (Goal::RoundingFloor, 55.0)];
+    for n in [64, 128, 256, 512] {
+        let exact = Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n)));
+        let usual = exact.into_iter().chain(paper_loads(n)).map(|load| (load, 1.0));
+        let degenerate = stress_loads(n).into_iter().map(|load| (load, 2.0));
+        for ((name, load), allowance) in usual.chain(degenerate) {
+            for (goal, limit) in goals {
+                let outcome = run(n, &load, goal).1;
+                assert!(outcome.work_units < allowance * limit, "{name} {n} {goal:?} {outcome:?}");
+                let stop = match goal {
+                    Goal::RoundingFloor => StopReason::RoundingFloor,
+                    _ => StopReason::Converged,
+                };
+                assert_eq!(outcome.stop, stop, "{name} {n} {goal:?}");
+            }
         }
     }
 }
@@ -184,14 +192,7 @@ fn solutions_scale_with_the_load() {
 fn threads_do_not_change_a_bit() {
     let n = 512;
     let load = exact_load(Exact::FreeSegment, n);
-    let with_threads = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
-        pool.install(|| run(n, &load, Goal::RoundingFloor).0)
-    };
-    let one = with_threads(1);
-    for threads in [2, 3] {
-        assert!(one == with_threads(threads), "{threads} threads");
-    }
+    assert_threads_do_not_matter(|| run(n, &load, Goal::RoundingFloor).0);
 }
 
 #[test]
@@ -200,15 +201,7 @@ fn absurd_starts_lead_to_the_same_solution() {
     for problem in Exact::ALL {
         let load = exact_load(problem, n);
         let (y, _) = run(n, &load, Goal::RoundingFloor);
-        let noise = |k: usize| (k as f64 * 12.9898).sin() * 43758.5453 % 1.0;
-        let starts = [
-            vec![0.0; y.len()],
-            vec![1e9; y.len()],
-            vec![-1e9; y.len()],
-            (0..y.len()).map(|k| 1e3 * noise(k)).collect::<Vec<_>>(),
-            y.clone(),
-        ];
-        for (k, start) in starts.iter().enumerate() {
+        for (k, start) in absurd_starts(&y).iter().enumerate() {
             let params = MultigridParams::default();
             let (z, outcome) = multigrid(n, &load, Some(start), &params, |_| {}).expect("valid");
             assert_eq!(

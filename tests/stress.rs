@@ -73,7 +73,9 @@ fn large_r_breaks_nothing_and_the_strict_rule_keeps_its_word() {
 fn the_unit_of_f_changes_nothing_but_an_absolute_tolerance() {
     let plain = found().scaling.iter().find(|case| case.exponent == 0).unwrap();
     for case in &found().scaling {
-        assert_eq!(case.multigrid.steps, plain.multigrid.steps, "1e{}", case.exponent);
+        // 10^k f is rounded anew, and the last cycle only finds that nothing improves any more.
+        let cycles = case.multigrid.steps.abs_diff(plain.multigrid.steps);
+        assert!(cycles <= 1, "1e{}", case.exponent);
         assert_eq!(case.multigrid.stop, "rounding-floor");
         assert_eq!(case.scaled.steps, plain.scaled.steps, "1e{}", case.exponent);
         let (kkt, want) = (case.scaled.kkt.unwrap(), plain.scaled.kkt.unwrap());
@@ -94,6 +96,14 @@ fn multigrid_stands_a_vanishing_integral_jumps_and_spikes() {
         assert_eq!(case.multigrid.stop, "rounding-floor", "{case:?}");
         assert!(case.multigrid.work < 70.0, "{case:?}");
     }
+}
+
+#[test]
+fn multigrid_solves_a_crowd_of_random_problems() {
+    let crowd = &found().crowd;
+    assert!(crowd.problems >= 1000);
+    assert_eq!((crowd.unsolved, crowd.denied), (0, 0), "{crowd:?}");
+    assert!(crowd.most <= 30, "{crowd:?}");
 }
 
 #[test]
@@ -122,7 +132,7 @@ fn what_is_not_a_number_is_never_a_result() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let plan = stress::Plan { cap: 500, ..stress::Plan::new(tables(&[4, 8])) };
+    let plan = stress::Plan { cap: 500, crowd: 8, ..stress::Plan::new(tables(&[4, 8])) };
     let shaken = rounding::Plan { repetitions: 8, ..rounding::Plan::new(tables(&[4, 8])) };
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -163,7 +163,7 @@ fn with_multigrid(tracks: &[Track]) -> Result<Run, String> {
         let Track { grid, load, .. } = track;
         let unknowns = grid.nodes() as f64;
         let solve = |goal, max_cycles| {
-            let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
+            let params = MultigridParams { goal, max_cycles };
             let solved = multigrid(grid.cells(), load, None, &params, |_| ());
             solved.map_err(|e| e.to_string())
         };

@@ -1,8 +1,10 @@
 //! What breaks the solvers, and at which values: extreme parameters, data, tolerances, starts and precision.
 
+mod crowd;
 mod facts;
 mod runs;
 
+pub use crowd::Crowd;
 pub use facts::{Exponents, Facts, Plateau, Span};
 
 use super::rounding::TablePlan;
@@ -30,13 +32,23 @@ pub struct Plan {
     pub cap: usize,
     /// The deficit where it is not what is varied.
     pub deficit: f64,
+    /// Number of random problems.
+    pub crowd: usize,
 }
 
 impl Plan {
     /// The sizes of the book.
     pub fn new(problems: Vec<TablePlan>) -> Self {
-        let (coarse, tolerance) = (16, 1e-3);
-        Self { problems, coarse, fine: 64, tolerance, strict: 1e-8, cap: 20_000, deficit: 0.3 }
+        Self {
+            problems,
+            coarse: 16,
+            fine: 64,
+            tolerance: 1e-3,
+            strict: 1e-8,
+            cap: 20_000,
+            deficit: 0.3,
+            crowd: 2000,
+        }
     }
 }
 
@@ -71,6 +83,8 @@ pub struct Stress {
     pub jumps: Vec<Load>,
     /// Spikes of f in one node.
     pub spikes: Vec<Load>,
+    /// Random problems.
+    pub crowd: Crowd,
     /// The tables' counts in single precision.
     pub single: Vec<Single>,
     /// All runs together.
@@ -267,6 +281,7 @@ pub fn stress(plan: &Plan) -> Result<Stress, String> {
         starts: bench.starts(),
         jumps: bench.jumps(),
         spikes: bench.spikes(),
+        crowd: Crowd::of(plan.crowd),
         single: plan.problems.iter().map(single).collect::<Result<_, _>>()?,
         tally: Tally::default(),
         facts: Facts::default(),

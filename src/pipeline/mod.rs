@@ -89,12 +89,9 @@ impl Stage {
         match self {
             // 2: the torsion function is summed in another way.
             Self::Solve => 2,
-            Self::Tabulate
-            | Self::Diff
-            | Self::Identify
-            | Self::Bench
-            | Self::Figures
-            | Self::Report => 1,
+            // 2: multigrid with enlarged corrections, and exact springs beside a corner.
+            Self::Bench => 2,
+            Self::Tabulate | Self::Diff | Self::Identify | Self::Figures | Self::Report => 1,
         }
     }
 }

@@ -56,8 +56,8 @@ pub struct Facts {
     /// Exponents of f at which the paper's method with its tolerance multiplied gave the same count and
     /// said that it was done.
     pub scaled_same: Option<Exponents>,
-    /// Exponents of f at which multigrid took the same cycles.
-    pub multigrid_same: Option<Exponents>,
+    /// Cycles of multigrid over all factors of f with which it came to the rounding floor.
+    pub scaled_cycles: Option<Span>,
     /// Exponents of f for which the paper's method said that it diverged.
     pub scaled_diverged: Option<Exponents>,
     /// Deficits at which multigrid gave up.
@@ -162,9 +162,9 @@ impl Facts {
             scaled_same: exponents(&|case, plain| {
                 met(&case.scaled) && case.scaled.steps == plain.scaled.steps
             }),
-            multigrid_same: exponents(&|case, plain| {
-                floor(&case.multigrid) && case.multigrid.steps == plain.multigrid.steps
-            }),
+            scaled_cycles: Span::of(
+                scaling().filter(|case| floor(&case.multigrid)).map(|case| steps(&case.multigrid)),
+            ),
             scaled_diverged: exponents(&|case, _| case.scaled.stop == "diverged"),
             stalled: Span::of(stalled().map(|case| case.deficit)),
             stalled_runs: stalled().count(),

@@ -4,6 +4,7 @@ use super::{
     Attained, Changed, Deficit, Duality, Floor, Load, Plan, Scaling, Single, Start, TablePlan,
     Tolerance,
 };
+use crate::bench::problems::nodal_load;
 use crate::bench::reference::{Number, Plain, Problem, nested_counts};
 use crate::bench::trial::{Trial, multi, saddle};
 use crate::fast::multigrid::Goal;
@@ -200,7 +201,7 @@ impl<'a> Bench<'a> {
         let exponents: Vec<i32> = (0..=15).collect();
         let of_size = |&exponent: &i32| {
             let size = power_of_ten(exponent);
-            let load = with_deficit(self.fine, 0.1, |x, y| f(x, y, size));
+            let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
             Load { size, multigrid: multi(self.fine, &load, Goal::RoundingFloor, None) }
         };
         exponents.par_iter().map(of_size).collect()
@@ -254,24 +255,11 @@ pub(super) fn single(table: &TablePlan) -> Result<Single, String> {
 
 /// `odd` on the lower left quadrant, a third of its opposite elsewhere, less a constant.
 fn quadrants(grid: Grid, odd: f64, deficit: f64) -> Vec<f64> {
-    with_deficit(grid, deficit, |x, y| if x <= 0.0 && y <= 0.0 { odd } else { -odd / 3.0 })
-}
-
-/// The load of f less the constant that makes its sum `-deficit` times the sum of absolute values.
-fn with_deficit(grid: Grid, deficit: f64, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let (n, h) = (grid.cells(), grid.h());
-    let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-    let weights: Vec<f64> =
-        (0..grid.nodes()).map(|k| share(k % (n + 1)) * share(k / (n + 1)) * h * h).collect();
-    let mut load: Vec<f64> = weights
-        .iter()
-        .enumerate()
-        .map(|(k, w)| w * f(grid.coordinate(k % (n + 1)), grid.coordinate(k / (n + 1))))
-        .collect();
-    let sum: f64 = load.iter().sum();
-    let size: f64 = load.iter().map(|f| f.abs()).sum();
-    load.iter_mut().zip(&weights).for_each(|(f, w)| *f -= w * (sum + deficit * size));
-    load
+    nodal_load(
+        grid.cells(),
+        Some(deficit),
+        |x, y| if x <= 0.0 && y <= 0.0 { odd } else { -odd / 3.0 },
+    )
 }
 
 fn largest(values: &[f64]) -> f64 {

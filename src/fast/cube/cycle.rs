@@ -17,6 +17,8 @@ use crate::fast::stopping::{self, Hierarchy};
 
 /// Nested iteration stays on a grid until the natural residual is below this part of the load.
 const SETTLED: f64 = 1.0;
+/// Over-relaxation inside, on the colour that the transfers beside it do not rely on.
+const RELAXATION: f64 = 1.25;
 /// Cycles on one coarse grid of the nested iteration at most.
 const MAX_NESTED_CYCLES: usize = 30;
 
@@ -95,19 +97,18 @@ impl Multigrid {
             coarsest::solve_obstacle(&mut self.levels[0]);
             return Ok(stopping::direct(self, params.goal));
         }
-        let over = params.relaxation;
         let kkt = match start {
             Some(start) => {
                 self.set_start(start)?;
                 self.smooth(finest, Obstacle)
             }
             None => {
-                self.nested_iteration(over);
+                self.nested_iteration();
                 self.interpolate(finest);
                 match params.goal {
                     Goal::DiscretisationError => self.smooth(finest, Obstacle),
                     // As in the nested iteration: one sweep more saves a cycle.
-                    _ => self.smooth_twice(finest, Obstacle, over),
+                    _ => self.smooth_twice(finest, Obstacle),
                 }
             }
         };
@@ -149,15 +150,15 @@ impl Multigrid {
     /// Solves on all grids but the finest, each started from the one below.
     ///
     /// Two sweeps before the first correction let the contact set settle.
-    fn nested_iteration(&mut self, over: f64) {
+    fn nested_iteration(&mut self) {
         coarsest::solve_obstacle(&mut self.levels[0]);
         for l in 1..self.levels.len() - 1 {
             self.interpolate(l);
-            self.smooth_twice(l, Obstacle, over);
+            self.smooth_twice(l, Obstacle);
             for _ in 0..MAX_NESTED_CYCLES {
-                self.coarse_correction(l, over);
+                self.coarse_correction(l);
                 self.add_correction(l, Obstacle);
-                let kkt = self.smooth_twice(l, Obstacle, over);
+                let kkt = self.smooth_twice(l, Obstacle);
                 if kkt <= SETTLED * self.levels[l].load_scale {
                     break;
                 }
@@ -166,7 +167,7 @@ impl Multigrid {
     }
 
     /// From the restricted residual of obstacle level `l` to the correction on level `l - 1`.
-    fn coarse_correction(&mut self, l: usize, over: f64) {
+    fn coarse_correction(&mut self, l: usize) {
         let mut contact = ContactSet::of(&self.levels[l]);
         self.count(contact.reading_work());
         if contact.is_empty() {
@@ -178,14 +179,14 @@ impl Multigrid {
             self.coarsest = coarsest::factor(&self.levels[0]);
             self.contact = Some(contact);
         }
-        self.w_cycle(l - 1, over);
+        self.w_cycle(l - 1);
     }
 
     /// One cycle on the linear problem of level `l`, from zero.
     ///
     /// Two visits of the coarser grid: near-constant modes of semicoercive problems need accurate coarse
     /// solves, and there they cost little.
-    fn w_cycle(&mut self, l: usize, over: f64) {
+    fn w_cycle(&mut self, l: usize) {
         if l == 0 {
             coarsest::solve_linear(&mut self.levels[0], &self.coarsest);
             let flops_per_visit = 13.0;
@@ -193,18 +194,18 @@ impl Multigrid {
             return;
         }
         let level = &mut self.levels[l];
-        sweep::start_red(level, over);
+        sweep::start_red(level, RELAXATION);
         sweep::relax(level, Correction, Black, 1.0);
         self.count_sweeps(l, TO_BLACK + HALF_SWEEP);
         self.restrict(l, Correction);
-        self.w_cycle(l - 1, over);
+        self.w_cycle(l - 1);
         self.add_correction(l, Correction);
-        self.smooth_twice(l, Correction, over);
-        self.w_cycle(l - 1, over);
+        self.smooth_twice(l, Correction);
+        self.w_cycle(l - 1);
         self.add_correction(l, Correction);
         let level = &mut self.levels[l];
         sweep::relax(level, Correction, Red, 1.0);
-        sweep::relax(level, Correction, Black, over);
+        sweep::relax(level, Correction, Black, RELAXATION);
         self.count_sweeps(l, 2.0 * HALF_SWEEP);
     }
 
@@ -220,9 +221,9 @@ impl Multigrid {
     /// Between two corrections: post-smoothing of one cycle, pre-smoothing of the next.
     ///
     /// Over-relaxed on the colour that the transfer beside it does not rely on.
-    fn smooth_twice(&mut self, l: usize, problem: Problem, over: f64) -> f64 {
+    fn smooth_twice(&mut self, l: usize, problem: Problem) -> f64 {
         let level = &mut self.levels[l];
-        for (colour, factor) in [(Red, 1.0), (Black, over), (Red, over), (Black, 1.0)] {
+        for (colour, factor) in [(Red, 1.0), (Black, RELAXATION), (Red, RELAXATION), (Black, 1.0)] {
             sweep::relax(level, problem, colour, factor);
         }
         self.count_sweeps(l, 4.0 * HALF_SWEEP);
@@ -283,13 +284,13 @@ impl Multigrid {
 }
 
 impl Hierarchy for Multigrid {
-    fn cycle(&mut self, relaxation: f64, last: bool) -> f64 {
+    fn cycle(&mut self, last: bool) -> f64 {
         let finest = self.levels.len() - 1;
-        self.coarse_correction(finest, relaxation);
+        self.coarse_correction(finest);
         self.add_correction(finest, Obstacle);
         match last {
             true => self.smooth(finest, Obstacle),
-            false => self.smooth_twice(finest, Obstacle, relaxation),
+            false => self.smooth_twice(finest, Obstacle),
         }
     }
 

@@ -3,13 +3,16 @@
 //! A coarse grid that only knows whether its own nodes are in contact misplaces the ends of a contact
 //! interval by half a cell, and loses short intervals altogether; that is what slows multigrid down
 //! for obstacle problems. Here every coarse grid gets *springs* on boundary nodes that put the ends, or
-//! the logarithmic capacity of a short interval, where the finest grid has them. Three facts about the
+//! the logarithmic capacity of a short interval, where the finest grid has them. Some facts about the
 //! five-point stencil on a half-plane with natural boundary condition are used (lengths in cells):
 //!
 //! - Seen from afar, nodes `..., -1, 0` in contact act like the interval that ends at [`TIP`].
 //! - A spring `SPRING t / (1 - t)` on node 1 moves that end on by `t`, for any `0 <= t < 1`.
 //! - A single node in contact acts like an interval of half-length [`POINT_ON_EDGE`], and in the
 //!   corner of a quadrant like one that reaches [`POINT_IN_CORNER`] along both sides.
+//! - A corner node in contact with springs on its two neighbours acts like contact up to `a` along one
+//!   side and `b` along the other, and similar things hold for all that is short there: see
+//!   `corner_springs`.
 //! - If a whole side of a quadrant is in contact, and around the corner one node more, that acts like
 //!   contact up to [`CORNER_LEG`]; a spring `CORNER_SPRING t / (1 - t)` on that node instead of contact
 //!   like contact up to `CORNER_LEG sqrt(t)`.
@@ -32,7 +35,13 @@ const SPRING: f64 = (1.0 + SQRT_2) / 2.0;
 const POINT_ON_EDGE: f64 = 0.397_012;
 /// Reach along both sides equivalent to a corner node: sqrt(2) exp(-gamma - 3/2 ln 2).
 const POINT_IN_CORNER: f64 = 0.280_730;
-/// Contact around a corner by one node: sqrt(4 / (pi g)), g = 2 - 4 / pi the resistance of that node.
+/// Reach of a corner node and its neighbour along one side, along that side and along the other:
+/// `sqrt(POINT_IN_CORNER^2 exp(pi^2 / 4) +- pi / 4)`.
+const ONE_LEG: [f64; 2] = [1.309_464, 0.379_343];
+/// Reach of a corner node and both its neighbours: `POINT_IN_CORNER exp(pi / 2)`.
+const TWO_LEGS: f64 = 1.350_444;
+/// Contact around a corner by one node, where the whole other side is in contact: sqrt(4 / (pi g)),
+/// g = 2 - 4 / pi the resistance of that node.
 const CORNER_LEG: f64 = 1.323_608;
 /// Scale of the spring around a corner: 1 / g.
 const CORNER_SPRING: f64 = 1.375_969;
@@ -128,21 +137,43 @@ fn intervals(n: usize, in_contact: &[bool]) -> Vec<Interval> {
 
 impl Interval {
     fn of_nodes(n: usize, first: usize, last: usize) -> Self {
-        let reach = |beyond_corner: usize| match beyond_corner {
-            _ if first == last && first.is_multiple_of(n) => POINT_IN_CORNER,
-            _ if first == last => POINT_ON_EDGE,
-            0 if last - first >= beyond_corner => 0.0,
-            1 if last - first >= beyond_corner => CORNER_LEG - 1.0,
-            _ => TIP,
+        let (before, after) = ((n - first % n) % n, last % n);
+        let (start, end) = match (last - first, before, after) {
+            (0, 0, _) => (POINT_IN_CORNER, POINT_IN_CORNER),
+            (0, ..) => (POINT_ON_EDGE, POINT_ON_EDGE),
+            (1, 0, _) => (ONE_LEG[1], ONE_LEG[0] - 1.0),
+            (1, 1, 0) => (ONE_LEG[0] - 1.0, ONE_LEG[1]),
+            (2, 1, 1) => (TWO_LEGS - 1.0, TWO_LEGS - 1.0),
+            (length, ..) => {
+                let reach = |beyond_corner: usize| match beyond_corner {
+                    0 => 0.0,
+                    1 if length >= 1 => CORNER_LEG - 1.0,
+                    _ => TIP,
+                };
+                (reach(before), reach(after))
+            }
         };
-        Self {
-            start: first as f64 - reach((n - first % n) % n),
-            end: last as f64 + reach(last % n),
-        }
+        Self { start: first as f64 - start, end: last as f64 + end }
     }
 
     fn scaled(self, factor: f64) -> Self {
         Self { start: factor * self.start, end: factor * self.end }
+    }
+
+    /// The first and the last node in contact, if neither end is in a corner; in the wrong order if none is.
+    fn holds(self) -> [f64; 2] {
+        [(self.start + TIP - ROUNDING).ceil(), (self.end - TIP + ROUNDING).floor()]
+    }
+
+    /// Whether it lies about a cell around a corner or less, and holds no node but that at most.
+    fn is_short_at(self, corner: f64) -> bool {
+        let (start, end) = (self.start - corner, self.end - corner);
+        let [first, last] = self.holds();
+        if start <= 0.0 && end >= 0.0 {
+            end.max(-start) < CORNER_LEG
+        } else {
+            first > last && (start + end).abs() < 2.0
+        }
     }
 
     /// The corners it holds, and how far it reaches beyond the first and the last of them.
@@ -171,27 +202,23 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
         springs[p] += if p.is_multiple_of(n) { 0.5 * spring } else { spring };
     };
     let Interval { start, end } = interval;
+    let middle = 0.5 * (start + end);
+    let corner = (middle / n as f64).round() * n as f64;
+    if interval.is_short_at(corner) {
+        let [before, own, after] = corner_springs(start - corner, end - corner);
+        add(corner - 1.0, before);
+        add(corner, 2.0 * own);
+        add(corner + 1.0, after);
+        return;
+    }
     let (first, last, before, after) = match interval.corners(n) {
         Some(Corners { first, last, before, after }) => {
-            let mut already = 0.0;
-            if first == last {
-                let reach = (0.5 * (before * before + after * after)).sqrt();
-                if reach <= POINT_IN_CORNER {
-                    let resistance = 2.0 / PI * libm::log(POINT_IN_CORNER / reach);
-                    add(first, 2.0 * conductance(resistance));
-                    return;
-                }
-                if before.max(after) < CORNER_LEG {
-                    already = POINT_IN_CORNER;
-                }
-            }
-            let (to_first, before) = around_corner(before, already);
-            let (to_last, after) = around_corner(after, already);
+            let (to_first, before) = around_corner(before);
+            let (to_last, after) = around_corner(after);
             (first - to_first, last + to_last, before, after)
         }
         None => {
-            let first = (start + TIP - ROUNDING).ceil();
-            let last = (end - TIP + ROUNDING).floor();
+            let [first, last] = interval.holds();
             (first, last, end_spring(first - TIP - start), end_spring(end - TIP - last))
         }
     };
@@ -203,23 +230,38 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
         add(last + 1.0, after);
         return;
     }
-    // Too short to hold a node of this grid: keep its logarithmic capacity. The springs are in series
-    // with the resistance ln(own length / equivalent length of a node) / pi of the half-plane, and
-    // `offset (1 - offset)` is what sharing them between two nodes changes.
-    let middle = 0.5 * (start + end);
-    let offset = middle - middle.floor();
-    let own = libm::log(2.0 * POINT_ON_EDGE / (end - start)) / PI;
-    let spring = conductance(own + offset * (1.0 - offset));
-    add(middle.floor(), spring * (1.0 - offset));
-    add(middle.floor() + 1.0, spring * offset);
+    // Too short to hold a node of this grid: the current is shared between two nodes, such that capacity
+    // and centre stay as they are; as in `corner_springs`.
+    let c = 2.0 / PI * libm::log((end - start) / (2.0 * POINT_ON_EDGE));
+    let right = (middle - middle.floor()).clamp(c.max(0.0), 1.0 - c.max(0.0));
+    for (node, share) in [(middle.floor(), 1.0 - right), (middle.floor() + 1.0, right)] {
+        add(node, conductance((1.0 - share - c) / (2.0 * share)));
+    }
 }
 
-/// Number of nodes in contact beyond a corner, and spring on the next one, for contact up to `leg`;
-/// the corner node alone acts like contact up to `already`.
-fn around_corner(leg: f64, already: f64) -> (f64, f64) {
+/// Springs on a corner node (over a quarter of its couplings in the whole lattice) and on the ones before
+/// and after it, for contact from `start` to `end`, about a cell from the corner at most.
+///
+/// Mirrored at both sides, the quadrant becomes the whole lattice, and `z^2` makes a slit of the contact. Its
+/// length gives the capacity, `c` in units of the resistance between neighbours, its middle the quadrupole
+/// moment `m` of the current. On the lattice the corner node draws `1 - x - y` of the current and its
+/// neighbours, in pairs, `x` and `y`, where `x - y = m`; the potential kernel being 0, 1, 4 / pi and
+/// 4 - 8 / pi at the distances that occur, the potentials of all follow, and the springs from these.
+fn corner_springs(start: f64, end: f64) -> [f64; 3] {
+    let [first, last] = [start, end].map(|s| s * s.abs());
+    let c = libm::log((last - first) / (2.0 * POINT_IN_CORNER * POINT_IN_CORNER)) / PI;
+    // Springs draw current one way only.
+    let m = (0.5 * (first + last)).clamp(-1.0, 1.0);
+    // x + y: what the corner node leaves its neighbours if it is in contact, or what the moment takes.
+    let together = c.max(m.abs());
+    let side = |m: f64| conductance((1.0 - c - (4.0 / PI - 1.0) * m) / (0.5 * (together + m)));
+    [side(-m), conductance((together - c) / (1.0 - together)), side(m)]
+}
+
+/// Number of nodes in contact beyond a corner, and spring on the next one, for contact up to `leg`.
+fn around_corner(leg: f64) -> (f64, f64) {
     if leg < CORNER_LEG {
-        let base = already * already;
-        let t = (leg * leg - base).max(0.0) / (CORNER_LEG * CORNER_LEG - base);
+        let t = leg * leg / (CORNER_LEG * CORNER_LEG);
         (0.0, CORNER_SPRING * t / (1.0 - t))
     } else {
         let nodes = (leg - TIP + ROUNDING).floor().max(1.0);
@@ -239,7 +281,9 @@ fn conductance(resistance: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::coarsest;
     use super::*;
+    use crate::fast::rows;
 
     fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> ContactSet {
         let mut flags = vec![false; 4 * n];
@@ -293,6 +337,39 @@ mod tests {
     fn contact_everywhere_and_nowhere_have_no_ends() {
         assert!(set(8, 0..32).inverse_diagonal(4).iter().all(|&inverse| inverse == 0.0));
         assert!(set(8, []).is_empty());
+    }
+
+    /// `F'y` for a constant load and the linear problem with these inverses on the boundary.
+    fn energy(n: usize, inverse_diagonal: Vec<f64>) -> f64 {
+        let share = |i: usize| if i.is_multiple_of(n) { 0.5 } else { 1.0 } / n as f64;
+        let nodes = || (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j)));
+        let load: Vec<_> = nodes().map(|(i, j)| share(i) * share(j)).collect();
+        let mut level = Level::new(n);
+        rows::split(n, &load, &mut level.load, |_| ());
+        level.inverse_diagonal = inverse_diagonal;
+        coarsest::solve_linear(&mut level);
+        nodes().map(|(i, j)| level.load_at(i, j) * level.value(i, j)).sum()
+    }
+
+    #[test]
+    fn coarse_grids_see_how_much_a_set_holds() {
+        let n = 64;
+        let on_edges = [(32, 32), (31, 31), (30, 31), (29, 31), (90, 97)];
+        let beside_corner = [(65, 65), (65, 66), (66, 66), (66, 67), (68, 68), (65, 68), (60, 62)];
+        let short = [(0, 0), (0, 1), (1, 0), (1, 1), (0, 2), (1, 2), (2, 2)];
+        let legs = short.into_iter().chain([(3, 0), (3, 3), (4, 4), (9, 6)]);
+        let around_corner = legs.map(|(before, after)| (n - before, n + after));
+        for (first, last) in around_corner.chain(on_edges).chain(beside_corner) {
+            let contact = set(n, first..=last);
+            let free = |p: usize| if p.is_multiple_of(n) { 1.0 } else { 0.5 };
+            let own =
+                (0..4 * n).map(|p| if contact.in_contact[p] { 0.0 } else { free(p) }).collect();
+            let exact = energy(n, own);
+            for coarse_n in [32, 16, 8] {
+                let ratio = energy(coarse_n, contact.inverse_diagonal(coarse_n)) / exact;
+                assert!((ratio - 1.0).abs() < 0.01, "{first}..={last} on {coarse_n}: {ratio}");
+            }
+        }
     }
 
     /// Reach around the corner, in cells, of what holds node (1, 0) of a quadrant whose left side is in

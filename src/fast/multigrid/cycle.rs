@@ -14,6 +14,13 @@ use crate::fast::stopping::{self, Hierarchy};
 
 /// Coarse grids see two cycles per cycle of the grid above from this many grids below the finest.
 const F_CYCLE_DEPTH: usize = 3;
+/// Corrections from a V-cycle fall short by up to a tenth where the wavelength is a few cells of the
+/// coarser grid; enlarged by this factor they err to both sides alike.
+const OVERCORRECTION: f64 = 1.08;
+/// Over-relaxation inside, on the colour that the transfers beside it do not rely on.
+const RELAXATION: f64 = 1.15;
+/// Over-relaxation of the half-sweeps that begin and end a visit to a correction problem.
+const COARSE_RELAXATION: f64 = 1.45;
 /// Nested iteration stays on a grid until the natural residual is below this part of the load.
 const SETTLED: f64 = 1.0;
 /// Cycles on one coarse grid of the nested iteration at most.
@@ -80,7 +87,6 @@ impl Multigrid {
             coarsest::solve_obstacle(&mut self.levels[0]);
             return Ok(stopping::direct(self, params.goal));
         }
-        let over = params.relaxation;
         let kkt = match start {
             Some(start) => {
                 self.set_start(start)?;
@@ -88,11 +94,11 @@ impl Multigrid {
                 self.pass(finest, Obstacle, &first)
             }
             None => {
-                self.nested_iteration(over);
+                self.nested_iteration();
                 match params.goal {
                     Goal::DiscretisationError => self.pass(finest, Obstacle, &FROM_COARSER),
                     // As in the nested iteration: one sweep more saves a cycle.
-                    _ => self.pass(finest, Obstacle, &smooth_twice(Interpolate, over)),
+                    _ => self.pass(finest, Obstacle, &smooth_twice(Interpolate)),
                 }
             }
         };
@@ -138,13 +144,13 @@ impl Multigrid {
     /// Solves on all grids but the finest, each started from the one below.
     ///
     /// Two sweeps before the first correction let the contact set settle.
-    fn nested_iteration(&mut self, over: f64) {
+    fn nested_iteration(&mut self) {
         coarsest::solve_obstacle(&mut self.levels[0]);
         for l in 1..self.levels.len() - 1 {
-            self.pass(l, Obstacle, &smooth_twice(Interpolate, over));
+            self.pass(l, Obstacle, &smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
-                self.coarse_correction(l, over);
-                let kkt = self.pass(l, Obstacle, &smooth_twice(Correct, over));
+                self.coarse_correction(l);
+                let kkt = self.pass(l, Obstacle, &smooth_twice(Correct(OVERCORRECTION)));
                 if kkt <= SETTLED * self.levels[l].load_scale {
                     break;
                 }
@@ -153,7 +159,7 @@ impl Multigrid {
     }
 
     /// From the restricted residual of obstacle level `l` to the correction on level `l - 1`.
-    fn coarse_correction(&mut self, l: usize, over: f64) {
+    fn coarse_correction(&mut self, l: usize) {
         let mut contact = ContactSet::of(&self.levels[l]);
         if contact.is_empty() {
             contact = self.lower_into_contact(l);
@@ -163,12 +169,12 @@ impl Multigrid {
         }
         // Perimeters of all grids together: once to read, once to write.
         self.count(8.0 * self.levels[l].n as f64 * 2.0);
-        self.correct(l - 1, over, l.saturating_sub(F_CYCLE_DEPTH), true);
+        self.correct(l - 1, l.saturating_sub(F_CYCLE_DEPTH), true);
     }
 
     /// One cycle on the linear problem of level `l`, from zero; from level `f_from` down, and while
     /// `f_cycle`, an F-cycle: the coarser problem gets an F-cycle and then a V-cycle.
-    fn correct(&mut self, l: usize, over: f64, f_from: usize, f_cycle: bool) {
+    fn correct(&mut self, l: usize, f_from: usize, f_cycle: bool) {
         if l == 0 {
             let coarsest = &mut self.levels[0];
             coarsest::solve_linear(coarsest);
@@ -177,13 +183,18 @@ impl Multigrid {
             self.count(width.powi(4) / flops_per_visit);
             return;
         }
-        self.pass(l, Correction, &[StartRed(over), Relax(Colour::Black, 1.0), Restrict]);
-        self.correct(l - 1, over, f_from, f_cycle);
+        let first = [StartRed(COARSE_RELAXATION), Relax(Colour::Black, 1.0), Restrict];
+        self.pass(l, Correction, &first);
+        self.correct(l - 1, f_from, f_cycle);
         if f_cycle && l <= f_from {
-            self.pass(l, Correction, &smooth_twice(Correct, over));
-            self.correct(l - 1, over, f_from, false);
+            self.pass(l, Correction, &smooth_twice(Correct(1.0)));
+            self.correct(l - 1, f_from, false);
         }
-        let last = [Correct, Relax(Colour::Red, 1.0), Relax(Colour::Black, over)];
+        // What comes from an F-cycle or a direct solution, near-constant modes above all, is complete, and
+        // must not grow on the finest grid.
+        let factor = if l == f_from + 1 { 1.0 / OVERCORRECTION } else { 1.0 };
+        let last =
+            [Correct(factor), Relax(Colour::Red, 1.0), Relax(Colour::Black, COARSE_RELAXATION)];
         self.pass(l, Correction, &last);
     }
 
@@ -236,12 +247,12 @@ impl Multigrid {
 }
 
 impl Hierarchy for Multigrid {
-    fn cycle(&mut self, relaxation: f64, last: bool) -> f64 {
+    fn cycle(&mut self, last: bool) -> f64 {
         let finest = self.levels.len() - 1;
-        self.coarse_correction(finest, relaxation);
+        self.coarse_correction(finest);
         match last {
             true => self.pass(finest, Obstacle, &SMOOTH),
-            false => self.pass(finest, Obstacle, &smooth_twice(Correct, relaxation)),
+            false => self.pass(finest, Obstacle, &smooth_twice(Correct(OVERCORRECTION))),
         }
     }
 
@@ -274,15 +285,16 @@ impl Hierarchy for Multigrid {
 const FROM_COARSER: [Stage; 4] =
     [Interpolate, Relax(Colour::Red, 1.0), Relax(Colour::Black, 1.0), Restrict];
 /// After the last coarse-grid correction.
-const SMOOTH: [Stage; 4] = [Correct, Relax(Colour::Red, 1.0), Relax(Colour::Black, 1.0), Restrict];
+const SMOOTH: [Stage; 4] =
+    [Correct(OVERCORRECTION), Relax(Colour::Red, 1.0), Relax(Colour::Black, 1.0), Restrict];
 
 /// Between two coarse-grid corrections: post-smoothing of one cycle, pre-smoothing of the next.
-fn smooth_twice(from_coarser: Stage, over: f64) -> [Stage; 6] {
+const fn smooth_twice(from_coarser: Stage) -> [Stage; 6] {
     [
         from_coarser,
         Relax(Colour::Red, 1.0),
-        Relax(Colour::Black, over),
-        Relax(Colour::Red, over),
+        Relax(Colour::Black, RELAXATION),
+        Relax(Colour::Red, RELAXATION),
         Relax(Colour::Black, 1.0),
         Restrict,
     ]

@@ -19,8 +19,9 @@ use crate::fast::rows::{Colour, Rows, deinterleave, long_and_short, max_abs, str
 pub(super) enum Stage {
     /// Black values become the interpolated values of the coarser grid.
     Interpolate,
-    /// The interpolated correction is added to the black values that are not in contact.
-    Correct,
+    /// The interpolated correction, times the factor, is added to the black values that are not in
+    /// contact.
+    Correct(f64),
     /// Red values become those that one relaxation by the given factor makes from zero.
     StartRed(f64),
     /// Half-sweep over one colour; the factor acts inside, boundary unknowns are minimised exactly.
@@ -35,7 +36,7 @@ impl Stage {
     /// Cost in sweeps of the same grid: visits of unknowns; two-point formulas count half a visit.
     fn work(self) -> f64 {
         match self {
-            Stage::Interpolate | Stage::Correct | Stage::StartRed(_) => 0.25,
+            Stage::Interpolate | Stage::Correct(_) | Stage::StartRed(_) => 0.25,
             Stage::Relax(..) | Stage::Restrict => 0.5,
         }
     }
@@ -61,7 +62,7 @@ pub(super) fn traffic(stages: &[Stage]) -> f64 {
     };
     let (values, load, quarter) = (8.0, 8.0, 2.0);
     let coarse =
-        |stage: &&Stage| matches!(stage, Stage::Interpolate | Stage::Correct | Stage::Restrict);
+        |stage: &&Stage| matches!(stage, Stage::Interpolate | Stage::Correct(_) | Stage::Restrict);
     black + values + load + quarter * stages.iter().filter(coarse).count() as f64
 }
 
@@ -252,9 +253,9 @@ impl Walk<'_> {
                         let target = row_mut(job.values[1], j - job.rows.start, stride);
                         corrections.interpolate(j, target);
                     }
-                    Stage::Correct => {
+                    Stage::Correct(factor) => {
                         let target = row_mut(job.values[1], j - job.rows.start, stride);
-                        corrections.correct(self.n, j, self.boundary, target);
+                        corrections.correct((self.n, j), self.boundary, factor, target);
                     }
                     Stage::StartRed(factor) => {
                         let target = row_mut(job.values[0], j - job.rows.start, stride);

@@ -62,15 +62,21 @@ impl<'a> CoarseRows<'a> {
         }
     }
 
-    /// Adds the prolongation to the black row `j`, except at nodes in contact; projects.
+    /// Adds `factor` times the prolongation to the black row `j`, except at nodes in contact; projects.
     #[inline(always)]
-    pub(super) fn correct(&mut self, n: usize, j: usize, boundary: Boundary, black: &mut [f64]) {
-        let half = n / 2;
+    pub(super) fn correct(
+        &mut self,
+        (n, j): (usize, usize),
+        boundary: Boundary,
+        factor: f64,
+        black: &mut [f64],
+    ) {
+        let (half, weight) = (n / 2, 0.5 * factor);
         let (one, two) = self.summands(j);
         if j == 0 || j == n {
             for k in 0..half {
                 let p = perimeter(n, 2 * k + 1, j);
-                correct_edge(p, 0.5 * (one[k] + two[k]), boundary, &mut black[k]);
+                correct_edge(p, weight * (one[k] + two[k]), boundary, &mut black[k]);
             }
             return;
         }
@@ -78,13 +84,13 @@ impl<'a> CoarseRows<'a> {
         if Colour::Black.first_column(j) == 0 {
             for (k, i) in [(0, 0), (half, n)] {
                 let p = perimeter(n, i, j);
-                correct_edge(p, 0.5 * (one[k] + two[k]), boundary, &mut black[k]);
+                correct_edge(p, weight * (one[k] + two[k]), boundary, &mut black[k]);
             }
             inner.start = 1;
         }
         let (one, two) = (&one[inner.clone()], &two[inner.clone()]);
         for ((value, one), two) in black[inner].iter_mut().zip(one).zip(two) {
-            *value += 0.5 * (one + two);
+            *value += weight * (one + two);
         }
     }
 }
