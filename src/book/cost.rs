@@ -1,7 +1,8 @@
 //! What the chapter on cost says about recorded times: fits, crossovers, and what was to be reached.
 
+use crate::bench::accuracy::Findings;
 use crate::bench::exponent;
-use crate::bench::timing::SOLVERS;
+use crate::bench::timing::{SOLVERS, TIMED};
 use crate::timings::{Goal, Reached, Scaling, Timings, arrivals};
 use serde::Serialize;
 
@@ -17,6 +18,16 @@ pub(super) struct Cost {
     /// Largest spread of any median.
     noise: f64,
     targets: Option<Targets>,
+    outdated: Option<Outdated>,
+}
+
+/// Where multigrid has changed since it was timed.
+#[derive(Clone, Debug, Serialize)]
+struct Outdated {
+    cells: usize,
+    /// Work units to the rounding floor, as timed and as it is.
+    then: f64,
+    now: f64,
 }
 
 /// Multigrid on one grid.
@@ -122,7 +133,7 @@ fn ns(line: &Scaling) -> f64 {
 }
 
 impl Cost {
-    pub(super) fn of(timings: &Timings) -> Self {
+    pub(super) fn of(timings: &Timings, accuracy: Option<&Findings>) -> Self {
         let spreads = timings.multigrid.iter().map(|line| line.spread);
         let spreads = spreads.chain(timings.solver.iter().map(|line| line.spread));
         let mut problems: Vec<&String> = timings.solver.iter().map(|line| &line.problem).collect();
@@ -133,7 +144,21 @@ impl Cost {
             races: problems.into_iter().map(|problem| Race::of(problem, &timings.solver)).collect(),
             noise: spreads.fold(0.0, f64::max),
             targets: Targets::of(timings),
+            outdated: accuracy.and_then(|found| Outdated::of(timings, found)),
         }
+    }
+}
+
+impl Outdated {
+    /// On the finest grid that both know, if the work differs there.
+    fn of(timings: &Timings, accuracy: &Findings) -> Option<Self> {
+        let timed = accuracy.problems.iter().find(|problem| problem.name == TIMED.name())?;
+        let mut both = timed.levels.iter().rev().filter_map(|level| {
+            let (cells, [.., floor]) = (level.cost.cells, &level.cost.goals);
+            let then = find(timings, cells, 1, Goal::Floor)?.work_units;
+            Some(Self { cells, then, now: floor.work_units })
+        });
+        both.next().filter(|work| (work.then - work.now).abs() > 1e-6 * work.now)
     }
 }
 

@@ -31,7 +31,10 @@ pub fn pages(
     context.insert("problems", &problems);
     context.insert("graph", &graph::picture(&data.provenance.graph));
     context.insert("mermaid", &data.provenance.graph.mermaid());
-    context.insert("cost", &data.timings.as_ref().map(Cost::of));
+    let accuracy = data.bench.get("accuracy");
+    let accuracy = accuracy.and_then(|found| serde_json::from_value(found.clone()).ok());
+    let cost = data.timings.as_ref().map(|timings| Cost::of(timings, accuracy.as_ref()));
+    context.insert("cost", &cost);
 
     let mut pages = BTreeMap::new();
     for (name, text) in templates {

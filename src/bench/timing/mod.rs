@@ -37,6 +37,8 @@ pub struct Plan {
 /// The names of all solvers.
 pub const SOLVERS: [&str; 5] =
     ["arrow-hurwicz", "uzawa", "uzawa-proximal", "active-set", "multigrid"];
+/// The problem on which multigrid is timed.
+pub const TIMED: Exact = Exact::FreeCorner;
 /// The problems with known solutions that have a part of the boundary to find.
 const PROBLEMS: [Exact; 2] = [Exact::FreeSegment, Exact::FreeCorner];
 /// Relative natural residuals at which saddle-point methods are stopped.
@@ -118,7 +120,7 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
     let mut measured = Vec::new();
     for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest) {
         say(&format!("multigrid, h = 1/{cells}"));
-        let (grid, load) = free_corner(cells)?;
+        let (grid, load) = timed(cells)?;
         let mut workspace = Multigrid::new(cells).map_err(|e| e.to_string())?;
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -146,9 +148,9 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
     Ok(measured)
 }
 
-fn free_corner(cells: usize) -> Result<(Grid, Vec<f64>), String> {
+fn timed(cells: usize) -> Result<(Grid, Vec<f64>), String> {
     let grid = Grid::new(cells).map_err(|e| e.to_string())?;
-    Ok((grid, load(grid, &Source::Exact(Exact::FreeCorner), LoadRule::default())))
+    Ok((grid, load(grid, &Source::Exact(TIMED), LoadRule::default())))
 }
 
 fn tracks(problem: Exact, plan: &Plan) -> Result<Vec<Track>, String> {
