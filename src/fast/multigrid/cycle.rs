@@ -48,7 +48,9 @@ impl Multigrid {
             return Err(InputError::GridSize(n, "a power of two (at least 2) times 1, 3, 5 or 7"));
         }
         let depth = n.trailing_zeros();
-        let levels = (1..=depth).map(|doublings| Level::new(odd << doublings)).collect();
+        // Four cells per side are solved directly, which is cheaper than going down to two.
+        let coarsest = if odd == 1 { depth.min(2) } else { 1 };
+        let levels = (coarsest..=depth).map(|doublings| Level::new(odd << doublings)).collect();
         Ok(Self { levels, scale: 1.0, work_units: 0.0, traffic: 0.0 })
     }
 
