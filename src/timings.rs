@@ -165,6 +165,9 @@ pub struct Peer {
     /// Relative natural residual that it reached.
     #[serde(deserialize_with = "positive")]
     pub our_kkt: f64,
+    /// Whether multigrid was repeated in one workspace, and not run in a process of its own each time.
+    #[serde(default)]
+    pub warm: bool,
 }
 
 /// Per grid, the least time in which the error came down to that of the discretisation.

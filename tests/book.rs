@@ -452,6 +452,7 @@ fn timings() -> Timings {
             their_kkt: 1e-9,
             ours: 0.1,
             our_kkt: 1e-12,
+            warm: true,
         });
         timings
     };

@@ -159,7 +159,7 @@ def main():
             records += ["", "[[peer]]", 'solver = "PETSc, SNES vinewtonrsls, CG, hypre, nested"']
             records += [f'f = "quadrant(ll)={values[0]}; else={values[1]}"', f"cells = {n}"]
             records += [f"theirs = {theirs * micro:.3f}", f"their_kkt = {their_kkt:.1e}"]
-            records += [f"ours = {equal * micro:.4f}", f"our_kkt = {equal_kkt:.1e}"]
+            records += [f"ours = {equal * micro:.4f}", f"our_kkt = {equal_kkt:.1e}", "warm = true"]
     print("\n".join(records))
 
 
