@@ -144,10 +144,10 @@ impl Interval {
             (1, 0, _) => (ONE_LEG[1], ONE_LEG[0] - 1.0),
             (1, 1, 0) => (ONE_LEG[0] - 1.0, ONE_LEG[1]),
             (2, 1, 1) => (TWO_LEGS - 1.0, TWO_LEGS - 1.0),
-            (length, ..) => {
+            _ => {
                 let reach = |beyond_corner: usize| match beyond_corner {
                     0 => 0.0,
-                    1 if length >= 1 => CORNER_LEG - 1.0,
+                    1 => CORNER_LEG - 1.0,
                     _ => TIP,
                 };
                 (reach(before), reach(after))
