@@ -98,7 +98,7 @@ impl Multigrid {
             None => {
                 self.nested_iteration();
                 match params.goal {
-                    Goal::DiscretisationError => self.pass(finest, Obstacle, &FROM_COARSER),
+                    Goal::DiscretisationError => self.pass(finest, Obstacle, &smooth(Interpolate)),
                     // As in the nested iteration: one sweep more saves a cycle.
                     _ => self.pass(finest, Obstacle, &smooth_twice(Interpolate)),
                 }
@@ -253,7 +253,7 @@ impl Hierarchy for Multigrid {
         let finest = self.levels.len() - 1;
         self.coarse_correction(finest);
         match last {
-            true => self.pass(finest, Obstacle, &SMOOTH),
+            true => self.pass(finest, Obstacle, &smooth(Correct(OVERCORRECTION))),
             false => self.pass(finest, Obstacle, &smooth_twice(Correct(OVERCORRECTION))),
         }
     }
@@ -283,15 +283,13 @@ impl Hierarchy for Multigrid {
     }
 }
 
-/// First pass on a grid of the nested iteration.
-const FROM_COARSER: [Stage; 4] =
-    [Interpolate, Relax(Colour::Red, 1.0), Relax(Colour::Black, 1.0), Restrict];
-/// After the last coarse-grid correction.
-const SMOOTH: [Stage; 4] =
-    [Correct(OVERCORRECTION), Relax(Colour::Red, 1.0), Relax(Colour::Black, 1.0), Restrict];
+/// One sweep after values or a correction came from the coarser grid.
+fn smooth(from_coarser: Stage) -> [Stage; 4] {
+    [from_coarser, Relax(Colour::Red, 1.0), Relax(Colour::Black, 1.0), Restrict]
+}
 
 /// Between two coarse-grid corrections: post-smoothing of one cycle, pre-smoothing of the next.
-const fn smooth_twice(from_coarser: Stage) -> [Stage; 6] {
+fn smooth_twice(from_coarser: Stage) -> [Stage; 6] {
     [
         from_coarser,
         Relax(Colour::Red, 1.0),
