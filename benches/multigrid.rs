@@ -3,13 +3,13 @@
 //! `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]` on all problems, and with `--f F TOLERANCE`
 //! on one, to that KKT residual over the largest load and to the rounding floor, as JSON.
 
-use signorini::bench::problems;
-use signorini::exact::Exact;
-use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams, Outcome};
-use signorini::grid::Grid;
-use signorini::kkt::kkt;
-use signorini::load::{LoadRule, load};
-use signorini::source::Source;
+use signorini::discrete::grid::Grid;
+use signorini::discrete::kkt::kkt;
+use signorini::discrete::load::{LoadRule, load};
+use signorini::experiments::problems;
+use signorini::multigrid::square::{Goal, Multigrid, MultigridParams, Outcome};
+use signorini::problem::exact::Exact;
+use signorini::problem::source::Source;
 use std::time::Instant;
 
 const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];

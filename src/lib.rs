@@ -4,11 +4,11 @@
 //! from one machine to the next, and artifacts are compared by hash.
 //!
 //! ```
-//! use signorini::fast::multigrid::{MultigridParams, multigrid};
-//! use signorini::grid::Grid;
-//! use signorini::kkt::kkt;
-//! use signorini::load::{LoadRule, load};
-//! use signorini::source::Source;
+//! use signorini::multigrid::square::{MultigridParams, multigrid};
+//! use signorini::discrete::grid::Grid;
+//! use signorini::discrete::kkt::kkt;
+//! use signorini::discrete::load::{LoadRule, load};
+//! use signorini::problem::source::Source;
 //!
 //! let f: Source = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
 //! let grid = Grid::new(128)?;
@@ -19,31 +19,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod bench;
-pub mod book;
 pub mod cli;
-pub mod cube;
-pub mod draw;
-pub mod error;
-pub mod exact;
-pub mod fast;
-pub mod fields;
-mod files;
-pub mod grid;
+pub mod discrete;
+pub mod experiments;
+pub mod figures;
 pub mod identify;
-pub mod kkt;
-pub mod load;
-pub mod machine;
-pub mod norms;
-pub mod paper;
+pub mod multigrid;
 pub mod pipeline;
-pub mod project;
-pub mod record;
+pub mod problem;
+pub mod replication;
+pub mod report;
 pub mod saddle;
-pub mod scene;
-pub mod source;
-pub mod stages;
-pub mod stiffness;
-pub mod table;
-pub mod timings;
-pub mod transfer;
+pub mod timing;

@@ -1,7 +1,7 @@
 //! The accuracy experiment, the record of times, and the command that makes it.
 
-use signorini::bench::accuracy::{Findings, Plan, accuracy};
-use signorini::timings::{PATH, Timings};
+use signorini::experiments::accuracy::{Findings, Plan, accuracy};
+use signorini::timing::recorded::{PATH, Timings};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 

@@ -1,25 +1,25 @@
 //! The book is built from the committed templates and solves of this run, and then inspected.
 
-use signorini::bench::accuracy;
-use signorini::bench::claims::{Plan, claims};
-use signorini::bench::cube::{self, cube};
-use signorini::bench::timing::{self, SOLVERS, measure};
-use signorini::bench::{rounding, stress};
-use signorini::book::{
+use signorini::discrete::grid::nested;
+use signorini::discrete::load::{LoadRule, integral, load};
+use signorini::discrete::transfer::Prolongation;
+use signorini::experiments::accuracy;
+use signorini::experiments::claims::{Plan, claims};
+use signorini::experiments::cube::{self, cube};
+use signorini::experiments::{rounding, stress};
+use signorini::identify::{Findings, Questions, Variant, findings};
+use signorini::pipeline::{Graph, Node, Stage};
+use signorini::problem::source::Source;
+use signorini::replication::paper::Paper;
+use signorini::replication::project::{CommandHelp, Project};
+use signorini::replication::record::Record;
+use signorini::report::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     ReportError, Row, Scene, Solution, Version, build, pages,
 };
-use signorini::grid::nested;
-use signorini::identify::{Findings, Questions, Variant, findings};
-use signorini::load::{LoadRule, integral, load};
-use signorini::paper::Paper;
-use signorini::pipeline::{Graph, Node, Stage};
-use signorini::project::{CommandHelp, Project};
-use signorini::record::Record;
 use signorini::saddle::{Params, StopReason, StopRule, solve_nested};
-use signorini::source::Source;
-use signorini::timings::{Peer, Timings};
-use signorini::transfer::Prolongation;
+use signorini::timing::measure::{self, SOLVERS, measure};
+use signorini::timing::recorded::{Peer, Timings};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -434,13 +434,14 @@ fn experiments() -> &'static BTreeMap<String, serde_json::Value> {
 
 /// Names of the pictures of experiments and of recorded times.
 fn bench_figures() -> impl Iterator<Item = &'static str> {
-    let experiments = signorini::stages::bench::PICTURES.iter().map(|picture| picture.name);
-    experiments.chain(signorini::stages::timings::names())
+    let experiments =
+        signorini::replication::stages::bench::PICTURES.iter().map(|picture| picture.name);
+    experiments.chain(signorini::replication::stages::timings::names())
 }
 
 /// Times as `signorini bench` measures them, of the kind that one cannot rely on.
 fn timings() -> Timings {
-    let plan = timing::Plan { repeats: 1, quick: true, solvers: SOLVERS.into(), finest: 512 };
+    let plan = measure::Plan { repeats: 1, quick: true, solvers: SOLVERS.into(), finest: 512 };
     static ONCE: OnceLock<Timings> = OnceLock::new();
     let measured = || {
         let mut timings = measure(&plan, |_| ()).unwrap();
@@ -461,7 +462,7 @@ fn timings() -> Timings {
 
 /// The committed record.
 fn record() -> Record {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(signorini::record::PATH);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(signorini::replication::record::PATH);
     Record::parse(&fs::read_to_string(path).unwrap()).unwrap()
 }
 

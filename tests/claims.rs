@@ -1,7 +1,7 @@
 //! The experiment on the paper's claims: its counts, what must hold of them, and the verdicts.
 
-use signorini::bench::claims::{Claims, Measure, Plan, Verdict, claims};
-use signorini::project::Project;
+use signorini::experiments::claims::{Claims, Measure, Plan, Verdict, claims};
+use signorini::replication::project::Project;
 use signorini::saddle::{Params, StopRule, solve_nested};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -29,7 +29,7 @@ fn the_signed_table_is_the_published_one() {
         let rows: Vec<_> = table
             .lines
             .iter()
-            .map(|line| signorini::paper::Row {
+            .map(|line| signorini::replication::paper::Row {
                 r: line.r,
                 counts: line.counts.iter().map(|count| count.reached().unwrap()).collect(),
                 delta_a: line.delta_a,
@@ -44,8 +44,11 @@ fn the_signed_table_is_the_published_one() {
 fn the_lanes_count_what_the_solver_counts() {
     let project = project();
     let scene = project.scene("problem2").unwrap();
-    let loads: Vec<_> =
-        scene.grids.iter().map(|&grid| signorini::load::load(grid, &scene.f, scene.load)).collect();
+    let loads: Vec<_> = scene
+        .grids
+        .iter()
+        .map(|&grid| signorini::discrete::load::load(grid, &scene.f, scene.load))
+        .collect();
     for table in &measured().problems[1].tables {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };

@@ -6,11 +6,12 @@ mod solvers;
 
 use problems::{exact_load, nodal_load, stress_loads};
 use proptest::prelude::*;
-use signorini::cube::{Errors, Exact, Grid, energy, errors, kkt};
-use signorini::fast::active_set::ActiveSetParams;
-use signorini::fast::cube::{Multigrid, active_set, multigrid};
-use signorini::fast::multigrid::{Goal, MultigridParams, Outcome};
-use signorini::fast::{InputError, StopReason};
+use signorini::discrete::cube::{Errors, Grid, energy, errors, kkt};
+use signorini::multigrid::active_set::ActiveSetParams;
+use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
+use signorini::multigrid::square::{Goal, MultigridParams, Outcome};
+use signorini::multigrid::{InputError, StopReason};
+use signorini::problem::cube::Exact;
 use solvers::{absurd_starts, assert_threads_do_not_matter};
 
 fn grid(n: usize) -> Grid {

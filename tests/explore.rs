@@ -4,11 +4,11 @@
 mod common;
 
 use serde_json::Value;
-use signorini::grid::nested;
-use signorini::load::load;
+use signorini::discrete::grid::nested;
+use signorini::discrete::load::load;
 use signorini::pipeline::hash;
+use signorini::replication::scene::Scene;
 use signorini::saddle::{Params, StopRule, solve_nested};
-use signorini::scene::Scene;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,16 +3,16 @@
 mod solvers;
 
 use proptest::prelude::*;
-use signorini::bench::problems::{nodal_load, paper_loads, stress_loads};
-use signorini::exact::Exact;
-use signorini::fast::active_set::{ActiveSetParams, active_set};
-use signorini::fast::multigrid::{Goal, Multigrid, MultigridParams, Outcome, multigrid};
-use signorini::fast::{InputError, StopReason};
-use signorini::grid::Grid;
-use signorini::kkt::kkt;
-use signorini::load::{LoadRule, load};
-use signorini::norms::errors;
-use signorini::source::{Source, Tie};
+use signorini::discrete::grid::Grid;
+use signorini::discrete::kkt::kkt;
+use signorini::discrete::load::{LoadRule, load};
+use signorini::discrete::norms::errors;
+use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
+use signorini::multigrid::active_set::{ActiveSetParams, active_set};
+use signorini::multigrid::square::{Goal, Multigrid, MultigridParams, Outcome, multigrid};
+use signorini::multigrid::{InputError, StopReason};
+use signorini::problem::exact::Exact;
+use signorini::problem::source::{Source, Tie};
 use solvers::{absurd_starts, assert_threads_do_not_matter};
 
 fn grid(n: usize) -> Grid {
@@ -55,7 +55,7 @@ fn errors_fall_at_the_optimal_rate() {
             errors(grid(n), problem, &run(n, &load, Goal::RoundingFloor).0, &load)
         });
         for pair in errors.windows(2) {
-            let rate = |norm: fn(&signorini::norms::Errors) -> f64| {
+            let rate = |norm: fn(&signorini::discrete::norms::Errors) -> f64| {
                 (norm(&pair[0]) / norm(&pair[1])).log2()
             };
             assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{problem:?} L2 {}", rate(|e| e.l2));

@@ -1,9 +1,9 @@
 //! The search for Figure 1 against the literal iteration, and on planted right-hand sides.
 
 use proptest::prelude::*;
-use signorini::grid::nested;
+use signorini::discrete::grid::nested;
+use signorini::discrete::load::load;
 use signorini::identify::*;
-use signorini::load::load;
 use signorini::saddle::{Params, StopRule, solve_nested};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -129,8 +129,8 @@ proptest! {
 
     #[test]
     fn starting_elsewhere_is_turning_the_square(values in prop::collection::vec(-60i32..40, 4)) {
-        use signorini::load::{Diagonal, LoadRule};
-        use signorini::source::Tie;
+        use signorini::discrete::load::{Diagonal, LoadRule};
+        use signorini::problem::source::Tie;
         let values: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
         let target = published(2);
         let table = evaluator(&target, &Variant::default()).free(0, &values);

@@ -1,12 +1,12 @@
 //! The replication itself: the committed scenes against the published tables, and the method against exact solutions.
 
-use signorini::grid::{Grid, nested};
-use signorini::load::load;
-use signorini::norms::max_error;
-use signorini::paper::{Paper, Row};
-use signorini::project::Project;
+use signorini::discrete::grid::{Grid, nested};
+use signorini::discrete::load::load;
+use signorini::discrete::norms::max_error;
+use signorini::replication::paper::{Paper, Row};
+use signorini::replication::project::Project;
+use signorini::replication::scene::Scene;
 use signorini::saddle::{Monitor, Pair, Params, StopReason, StopRule, arrow_hurwicz, solve_nested};
-use signorini::scene::Scene;
 use std::path::Path;
 
 fn project() -> Project {

@@ -1,14 +1,14 @@
 //! Extreme parameters, data, tolerances, starts and precision: no solver may hang, lie, or return nonsense.
 
 use proptest::prelude::*;
-use signorini::bench::rounding::{self, TablePlan, rounding};
-use signorini::bench::stress::{self, Stress, stress};
-use signorini::bench::trial::Trial;
-use signorini::grid::Grid;
-use signorini::kkt::kkt;
-use signorini::load::{LoadRule, load};
+use signorini::discrete::grid::Grid;
+use signorini::discrete::kkt::kkt;
+use signorini::discrete::load::{LoadRule, load};
+use signorini::discrete::transfer::Prolongation;
+use signorini::experiments::rounding::{self, TablePlan, rounding};
+use signorini::experiments::stress::{self, Stress, stress};
+use signorini::experiments::trial::Trial;
 use signorini::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
-use signorini::transfer::Prolongation;
 use std::sync::OnceLock;
 
 fn tables(grids: &[usize]) -> Vec<TablePlan> {

@@ -1,10 +1,10 @@
 //! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
 
 use super::{current_folder, say, say_json, solve::Solver};
-use crate::bench::timing::{Plan, SOLVERS, measure};
-use crate::error::{Error, IoContext, Result};
-use crate::project::Project;
-use crate::timings::{self, Timings};
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::replication::project::Project;
+use crate::timing::measure::{Plan, SOLVERS, measure};
+use crate::timing::recorded::{self, Timings};
 use clap::{Args, ValueEnum};
 use std::fs;
 use std::io::Write;
@@ -59,7 +59,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     if let Some(record) = record {
         timings.peer = record.peer;
         fs::write(&record.path, timings.to_toml()).context("write", &record.path)?;
-        talk(&format!("wrote {}; `signorini` now builds the book with it", timings::PATH));
+        talk(&format!("wrote {}; `signorini` now builds the book with it", recorded::PATH));
     }
     if args.json { say_json(&timings) } else { say(&text(&timings)) }
 }
@@ -67,13 +67,13 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
 /// Where the record goes, and what of the old one is kept.
 struct Record {
     path: PathBuf,
-    peer: Vec<timings::Peer>,
+    peer: Vec<recorded::Peer>,
 }
 
 impl Record {
     /// Before anything is measured: a project that is missing or spoilt would waste minutes.
     fn open() -> Result<Self> {
-        let path = Project::find(&current_folder()?)?.join(timings::PATH);
+        let path = Project::find(&current_folder()?)?.join(recorded::PATH);
         let peer = match fs::exists(&path).context("read", &path)? {
             true => Timings::parse(&fs::read_to_string(&path).context("read", &path)?)?.peer,
             false => Vec::new(),
@@ -129,8 +129,8 @@ fn text(timings: &Timings) -> String {
             unknowns,
             line.threads,
             match line.goal {
-                timings::Goal::Discretisation => "discretisation",
-                timings::Goal::Floor => "rounding floor",
+                recorded::Goal::Discretisation => "discretisation",
+                recorded::Goal::Floor => "rounding floor",
             },
             line.work_units,
             ns,

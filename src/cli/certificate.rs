@@ -8,14 +8,14 @@ mod yaml;
 use super::diff::comparison;
 use super::pipeline::Workplace;
 use super::{CacheArgs, say, write_file};
-use crate::error::{Error, IoContext, Result};
-use crate::machine::COMPILER;
-use crate::paper::TableComparison;
+use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
-use crate::project::Project;
+use crate::replication::paper::TableComparison;
+use crate::replication::project::Project;
+use crate::replication::scene::Scene;
+use crate::replication::stages::{report, tabulate};
 use crate::saddle::StopRule;
-use crate::scene::Scene;
-use crate::stages::{report, tabulate};
+use crate::timing::machine::COMPILER;
 use clap::Args;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -173,7 +173,7 @@ impl Check {
             .chain([("pipeline/paper.toml".to_owned(), hash(project.paper_text.as_bytes()))])
             .collect();
         let record = project.record_text.as_ref();
-        inputs.extend(record.map(|text| (crate::record::PATH.to_owned(), hash(text))));
+        inputs.extend(record.map(|text| (crate::replication::record::PATH.to_owned(), hash(text))));
         let lock = LockFile::path(&project.root);
         let lock_file = summary.lock_file();
         Ok(Self {

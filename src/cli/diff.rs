@@ -2,10 +2,10 @@
 
 use super::pipeline::{Workplace, bring_up_to_date};
 use super::{CacheArgs, say, say_json, styled};
-use crate::error::{Error, Result};
-use crate::paper::{Comparison, RowComparison, TableComparison};
+use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Manifest, Stage};
-use crate::stages::diff::DIFF;
+use crate::replication::paper::{Comparison, RowComparison, TableComparison};
+use crate::replication::stages::diff::DIFF;
 use anstyle::AnsiColor;
 use clap::Args;
 use std::collections::BTreeMap;

@@ -5,12 +5,12 @@ mod watch;
 
 use super::interrupt::interrupted;
 use super::{current_folder, say, say_json};
-use crate::error::{Error, IoContext, Result};
 use crate::identify::{
     Budget, Checkpoint, IdentifyError, Lattice, Method, Progress, Report, Request, Selection,
     Space, Target, Variant, search, select,
 };
-use crate::project::Project;
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::replication::project::Project;
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! Ctrl-C as a flag that long work looks at.
 
-use crate::error::Error;
+use crate::pipeline::error::Error;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,7 +1,7 @@
 //! `man`: manual pages, made from the same words as `--help`.
 
 use super::{Cli, say, talk, write_file};
-use crate::error::{Error, Result};
+use crate::pipeline::error::{Error, Result};
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use std::path::Path;

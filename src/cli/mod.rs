@@ -3,6 +3,7 @@
 mod bench;
 mod certificate;
 mod diff;
+pub mod formats;
 mod identify;
 mod interrupt;
 mod man;
@@ -11,9 +12,9 @@ mod run;
 mod solve;
 mod status;
 
-use crate::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::write_atomically;
-use crate::project::CommandHelp;
+use crate::replication::project::CommandHelp;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -2,13 +2,13 @@
 
 use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say};
-use crate::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{
     CacheLock, Graph, LockFile, Manifest, Node, Options, Progress, Stage, Store, Summary, Task,
     Times, execute,
 };
-use crate::project::Project;
-use crate::stages::plan;
+use crate::replication::project::Project;
+use crate::replication::stages::plan;
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

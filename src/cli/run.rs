@@ -2,9 +2,9 @@
 
 use super::pipeline::Workplace;
 use super::{CacheArgs, check_folder, say, talk, write_file};
-use crate::error::{Error, Result};
-use crate::machine;
+use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Progress, Stage, Summary, Times, Verdict, brief, why};
+use crate::timing::machine;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

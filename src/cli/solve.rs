@@ -4,14 +4,14 @@ mod cube;
 mod problem;
 
 use super::{current_folder, say, say_json};
-use crate::error::{Error, IoContext, Result};
-use crate::fast::multigrid::Goal;
-use crate::fields;
-use crate::load::{Diagonal, LoadRule};
-use crate::project::Project;
+use crate::cli::formats;
+use crate::discrete::load::{Diagonal, LoadRule};
+use crate::multigrid::square::Goal;
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::problem::source::Source;
+use crate::replication::project::Project;
+use crate::replication::scene::{MAX_CELLS, Scene, positive_r, solvable};
 use crate::saddle::{Params, StopRule};
-use crate::scene::{MAX_CELLS, Scene, positive_r, solvable};
-use crate::source::Source;
 use clap::{Args, ValueEnum};
 use problem::{Level, Problem, Solved};
 use std::path::{Path, PathBuf};
@@ -63,7 +63,7 @@ impl SolveArgs {
     fn out(&self, name: &str) -> Option<PathBuf> {
         self.out.as_deref().map(|out| match out.to_str() {
             Some("vtk") => PathBuf::from(format!("{name}.vti")),
-            Some(format) if fields::ENDINGS.contains(&format) => {
+            Some(format) if formats::ENDINGS.contains(&format) => {
                 PathBuf::from(format!("{name}.{format}"))
             }
             _ => out.to_path_buf(),
@@ -159,7 +159,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let name = scene.as_ref().map_or("custom", |scene| &scene.name);
     let out = args.out(scene.as_ref().map_or("solution", |scene| &scene.name));
     if let Some(out) = &out {
-        fields::check_ending(out)?;
+        formats::check_ending(out)?;
     }
     let tolerance = args.tolerance(solver)?;
     let problem = Problem { name, f: &f, rule, finest };
@@ -178,7 +178,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     };
     let grid = solved.grid;
     if let Some(out) = &out {
-        let bytes = fields::write(out, grid, &solved.pair, name)?;
+        let bytes = formats::write(out, grid, &solved.pair, name)?;
         std::fs::write(out, bytes).context("write", out)?;
     }
     let last = solved.levels.last().expect("at least one grid");

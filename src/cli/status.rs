@@ -3,7 +3,7 @@
 use super::pipeline::Workplace;
 use super::run::exports;
 use super::{CacheArgs, say, say_json, styled};
-use crate::error::{Error, Result};
+use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Judged, Reason, Stage, Summary, Verdict};
 use anstyle::AnsiColor;
 use clap::Args;

@@ -5,8 +5,8 @@
 //! neighbours and instructions. A lane that has made its iterations goes on unused.
 
 use super::variant::{Measure, Order, ResidualTime, Variant};
-use crate::grid::Grid;
-use crate::transfer::Prolongation;
+use crate::discrete::grid::Grid;
+use crate::discrete::transfer::Prolongation;
 
 /// Rows carried at once: the five of the paper and one spare, to fill pairs of doubles.
 pub(super) const LANES: usize = 6;

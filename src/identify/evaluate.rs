@@ -4,10 +4,10 @@ use super::engine::{LANES, Lane, Level};
 use super::space::Geometry;
 use super::variant::Variant;
 use super::{COARSEST, IdentifyError, Target};
-use crate::grid::Grid;
-use crate::load::load;
+use crate::discrete::grid::Grid;
+use crate::discrete::load::load;
+use crate::discrete::transfer::Prolongation;
 use crate::saddle::tolerance;
-use crate::transfer::Prolongation;
 use std::sync::Arc;
 
 /// Misfit of a stop that comes too early, beyond what the measure lacks: a stop is a stop.

@@ -5,9 +5,9 @@ use super::search::{Budget, Method, Report, Request, search};
 use super::space::{Geometry, Lattice, Space};
 use super::variant::Variant;
 use super::{COARSEST, Found, IdentifyError, Target};
-use crate::grid::Grid;
-use crate::load::load;
-use crate::source::Source;
+use crate::discrete::grid::Grid;
+use crate::discrete::load::load;
+use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 

@@ -7,8 +7,8 @@ use super::search::{Method, Request};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Order;
 use super::{IdentifyError, Target};
-use crate::load::LoadRule;
-use crate::source::Tie;
+use crate::discrete::load::LoadRule;
+use crate::problem::source::Tie;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 

@@ -58,7 +58,7 @@ pub(super) fn count_misfit_below(objective: f64) -> f64 {
 pub struct Found {
     /// The right-hand side.
     pub candidate: Candidate,
-    /// Its value as [`crate::source::Source`] writes it.
+    /// Its value as [`crate::problem::source::Source`] writes it.
     pub f: String,
     /// Its score.
     pub score: Score,

@@ -1,8 +1,8 @@
 //! Families of candidate f: geometries of constant pieces, and decimals as their values.
 
 use super::IdentifyError;
-use crate::load::integral;
-use crate::source::{Region, Source};
+use crate::discrete::load::integral;
+use crate::problem::source::{Region, Source};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;

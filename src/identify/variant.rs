@@ -1,8 +1,8 @@
 //! Readings of the method: every choice the paper leaves open and the tables may decide.
 
-use crate::load::{Diagonal, LoadRule};
-use crate::source::Tie;
-use crate::transfer::Prolongation;
+use crate::discrete::load::{Diagonal, LoadRule};
+use crate::discrete::transfer::Prolongation;
+use crate::problem::source::Tie;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

@@ -5,7 +5,7 @@ use super::manifest::{Manifest, Reason, Verdict};
 use super::store::Store;
 use super::times::Times;
 use super::{Artifacts, Hashes, Inputs, LockFile, Progress, Stage, Task, hash, why};
-use crate::error::{Error, Result};
+use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,7 +2,7 @@
 
 use super::store::write_atomically;
 use super::{Manifest, Store, Task, hash};
-use crate::error::{Error, Result};
+use crate::pipeline::error::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;

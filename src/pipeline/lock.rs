@@ -1,6 +1,6 @@
 //! One run at a time: an advisory lock of the operating system, which dies with its process.
 
-use crate::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
 use std::path::Path;

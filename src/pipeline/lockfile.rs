@@ -2,7 +2,7 @@
 
 use super::Hashes;
 use super::store::write_atomically;
-use crate::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;

@@ -6,8 +6,10 @@
 //! and its artifacts are intact; since artifacts are inputs by content, a task that reproduces them
 //! bit for bit does not disturb those that depend on it.
 
+pub mod error;
 mod execute;
 mod export;
+pub(crate) mod files;
 mod graph;
 mod lock;
 mod lockfile;

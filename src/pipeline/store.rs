@@ -2,7 +2,7 @@
 
 use super::manifest::{Manifest, Reason, changes};
 use super::{Artifacts, Hashes, hash};
-use crate::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};

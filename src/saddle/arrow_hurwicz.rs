@@ -8,9 +8,9 @@ use super::Pair;
 use super::gradient::DualStep;
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
-use crate::grid::Grid;
-use crate::kkt::{Kkt, kkt};
-use crate::stiffness::energy;
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::{Kkt, kkt};
+use crate::discrete::stiffness::energy;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 

@@ -3,8 +3,8 @@
 use super::Pair;
 use super::arrow_hurwicz::{Iteration, OnIteration};
 use super::stopping::{StopReason, StopRule};
-use crate::grid::Grid;
-use crate::stiffness::residual_row;
+use crate::discrete::grid::Grid;
+use crate::discrete::stiffness::residual_row;
 use std::ops::ControlFlow;
 
 /// The end of an iteration, the same for every method: the step (12), the monitor, the stopping rule.

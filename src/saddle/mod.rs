@@ -10,8 +10,8 @@ pub use arrow_hurwicz::{Iteration, Outcome, Params, arrow_hurwicz};
 pub use stopping::{StopReason, StopRule};
 pub use uzawa::{ProximalParams, UzawaOutcome, UzawaParams, uzawa, uzawa_proximal};
 
-use crate::grid::Grid;
-use crate::transfer::{Prolongation, prolong, prolong_boundary};
+use crate::discrete::grid::Grid;
+use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use std::ops::ControlFlow;
 
 /// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes.
@@ -67,7 +67,7 @@ impl Monitor for () {}
 /// iteration diverges or the monitor breaks.
 ///
 /// # Panics
-/// If the grids are not as [`crate::grid::nested`] gives them, or a load vector has the wrong length.
+/// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load vector has the wrong length.
 pub fn solve_nested(
     grids: &[Grid],
     loads: &[Vec<f64>],
@@ -94,7 +94,7 @@ pub fn solve_nested(
 /// it returns what to keep, and how the grid ended. Returns all that was kept, and the last pair.
 ///
 /// # Panics
-/// If the grids are not as [`crate::grid::nested`] gives them.
+/// If the grids are not as [`crate::discrete::grid::nested`] gives them.
 pub fn on_nested<T>(
     grids: &[Grid],
     loads: &[Vec<f64>],

@@ -4,7 +4,7 @@
 //! one multiplication. Rows that follow each other one column behind are independent of one another at
 //! any moment; a band of them hides the latency and gives the same result to the last bit.
 
-use crate::grid::Grid;
+use crate::discrete::grid::Grid;
 
 /// Rows swept together.
 const BAND: usize = 4;

@@ -21,7 +21,7 @@ use super::gradient::{DualStep, Gradient};
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use super::{Pair, Params};
-use crate::grid::Grid;
+use crate::discrete::grid::Grid;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -196,7 +196,7 @@ impl Inner {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load::{LoadRule, load};
+    use crate::discrete::load::{LoadRule, load};
     use crate::saddle::{Iteration, arrow_hurwicz};
 
     const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];

@@ -1,6 +1,7 @@
 //! Loads on the cube.
 
-use signorini::cube::{Exact, Grid, load};
+use signorini::discrete::cube::{Grid, load};
+use signorini::problem::cube::Exact;
 
 /// Nodal load of `f`, less the constant that makes its sum `-deficit` times the sum of absolute values;
 /// without `deficit` as it is.

@@ -1,7 +1,7 @@
 //! Where and when a check was made: processor, system, compiler, commit, and the date.
 
-use crate::error::{Error, Result};
-use crate::machine;
+use crate::pipeline::error::{Error, Result};
+use crate::timing::machine;
 use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};

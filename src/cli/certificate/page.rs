@@ -1,7 +1,7 @@
 //! `certificate.md`: one page to attach to a review.
 
 use super::{AUTHOR, COMMANDS, COMPILER, Check, TITLE};
-use crate::paper::{RowComparison, TableComparison};
+use crate::replication::paper::{RowComparison, TableComparison};
 
 /// The page.
 pub(super) fn page(check: &Check) -> String {

@@ -2,14 +2,15 @@
 
 use super::problem::Level;
 use super::{SolveArgs, Solver, cells, cost, goal, table};
+use crate::cli::formats;
 use crate::cli::{say, say_json};
-use crate::cube::{Grid, Source, energy, errors, kkt};
-use crate::error::{Error, IoContext, Result};
-use crate::fast::active_set::ActiveSetParams;
-use crate::fast::cube::{active_set, multigrid};
-use crate::fast::multigrid::MultigridParams;
-use crate::fast::{InputError, StopReason};
-use crate::fields;
+use crate::discrete::cube::{Grid, energy, errors, kkt};
+use crate::multigrid::active_set::ActiveSetParams;
+use crate::multigrid::cube::{active_set, multigrid};
+use crate::multigrid::square::MultigridParams;
+use crate::multigrid::{InputError, StopReason};
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::problem::cube::Source;
 use std::time::Instant;
 
 /// Finest grid: it has 135 million nodes, for which multigrid takes three gigabytes.
@@ -40,7 +41,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
     let grid = Grid::new(n).map_err(|e| Error::input(e.to_string()))?;
     let out = args.out("cube");
     if let Some(out) = &out {
-        fields::check_cube_ending(out)?;
+        formats::check_cube_ending(out)?;
     }
     let tolerance = args.tolerance(solver)?;
 
@@ -79,7 +80,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
     };
     let errors = f.exact().map(|exact| errors(grid, exact, &y));
     if let Some(out) = &out {
-        let bytes = fields::write_cube(out, grid, &y, "cube")?;
+        let bytes = formats::write_cube(out, grid, &y, "cube")?;
         std::fs::write(out, bytes).context("write", out)?;
     }
     if args.json {

@@ -1,21 +1,21 @@
 //! Solving one problem by any solver, each brought to the same shape of answer.
 
 use super::{Solver, goal};
-use crate::error::{Error, Result};
-use crate::fast::active_set::{ActiveSetParams, active_set};
-use crate::fast::multigrid::{MultigridParams, multigrid};
-use crate::fast::{self, InputError};
-use crate::grid::{Grid, nested};
-use crate::kkt::{Kkt, kkt};
-use crate::load::{LoadRule, load};
-use crate::norms::{Errors, errors};
+use crate::discrete::grid::{Grid, nested};
+use crate::discrete::kkt::{Kkt, kkt};
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::{Errors, errors};
+use crate::discrete::stiffness::{energy, residual};
+use crate::discrete::transfer::Prolongation;
+use crate::multigrid::active_set::{ActiveSetParams, active_set};
+use crate::multigrid::square::{MultigridParams, multigrid};
+use crate::multigrid::{self, InputError};
+use crate::pipeline::error::{Error, Result};
+use crate::problem::source::Source;
 use crate::saddle::{
     self, Outcome, Pair, Params, ProximalParams, UzawaOutcome, UzawaParams, on_nested,
     solve_nested, tolerance, uzawa, uzawa_proximal,
 };
-use crate::source::Source;
-use crate::stiffness::{energy, residual};
-use crate::transfer::Prolongation;
 use std::time::Instant;
 
 /// What is to be solved.
@@ -134,7 +134,7 @@ impl Problem<'_> {
             Error::input(format!("{}: {e}; {remedy}", self.name))
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        if stop == fast::StopReason::Diverged {
+        if stop == multigrid::StopReason::Diverged {
             return Err(Error::Stage(vec![format!("{} diverged; scale f down", self.name)]));
         }
         let mut flux = vec![0.0; grid.nodes()];
@@ -194,7 +194,8 @@ fn on_saddle(
     })
 }
 
-type FastResult = std::result::Result<(Vec<f64>, usize, fast::StopReason, Option<f64>), InputError>;
+type FastResult =
+    std::result::Result<(Vec<f64>, usize, multigrid::StopReason, Option<f64>), InputError>;
 
 /// Finest grid whose Cholesky factor fits comfortably in memory.
 const MAX_DIRECT: usize = 1024;

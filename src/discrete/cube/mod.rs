@@ -1,0 +1,168 @@
+//! The scalar Signorini problem on the cube (-1/2, 1/2)^3: grid, seven-point stencil, load, conditions.
+//!
+//! Everything here is a plain loop over nodes, written apart from the solvers in
+//! [`multigrid::cube`](crate::multigrid::cube), so that it can judge them.
+
+mod norms;
+
+pub use norms::{Errors, errors};
+
+use crate::discrete::grid::{GridError, MIN_CELLS};
+use crate::discrete::kkt::{Kkt, judge};
+
+/// The uniform grid with `n` cells of width `h = 1/n` along each side.
+///
+/// A *nodal vector* has `(n + 1)^3` entries, x fastest, z slowest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    n: usize,
+}
+
+impl Grid {
+    /// The grid with `n` cells per side.
+    ///
+    /// # Errors
+    /// [`GridError::TooCoarse`] if `n` is below [`MIN_CELLS`].
+    pub fn new(n: usize) -> Result<Self, GridError> {
+        if n < MIN_CELLS { Err(GridError::TooCoarse(n)) } else { Ok(Self { n }) }
+    }
+
+    /// Cells per side.
+    pub fn cells(self) -> usize {
+        self.n
+    }
+
+    /// Length of a nodal vector.
+    pub fn nodes(self) -> usize {
+        (self.n + 1).pow(3)
+    }
+
+    /// Mesh width.
+    pub fn h(self) -> f64 {
+        1.0 / self.n as f64
+    }
+
+    /// Coordinate of the `i`-th grid plane, in [-1/2, 1/2].
+    pub fn coordinate(self, i: usize) -> f64 {
+        i as f64 / self.n as f64 - 0.5
+    }
+
+    /// Indices along x, y and z of each node, in the order of a nodal vector.
+    pub fn indices(self) -> impl Iterator<Item = [usize; 3]> {
+        let range = 0..=self.n;
+        let planes = range.clone().flat_map(move |k| range.clone().map(move |j| (j, k)));
+        planes.flat_map(move |(j, k)| (0..=self.n).map(move |i| [i, j, k]))
+    }
+
+    /// Whether a node with these indices lies on the boundary.
+    pub fn on_boundary(self, indices: [usize; 3]) -> bool {
+        indices.iter().any(|&i| i == 0 || i == self.n)
+    }
+
+    /// Part of the cell around a node that lies inside the cube: 1, on faces 1/2, edges 1/4, corners 1/8.
+    pub fn share(self, indices: [usize; 3]) -> f64 {
+        indices.iter().map(|&i| self.share_along(i)).product()
+    }
+
+    fn share_along(self, i: usize) -> f64 {
+        if i == 0 || i == self.n { 0.5 } else { 1.0 }
+    }
+}
+
+/// The load vector `F_i = f(M_i) h^3`, on faces, edges and corners times 1/2, 1/4, 1/8.
+pub fn load(grid: Grid, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
+    let volume = grid.h().powi(3);
+    let at =
+        |indices: [usize; 3]| f(indices.map(|i| grid.coordinate(i))) * grid.share(indices) * volume;
+    grid.indices().map(at).collect()
+}
+
+/// `A y - load`, the gradient of the energy, for the trapezoidal (lumped) seven-point stencil.
+///
+/// Neighbours are coupled by `h`, within faces by `h / 2`, along edges by `h / 4`.
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn residual(grid: Grid, y: &[f64], load: &[f64]) -> Vec<f64> {
+    assert!(y.len() == grid.nodes() && load.len() == grid.nodes());
+    let (n, h) = (grid.n, grid.h());
+    let step = [1, n + 1, (n + 1) * (n + 1)];
+    let of_node = |(node, indices): (usize, [usize; 3])| {
+        let mut flow = 0.0;
+        for axis in 0..3 {
+            let across: f64 =
+                (0..3).filter(|&a| a != axis).map(|a| grid.share_along(indices[a])).product();
+            if indices[axis] > 0 {
+                flow += across * (y[node] - y[node - step[axis]]);
+            }
+            if indices[axis] < n {
+                flow += across * (y[node] - y[node + step[axis]]);
+            }
+        }
+        h * flow - load[node]
+    };
+    grid.indices().enumerate().map(of_node).collect()
+}
+
+/// The energy `1/2 <A y, y> - <F, y>` of a nodal vector.
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn energy(grid: Grid, y: &[f64], load: &[f64]) -> f64 {
+    let gradient = residual(grid, y, load);
+    y.iter().zip(&gradient).zip(load).map(|((y, g), f)| 0.5 * y * (g - f)).sum()
+}
+
+/// Judges the nodal vector `y`, as [`kkt::kkt`](crate::discrete::kkt::kkt) does on the square; the multiplier of
+/// a node is `(A y - F) / h^2`.
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
+    let on_boundary = |(node, indices)| grid.on_boundary(indices).then_some(node);
+    let boundary = grid.indices().enumerate().filter_map(on_boundary);
+    judge(residual(grid, y, load), boundary, y, load, grid.h().powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stencil_is_exact_for_quadratics_and_their_fluxes() {
+        // -Laplacian of x^2 + 2 y^2 - 4 z^2 is 2; on a face, h^2 times the outward slope remains.
+        let grid = Grid::new(4).unwrap();
+        let at = |p: [f64; 3]| p[0] * p[0] + 2.0 * p[1] * p[1] - 4.0 * p[2] * p[2] + p[0];
+        let y: Vec<_> =
+            grid.indices().map(|indices| at(indices.map(|i| grid.coordinate(i)))).collect();
+        let load = load(grid, |_| 2.0);
+        let flux = residual(grid, &y, &load);
+        for (node, [i, j, k]) in grid.indices().enumerate() {
+            let slope = match (i, j, k) {
+                (4, 1..4, 1..4) => 2.0,
+                (0, 1..4, 1..4) => 0.0,
+                (1..4, 0 | 4, 1..4) => 2.0,
+                (1..4, 1..4, 0 | 4) => -4.0,
+                (1..4, 1..4, 1..4) => 0.0,
+                _ => continue,
+            };
+            assert!((flux[node] - slope / 16.0).abs() < 1e-15, "{i} {j} {k} {}", flux[node]);
+        }
+        assert!((load.iter().sum::<f64>() - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn each_violation_is_seen() {
+        let grid = Grid::new(2).unwrap();
+        let load = load(grid, |_| -1.0);
+        let mut y = vec![0.0; 27];
+        y[13] = -0.125 / 3.0;
+        assert!(kkt(grid, &y, &load).natural < 1e-16);
+        y[13] = 0.0;
+        assert_eq!(kkt(grid, &y, &load).stationarity, 0.125);
+        y[4] = -1.0;
+        assert_eq!(kkt(grid, &y, &load).min_y, -1.0);
+        y[4] = f64::NAN;
+        assert!(kkt(grid, &y, &load).natural.is_nan());
+    }
+}

@@ -1,0 +1,9 @@
+//! The discrete problem: grid, stiffness matrix, load vector, transfer between grids, optimality conditions, norms.
+
+pub mod cube;
+pub mod grid;
+pub mod kkt;
+pub mod load;
+pub mod norms;
+pub mod stiffness;
+pub mod transfer;

@@ -1,0 +1,104 @@
+//! The P1 stiffness matrix (5) as a five-point stencil, never stored.
+//!
+//! On right triangles the diagonals drop out: an interior row reads 4 / -1, an edge row 2 on the
+//! diagonal, -1/2 along the edge and -1 inward, a corner row 1 and -1/2. Rows do not depend on `h`.
+
+use crate::discrete::grid::Grid;
+
+/// Writes `A y - load` to `out`; all three are nodal vectors.
+///
+/// With `load = F` this is the gradient of the energy (1), and on the boundary the discrete flux.
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn residual(grid: Grid, y: &[f64], load: &[f64], out: &mut [f64]) {
+    assert!(load.len() == y.len() && out.len() == y.len());
+    for (j, row) in out.chunks_exact_mut(grid.side()).enumerate() {
+        residual_row(grid, j, y, load, row);
+    }
+}
+
+/// Writes row `j` of `A y - load` to `out`, of length `grid.side()`.
+///
+/// # Panics
+/// If `y` or `load` is not a nodal vector, or `out` not one row of one.
+pub fn residual_row(grid: Grid, j: usize, y: &[f64], load: &[f64], out: &mut [f64]) {
+    let (n, side) = (grid.cells(), grid.side());
+    let row = |v: usize| v * side..(v + 1) * side;
+    // Slices of one known length let the compiler drop the bounds checks and vectorise.
+    let (here, f, out) = (&y[row(j)], &load[row(j)], &mut out[..side]);
+    if j == 0 || j == n {
+        let inward = &y[row(if j == 0 { 1 } else { n - 1 })];
+        out[0] = here[0] - 0.5 * (here[1] + inward[0]) - f[0];
+        for i in 1..n {
+            out[i] = 2.0 * here[i] - 0.5 * (here[i - 1] + here[i + 1]) - inward[i] - f[i];
+        }
+        out[n] = here[n] - 0.5 * (here[n - 1] + inward[n]) - f[n];
+    } else {
+        let (below, above) = (&y[row(j - 1)], &y[row(j + 1)]);
+        out[0] = 2.0 * here[0] - 0.5 * (below[0] + above[0]) - here[1] - f[0];
+        for i in 1..n {
+            out[i] = 4.0 * here[i] - (below[i] + above[i]) - (here[i - 1] + here[i + 1]) - f[i];
+        }
+        out[n] = 2.0 * here[n] - 0.5 * (below[n] + above[n]) - here[n - 1] - f[n];
+    }
+}
+
+/// The energy `1/2 <A y, y> - <F, y>` of the nodal vector `y`, the discrete form of (1).
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn energy(grid: Grid, y: &[f64], load: &[f64]) -> f64 {
+    let mut gradient = vec![0.0; grid.nodes()];
+    residual(grid, y, load, &mut gradient);
+    y.iter().zip(&gradient).zip(load).map(|((y, g), f)| 0.5 * y * (g - f)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Element by element assembly of (5), the textbook way, for either diagonal of the squares.
+    fn assembled_times(grid: Grid, y: &[f64], rising: bool) -> Vec<f64> {
+        let mut out = vec![0.0; grid.nodes()];
+        for j in 0..grid.cells() {
+            for i in 0..grid.cells() {
+                let [ll, lr, ul, ur] =
+                    [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| grid.index(i, j));
+                // (right-angle vertex, its neighbour along x, its neighbour along y)
+                let triangles = if rising {
+                    [(lr, ll, ur), (ul, ur, ll)]
+                } else {
+                    [(ll, lr, ul), (ur, ul, lr)]
+                };
+                for (p, qx, qy) in triangles {
+                    for (q, d) in [(qx, y[p] - y[qx]), (qy, y[p] - y[qy])] {
+                        out[p] += 0.5 * d;
+                        out[q] -= 0.5 * d;
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn stencil_is_the_assembled_matrix_for_both_diagonals() {
+        let grid = Grid::new(5).unwrap();
+        let y: Vec<f64> = (0..grid.nodes()).map(|k| ((k * k) % 17) as f64).collect();
+        let mut ours = vec![0.0; grid.nodes()];
+        residual(grid, &y, &vec![0.0; grid.nodes()], &mut ours);
+        assert_eq!(ours, assembled_times(grid, &y, true));
+        assert_eq!(ours, assembled_times(grid, &y, false));
+    }
+
+    #[test]
+    fn energy_is_half_the_form_less_the_load() {
+        let grid = Grid::new(3).unwrap();
+        let y: Vec<f64> = (0..grid.nodes()).map(|k| k as f64).collect();
+        let load = vec![2.0; grid.nodes()];
+        let ay = assembled_times(grid, &y, true);
+        let want: f64 = y.iter().zip(&ay).map(|(y, ay)| y * (0.5 * ay - 2.0)).sum();
+        assert!((energy(grid, &y, &load) - want).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,250 @@
+//! Errors against known solutions, and what multigrid pays for them in work units and bytes.
+
+use super::law::{self, Law, Race};
+use super::problems::{paper_loads, stress_loads};
+use crate::discrete::grid::Grid;
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::{Errors, errors, lumped};
+use crate::discrete::stiffness::energy;
+use crate::multigrid::square::{Goal, Multigrid, MultigridParams, Outcome};
+use crate::problem::exact::Exact;
+use crate::problem::source::Source;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// What is computed; every grid is given by its cells per side.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// Grids on which errors are measured, each the halving of the one before.
+    pub cells: Vec<usize>,
+    /// Grids on which the cost of loads without known solution is counted.
+    pub others: Vec<usize>,
+    /// Right-hand sides, and grids, on which the cost law of the paper's method is measured.
+    pub laws: Vec<(String, Vec<usize>)>,
+    /// Nested grids of the race between multigrid and the saddle-point methods.
+    pub race: Vec<usize>,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            cells: (3..=10).map(|level| 1 << level).collect(),
+            others: vec![64, 256],
+            laws: vec![
+                ("exact(free-corner)".into(), vec![8, 16, 32, 64, 128]),
+                // Problem 2: finer grids take too long for an experiment that is part of every run.
+                ("quadrant(ll)=-6; else=1.998".into(), vec![4, 8, 16, 32]),
+            ],
+            race: vec![8, 16, 32, 64],
+        }
+    }
+}
+
+/// What came out.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Findings {
+    /// The problems with known solutions.
+    pub problems: Vec<Known>,
+    /// Cost on the paper's problems and the stress loads, grid by grid.
+    pub others: Vec<Cost>,
+    /// Cost laws of the paper's method.
+    pub laws: Vec<Law>,
+    /// Multigrid and the saddle-point methods side by side.
+    pub race: Race,
+    /// What the chapter says of all this in words.
+    pub facts: Facts,
+}
+
+/// A problem with known solution on all grids.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Known {
+    /// Name, as in `exact(name)`.
+    pub name: String,
+    /// Grid by grid.
+    pub levels: Vec<Level>,
+}
+
+/// A problem with known solution on one grid.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Level {
+    /// Errors of the discrete solution, solved to the rounding floor.
+    pub errors: Errors,
+    /// Observed orders against the grid before.
+    pub orders: Option<Errors>,
+    /// Algebraic over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped) and H1.
+    pub algebraic: [f64; 2],
+    /// What it cost.
+    pub cost: Cost,
+}
+
+/// The cost of one problem on one grid.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Cost {
+    /// Name of the problem.
+    pub name: String,
+    /// Cells per side.
+    pub cells: usize,
+    /// Bytes of the workspace per unknown.
+    pub bytes: f64,
+    /// For the discretisation error, for a natural residual of [`TOLERANCE`], for the rounding floor.
+    pub goals: [Spent; 3],
+}
+
+/// The cost of reaching a goal.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Spent {
+    /// Sweeps of the finest grid.
+    pub work_units: f64,
+    /// Cycles on the finest grid.
+    pub cycles: usize,
+    /// Natural residual, in units of the load.
+    pub kkt: f64,
+    /// How it ended.
+    pub stop: String,
+}
+
+/// Ranges over problems and grids.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Facts {
+    /// Tolerance of the second goal.
+    pub tolerance: f64,
+    /// The coarsest grid that the ranges below include, where the asymptotics have set in.
+    pub from: usize,
+    /// Least and greatest observed orders.
+    pub orders: [Errors; 2],
+    /// The greatest algebraic over discretisation error, in L2 and H1.
+    pub algebraic: [f64; 2],
+    /// Least and greatest work units for each goal: problems with known solution.
+    pub known: [[f64; 2]; 3],
+    /// The same on the finest grid alone.
+    pub finest: [[f64; 2]; 3],
+    /// The same for the paper's problems and the stress loads.
+    pub others: [[f64; 2]; 3],
+}
+
+/// Natural residual that the second goal asks for, in units of the load.
+pub const TOLERANCE: f64 = 1e-10;
+/// The goals, in the order of [`Cost::goals`].
+pub const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(TOLERANCE), Goal::RoundingFloor];
+/// On coarser grids neither orders nor work units are what they are in the limit.
+const ASYMPTOTIC: usize = 64;
+
+/// Runs the experiment.
+///
+/// # Errors
+/// A sentence if a grid cannot be used, or a problem cannot be solved on it.
+pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
+    let (known, rest) = rayon::join(
+        || Exact::ALL.into_par_iter().map(|exact| known(exact, &plan.cells)).collect::<Vec<_>>(),
+        || {
+            rayon::join(
+                || others(&plan.others),
+                || rayon::join(|| law::laws(&plan.laws), || law::race(&plan.race)),
+            )
+        },
+    );
+    let problems = known.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let (others, (laws, race)) = (rest.0?, rest.1);
+    let facts = Facts::of(&problems, &others);
+    Ok(Findings { facts, problems, others, laws: laws?, race: race? })
+}
+
+fn known(exact: Exact, cells: &[usize]) -> Result<Known, String> {
+    let mut levels: Vec<Level> = Vec::new();
+    for &n in cells {
+        let grid = Grid::new(n).map_err(|e| e.to_string())?;
+        let load = load(grid, &Source::Exact(exact), LoadRule::default());
+        let (cost, [rough, _, y]) = cost(exact.name(), grid, &load)?;
+        let errors = errors(grid, exact, &y, &load);
+        let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
+        // Twice the energy without load is the square of the H1 seminorm.
+        let h1 = (2.0 * energy(grid, &wrong, &vec![0.0; wrong.len()])).sqrt();
+        levels.push(Level {
+            orders: levels.last().map(|coarser| orders(&coarser.errors, &errors)),
+            algebraic: [lumped(grid, &wrong) / errors.l2, h1 / errors.h1],
+            errors,
+            cost,
+        });
+    }
+    Ok(Known { name: exact.name().into(), levels })
+}
+
+fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
+    let mut costs = Vec::new();
+    for &n in cells {
+        let grid = Grid::new(n).map_err(|e| e.to_string())?;
+        let loads: Vec<_> = paper_loads(n).into_iter().chain(stress_loads(n)).collect();
+        let counted: Result<Vec<_>, _> =
+            loads.par_iter().map(|(name, load)| Ok(cost(name, grid, load)?.0)).collect();
+        costs.extend(counted.map_err(|e: String| e)?);
+    }
+    Ok(costs)
+}
+
+/// What each goal costs, and the solution with which it was reached.
+fn cost(name: &str, grid: Grid, load: &[f64]) -> Result<(Cost, [Vec<f64>; 3]), String> {
+    let failed = |e| format!("{name} on grid 1/{}: {e}", grid.cells());
+    let mut workspace = Multigrid::new(grid.cells()).map_err(failed)?;
+    let mut solve = |goal| {
+        let params = MultigridParams { goal, ..MultigridParams::default() };
+        let outcome = workspace.solve(load, None, &params, |_| ()).map_err(failed)?;
+        let mut y = vec![0.0; load.len()];
+        workspace.write_solution(&mut y);
+        Ok::<_, String>((Spent::of(&outcome), y))
+    };
+    let [(a, ya), (b, yb), (c, yc)] = [solve(GOALS[0])?, solve(GOALS[1])?, solve(GOALS[2])?];
+    let bytes = workspace.bytes() as f64 / grid.nodes() as f64;
+    let cost = Cost { name: name.into(), cells: grid.cells(), bytes, goals: [a, b, c] };
+    Ok((cost, [ya, yb, yc]))
+}
+
+impl Spent {
+    pub(super) fn of(outcome: &Outcome) -> Self {
+        let Outcome { stop, cycles, kkt, work_units, .. } = *outcome;
+        Self { work_units, cycles, kkt, stop: stop.name().into() }
+    }
+}
+
+fn map2(a: &Errors, b: &Errors, f: impl Fn(f64, f64) -> f64) -> Errors {
+    Errors {
+        l2: f(a.l2, b.l2),
+        h1: f(a.h1, b.h1),
+        max: f(a.max, b.max),
+        multiplier_l2: f(a.multiplier_l2, b.multiplier_l2),
+    }
+}
+
+fn orders(coarser: &Errors, finer: &Errors) -> Errors {
+    map2(coarser, finer, |coarser, finer| libm::log2(coarser / finer))
+}
+
+impl Facts {
+    fn of(problems: &[Known], others: &[Cost]) -> Self {
+        let levels = || problems.iter().flat_map(|problem| &problem.levels);
+        let finest = levels().map(|level| level.cost.cells).max().unwrap_or(0);
+        // A plan of coarse grids only shall still say something.
+        let from = ASYMPTOTIC.min(finest);
+        let fine = || levels().filter(|level| level.cost.cells >= from);
+        let observed = || fine().filter_map(|level| level.orders);
+        let extreme = |f: fn(f64, f64) -> f64| observed().reduce(|a, b| map2(&a, &b, f));
+        let nothing = Errors { l2: 0.0, h1: 0.0, max: 0.0, multiplier_l2: 0.0 };
+        let ratio = |k: usize| fine().map(|level| level.algebraic[k]).fold(0.0, f64::max);
+        let last = || levels().filter(|level| level.cost.cells == finest);
+        Self {
+            tolerance: TOLERANCE,
+            from,
+            orders: [f64::min, f64::max].map(|f| extreme(f).unwrap_or(nothing)),
+            algebraic: [ratio(0), ratio(1)],
+            known: [0, 1, 2].map(|goal| range(fine().map(|level| &level.cost), goal)),
+            finest: [0, 1, 2].map(|goal| range(last().map(|level| &level.cost), goal)),
+            others: [0, 1, 2].map(|goal| range(others.iter(), goal)),
+        }
+    }
+}
+
+/// Least and greatest work units for a goal.
+fn range<'a>(costs: impl Iterator<Item = &'a Cost>, goal: usize) -> [f64; 2] {
+    costs
+        .map(|cost| cost.goals[goal].work_units)
+        .fold([f64::MAX, 0.0], |[low, high], units| [low.min(units), high.max(units)])
+}

@@ -1,0 +1,278 @@
+//! The runs behind the claims, spread over threads; every count is the same however they are spread.
+
+use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Table};
+use crate::discrete::grid::{Grid, nested};
+use crate::discrete::kkt::kkt;
+use crate::discrete::load::{LoadRule, load};
+use crate::experiments::lanes::{End, Goal, Job, LANES, Method, run};
+use crate::problem::source::Source;
+use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
+use rayon::prelude::*;
+
+/// The load towards a KKT residual: under the published one, problem 1 sums to a positive number on
+/// fine grids, and has no solution to converge to.
+const SOLVABLE: LoadRule = LoadRule::LumpedAverage;
+/// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
+const START: f64 = 1e-12;
+/// Stopping rules under which r is swept; the others take the paper's r only.
+const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
+
+/// A problem on all its grids.
+struct Case<'a> {
+    problem: &'a Problem,
+    grids: Vec<Grid>,
+    /// Load vectors under the published rule, and under [`SOLVABLE`].
+    published: Vec<Vec<f64>>,
+    solvable: Vec<Vec<f64>>,
+    /// The coarser grid's solution under [`SOLVABLE`], prolonged.
+    starts: Vec<Pair>,
+}
+
+/// What is run in one go: lanes that share problem and grids.
+enum Batch {
+    /// All grids in turn under a stopping rule.
+    Nested { problem: usize, rule: StopRule, r: Vec<f64> },
+    /// One grid.
+    Direct { problem: usize, level: usize, runs: Vec<Direct> },
+}
+
+/// A run on one grid to a KKT residual.
+#[derive(Clone, Copy)]
+struct Direct {
+    target: f64,
+    /// `None` for Arrow-Hurwicz, else a place in [`super::VARIANTS`].
+    variant: Option<usize>,
+    r: f64,
+}
+
+/// What a batch gives: an entry per run, of as many counts as grids were visited.
+type Done = Vec<Vec<Reached>>;
+
+#[derive(Clone, Copy)]
+struct Reached {
+    count: Count,
+    delta_a: f64,
+    kkt: f64,
+}
+
+pub(super) fn measure(plan: &Plan) -> Result<Vec<Measured>, String> {
+    let cases = plan.problems.par_iter().map(Case::new).collect::<Result<Vec<_>, _>>()?;
+    let batches = batches(plan, &cases);
+    let done: Vec<Done> =
+        batches.par_iter().with_max_len(1).map(|batch| batch.run(plan, &cases)).collect();
+    let all: Vec<(&Batch, Done)> = batches.iter().zip(done).collect();
+    Ok(cases.iter().enumerate().map(|(k, case)| case.measured(k, plan, &all)).collect())
+}
+
+fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
+    let swept = plan.r();
+    let mut batches = Vec::new();
+    for (problem, case) in cases.iter().enumerate() {
+        // The finest grids first: they take longest.
+        for level in (0..case.grids.len()).rev() {
+            let mut runs = Vec::new();
+            let asked = |(_, finest): &&(f64, usize)| case.grids[level].cells() <= *finest;
+            for &(target, _) in plan.targets.iter().filter(asked).rev() {
+                runs.extend(swept.iter().map(|&r| Direct { target, variant: None, r }));
+                if case.grids[level].cells() >= plan.compared_from {
+                    for variant in (0..super::VARIANTS.len()).map(Some) {
+                        let of = |&r: &f64| Direct { target, variant, r };
+                        runs.extend(plan.compared_r.iter().map(of));
+                    }
+                }
+            }
+            let batch = |runs: &[Direct]| Batch::Direct { problem, level, runs: runs.to_vec() };
+            batches.extend(runs.chunks(2 * LANES).map(batch));
+        }
+        for rule in StopRule::ALL {
+            let mut r = case.problem.r.clone();
+            if SWEPT.contains(&rule) {
+                r.extend(swept.iter().filter(|r| !case.problem.r.contains(r)));
+            }
+            r.sort_by(f64::total_cmp);
+            let batch = |r: &[f64]| Batch::Nested { problem, rule, r: r.to_vec() };
+            batches.extend(r.chunks(LANES).map(batch));
+        }
+    }
+    batches
+}
+
+impl Batch {
+    fn run(&self, plan: &Plan, cases: &[Case]) -> Done {
+        match self {
+            Self::Nested { problem, rule, r } => cases[*problem].nested(*rule, r),
+            Self::Direct { problem, level, runs } => cases[*problem].direct(plan, *level, runs),
+        }
+    }
+}
+
+impl<'a> Case<'a> {
+    fn new(problem: &'a Problem) -> Result<Self, String> {
+        let f: Source = problem.f.parse().map_err(|e| format!("{e}"))?;
+        let grids = nested(&problem.grids).map_err(|e| e.to_string())?;
+        let loads = |rule| grids.iter().map(|&grid| load(grid, &f, rule)).collect::<Vec<_>>();
+        let (published, solvable) = (loads(problem.load), loads(SOLVABLE));
+        let mut starts = vec![Pair::zero(grids[0])];
+        for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {
+            let params = Params {
+                r: 100.0,
+                tolerance: START,
+                rule: StopRule::PrintedDual,
+                ..Params::default()
+            };
+            let mut pair = starts[k].clone();
+            let outcome = arrow_hurwicz(grid, &solvable[k], &params, &mut pair, None);
+            if outcome.stop != StopReason::Converged {
+                return Err(format!("no solution on grid 1/{}: {}", grid.cells(), outcome.stop));
+            }
+            starts.push(pair.prolonged(grid, problem.prolongation));
+        }
+        Ok(Self { problem, grids, published, solvable, starts })
+    }
+
+    /// As [`crate::saddle::solve_nested`], for several r.
+    fn nested(&self, rule: StopRule, r: &[f64]) -> Done {
+        let mut pairs = vec![Pair::zero(self.grids[0]); r.len()];
+        let mut done = vec![Vec::new(); r.len()];
+        for (k, &grid) in self.grids.iter().enumerate() {
+            let load = &self.published[k];
+            let job = |(&r, start)| Job {
+                load,
+                start,
+                method: Method::ArrowHurwicz,
+                r,
+                goal: Goal::Rule(rule, tolerance(k + 1)),
+                cap: self.problem.max_iterations,
+            };
+            let ends = run(grid, &r.iter().zip(&pairs).map(job).collect::<Vec<_>>());
+            for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
+                done.push(Reached::of(&end, kkt(grid, &end.pair.y, load).relative));
+                *pair = end.pair.prolonged(grid, self.problem.prolongation);
+            }
+        }
+        done
+    }
+
+    fn direct(&self, plan: &Plan, level: usize, runs: &[Direct]) -> Done {
+        let (grid, load) = (self.grids[level], &self.solvable[level]);
+        let scale = load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        let job = |of: &Direct| Job {
+            load,
+            start: &self.starts[level],
+            method: of.variant.map_or(Method::ArrowHurwicz, |variant| Method::Uzawa {
+                weight: if variant >= 2 { plan.weight } else { 0.0 },
+                inner: 0.1 * of.target * scale,
+                loose: variant % 2 == 1,
+            }),
+            r: of.r,
+            goal: Goal::Kkt(of.target),
+            cap: plan.cap,
+        };
+        let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>());
+        ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
+    }
+
+    /// The counts of this problem, gathered from the batches.
+    fn measured(&self, number: usize, plan: &Plan, all: &[(&Batch, Done)]) -> Measured {
+        let nested = |wanted: StopRule, wanted_r: f64| -> &Vec<Reached> {
+            let of = all.iter().find_map(|(batch, done)| match batch {
+                Batch::Nested { problem, rule, r } if *problem == number && *rule == wanted => {
+                    r.iter().position(|r| *r == wanted_r).map(|k| &done[k])
+                }
+                _ => None,
+            });
+            of.expect("every r was run")
+        };
+        let direct = |wanted: usize, target: f64, variant: Option<usize>, r: f64| -> Count {
+            let of = all.iter().find_map(|(batch, done)| match batch {
+                Batch::Direct { problem, level, runs }
+                    if *problem == number && *level == wanted =>
+                {
+                    let of =
+                        |run: &Direct| run.target == target && run.variant == variant && run.r == r;
+                    runs.iter().position(of).map(|k| done[k][0].count)
+                }
+                _ => None,
+            });
+            of.expect("every r was run")
+        };
+        let swept = plan.r();
+        let mut rows = Vec::new();
+        for rule in SWEPT {
+            for (level, grid) in self.grids.iter().enumerate() {
+                let counts = swept.iter().map(|&r| nested(rule, r)[level].count).collect();
+                rows.push(Row::new(Measure::Rule(rule), grid.cells(), &swept, counts));
+            }
+        }
+        for &(target, finest) in &plan.targets {
+            let asked = |(_, grid): &(usize, &Grid)| grid.cells() <= finest;
+            for (level, grid) in self.grids.iter().enumerate().filter(asked) {
+                let counts = swept.iter().map(|&r| direct(level, target, None, r)).collect();
+                rows.push(Row::new(Measure::Kkt(target), grid.cells(), &swept, counts));
+            }
+        }
+        let tables = StopRule::ALL.map(|rule| {
+            let without = match rule {
+                StopRule::Signed | StopRule::SignedDual => StopRule::Signed,
+                StopRule::Printed | StopRule::PrintedDual => StopRule::Printed,
+            };
+            let line = |&r: &f64| {
+                let reached = nested(rule, r);
+                let last = reached[reached.len() - 1];
+                let fewer = nested(without, r)[reached.len() - 1].count.iterations;
+                Line {
+                    r,
+                    counts: reached.iter().map(|reached| reached.count).collect(),
+                    factor: last.count.iterations as f64 / fewer as f64,
+                    delta_a: last.delta_a,
+                    excess: last.delta_a / tolerance(reached.len()),
+                    kkt: last.kkt,
+                }
+            };
+            Table { rule, lines: self.problem.r.iter().map(line).collect() }
+        });
+        let mut cells = Vec::new();
+        for &(target, finest) in &plan.targets {
+            let compared = plan.compared_from..=finest;
+            let asked = |(_, grid): &(usize, &Grid)| compared.contains(&grid.cells());
+            for (level, grid) in self.grids.iter().enumerate().filter(asked) {
+                cells.extend(plan.compared_r.iter().map(|&r| Cell {
+                    cells: grid.cells(),
+                    target,
+                    r,
+                    arrow_hurwicz: direct(level, target, None, r),
+                    uzawa: [0, 1, 2, 3].map(|variant| direct(level, target, Some(variant), r)),
+                }));
+            }
+        }
+        let sum = |loads: &[Vec<f64>]| loads.last().map_or(0.0, |load| load.iter().sum());
+        Measured {
+            number: self.problem.number,
+            sums: [sum(&self.published), sum(&self.solvable)],
+            rows,
+            tables: tables.into(),
+            cells,
+        }
+    }
+}
+
+impl Reached {
+    fn of(end: &End, kkt: f64) -> Self {
+        let stop = if end.met { StopReason::Converged } else { StopReason::IterationLimit };
+        Self { count: Count { iterations: end.sweeps, stop }, delta_a: end.delta_a, kkt }
+    }
+}
+
+impl Row {
+    fn new(measure: Measure, cells: usize, r: &[f64], counts: Vec<Count>) -> Self {
+        let reached = |k: usize| counts[k].reached();
+        let least = (0..r.len()).filter_map(|k| Some((reached(k)?, k))).min();
+        let best = least.map(|(iterations, at)| {
+            let flat = |k: &usize| reached(*k).is_some_and(|count| 10 * count <= 11 * iterations);
+            let from = (0..=at).rev().take_while(flat).last().unwrap_or(at);
+            let to = (at..r.len()).take_while(flat).last().unwrap_or(at);
+            Best { r: r[at], iterations, flat: (r[from], r[to]) }
+        });
+        Self { measure, cells, counts, best }
+    }
+}

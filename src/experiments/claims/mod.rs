@@ -1,0 +1,245 @@
+//! What the paper claims about its method's cost, as counts of sweeps and a verdict on each claim.
+
+mod measure;
+mod verdict;
+
+pub use verdict::{Gain, GainAt, Range, Spread, Tally, Verdict, Verdicts};
+
+use crate::discrete::load::LoadRule;
+use crate::discrete::transfer::Prolongation;
+use crate::replication::scene::Scene;
+use crate::saddle::{StopReason, StopRule};
+use serde::{Deserialize, Serialize};
+
+/// Everything the experiment depends on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// The paper's problems.
+    pub problems: Vec<Problem>,
+    /// Least and greatest r of the sweep over r, as powers of ten.
+    pub decades: (i32, i32),
+    /// Values of r in each decade.
+    pub per_decade: i32,
+    /// KKT residuals to reach, over the largest component of F, each with the finest grid for which
+    /// there is time, in cells per side.
+    pub targets: Vec<(f64, usize)>,
+    /// Sweeps on a grid after which a run towards a KKT residual has failed.
+    pub cap: usize,
+    /// Values of r at which methods are compared; all belong to the sweep over r.
+    pub compared_r: Vec<f64>,
+    /// Coarsest grid on which methods are compared, in cells per side.
+    pub compared_from: usize,
+    /// Weight of the proximal term.
+    pub weight: f64,
+}
+
+/// One of the paper's problems.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Problem {
+    /// Its number.
+    pub number: u8,
+    /// f in the notation of scenes.
+    pub f: String,
+    /// Quadrature of the load under the paper's stopping rules.
+    pub load: LoadRule,
+    /// Interpolation to the next grid.
+    pub prolongation: Prolongation,
+    /// Cells per side of the nested grids.
+    pub grids: Vec<usize>,
+    /// The paper's values of r.
+    pub r: Vec<f64>,
+    /// Cap on iterations per grid under the paper's stopping rules.
+    pub max_iterations: usize,
+}
+
+impl Plan {
+    /// The experiment on these scenes; `None` for those that compare with no published table.
+    pub fn of(scenes: &[Scene]) -> Self {
+        let mut problems: Vec<_> = scenes.iter().filter_map(Problem::of).collect();
+        problems.sort_by_key(|problem| problem.number);
+        Self {
+            problems,
+            decades: (-2, 6),
+            per_decade: 8,
+            targets: vec![(1e-3, 64), (1e-6, 32)],
+            cap: 50_000,
+            compared_r: vec![0.1, 1.0, 10.0, 100.0, 1e4, 1e6],
+            compared_from: 16,
+            weight: 1.0,
+        }
+    }
+
+    /// The values of the sweep over r.
+    pub fn r(&self) -> Vec<f64> {
+        let (low, high) = self.decades;
+        let step = |k: i32| match k.rem_euclid(self.per_decade) {
+            // Powers of ten as the paper writes them, to the last bit.
+            0 => decade(k.div_euclid(self.per_decade)),
+            rest => {
+                let fraction = f64::from(rest) / f64::from(self.per_decade);
+                decade(k.div_euclid(self.per_decade)) * libm::exp10(fraction)
+            }
+        };
+        (low * self.per_decade..=high * self.per_decade).map(step).collect()
+    }
+}
+
+fn decade(power: i32) -> f64 {
+    if power < 0 { 1.0 / 10f64.powi(-power) } else { 10f64.powi(power) }
+}
+
+impl Problem {
+    /// The problem of a scene, if it belongs to a published table.
+    fn of(scene: &Scene) -> Option<Self> {
+        Some(Self {
+            number: scene.paper_table?,
+            f: scene.f.to_string(),
+            load: scene.load,
+            prolongation: scene.prolongation,
+            grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
+            r: scene.r.clone(),
+            max_iterations: scene.max_iterations,
+        })
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Claims {
+    /// The values of the sweep over r, ascending.
+    pub r: Vec<f64>,
+    /// KKT residuals to reach, each with the finest grid on which it was asked for.
+    pub targets: Vec<(f64, usize)>,
+    /// Sweeps after which a run towards one has failed.
+    pub cap: usize,
+    /// The counts.
+    pub problems: Vec<Measured>,
+    /// What they say about the claims.
+    pub verdicts: Verdicts,
+}
+
+/// The counts of a problem.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// Its number.
+    pub number: u8,
+    /// Sum of the load on the finest grid, under the paper's stopping rules and towards a KKT residual.
+    pub sums: [f64; 2],
+    /// The sweep over r: a row per measure and grid.
+    pub rows: Vec<Row>,
+    /// Tables 1 and 2 in full under each stopping rule.
+    pub tables: Vec<Table>,
+    /// Arrow-Hurwicz against Uzawa.
+    pub cells: Vec<Cell>,
+}
+
+/// When a run over r ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// The paper's stopping rule on nested grids, with its tolerances and its load.
+    Rule(StopRule),
+    /// A KKT residual, from the coarser grid's solution, with the load averaged around nodes.
+    Kkt(f64),
+}
+
+/// Iterations on a grid for every r of the sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// When the runs end.
+    pub measure: Measure,
+    /// Cells per side.
+    pub cells: usize,
+    /// One count per r.
+    pub counts: Vec<Count>,
+    /// The best r, if any reached the end.
+    pub best: Option<Best>,
+}
+
+/// Iterations, and why they ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Count {
+    /// Iterations, or sweeps.
+    pub iterations: usize,
+    /// `converged` or `iteration-limit`.
+    pub stop: StopReason,
+}
+
+impl Count {
+    /// The count, if the run reached its end.
+    pub fn reached(self) -> Option<usize> {
+        (self.stop == StopReason::Converged).then_some(self.iterations)
+    }
+}
+
+/// The least of the counts in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// The smallest r that attains it.
+    pub r: f64,
+    /// The count.
+    pub iterations: usize,
+    /// From where to where, around the best r, no count is more than a tenth above it.
+    pub flat: (f64, f64),
+}
+
+/// A table as the paper prints it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Its stopping rule.
+    pub rule: StopRule,
+    /// A line per r, in the paper's order.
+    pub lines: Vec<Line>,
+}
+
+/// A line of a [`Table`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Duality parameter.
+    pub r: f64,
+    /// One count per grid.
+    pub counts: Vec<Count>,
+    /// Iterations on the finest grid over those without the dual criterion.
+    pub factor: f64,
+    /// Last change of the multiplier on the finest grid.
+    pub delta_a: f64,
+    /// The same in units of the tolerance.
+    pub excess: f64,
+    /// KKT residual on the finest grid over the largest component of F.
+    pub kkt: f64,
+}
+
+/// Sweeps of all methods to equal KKT residual.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Cells per side.
+    pub cells: usize,
+    /// KKT residual over the largest component of F.
+    pub target: f64,
+    /// Duality parameter.
+    pub r: f64,
+    /// Arrow-Hurwicz.
+    pub arrow_hurwicz: Count,
+    /// In the order of [`VARIANTS`].
+    pub uzawa: [Count; 4],
+}
+
+/// What Arrow-Hurwicz is compared with: Uzawa's algorithm, plain or with the proximal term, each inner
+/// minimisation to the end or only to a tenth of the gradient before it.
+pub const VARIANTS: [&str; 4] = [
+    "Uzawa, exact inside",
+    "Uzawa, loose inside",
+    "proximal, exact inside",
+    "proximal, loose inside",
+];
+
+/// Measures, in parallel over runs, and judges.
+///
+/// # Errors
+/// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.
+pub fn claims(plan: &Plan) -> Result<Claims, String> {
+    let problems = measure::measure(plan)?;
+    let r = plan.r();
+    let verdicts = Verdicts::of(&r, &problems);
+    Ok(Claims { r, targets: plan.targets.clone(), cap: plan.cap, problems, verdicts })
+}

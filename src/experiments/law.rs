@@ -1,0 +1,218 @@
+//! The price of the paper's method: sweeps against the width of the grid, and a race against multigrid.
+
+use super::exponent;
+use super::saddle::{Looks, Method, sweeps_until};
+use crate::discrete::grid::{self, Grid};
+use crate::discrete::kkt::kkt;
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::lumped;
+use crate::discrete::transfer::Prolongation;
+use crate::multigrid::square::{Goal, MultigridParams, multigrid};
+use crate::problem::exact::Exact;
+use crate::problem::source::Source;
+use crate::saddle::Pair;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How many sweeps Arrow-Hurwicz takes to a residual, from grid to grid.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Law {
+    /// f in the notation of scenes.
+    pub f: String,
+    /// Whether each grid starts from the solution on the grid before, or from zero.
+    pub nested: bool,
+    /// Natural residual over the largest component of the load.
+    pub target: f64,
+    /// Cells per side, and sweeps on that grid.
+    pub sweeps: Vec<(usize, usize)>,
+    /// Exponent of 1/h that fits the three finest grids.
+    pub exponent: f64,
+}
+
+/// Multigrid and the saddle-point methods on one problem.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Race {
+    /// Name of the problem.
+    pub name: String,
+    /// Cells per side of the finest grid.
+    pub cells: usize,
+    /// Error of the discrete solution there, in the discrete L2 norm.
+    pub discretisation: f64,
+    /// The methods.
+    pub runs: Vec<Run>,
+}
+
+/// One method in the race.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Run {
+    /// Its name in words.
+    pub method: String,
+    /// On the finest grid: work units, with those of coarser grids; relative natural residual; error.
+    pub trace: Vec<[f64; 3]>,
+    /// Per grid: cells, unknowns visited up to the discretisation error, work units, error reached.
+    pub arrivals: Vec<(usize, f64, f64, f64)>,
+}
+
+/// The duality parameter: above about 10 it makes no difference to these counts.
+pub const R: f64 = 10.0;
+/// Relative natural residuals.
+const TARGETS: [f64; 2] = [1e-3, 1e-6];
+/// The discretisation error is reached when the error is at most this many times as large.
+pub const ARRIVED: f64 = 1.1;
+/// Two per cent of the sweeps between looks.
+const LOOKS: Looks = Looks { share: 50, cap: 1_000_000 };
+
+/// Counts sweeps of Arrow-Hurwicz for each f, in the notation of scenes, on the grids with these cells per side.
+///
+/// # Errors
+/// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
+pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<Law>, String> {
+    let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
+    let laws: Vec<Result<[Law; 2], String>> = runs
+        .into_par_iter()
+        .map(|((f, cells), nested)| {
+            let grids = grid::nested(cells).map_err(|e| e.to_string())?;
+            law(&grids, f, nested)
+        })
+        .collect();
+    Ok(laws.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}
+
+fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[Law; 2], String> {
+    let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
+    let mut sweeps = [Vec::new(), Vec::new()];
+    let mut pair = Pair::zero(grids[0]);
+    for (k, &grid) in grids.iter().enumerate() {
+        pair = match nested && k > 0 {
+            true => pair.prolonged(grids[k - 1], Prolongation::default()),
+            false => Pair::zero(grid),
+        };
+        let load = load(grid, &source, LoadRule::default());
+        let mut total = 0;
+        for (target, sweeps) in TARGETS.iter().zip(&mut sweeps) {
+            let done = |_, pair: &Pair| kkt(grid, &pair.y, &load).relative <= *target;
+            let case = (grid, &load[..]);
+            total += sweeps_until(Method::ArrowHurwicz, case, R, LOOKS, &mut pair, done)
+                .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
+            sweeps.push((grid.cells(), total));
+        }
+    }
+    let mut of_target = TARGETS.into_iter().zip(sweeps).map(|(target, sweeps)| {
+        let points: Vec<_> = sweeps.iter().map(|&(n, s)| (n as f64, s as f64)).collect();
+        let exponent = exponent(&points[points.len().saturating_sub(3)..]);
+        Law { f: f.into(), nested, target, sweeps, exponent }
+    });
+    let mut next = || of_target.next().ok_or("a law for each target");
+    Ok([next()?, next()?])
+}
+
+/// Runs multigrid, Arrow-Hurwicz and Uzawa to the discretisation error on each of the nested grids.
+///
+/// # Errors
+/// A sentence if grids do not nest, or a method does not arrive.
+pub fn race(cells: &[usize]) -> Result<Race, String> {
+    let exact = Exact::FreeCorner;
+    let grids = grid::nested(cells).map_err(|e| e.to_string())?;
+    let tracks =
+        grids.iter().map(|&grid| Track::new(exact, grid)).collect::<Result<Vec<_>, _>>()?;
+    let finest = &tracks[tracks.len() - 1];
+    let mut runs = vec![with_multigrid(&tracks)?];
+    for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", Method::Uzawa)] {
+        runs.push(with_saddle(name, method, &tracks)?);
+    }
+    let (cells, discretisation) = (finest.grid.cells(), finest.discretisation);
+    Ok(Race { name: exact.name().into(), cells, discretisation, runs })
+}
+
+/// A problem with known solution on one grid.
+pub(crate) struct Track {
+    pub(crate) grid: Grid,
+    pub(crate) load: Vec<f64>,
+    /// The solution at the nodes.
+    exact: Vec<f64>,
+    /// Error of the discrete solution.
+    pub(crate) discretisation: f64,
+}
+
+impl Track {
+    pub(crate) fn new(exact: Exact, grid: Grid) -> Result<Self, String> {
+        let load = load(grid, &Source::Exact(exact), LoadRule::default());
+        let (n, side) = (grid.cells(), grid.side());
+        let at = |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
+        let values = (0..grid.nodes()).map(at).collect();
+        let mut track = Self { grid, load, exact: values, discretisation: 0.0 };
+        let solved = multigrid(n, &track.load, None, &MultigridParams::default(), |_| ());
+        track.discretisation = track.error(&solved.map_err(|e| e.to_string())?.0);
+        Ok(track)
+    }
+
+    /// The error of `y` in the discrete L2 norm.
+    pub(crate) fn error(&self, y: &[f64]) -> f64 {
+        let wrong: Vec<f64> = y.iter().zip(&self.exact).map(|(a, b)| a - b).collect();
+        lumped(self.grid, &wrong)
+    }
+
+    fn arrived(&self, error: f64) -> bool {
+        error <= ARRIVED * self.discretisation
+    }
+}
+
+fn with_multigrid(tracks: &[Track]) -> Result<Run, String> {
+    let mut run = Run { method: "multigrid".into(), trace: Vec::new(), arrivals: Vec::new() };
+    for (k, track) in tracks.iter().enumerate() {
+        let Track { grid, load, .. } = track;
+        let unknowns = grid.nodes() as f64;
+        let solve = |goal, max_cycles| {
+            let params = MultigridParams { goal, max_cycles };
+            let solved = multigrid(grid.cells(), load, None, &params, |_| ());
+            solved.map_err(|e| e.to_string())
+        };
+        let limit = MultigridParams::default().max_cycles;
+        let (y, outcome) = solve(Goal::DiscretisationError, limit)?;
+        let units = outcome.work_units;
+        run.arrivals.push((grid.cells(), units * unknowns, units, track.error(&y)));
+        if k + 1 == tracks.len() {
+            let cycles = solve(Goal::RoundingFloor, limit)?.1.cycles;
+            for max_cycles in 0..=cycles {
+                let (y, outcome) = solve(Goal::RoundingFloor, max_cycles)?;
+                let residual = kkt(*grid, &y, load).relative;
+                run.trace.push([outcome.work_units, residual, track.error(&y)]);
+            }
+        }
+    }
+    Ok(run)
+}
+
+/// Each grid is left as soon as its discretisation error is reached, which no real stop could know.
+fn with_saddle(name: &str, method: Method, tracks: &[Track]) -> Result<Run, String> {
+    let mut run = Run { method: name.into(), trace: Vec::new(), arrivals: Vec::new() };
+    let mut visits = 0.0;
+    let mut pair = Pair::zero(tracks[0].grid);
+    for (k, track) in tracks.iter().enumerate() {
+        if k > 0 {
+            pair = pair.prolonged(tracks[k - 1].grid, Prolongation::default());
+        }
+        let (last, unknowns) = (k + 1 == tracks.len(), track.grid.nodes() as f64);
+        let (before, mut arrival) = (visits, None);
+        let done = |sweeps: usize, pair: &Pair| {
+            let error = track.error(&pair.y);
+            let visits = before + sweeps as f64 * unknowns;
+            let residual = kkt(track.grid, &pair.y, &track.load).relative;
+            if last {
+                run.trace.push([visits / unknowns, residual, error]);
+            }
+            if track.arrived(error) && arrival.is_none() {
+                arrival = Some((track.grid.cells(), visits, visits / unknowns, error));
+            }
+            arrival.is_some() && (!last || residual <= TARGETS[1])
+        };
+        let case = (track.grid, &track.load[..]);
+        let sweeps = sweeps_until(method, case, R, LOOKS, &mut pair, done);
+        let missed = || format!("{name} does not arrive on grid 1/{}", track.grid.cells());
+        visits += sweeps.ok_or_else(missed)? as f64 * unknowns;
+        run.arrivals.push(arrival.ok_or_else(missed)?);
+    }
+    // The start of the first grid has cost nothing and has no place on a logarithmic axis.
+    run.trace.retain(|point| point[0] > 0.0);
+    Ok(run)
+}

@@ -1,0 +1,39 @@
+//! Numerical experiments that go past the paper, as pure functions from a plan to plain data.
+//!
+//! What they count (errors, sweeps, work units, flipped counts) depends on no machine: it is hashed,
+//! cached and pinned like everything else. Time is measured apart, by `signorini bench`.
+
+pub mod accuracy;
+pub mod claims;
+pub mod cube;
+pub mod lanes;
+pub mod law;
+pub mod problems;
+pub mod reference;
+pub mod rounding;
+pub mod saddle;
+pub mod stress;
+pub mod trial;
+
+/// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.
+///
+/// NaN if there are fewer than two different x.
+pub fn exponent(points: &[(f64, f64)]) -> f64 {
+    let logs: Vec<_> = points.iter().map(|&(x, y)| (libm::log(x), libm::log(y))).collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / logs.len() as f64;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>();
+    sum(&|p| (p.0 - x) * (p.1 - y)) / sum(&|p| (p.0 - x) * (p.0 - x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_are_those_of_power_laws() {
+        let law: Vec<_> = (1..6).map(|k| (f64::from(k), 7.0 * f64::from(k).powi(3))).collect();
+        assert!((exponent(&law) - 3.0).abs() < 1e-12);
+        assert!(exponent(&law[..1]).is_nan());
+    }
+}

@@ -1,0 +1,76 @@
+//! Loads without known solutions: the paper's problems, and semicoercive ones of growing difficulty.
+
+use crate::discrete::grid::Grid;
+use crate::discrete::load::{LoadRule, load};
+use std::f64::consts::TAU;
+
+/// Nodal load of `f` on `n` by `n` cells, less the constant that makes its sum `-deficit` times the sum
+/// of absolute values; without `deficit` as it is. Row-major, `(n + 1)^2` numbers.
+pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let h = 1.0 / n as f64;
+    let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
+    let nodes: Vec<_> = (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))).collect();
+    let weight = |(i, j): (usize, usize)| share(i) * share(j) * h * h;
+    let value = |(i, j): (usize, usize)| f(i as f64 * h - 0.5, j as f64 * h - 0.5);
+    let mut load: Vec<f64> = nodes.iter().map(|&node| weight(node) * value(node)).collect();
+    if let Some(deficit) = deficit {
+        let sum: f64 = load.iter().sum();
+        let size: f64 = load.iter().map(|entry| entry.abs()).sum();
+        for (entry, &node) in load.iter_mut().zip(&nodes) {
+            *entry -= weight(node) * (sum + deficit * size);
+        }
+    }
+    load
+}
+
+/// A load with `f` constant on the quadrants, axes belonging to the lower and left ones.
+pub fn quadrants(n: usize, [ll, lr, ul, ur]: [f64; 4]) -> Vec<f64> {
+    nodal_load(n, None, |x, y| match (x <= 0.0, y <= 0.0) {
+        (true, true) => ll,
+        (false, true) => lr,
+        (true, false) => ul,
+        (false, false) => ur,
+    })
+}
+
+/// Semicoercive problems of growing difficulty: contact at few nodes, at one, at both sides of a corner.
+///
+/// The number in a name is minus the sum of the load over the sum of absolute values.
+pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+    let waves = |x: f64, y: f64| libm::sin(TAU * x) + 0.7 * libm::cos(3.0 * y + 1.0);
+    let chess = |x: f64, y: f64| libm::cos(TAU * x) * libm::cos(TAU * y);
+    let quadrant = |x: f64, y: f64| {
+        if x <= 0.0 && y <= 0.0 { 1.0 } else { -1.0 / 3.0 }
+    };
+    let spike = |x: f64, y: f64| {
+        if libm::hypot(x, y - 0.2) < 1.5 / n as f64 { 1e4 } else { -1.0 }
+    };
+    vec![
+        ("waves 1e-1", nodal_load(n, Some(1e-1), waves)),
+        ("waves 1e-3", nodal_load(n, Some(1e-3), waves)),
+        ("waves 1e-6", nodal_load(n, Some(1e-6), waves)),
+        ("waves 1e-12", nodal_load(n, Some(1e-12), waves)),
+        ("chess 1e-2", nodal_load(n, Some(1e-2), chess)),
+        ("chess 1e-5", nodal_load(n, Some(1e-5), chess)),
+        ("chess 1e-10", nodal_load(n, Some(1e-10), chess)),
+        ("quadrant 1e-2", nodal_load(n, Some(1e-2), quadrant)),
+        ("quadrant 1e-4", nodal_load(n, Some(1e-4), quadrant)),
+        ("quadrant 1e-8", nodal_load(n, Some(1e-8), quadrant)),
+        ("spike", nodal_load(n, Some(1e-2), spike)),
+        ("jumps", quadrants(n, [-1e6, 1.0, 3e5, 1.0])),
+    ]
+}
+
+/// The paper's problems. The first with f averaged on the axes: with the published tie rule its load has a
+/// positive sum, and there is nothing to solve. (Averaged, the sums are nearly zero: hard, but solvable.)
+///
+/// # Panics
+/// If `n` is below 2.
+pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+    let grid = Grid::new(n).expect("fine enough");
+    let on_grid = |text: &str, rule| load(grid, &text.parse().expect("a valid f"), rule);
+    vec![
+        ("problem 1", on_grid("quadrant(ll)=3; else=-1.002", LoadRule::LumpedAverage)),
+        ("problem 2", on_grid("quadrant(ll)=-6; else=1.998", LoadRule::default())),
+    ]
+}

@@ -1,0 +1,71 @@
+//! Random problems, many of them: what nobody thought of.
+
+use crate::discrete::grid::Grid;
+use crate::experiments::problems::nodal_load;
+use crate::experiments::trial::multi;
+use crate::identify::random::Random;
+use crate::multigrid::square::Goal;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+const SEED: u64 = 0x5167_6e6f;
+/// Cells per side are these times 2, 4, ..., 32.
+const COARSEST: [usize; 2] = [1, 3];
+const DOUBLINGS: usize = 5;
+const WAVES: usize = 12;
+
+/// How multigrid fares with them, to the rounding floor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Crowd {
+    /// Their number.
+    pub problems: usize,
+    /// Cells per side of the coarsest grid.
+    pub coarsest: usize,
+    /// Cells per side of the finest grid.
+    pub finest: usize,
+    /// Mean number of cycles.
+    pub mean: f64,
+    /// Greatest number of cycles.
+    pub most: usize,
+    /// How often it did not come to the rounding floor.
+    pub unsolved: usize,
+    /// How often its claim was wrong.
+    pub denied: usize,
+}
+
+impl Crowd {
+    pub(super) fn of(problems: usize) -> Self {
+        let trials: Vec<_> = (0..problems).into_par_iter().map(trial).collect();
+        let cycles = || trials.iter().map(|trial| trial.steps);
+        let count = |of: &dyn Fn(&super::Trial) -> bool| trials.iter().filter(|t| of(t)).count();
+        Self {
+            problems,
+            coarsest: 2 * COARSEST[0],
+            finest: COARSEST[1] << DOUBLINGS,
+            mean: cycles().sum::<usize>() as f64 / problems as f64,
+            most: cycles().max().unwrap_or(0),
+            unsolved: count(&|trial| trial.stop != "rounding-floor"),
+            denied: count(&|trial| trial.holds == Some(false)),
+        }
+    }
+}
+
+/// Waves of random amplitude, noise of random size, and a deficit from 10^-8 to 10^-0.3.
+fn trial(number: usize) -> super::Trial {
+    let mut random = Random::new(SEED, number as u64);
+    let n = COARSEST[random.below(2)] << (1 + random.below(DOUBLINGS));
+    let amplitudes: [f64; WAVES] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
+    let noise: Vec<f64> = (0..(n + 1) * (n + 1)).map(|_| random.unit() - 0.5).collect();
+    let (roughness, exponent) = (2.0 * random.unit(), -8.0 + 7.7 * random.unit());
+    let deficit = libm::pow(10.0, exponent);
+    let index = |x: f64| ((x + 0.5) * n as f64).round() as usize;
+    let load = nodal_load(n, Some(deficit), |x, y| {
+        let wave = |(k, a): (usize, &f64)| {
+            let along_x = libm::sin((k / 4 + 1) as f64 * 2.0 * x + k as f64);
+            a * along_x * libm::cos((k % 4) as f64 * 2.5 * y + 0.3)
+        };
+        let smooth: f64 = amplitudes.iter().enumerate().map(wave).sum();
+        smooth + roughness * noise[index(y) * (n + 1) + index(x)]
+    });
+    multi(Grid::new(n).expect("fine enough"), &load, Goal::RoundingFloor, None)
+}

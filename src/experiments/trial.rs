@@ -1,0 +1,114 @@
+//! One run of a solver under stress, judged by a measure that no solver computes for itself.
+
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::kkt;
+use crate::multigrid;
+use crate::multigrid::square::{Goal, MultigridParams, multigrid};
+use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use serde::{Deserialize, Serialize};
+
+/// How a run ended, and what [`kkt`] says of the vector it returned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// The solver's own word; `refused` if it did not begin.
+    pub stop: String,
+    /// Iterations, or cycles on the finest grid.
+    pub steps: usize,
+    /// Work in units of one sweep of the finest grid.
+    pub work: f64,
+    /// Natural residual over `|F|_inf`; none if it is not finite.
+    pub kkt: Option<f64>,
+    /// Natural residual over `EPSILON * max |y|`, about 1 to 10 where only rounding is left.
+    pub floor: Option<f64>,
+    /// `max |y|`; none if it is not finite.
+    pub size: Option<f64>,
+    /// Boundary nodes in contact: there the flux exceeds y.
+    pub contact: usize,
+    /// Whether what the solver claims of the natural residual is so; none if it claims nothing of it.
+    pub holds: Option<bool>,
+}
+
+impl Trial {
+    fn of(grid: Grid, load: &[f64], y: &[f64], stop: &str, (steps, work): (usize, f64)) -> Self {
+        let judged = kkt(grid, y, load);
+        let size = y
+            .iter()
+            .fold(0.0, |size: f64, y| if y.abs() > size || y.is_nan() { y.abs() } else { size });
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let mut flux = vec![0.0; y.len()];
+        crate::discrete::stiffness::residual(grid, y, load, &mut flux);
+        Self {
+            stop: stop.into(),
+            steps,
+            work,
+            kkt: finite(judged.relative),
+            floor: finite(judged.natural / (f64::EPSILON * size)),
+            size: finite(size),
+            contact: grid.boundary().filter(|&node| flux[node] > y[node]).count(),
+            holds: None,
+        }
+    }
+
+    /// By how much two ways to compute a residual may differ, adding in another order.
+    fn slack(&self) -> f64 {
+        SLACK * f64::EPSILON * self.size.unwrap_or(f64::NAN)
+    }
+
+    fn refused() -> Self {
+        Self {
+            stop: "refused".into(),
+            steps: 0,
+            work: 0.0,
+            kkt: None,
+            floor: None,
+            size: None,
+            contact: 0,
+            holds: None,
+        }
+    }
+}
+
+/// The paper's iteration on one grid, from `pair`.
+///
+/// The printed rule and the dual one together bound the natural residual by their tolerance, over r if
+/// that is less than 1. For at a boundary node either the multiplier is zero after its step, and `A y - F`
+/// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
+/// bound nothing.
+pub fn saddle(grid: Grid, load: &[f64], params: &Params, mut pair: Pair) -> Trial {
+    let outcome = arrow_hurwicz(grid, load, params, &mut pair, None);
+    let stop = outcome.stop.to_string();
+    let cost = (outcome.iterations, outcome.iterations as f64);
+    let trial = Trial::of(grid, load, &pair.y, &stop, cost);
+    let strict = params.rule == StopRule::PrintedDual && outcome.stop == StopReason::Converged;
+    let holds = strict.then(|| {
+        let bound = params.tolerance * (1.0 / params.r).max(1.0);
+        kkt(grid, &pair.y, load).natural <= bound + trial.slack()
+    });
+    Trial { holds, ..trial }
+}
+
+/// Multigrid, by nested iteration or from `start`.
+pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
+    let params = MultigridParams { goal, ..MultigridParams::default() };
+    let Ok((y, outcome)) = multigrid(grid.cells(), load, start, &params, |_| {}) else {
+        return Trial::refused();
+    };
+    let cost = (outcome.cycles, outcome.work_units);
+    let trial = Trial::of(grid, load, &y, outcome.stop.name(), cost);
+    let natural = kkt(grid, &y, load).natural;
+    let (slack, floor) = (trial.slack(), FLOOR * f64::EPSILON * trial.size.unwrap_or(f64::NAN));
+    let holds = match (outcome.stop, goal) {
+        (multigrid::StopReason::Converged, Goal::Kkt(tolerance)) => {
+            Some(natural <= tolerance + slack)
+        }
+        (multigrid::StopReason::RoundingFloor, _) => Some(natural <= floor + slack),
+        (multigrid::StopReason::Converged, _) => Some(natural.is_finite()),
+        _ => None,
+    };
+    Trial { holds, ..trial }
+}
+
+/// Units of `EPSILON * max |y|` in [`Trial::slack`].
+const SLACK: f64 = 8.0;
+/// Units of `EPSILON * max |y|` at which multigrid speaks of the rounding floor.
+const FLOOR: f64 = 32.0;

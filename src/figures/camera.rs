@@ -1,0 +1,189 @@
+//! Parallel projection of a surface over the square: place, light, and which cell hides which.
+
+use super::picture::Place;
+use crate::discrete::grid::Grid;
+
+/// Height of the box, its sides being 1.
+const BOX_HEIGHT: f64 = 0.66;
+/// Display pixels per unit of length.
+const UNIT: f64 = 205.0;
+/// Light that falls on every side alike; the rest comes from the lamp.
+const AMBIENT: f64 = 0.62;
+
+/// From where a surface is seen, in parallel projection.
+///
+/// At azimuths that are multiples of 90 degrees one side of the square is seen end on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Degrees by which the viewer has walked counter-clockwise from the negative y axis.
+    pub azimuth: f64,
+    /// Degrees above the horizon, between 0 and 90.
+    pub elevation: f64,
+}
+
+impl View {
+    /// The view from above one of the four corners that looks most uphill: at a corner that is higher
+    /// than the one in front by as much as can be, so that the surface hides little of itself.
+    ///
+    /// `y` is a nodal vector; if it has another length than `grid`'s, the default view is returned.
+    pub fn uphill(grid: Grid, y: &[f64]) -> Self {
+        let mut best = Self::default();
+        if y.len() != grid.nodes() {
+            return best;
+        }
+        let n = grid.cells();
+        let mut most = f64::NEG_INFINITY;
+        // In the order in which a viewer who walks counter-clockwise meets the corners.
+        for (turn, (i, j)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
+            let rise = y[grid.index(n - i, n - j)] - y[grid.index(i, j)];
+            if rise > most {
+                most = rise;
+                let turned = Self::default().azimuth + 90.0 * turn as f64;
+                best.azimuth = if turned > 180.0 { turned - 360.0 } else { turned };
+            }
+        }
+        best
+    }
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self { azimuth: -37.5, elevation: 30.0 }
+    }
+}
+
+pub(super) type Vector = [f64; 3];
+
+pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The axes of the picture, as unit vectors in space.
+pub(super) struct Camera {
+    /// To the right in the picture.
+    pub(super) right: Vector,
+    /// Upwards in the picture.
+    pub(super) up: Vector,
+    /// Towards the viewer.
+    pub(super) toward: Vector,
+    /// Signs of x and y at the corner of the square nearest to the viewer.
+    pub(super) near: [f64; 2],
+}
+
+impl Camera {
+    /// The camera of a view.
+    pub(super) fn new(view: View) -> Self {
+        let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
+        let (sin_a, cos_a) = libm::sincos(radians(view.azimuth));
+        let (sin_e, cos_e) = libm::sincos(radians(view.elevation));
+        let toward = [sin_a * cos_e, -cos_a * cos_e, sin_e];
+        let sign = |t: f64| if t < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            right: [cos_a, sin_a, 0.0],
+            up: [-sin_a * sin_e, cos_a * sin_e, cos_e],
+            toward,
+            near: [sign(toward[0]), sign(toward[1])],
+        }
+    }
+
+    /// Cells (column, row) of a lattice with `n` per side, each after all cells it may hide.
+    ///
+    /// A ray from the viewer only ever steps to columns and rows farther away, so walking both
+    /// from the far end to the near one is an exact depth order: nothing needs sorting.
+    pub(super) fn far_to_near(&self, n: usize) -> impl Iterator<Item = (usize, usize)> {
+        let [right, upper] = self.near.map(|sign| sign > 0.0);
+        let walk = move |k: usize, ascending: bool| if ascending { k } else { n - 1 - k };
+        (0..n * n).map(move |k| (walk(k % n, right), walk(k / n, upper)))
+    }
+}
+
+/// Maps space to a panel.
+pub(super) struct Scene {
+    /// From where it is seen.
+    pub(super) camera: Camera,
+    /// Where the middle of the box is, in display pixels.
+    pub(super) origin: Place,
+    /// Values at the floor and the ceiling of the box.
+    pub(super) heights: (f64, f64),
+}
+
+impl Scene {
+    /// (x, y, v) in the box: unit sides, heights scaled, centre at the origin.
+    pub(super) fn point(&self, x: f64, y: f64, v: f64) -> Vector {
+        let (low, high) = self.heights;
+        [x, y, BOX_HEIGHT * ((v - low) / (high - low) - 0.5)]
+    }
+
+    /// Where (x, y, v) is in the picture.
+    pub(super) fn place(&self, x: f64, y: f64, v: f64) -> Place {
+        let point = self.point(x, y, v);
+        (
+            self.origin.0 + UNIT * dot(point, self.camera.right),
+            self.origin.1 - UNIT * dot(point, self.camera.up),
+        )
+    }
+
+    /// Light reflected by the quadrilateral with these corners, in order.
+    pub(super) fn brightness(&self, corners: [Vector; 4]) -> f64 {
+        let across = |p: usize, q: usize| [0, 1, 2].map(|d| corners[q][d] - corners[p][d]);
+        let (u, v) = (across(0, 2), across(1, 3));
+        let normal =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        // Over the viewer's left shoulder, so that slopes to either side differ.
+        let camera = &self.camera;
+        let lamp = [0, 1, 2].map(|d| camera.toward[d] + 0.9 * camera.up[d] - 0.8 * camera.right[d]);
+        let cosine = dot(normal, lamp) / (dot(normal, normal) * dot(lamp, lamp)).sqrt();
+        let facing = if dot(normal, camera.toward) < 0.0 { 0.8 } else { 1.0 };
+        facing * (AMBIENT + (1.06 - AMBIENT) * cosine.abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_is_drawn_after_every_cell_it_may_hide() {
+        let n = 5;
+        for azimuth in [-170.0, -127.5, -90.0, -37.5, 0.0, 12.0, 52.5, 90.0, 142.5, 180.0] {
+            let camera = Camera::new(View { azimuth, elevation: 30.0 });
+            let order: Vec<_> = camera.far_to_near(n).collect();
+            let when = |cell| order.iter().position(|&c| c == cell).unwrap();
+            for cell in (0..n * n).map(|k| (k % n, k / n)) {
+                // March towards the viewer from points of the cell: all cells met come later.
+                for (u, v) in [(0.5, 0.5), (0.1, 0.9), (0.9, 0.1), (0.2, 0.3)] {
+                    for step in 1..400 {
+                        let t = 0.02 * f64::from(step);
+                        let x = (cell.0 as f64 + u + t * camera.toward[0]).floor();
+                        let y = (cell.1 as f64 + v + t * camera.toward[1]).floor();
+                        if x < 0.0 || y < 0.0 || x >= n as f64 || y >= n as f64 {
+                            break;
+                        }
+                        assert!(when((x as usize, y as usize)) >= when(cell));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn camera_is_orthonormal() {
+        let camera = Camera::new(View::default());
+        for (a, b) in
+            [(camera.right, camera.up), (camera.up, camera.toward), (camera.toward, camera.right)]
+        {
+            assert!(dot(a, b).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn uphill_view_has_the_high_corner_at_the_back() {
+        let grid = Grid::new(2).unwrap();
+        for (k, near) in [(0, [1.0, 1.0]), (2, [-1.0, 1.0]), (8, [-1.0, -1.0]), (6, [1.0, -1.0])] {
+            let mut y = vec![0.0; 9];
+            y[k] = 1.0;
+            assert_eq!(Camera::new(View::uphill(grid, &y)).near, near);
+        }
+        assert_eq!(View::uphill(grid, &[]), View::default());
+    }
+}

@@ -1,0 +1,188 @@
+//! The boundary unrolled: solution, multiplier and contact along the four sides.
+
+use super::axes::{Frame, LEGEND_ROW, Legend, key};
+use super::palette::{INK, MUTED, SHADE, series};
+use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
+use super::text::Ticks;
+use super::{Caption, ContactLine, ContactPanel, FigureError, range_with_zero, some, vector};
+use crate::discrete::grid::Grid;
+
+/// Width of the picture in display pixels.
+const WIDTH: f64 = 800.0;
+/// Left and right end of the plots.
+const ACROSS: (f64, f64) = (82.0, 780.0);
+/// Height of the plots of y and of a in display pixels.
+const PLOT: f64 = 128.0;
+/// Height of one line's row in the band between the plots.
+const ROW: f64 = 9.0;
+
+/// Draws y and the multiplier a along the boundary, one panel below the other.
+///
+/// The abscissa s in [0, 4] runs counter-clockwise from the lower left corner. A node is in contact
+/// where a > 0, and stands for the half cells on both of its sides. The band between the two plots
+/// has one bar per line; the ground is grey where all lines of the panel are in contact.
+///
+/// # Errors
+/// [`FigureError`] without panels or lines, on a vector of a wrong length, or on NaN and infinities.
+pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<String, FigureError> {
+    for panel in some("panels", panels)? {
+        for line in some("lines", panel.lines)? {
+            vector(panel.title, "y", line.y, panel.grid.nodes())?;
+            vector(panel.title, "a", line.a, panel.grid.boundary_nodes())?;
+        }
+    }
+    let heights: Vec<f64> = panels
+        .iter()
+        .map(|panel| {
+            let rows = legend(panel).rows;
+            let band = ROW * panel.lines.len() as f64 + 16.0;
+            54.0 + LEGEND_ROW * rows as f64 + 2.0 * PLOT + band + 56.0
+        })
+        .collect();
+    let height = heights.iter().sum::<f64>() + 36.0;
+    let mut picture = Picture::new(WIDTH, height);
+    picture.layer("", |pen| {
+        let mut top = 8.0;
+        for (panel, height) in panels.iter().zip(&heights) {
+            draw_panel(pen, panel, &legend(panel), top);
+            top += height;
+        }
+        let y = height - 20.0;
+        pen.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
+        key(
+            pen,
+            (ACROSS.0 + 36.0, y),
+            "in contact (a > 0) in every run shown; bars: in contact, run by run",
+        );
+    })?;
+    Ok(picture.finish(caption))
+}
+
+fn legend<'a>(panel: &ContactPanel<'a>) -> Legend<'a> {
+    Legend::new(panel.lines.iter().map(|line| line.label), WIDTH - 100.0)
+}
+
+fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
+    pen.text(panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
+    legend.draw(pen, (ACROSS.0, top + 38.0));
+    let grid = panel.grid;
+    let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
+    let band = ROW * panel.lines.len() as f64 + 16.0;
+    let boundary: Vec<usize> = grid.boundary().collect();
+    let y_of = |line: &ContactLine| boundary.iter().map(|&k| line.y[k]).collect::<Vec<f64>>();
+    let a_of = |line: &ContactLine| line.a.to_vec();
+    let frame = |down: (f64, f64), data: &dyn Fn(&ContactLine) -> Vec<f64>| {
+        let (low, high) = range_with_zero(panel.lines.iter().flat_map(data));
+        let high = if high > low { high } else { low + 1.0 };
+        let ticks = Ticks::inside(low, high, 5);
+        // A margin, so that a curve at zero is not lost in the frame.
+        let pad = 0.08 * (high - low);
+        let frame = Frame { across: ACROSS, down, x: (0.0, 4.0), y: (low - pad, high + pad) };
+        (frame, ticks)
+    };
+    let upper = frame((top, top + PLOT), &y_of);
+    let lower_top = top + PLOT + band;
+    let lower = frame((lower_top, lower_top + PLOT), &a_of);
+
+    let touching: Vec<Vec<bool>> =
+        panel.lines.iter().map(|line| line.a.iter().map(|&a| a > 0.0).collect()).collect();
+    let all: Vec<bool> = (0..boundary.len()).map(|b| touching.iter().all(|line| line[b])).collect();
+    let whole = Frame { down: (top, lower_top + PLOT), ..upper.0 };
+    for run in contact_runs(grid, &all) {
+        whole.band(pen, run, SHADE);
+    }
+    for (name, (frame, ticks), data) in
+        [("y", &upper, &y_of as &dyn Fn(&ContactLine) -> Vec<f64>), ("a", &lower, &a_of)]
+    {
+        frame.rules(pen, ticks.values());
+        frame.label_left(pen, ticks.labelled());
+        let middle = 0.5 * (frame.down.0 + frame.down.1);
+        pen.text(name, (26.0, middle), Type::size(NORMAL).italic());
+        corner_lines(pen, frame);
+        for (k, line) in panel.lines.iter().enumerate() {
+            let values = data(line);
+            // Closed: s = 4 is the corner s = 0 again.
+            let places = (0..=values.len()).map(|b| {
+                let s = b as f64 * grid.h();
+                frame.at(s, values[b % values.len()])
+            });
+            // The first lines are thicker, so that a later one on top does not hide them.
+            let thick = 1.5 + 0.75 * (panel.lines.len() - 1 - k).min(3) as f64;
+            pen.path(places, series(k), thick);
+        }
+        frame.outline(pen);
+    }
+    for (k, line) in touching.iter().enumerate() {
+        let y = top + PLOT + 8.0 + ROW * k as f64;
+        for (from, to) in contact_runs(grid, line) {
+            pen.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
+        }
+    }
+    let middle = top + PLOT + 0.5 * band;
+    pen.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
+    for (k, side) in ["bottom", "right", "top", "left"].into_iter().enumerate() {
+        let x = whole.right(k as f64 + 0.5);
+        pen.text(side, (x, top - 11.0), Type::size(SMALL).color(MUTED));
+    }
+    let corners = ["lower left", "lower right", "upper right", "upper left", "lower left"];
+    let bottom = lower.0.down.1;
+    for (k, corner) in corners.into_iter().enumerate() {
+        let x = whole.right(k as f64);
+        pen.path([(x, bottom), (x, bottom + 4.0)], INK, 1.0);
+        pen.text(&k.to_string(), (x, bottom + 13.0), Type::size(SMALL));
+        let kind = Type::size(SMALL).color(MUTED);
+        match k {
+            0 => pen.text(corner, (x - 8.0, bottom + 29.0), kind.left()),
+            4 => pen.text(corner, (x + 8.0, bottom + 29.0), kind.right()),
+            _ => pen.text(corner, (x, bottom + 29.0), kind),
+        }
+    }
+    pen.text("s", (whole.right(0.5), bottom + 15.0), Type::size(NORMAL).italic());
+}
+
+fn corner_lines(pen: &mut Pen, frame: &Frame) {
+    for s in [1.0, 2.0, 3.0] {
+        let x = frame.right(s);
+        pen.path([(x, frame.down.0), (x, frame.down.1)], MUTED, 0.75);
+    }
+}
+
+/// Intervals of s in [0, 4] in which the boundary is in contact, ascending, disjoint.
+///
+/// Each node stands for the half cells on both of its sides; the first node is also the last.
+fn contact_runs(grid: Grid, touching: &[bool]) -> Vec<(f64, f64)> {
+    let count = touching.len();
+    let mut runs: Vec<(f64, f64)> = Vec::new();
+    let mut open = false;
+    for b in 0..=count {
+        let touches = touching[b % count];
+        if touches {
+            let from = ((b as f64 - 0.5) * grid.h()).max(0.0);
+            let to = ((b as f64 + 0.5) * grid.h()).min(4.0);
+            match runs.last_mut() {
+                Some(run) if open => run.1 = to,
+                _ => runs.push((from, to)),
+            }
+        }
+        open = touches;
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contact_runs_wrap_around_the_first_corner() {
+        let grid = Grid::new(4).unwrap();
+        let mut touching = vec![false; 16];
+        assert!(contact_runs(grid, &touching).is_empty());
+        touching[0] = true;
+        assert_eq!(contact_runs(grid, &touching), [(0.0, 0.125), (3.875, 4.0)]);
+        touching[5] = true;
+        touching[6] = true;
+        assert_eq!(contact_runs(grid, &touching)[1], (1.125, 1.625));
+        assert_eq!(contact_runs(grid, &[true; 16]), [(0.0, 4.0)]);
+    }
+}

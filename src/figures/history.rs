@@ -1,0 +1,260 @@
+//! Convergence histories: both readings of the stopping criterion against the iterations.
+
+use super::axes::{Frame, LEGEND_ROW, Legend, key};
+use super::palette::{INK, MUTED, RULE, series};
+use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::text::{Ticks, power_of_ten};
+use super::{Caption, FigureError, History, HistoryPanel, Span, finite, some};
+use crate::saddle::{Iteration, tolerance};
+
+/// Width of the picture in display pixels.
+const WIDTH: f64 = 800.0;
+/// Height of a plot in display pixels.
+const PLOT: f64 = 250.0;
+/// Left and right end of the plots.
+const ACROSS: (f64, f64) = (66.0, 690.0);
+
+/// Draws the residuals of every run, one panel below the other.
+///
+/// Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
+/// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
+/// which a run left a grid; dotted lines are the tolerances 10^-N of the grids shown.
+///
+/// # Errors
+/// [`FigureError`] without panels, grids, curves or iterations, or on NaN and infinities.
+pub fn histories(
+    caption: Caption,
+    span: Span,
+    panels: &[HistoryPanel],
+) -> Result<String, FigureError> {
+    for panel in some("panels", panels)? {
+        some("grids", panel.grids)?;
+        for curve in some("curves", panel.curves)? {
+            let shown = || curve.levels.iter().flatten();
+            finite(panel.title, "max dM/dy", shown().map(|i| i.gradient_signed))?;
+            finite(panel.title, "max |dM/dy|", shown().map(|i| i.gradient_abs))?;
+        }
+    }
+    let plans = panels.iter().map(|panel| Plan::new(span, panel)).collect::<Result<Vec<_>, _>>()?;
+    let height = plans.iter().map(Plan::height).sum::<f64>() + 40.0;
+    let mut picture = Picture::new(WIDTH, height);
+    let mut top = 8.0;
+    for plan in &plans {
+        let frame = plan.frame(top);
+        picture.layer("", |pen| plan.ground(pen, &frame, top))?;
+        picture.layer("stroke-dasharray=\"4 8\"", |pen| plan.tolerances(pen, &frame))?;
+        picture.layer("stroke-dasharray=\"18 10\"", |pen| {
+            plan.curves(pen, &frame, 1.0, |i| i.gradient_abs);
+        })?;
+        picture.layer("", |pen| {
+            plan.curves(pen, &frame, 2.0, |i| i.gradient_signed);
+            plan.rings(pen, &frame);
+            frame.outline(pen);
+        })?;
+        top += plan.height();
+    }
+    let y = height - 22.0;
+    let x = ACROSS.0;
+    picture.layer("", |pen| {
+        pen.path([(x, y), (x + 28.0, y)], MUTED, 2.0);
+        key(pen, (x + 35.0, y), "max \u{2202}M/\u{2202}y, signed");
+        key(pen, (x + 227.0, y), "max |\u{2202}M/\u{2202}y|, as printed");
+        pen.ring((x + 410.0, y), 4.0, MUTED);
+        let end = match span {
+            Span::AllGrids => "end of a grid",
+            Span::FinestGrid => "end of the run",
+        };
+        key(pen, (x + 421.0, y), end);
+        key(pen, (x + 557.0, y), "tolerance 10\u{207b}\u{1d3a}");
+    })?;
+    picture.layer("stroke-dasharray=\"18 10\"", |pen| {
+        pen.path([(x + 192.0, y), (x + 220.0, y)], MUTED, 1.0);
+    })?;
+    picture.layer("stroke-dasharray=\"4 8\"", |pen| {
+        pen.path([(x + 522.0, y), (x + 550.0, y)], INK, 1.0);
+    })?;
+    Ok(picture.finish(caption))
+}
+
+/// A panel with its scales.
+struct Plan<'a> {
+    panel: &'a HistoryPanel<'a>,
+    legend: Legend<'a>,
+    /// Index of the first grid shown.
+    first: usize,
+    longest: usize,
+    /// Powers of ten at the lower and upper edge.
+    decades: (i32, i32),
+}
+
+impl<'a> Plan<'a> {
+    fn new(span: Span, panel: &'a HistoryPanel<'a>) -> Result<Self, FigureError> {
+        let finest = panel.grids.len() - 1;
+        let first = match span {
+            Span::AllGrids => 0,
+            Span::FinestGrid => finest,
+        };
+        let shown = |curve: &'a History<'a>| curve.levels.iter().take(finest + 1).skip(first);
+        let longest =
+            panel.curves.iter().map(|curve| shown(curve).map(Vec::len).sum()).max().unwrap_or(0);
+        if longest == 0 {
+            return Err(FigureError::Empty("iterations"));
+        }
+        let largest = panel
+            .curves
+            .iter()
+            .flat_map(|curve| shown(curve).flatten())
+            .map(|i| i.gradient_abs.max(i.gradient_signed))
+            .fold(tolerance(first + 1), f64::max);
+        let bottom = -(panel.grids.len() as i32) - 1;
+        let top = libm::ceil(libm::log10(largest) + 0.05) as i32;
+        Ok(Self {
+            panel,
+            legend: Legend::new(panel.curves.iter().map(|curve| curve.label), WIDTH - 90.0),
+            first,
+            longest,
+            decades: (bottom, top.max(bottom + 1)),
+        })
+    }
+
+    fn header(&self) -> f64 {
+        34.0 + LEGEND_ROW * self.legend.rows as f64
+    }
+
+    fn height(&self) -> f64 {
+        self.header() + PLOT + 52.0
+    }
+
+    fn frame(&self, top: f64) -> Frame {
+        let top = top + self.header();
+        Frame {
+            across: ACROSS,
+            down: (top, top + PLOT),
+            x: (0.0, self.longest as f64 * 1.02),
+            y: (f64::from(self.decades.0), f64::from(self.decades.1)),
+        }
+    }
+
+    /// Everything but the data.
+    fn ground(&self, pen: &mut Pen, frame: &Frame, top: f64) {
+        pen.text(self.panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
+        self.legend.draw(pen, (ACROSS.0, top + 38.0));
+        let (low, high) = self.decades;
+        let step = ((high - low + 7) / 8).max(1) as usize;
+        frame.rules(pen, (low..=high).step_by(step).map(f64::from));
+        let ticks = (low..=high).step_by(step);
+        frame.label_left(pen, ticks.map(|e| (f64::from(e), power_of_ten(e))));
+        let ticks = Ticks::inside(0.0, frame.x.1, 10);
+        for (x, _) in ticks.labelled() {
+            let x = frame.right(x);
+            pen.path([(x, frame.down.0), (x, frame.down.1)], RULE, 0.75);
+        }
+        // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
+        frame.label_below(pen, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
+        let name =
+            if self.first == 0 { "iterations, all grids" } else { "iterations on the finest grid" };
+        let middle = 0.5 * (ACROSS.0 + ACROSS.1);
+        pen.text(name, (middle, frame.down.1 + 31.0), Type::size(NORMAL));
+        let middle = 0.5 * (frame.down.0 + frame.down.1);
+        pen.text("residual", (17.0, middle), Type::size(NORMAL).upwards());
+        for (k, grid) in self.shown_grids() {
+            let y = frame.up(level(k));
+            let text = format!("{}  h = 1/{}", power_of_ten(-(k as i32)), grid.cells());
+            pen.text(&text, (ACROSS.1 + 7.0, y), Type::size(SMALL).left().color(MUTED));
+        }
+    }
+
+    /// Grids shown, with their numbers from 1.
+    fn shown_grids(&self) -> impl Iterator<Item = (usize, &'a crate::discrete::grid::Grid)> {
+        let grids: &'a [_] = self.panel.grids;
+        (1..).zip(grids).skip(self.first)
+    }
+
+    fn tolerances(&self, pen: &mut Pen, frame: &Frame) {
+        for (k, _) in self.shown_grids() {
+            let y = frame.up(level(k));
+            pen.path([(ACROSS.0, y), (ACROSS.1, y)], INK, 1.0);
+        }
+    }
+
+    /// Iterations shown of a run: number from 1, whether it is the last on its grid, and data.
+    fn shown(&self, curve: &'a History<'a>) -> impl Iterator<Item = (usize, bool, &'a Iteration)> {
+        let levels = curve.levels.iter().take(self.panel.grids.len()).skip(self.first);
+        levels
+            .flat_map(|level| level.iter().enumerate().map(|(k, i)| (k + 1 == level.len(), i)))
+            .enumerate()
+            .map(|(k, (last, i))| (k + 1, last, i))
+    }
+
+    fn place(&self, frame: &Frame, number: usize, value: f64) -> Place {
+        let (low, high) = frame.y;
+        let y = if value > 0.0 { libm::log10(value).clamp(low, high) } else { low };
+        frame.at(number as f64, y)
+    }
+
+    fn curves(&self, pen: &mut Pen, frame: &Frame, width: f64, pick: fn(&Iteration) -> f64) {
+        for (k, curve) in self.panel.curves.iter().enumerate() {
+            let places = self.shown(curve).map(|(number, _, i)| self.place(frame, number, pick(i)));
+            let thinned = thinned(places.collect());
+            if thinned.len() > 1 {
+                pen.path(thinned, series(k), width);
+            }
+        }
+    }
+
+    fn rings(&self, pen: &mut Pen, frame: &Frame) {
+        for (k, curve) in self.panel.curves.iter().enumerate() {
+            for (number, _, i) in self.shown(curve).filter(|(_, last, _)| *last) {
+                pen.ring(self.place(frame, number, i.gradient_signed), 4.0, series(k));
+            }
+        }
+    }
+}
+
+/// log10 of the tolerance on the k-th grid.
+fn level(k: usize) -> f64 {
+    -(k as f64)
+}
+
+/// At most four points per half display pixel across: first, lowest, highest, last.
+///
+/// Long runs would otherwise make files that grow without showing more.
+fn thinned(places: Vec<Place>) -> Vec<Place> {
+    let column = |p: &Place| (2.0 * p.0) as i64;
+    let mut kept = Vec::new();
+    for run in places.chunk_by(|a, b| column(a) == column(b)) {
+        if run.len() <= 4 {
+            kept.extend_from_slice(run);
+            continue;
+        }
+        let extreme = |sign: f64| {
+            (0..run.len()).fold(
+                0,
+                |best, k| {
+                    if sign * run[k].1 > sign * run[best].1 { k } else { best }
+                },
+            )
+        };
+        let mut picks = [0, extreme(1.0), extreme(-1.0), run.len() - 1];
+        picks.sort_unstable();
+        kept.extend(picks.map(|k| run[k]));
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_envelope_and_the_order() {
+        let places: Vec<Place> =
+            (0..100_000).map(|k| (f64::from(k) * 0.006, f64::from((k * 7919) % 1009))).collect();
+        let thin = thinned(places.clone());
+        assert!(thin.len() < 5000);
+        assert!(thin.is_sorted_by(|a, b| a.0 <= b.0));
+        let top = |list: &[Place]| list.iter().map(|p| p.1).fold(0.0, f64::max);
+        assert_eq!(top(&thin), top(&places));
+        assert_eq!((thin[0], thin.last()), (places[0], places.last()));
+    }
+}

@@ -1,0 +1,205 @@
+//! Figure 1: maps of the piecewise constant right-hand sides.
+
+use super::axes::{Frame, colour_bar};
+use super::palette::{INK, WHITE, diverging, legible_on};
+use super::panels::{Panels, centre, title};
+use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
+use super::regions::{RASTER, raster, regions, widest};
+use super::text::{Ticks, short};
+use super::{Caption, FMap, FigureError, finite, some};
+use crate::discrete::load::clip;
+use crate::problem::source::Source;
+
+/// Sampling distance along borders between pieces.
+const BORDER_STEP: f64 = 1.0 / 256.0;
+/// Distance to both sides of a border at which f is compared.
+const BESIDE: f64 = 1e-6;
+/// Shades on either side of 0 for a smooth f: more would only make the file larger.
+const BANDS: f64 = 20.0;
+/// Side of a panel in display pixels.
+///
+/// A multiple of the raster, so that its cells fall on whole pixels.
+const SIDE: f64 = 288.0;
+
+type Point = [f64; 2];
+
+/// Draws one map per panel, two in a row, with a colour bar common to all and symmetric about 0.
+///
+/// Pieces are painted as exact polygons in their order; each value is printed where its region is
+/// widest, if it fits. A smooth f is painted as a raster, without values.
+///
+/// # Errors
+/// [`FigureError::Empty`] without panels, [`FigureError::NotFinite`] if a value of f is not finite.
+pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureError> {
+    some("panels", panels)?;
+    let mut limit = 0.0f64;
+    let mut rasters = Vec::new();
+    for panel in panels {
+        let values = raster(panel.f);
+        finite(panel.title, "f", values.iter().copied())?;
+        // The raster may miss a piece thinner than its cells.
+        if let Source::Pieces { background, pieces } = panel.f {
+            let values = pieces.iter().map(|(_, value)| *value);
+            finite(panel.title, "the pieces of f", values.chain([*background]))?;
+        }
+        limit = values.iter().fold(limit, |limit, v| limit.max(v.abs()));
+        rasters.push(values);
+    }
+    let limit = if limit > 0.0 { limit } else { 1.0 };
+    let color = |value: f64| diverging(value / limit);
+
+    let layout = Panels {
+        count: panels.len(),
+        side: SIDE,
+        margin: 20.0,
+        left: 66.0,
+        around: (92.0, 94.0),
+        foot: 66.0,
+    };
+    let (width, height) = layout.size();
+    let mut picture = Picture::new(width, height);
+    picture.layer("", |pen| {
+        for (k, (panel, values)) in panels.iter().zip(&rasters).enumerate() {
+            let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
+            title(pen, &frame, panel.title);
+            match panel.f {
+                Source::Pieces { background, pieces } => {
+                    frame.band(pen, frame.x, color(*background));
+                    let polygons: Vec<_> = pieces
+                        .iter()
+                        .map(|(region, value)| (inside_square(&region.half_planes()), *value))
+                        .collect();
+                    let place = |p: &Point| frame.at(p[0], p[1]);
+                    for (polygon, value) in &polygons {
+                        if polygon.len() > 2 {
+                            pen.polygon(polygon.iter().map(place), color(*value));
+                        }
+                    }
+                    for run in polygons.iter().flat_map(|(p, _)| borders(panel.f, p)) {
+                        pen.path(run.iter().map(place), INK, 1.0);
+                    }
+                    label_regions(pen, &frame, values, color);
+                }
+                Source::Exact(_) => {
+                    let band = |value: f64| color((BANDS * value / limit).round() / BANDS * limit);
+                    paint_raster(pen, &frame, values, band);
+                }
+            }
+            frame.outline(pen);
+            frame.label_below(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
+            frame.label_left(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
+            let kind = Type::size(NORMAL).italic();
+            let (x, y) = centre(&frame);
+            pen.text("x", (x, frame.down.1 + 31.0), kind);
+            pen.text("y", (frame.across.0 - 48.0, y), kind);
+        }
+        let middle = 0.5 * width + 10.0;
+        let top = layout.foot_top() + 12.0;
+        let half = 0.5 * (width - 160.0).min(420.0);
+        colour_bar(pen, (middle - half, middle + half), top, (-limit, limit), color, "f (x, y)");
+    })?;
+    Ok(picture.finish(caption))
+}
+
+/// The part of the square that lies in all half-planes.
+fn inside_square(planes: &[[f64; 3]]) -> Vec<Point> {
+    let square = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+    planes.iter().fold(square, |polygon, &plane| clip(&polygon, plane))
+}
+
+/// The parts of the border of a piece that f really jumps across, inside the square.
+///
+/// A later piece may cover the border, and a neighbour may have the same value.
+fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
+    let mut runs: Vec<Vec<Point>> = Vec::new();
+    let mut drawing = false;
+    for (k, &p) in polygon.iter().enumerate() {
+        let q = polygon[(k + 1) % polygon.len()];
+        let d = [q[0] - p[0], q[1] - p[1]];
+        let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        if length == 0.0 {
+            continue;
+        }
+        let pieces = (length / BORDER_STEP).ceil().max(1.0);
+        let along = |t: f64| [p[0] + t * d[0], p[1] + t * d[1]];
+        let normal = [BESIDE * d[1] / length, -BESIDE * d[0] / length];
+        for piece in 0..pieces as usize {
+            let [from, middle, to] = [0.0, 0.5, 1.0].map(|s| along((piece as f64 + s) / pieces));
+            let [out, inn] = [1.0, -1.0]
+                .map(|side| [middle[0] + side * normal[0], middle[1] + side * normal[1]]);
+            let jump = out.iter().chain(&inn).all(|c| c.abs() < 0.5)
+                && f.at(out[0], out[1]) != f.at(inn[0], inn[1]);
+            match runs.last_mut() {
+                Some(run) if jump && drawing => {
+                    // Within a straight edge the last sample moves on; a new edge adds a corner.
+                    if piece > 0 && run.len() > 1 {
+                        run.pop();
+                    }
+                    run.push(to);
+                }
+                _ if jump => runs.push(vec![from, to]),
+                _ => {}
+            }
+            drawing = jump;
+        }
+    }
+    runs
+}
+
+/// Paints a smooth f in bands of equal colour.
+fn paint_raster(
+    pen: &mut Pen,
+    frame: &Frame,
+    values: &[f64],
+    color: impl Fn(f64) -> plotters::style::RGBColor,
+) {
+    let line = |i: usize| i.min(RASTER) as f64 / RASTER as f64 - 0.5;
+    for (j, row) in values.chunks(RASTER).enumerate() {
+        let mut start = 0;
+        for run in row.chunk_by(|a, b| color(*a) == color(*b)) {
+            let end = start + run.len();
+            // One more cell to the right and above, painted over by the next: no seams show.
+            let (low, high) =
+                (frame.at(line(start), line(j)), frame.at(line(end + 1), line(j + 2)));
+            pen.rect(low, high, color(run[0]));
+            start = end;
+        }
+    }
+}
+
+/// Prints the value of every connected region where its largest inscribed disc is.
+fn label_regions(
+    pen: &mut Pen,
+    frame: &Frame,
+    values: &[f64],
+    color: impl Fn(f64) -> plotters::style::RGBColor,
+) {
+    for region in regions(values) {
+        let value = values[region[0]];
+        let (at, radius) = widest(&region, values);
+        let text = short(value);
+        let room = radius * SIDE;
+        let size = if room > 40.0 { 18.0 } else { NORMAL };
+        if 0.5 * text_width(&text, SMALL) < room {
+            let ink = legible_on(color(value));
+            let kind = Type::size(size).color(ink);
+            pen.text(&text, frame.at(at.0, at.1), if ink == WHITE { kind.bold() } else { kind });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn borders_are_drawn_only_where_f_jumps() {
+        let f: Source =
+            "rect(-0.25,0.25,-0.25,0.25)=2; rect(0,0.25,-0.25,0.25)=2; else=-1".parse().unwrap();
+        let right = inside_square(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.25], [0.0, 1.0, 0.25]]);
+        let drawn = borders(&f, &right);
+        // The line x = 0 lies between two pieces of the same value.
+        assert!(drawn.iter().flatten().all(|p| p[0] > -0.002));
+        assert!(!drawn.iter().any(|run| run.windows(2).any(|e| e[0][0] == 0.0 && e[1][0] == 0.0)));
+    }
+}

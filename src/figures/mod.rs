@@ -1,0 +1,274 @@
+//! Drawing functions of the figures: from data to SVG text, deterministic to the byte, no files.
+//!
+//! Every picture is at most 800 display pixels wide, on a white ground of its own so that it reads on
+//! dark pages too, and carries its title and description for readers who cannot see it.
+
+mod axes;
+mod camera;
+mod chart;
+mod contact;
+mod fragility;
+mod history;
+mod identifiability;
+mod maps;
+mod palette;
+mod panels;
+mod picture;
+mod regions;
+mod surface;
+mod text;
+
+pub use camera::View;
+pub use chart::charts;
+pub use contact::contact;
+pub use fragility::fragility;
+pub use history::histories;
+pub use identifiability::identifiability;
+pub use maps::maps_of_f;
+pub use surface::surfaces;
+
+use crate::discrete::grid::Grid;
+use crate::identify::Slice;
+use crate::problem::source::Source;
+use crate::saddle::Iteration;
+
+/// What a picture says about itself to readers who cannot see it.
+#[derive(Clone, Copy, Debug)]
+pub struct Caption<'a> {
+    /// One line: what is shown.
+    pub title: &'a str,
+    /// How it was made: command, inputs, hashes.
+    pub description: &'a str,
+}
+
+/// One panel of [`maps_of_f`].
+#[derive(Clone, Copy, Debug)]
+pub struct FMap<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// The right-hand side.
+    pub f: &'a Source,
+}
+
+/// One panel of [`surfaces`].
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Grid of the nodal vector.
+    pub grid: Grid,
+    /// Nodal vector: the height v, dimensionless.
+    pub y: &'a [f64],
+    /// Boundary vector: where the multiplier is positive, the boundary is drawn as in contact.
+    pub a: &'a [f64],
+    /// From where it is seen; [`View::uphill`] hides least.
+    pub view: View,
+}
+
+/// Which iterations [`histories`] shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Span {
+    /// All grids, iterations counted through.
+    #[default]
+    AllGrids,
+    /// The last grid only.
+    FinestGrid,
+}
+
+/// One panel of [`histories`].
+#[derive(Clone, Copy, Debug)]
+pub struct HistoryPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// The nested grids of every curve; the k-th, from 1, has tolerance 10^-k.
+    pub grids: &'a [Grid],
+    /// The runs compared.
+    pub curves: &'a [History<'a>],
+}
+
+/// The residuals of one run over nested grids.
+#[derive(Clone, Copy, Debug)]
+pub struct History<'a> {
+    /// Name in the legend, such as `r = 10`.
+    pub label: &'a str,
+    /// Iterations on each grid of the panel, coarsest first; fewer entries if the run ended early.
+    pub levels: &'a [Vec<Iteration>],
+}
+
+/// One panel of [`contact`].
+#[derive(Clone, Copy, Debug)]
+pub struct ContactPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Grid of all lines.
+    pub grid: Grid,
+    /// The solutions compared.
+    pub lines: &'a [ContactLine<'a>],
+}
+
+/// One solution on the boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactLine<'a> {
+    /// Name in the legend.
+    pub label: &'a str,
+    /// Nodal vector: y.
+    pub y: &'a [f64],
+    /// Boundary vector: the multiplier a, or the flux dy/dn.
+    pub a: &'a [f64],
+}
+
+/// One panel of [`identifiability`].
+#[derive(Clone, Copy, Debug)]
+pub struct IdentifiabilityPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Counts that come out around the recovered f, which is in the middle.
+    pub slice: &'a Slice,
+    /// Number of counts in the table.
+    pub cells: usize,
+    /// Other f to mark, as points of the plane.
+    pub others: &'a [[f64; 2]],
+}
+
+/// One panel of [`fragility`].
+#[derive(Clone, Copy, Debug)]
+pub struct FragilityPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Names of the columns.
+    pub columns: &'a [String],
+    /// Names of the rows.
+    pub rows: &'a [String],
+    /// Row by row, each count with the least disturbance that changes it.
+    pub cells: &'a [Vec<(usize, Option<f64>)>],
+}
+
+/// One panel of [`charts`].
+#[derive(Clone, Copy, Debug)]
+pub struct Chart<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// The horizontal axis.
+    pub x: Axis<'a>,
+    /// The vertical axis.
+    pub y: Axis<'a>,
+    /// What is plotted.
+    pub curves: &'a [Curve<'a>],
+}
+
+/// An axis of a [`Chart`].
+#[derive(Clone, Copy, Debug)]
+pub struct Axis<'a> {
+    /// Its name, with the unit.
+    pub name: &'a str,
+    /// How values are placed along it.
+    pub scale: Scale,
+    /// The range shown at least.
+    pub range: Option<(f64, f64)>,
+}
+
+/// How values are placed along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// By value, ticks at round numbers.
+    Linear,
+    /// By logarithm, ticks at powers of ten.
+    Log,
+}
+
+/// A curve of a [`Chart`].
+#[derive(Clone, Copy, Debug)]
+pub struct Curve<'a> {
+    /// Name in the legend; equal names share a colour across panels.
+    pub label: &'a str,
+    /// Points in the order in which they are joined.
+    pub points: &'a [(f64, f64)],
+    /// How it is drawn.
+    pub stroke: Stroke,
+}
+
+/// How a [`Curve`] is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// A line with a ring at each point.
+    Marked,
+    /// A line only.
+    Line,
+    /// Rings only.
+    Rings,
+    /// A thin dashed line in secondary ink, named at its right end and not in the legend: a bound, a slope.
+    Reference,
+}
+
+/// Why data cannot be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FigureError {
+    /// No panel, curve or iteration.
+    #[error("figure has no {0} to draw; pass at least one")]
+    Empty(&'static str),
+    /// NaN or an infinity among the data.
+    #[error(
+        "`{panel}`: entry {index} of {what} is not a finite number; solve again before drawing"
+    )]
+    NotFinite {
+        /// Title of the panel.
+        panel: String,
+        /// Which data.
+        what: &'static str,
+        /// Position of the first offender.
+        index: usize,
+    },
+    /// A vector that does not belong to its grid.
+    #[error("`{panel}`: {what} has {got} entries, its grid wants {want}")]
+    Length {
+        /// Title of the panel.
+        panel: String,
+        /// Which data.
+        what: &'static str,
+        /// Entries given.
+        got: usize,
+        /// Entries wanted.
+        want: usize,
+    },
+    /// The drawing library refused.
+    #[error("drawing failed: {0}")]
+    Backend(String),
+}
+
+/// Refuses an empty slice.
+fn some<'a, T>(what: &'static str, items: &'a [T]) -> Result<&'a [T], FigureError> {
+    if items.is_empty() {
+        return Err(FigureError::Empty(what));
+    }
+    Ok(items)
+}
+
+/// Refuses NaN and infinities.
+fn finite(
+    panel: &str,
+    what: &'static str,
+    values: impl IntoIterator<Item = f64>,
+) -> Result<(), FigureError> {
+    match values.into_iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(FigureError::NotFinite { panel: panel.into(), what, index }),
+    }
+}
+
+/// Refuses a vector of another length than `want`, NaN and infinities.
+fn vector(panel: &str, what: &'static str, values: &[f64], want: usize) -> Result<(), FigureError> {
+    if values.len() != want {
+        return Err(FigureError::Length { panel: panel.into(), what, got: values.len(), want });
+    }
+    finite(panel, what, values.iter().copied())
+}
+
+/// Smallest and largest of `values`, 0 included.
+fn range_with_zero(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    values.into_iter().fold((0.0, 0.0), |(lo, hi): (f64, f64), v| (lo.min(v), hi.max(v)))
+}
+
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,180 @@
+//! Pictures for the tests: every figure of the paper's two problems, and odd cases.
+
+use super::*;
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::transfer::Prolongation;
+use crate::saddle::{Monitor, Pair, Params, solve_nested};
+use std::ops::ControlFlow;
+
+const SOURCES: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
+pub(super) const CAPTION: Caption =
+    Caption { title: "Title <1> & more", description: "made by `signorini run`" };
+
+struct Record(Vec<Vec<Iteration>>);
+
+impl Monitor for Record {
+    fn wants_iterations(&self) -> bool {
+        true
+    }
+
+    fn iteration(&mut self, level: usize, iteration: &Iteration) -> ControlFlow<()> {
+        self.0[level - 1].push(*iteration);
+        ControlFlow::Continue(())
+    }
+}
+
+fn solved(f: &str, r: f64, finest: usize) -> (Vec<Grid>, Vec<Vec<Iteration>>, Pair) {
+    let f: Source = f.parse().unwrap();
+    let cells: Vec<_> = [4, 8, 16, 32, 64].into_iter().filter(|&n| n <= finest).collect();
+    let grids = crate::discrete::grid::nested(&cells).unwrap();
+    let loads: Vec<_> = grids.iter().map(|&g| load(g, &f, LoadRule::default())).collect();
+    let mut record = Record(vec![Vec::new(); grids.len()]);
+    let params = Params { r, ..Params::default() };
+    let (_, pair) = solve_nested(&grids, &loads, &params, Prolongation::Bilinear, &mut record);
+    let levels = record.0;
+    (grids, levels, pair)
+}
+
+/// Every figure, of both problems.
+pub(super) fn all() -> Vec<(&'static str, String)> {
+    let titles = ["a) problem 1", "b) problem 2"];
+    let fs = SOURCES.map(|text| text.parse::<Source>().unwrap());
+    let maps: Vec<_> = titles.iter().zip(&fs).map(|(title, f)| FMap { title, f }).collect();
+    let runs: Vec<Vec<_>> = SOURCES
+        .iter()
+        .map(|f| [1e6, 10.0, 5.0, 1.0, 0.5].map(|r| solved(f, r, 64)).into())
+        .collect();
+    let labels = ["r = 10\u{2076}", "r = 10", "r = 5", "r = 1", "r = 0.5"];
+    let grid = Grid::new(64).unwrap();
+    let shapes: Vec<_> = (0..2)
+        .map(|k| Surface {
+            title: titles[k],
+            grid,
+            y: &runs[k][1].2.y,
+            a: &runs[k][1].2.a,
+            view: View::uphill(grid, &runs[k][1].2.y),
+        })
+        .collect();
+    let curves: Vec<Vec<History>> = runs
+        .iter()
+        .map(|runs| {
+            runs.iter().zip(labels).map(|(run, label)| History { label, levels: &run.1 }).collect()
+        })
+        .collect();
+    let histories_of: Vec<_> = (0..2)
+        .map(|k| HistoryPanel { title: titles[k], grids: &runs[k][0].0, curves: &curves[k] })
+        .collect();
+    let lines: Vec<Vec<ContactLine>> = runs
+        .iter()
+        .map(|runs| {
+            let line =
+                |(label, k): (_, usize)| ContactLine { label, y: &runs[k].2.y, a: &runs[k].2.a };
+            labels.into_iter().zip(0..).map(line).collect()
+        })
+        .collect();
+    let contacts: Vec<_> =
+        (0..2).map(|k| ContactPanel { title: titles[k], grid, lines: &lines[k] }).collect();
+    let slices = [(3.0, -1.002), (-6.0, 1.998)].map(slice_around);
+    let others: &[[f64; 2]] = &[[2.99, -1.0], [-6.0, 2.0]];
+    let around = [0, 1].map(|k| IdentifiabilityPanel {
+        title: titles[k],
+        slice: &slices[k],
+        cells: 25,
+        others,
+    });
+    vec![
+        ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
+        ("figure2", surfaces(CAPTION, &shapes).unwrap()),
+        ("histories", histories(CAPTION, Span::AllGrids, &histories_of).unwrap()),
+        ("finest", histories(CAPTION, Span::FinestGrid, &histories_of).unwrap()),
+        ("contact", contact(CAPTION, &contacts).unwrap()),
+        ("identifiability", identifiability(CAPTION, &around).unwrap()),
+    ]
+}
+
+/// A map like those of the paper's problems: all counts come out on a band.
+fn slice_around((x0, y0): (f64, f64)) -> Slice {
+    let axis = |middle: f64, reach: f64| -> Vec<f64> {
+        (-16..=16).map(|k| middle + reach * f64::from(k) / 16.0).collect()
+    };
+    let (x, y) = (axis(x0, 0.03), axis(y0, 0.012));
+    let count = |x: f64, y: f64| {
+        let off = ((x - x0) + 3.0 * (y - y0)).abs();
+        25 - ((400.0 * off) as usize).min(11)
+    };
+    let exact = y.iter().map(|&y| x.iter().map(|&x| count(x, y)).collect()).collect();
+    Slice { pieces: [0, 1], x, y, exact }
+}
+
+/// One panel, few nodes, other shapes of f, more curves than colours, a long run.
+pub(super) fn unusual() -> Vec<(String, String)> {
+    let mut figures = Vec::new();
+    let shapes =
+        "disc(0.1,0.1,0.3)=1; rect(-0.5,-0.2,-0.1,0.02)=-1.5; halfplane(1,1,-0.4)=2; else=-1";
+    let texts = ["else=0", "exact(full-contact)", shapes];
+    let fs = texts.map(|text| text.parse::<Source>().unwrap());
+    let maps: Vec<_> = texts
+        .iter()
+        .zip(&fs)
+        .map(|(title, f)| FMap { title: &title[..title.len().min(30)], f })
+        .collect();
+    figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap()));
+    figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap()));
+    let (grids, _, pair) = solved(SOURCES[0], 10.0, 8);
+    let (title, grid, y, a) = ("one", grids[1], &pair.y, &pair.a);
+    for azimuth in [0.0, 52.5, 90.0] {
+        let view = View { azimuth, ..View::default() };
+        let panel = Surface { title, grid, y, a, view };
+        figures.push((format!("view{azimuth}"), surfaces(CAPTION, &[panel]).unwrap()));
+    }
+    let line = |label| ContactLine { label, y, a };
+    let lines =
+        ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
+            .map(line);
+    let panel = ContactPanel { title, grid, lines: &lines };
+    figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap()));
+    let long: Vec<_> = (1..=30_000)
+        .map(|number| {
+            let size = 1.0 / number as f64;
+            let gradient_signed = if number % 5000 < 900 { 0.0 } else { 0.3 * size };
+            Iteration { number, gradient_signed, gradient_abs: size, delta_a: 0.0 }
+        })
+        .collect();
+    let labels: Vec<String> = (1..=9).map(|k| format!("curve number {k}")).collect();
+    let levels = [vec![long[0]; 7], long];
+    let curves: Vec<_> = labels.iter().map(|label| History { label, levels: &levels }).collect();
+    let panel = HistoryPanel { title, grids: &grids, curves: &curves };
+    figures.push(("long".into(), histories(CAPTION, Span::AllGrids, &[panel]).unwrap()));
+    let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
+    let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
+    let curve = |label, points, stroke| Curve { label, points, stroke };
+    let curves = [
+        curve("L2 error", &falling[..], Stroke::Marked),
+        curve("maximum error", &falling[3..6], Stroke::Line),
+        curve("one", &falling[..1], Stroke::Rings),
+        curve("order 2", &slope, Stroke::Reference),
+    ];
+    let log = |name| Axis { name, scale: Scale::Log, range: None };
+    let linear = |name| Axis { name, scale: Scale::Linear, range: Some((0.0, 1e-3)) };
+    let panels = [
+        Chart { title: "both logarithmic", x: log("1/h"), y: log("error"), curves: &curves },
+        Chart { title: "both linear", x: linear("1/h"), y: linear("error"), curves: &curves[..3] },
+        Chart { title: "alone", x: log("1/h"), y: linear("error"), curves: &curves[..2] },
+    ];
+    let names = |names: [&str; 3]| names.map(String::from);
+    let (columns, rows) = (names(["h = 1/4", "1/8", "1/16"]), names(["r = 10", "5", "0.5"]));
+    let cells = [-15.0, -6.0, -2.0]
+        .map(|k| vec![(1, None), (1234, Some(libm::pow(10.0, k))), (56, Some(1e-8))]);
+    let panel = FragilityPanel { title, columns: &columns, rows: &rows, cells: &cells };
+    let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
+    figures.push(("fragility".into(), fragility(CAPTION, &sizes, &[panel; 2]).unwrap()));
+    figures.push(("charts".into(), charts(CAPTION, 2, &panels).unwrap()));
+    figures.push(("chart".into(), charts(CAPTION, 1, &panels[..1]).unwrap()));
+    figures
+}
+
+/// All of them, by name.
+pub(super) fn every() -> impl Iterator<Item = (String, String)> {
+    let usual = all().into_iter().map(|(name, svg)| (name.to_string(), svg));
+    usual.chain(unusual())
+}

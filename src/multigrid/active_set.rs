@@ -1,0 +1,202 @@
+//! Primal-dual active set method with a direct solver: the oracle for the multigrid method.
+//!
+//! # Idea
+//! Guess the contact set, solve the linear problem with `y = 0` there, then drop the nodes with a
+//! negative multiplier and add those with a negative value. This is the semismooth Newton method for
+//! `l = max(0, l - c y)`; the matrix being an M-matrix, it converges from every start in finitely many
+//! steps (Hintermüller, Ito and Kunisch 2002, theorem 3.2).
+//!
+//! # Cost
+//! One sparse Cholesky factorisation per step, `O(n^3)` operations and `O(n^2 log n)` memory.
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::{Col, Side};
+
+use super::StopReason;
+use super::input::{Extent, InputError, check_length};
+use super::network::Network;
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::kkt;
+
+/// Parameters of [`active_set`].
+#[derive(Clone, Debug)]
+pub struct ActiveSetParams {
+    /// Limit on the number of linear solves.
+    pub max_steps: usize,
+}
+
+impl Default for ActiveSetParams {
+    fn default() -> Self {
+        Self { max_steps: 100 }
+    }
+}
+
+/// What the monitor sees after each step.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    pub step: usize,
+    /// Nodes in contact during the step.
+    pub active: usize,
+    /// Nodes that enter or leave after it.
+    pub changes: usize,
+}
+
+/// Result without the solution itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// `Converged` if the contact set came to rest; `RoundingFloor` if it returned to an earlier one,
+    /// which happens only where multipliers or values are zero up to rounding errors.
+    pub stop: StopReason,
+    pub steps: usize,
+    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)`, in units of the load.
+    pub kkt: f64,
+}
+
+/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see
+/// [`multigrid`](super::multigrid::multigrid) for `A` and the layout of `load`, `start` and the result.
+///
+/// Starts from contact everywhere, or where `start` is not positive.
+///
+/// # Errors
+/// If `n` is below 2, a length is wrong, a number is not finite, or the sum of the load is not negative.
+pub fn active_set(
+    n: usize,
+    load: &[f64],
+    start: Option<&[f64]>,
+    params: &ActiveSetParams,
+    monitor: impl FnMut(&Progress),
+) -> Result<(Vec<f64>, Outcome), InputError> {
+    let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
+    let (y, stop, steps) = on_network(&Network::square(n), load, start, params, monitor)?;
+    let kkt = kkt(grid, &y, load).natural;
+    Ok((y, Outcome { stop, steps, kkt }))
+}
+
+/// The same for any network; returns the solution, why the iteration ended, and its steps.
+pub(super) fn on_network(
+    network: &Network,
+    load: &[f64],
+    start: Option<&[f64]>,
+    params: &ActiveSetParams,
+    mut monitor: impl FnMut(&Progress),
+) -> Result<(Vec<f64>, StopReason, usize), InputError> {
+    check_length(network.nodes(), load)?;
+    Extent::of(load).check()?;
+    if let Some(start) = start {
+        check_length(network.nodes(), start)?;
+    }
+    let system = System::new(network, load);
+    let mut active = system.contact_of(start);
+    let mut seen = Vec::new();
+    let mut y = vec![0.0; load.len()];
+    let mut steps = 0;
+    let stop = loop {
+        if steps == params.max_steps {
+            break StopReason::CycleLimit;
+        }
+        y = system.solve(&active);
+        steps += 1;
+        if !y.iter().all(|value| value.is_finite()) {
+            break StopReason::Diverged;
+        }
+        let next = system.next_contact(&active, &y);
+        let changes = active.iter().zip(&next).filter(|(old, new)| old != new).count();
+        let in_contact = active.iter().filter(|&&contact| contact).count();
+        monitor(&Progress { step: steps, active: in_contact, changes });
+        if changes == 0 {
+            break StopReason::Converged;
+        }
+        if seen.contains(&next) {
+            break StopReason::RoundingFloor;
+        }
+        seen.push(std::mem::replace(&mut active, next));
+    };
+    for (k, value) in y.iter_mut().enumerate() {
+        if network.is_constrained(k) {
+            *value = value.max(0.0);
+        }
+    }
+    Ok((y, stop, steps))
+}
+
+/// The matrix of a network with a symbolic factorisation that serves every contact set.
+struct System<'a> {
+    network: &'a Network,
+    load: &'a [f64],
+    /// Lower triangle: in each column the diagonal, then the couplings in the order of the network.
+    pattern: SymbolicSparseColMat<usize>,
+    factorisation: SymbolicLlt<usize>,
+}
+
+impl<'a> System<'a> {
+    fn new(network: &'a Network, load: &'a [f64]) -> Self {
+        let size = load.len();
+        let mut column_starts = vec![0];
+        let mut rows = Vec::new();
+        for k in 0..size {
+            rows.push(k);
+            rows.extend(network.couplings(k).map(|(row, _)| row));
+            column_starts.push(rows.len());
+        }
+        let pattern = SymbolicSparseColMat::new_checked(size, size, column_starts, None, rows);
+        let factorisation = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower)
+            .expect("the pattern is valid and fits into memory");
+        Self { network, load, pattern, factorisation }
+    }
+
+    fn contact_of(&self, start: Option<&[f64]>) -> Vec<bool> {
+        let touches = |k| start.is_none_or(|start: &[f64]| start[k] <= 0.0);
+        let mut contact: Vec<_> =
+            (0..self.load.len()).map(|k| self.network.is_constrained(k) && touches(k)).collect();
+        // Somewhere the solution touches zero; without contact the system would be singular.
+        contact[0] |= !contact.contains(&true);
+        contact
+    }
+
+    /// Solves `A y = F` with `y = 0` where `active`; one step of iterative refinement.
+    fn solve(&self, active: &[bool]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.pattern.row_idx().len());
+        let diagonal = self.network.diagonal();
+        for k in 0..active.len() {
+            values.push(if active[k] { 1.0 } else { diagonal[k] });
+            let entry = |(row, weight): (usize, f64)| {
+                if active[k] || active[row] { 0.0 } else { -weight }
+            };
+            values.extend(self.network.couplings(k).map(entry));
+        }
+        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values[..]);
+        let factors = Llt::try_new_with_symbolic(self.factorisation.clone(), matrix, Side::Lower)
+            .expect("positive definite: at least one node is in contact");
+        let mut y = vec![0.0; active.len()];
+        for _ in 0..2 {
+            let gradient = self.network.gradient(&y, self.load);
+            let residual =
+                Col::from_fn(active.len(), |k| if active[k] { 0.0 } else { -gradient[k] });
+            let correction = factors.solve(&residual);
+            for (value, correction) in y.iter_mut().zip(correction.iter()) {
+                *value += correction;
+            }
+        }
+        y
+    }
+
+    /// Keeps contact where the multiplier is not negative, adds negative values.
+    fn next_contact(&self, active: &[bool], y: &[f64]) -> Vec<bool> {
+        let gradient = self.network.gradient(y, self.load);
+        let keeps = |k: usize| match (self.network.is_constrained(k), active[k]) {
+            (false, _) => false,
+            (true, true) => gradient[k] >= 0.0,
+            (true, false) => y[k] < 0.0,
+        };
+        let mut next: Vec<_> = (0..active.len()).map(keeps).collect();
+        if !next.contains(&true) {
+            let largest = (0..active.len())
+                .filter(|&k| active[k])
+                .max_by(|&a, &b| gradient[a].total_cmp(&gradient[b]));
+            next[largest.expect("at least one node is in contact")] = true;
+        }
+        next
+    }
+}

@@ -1,0 +1,424 @@
+//! The contact set of the finest grid, and how each coarser grid represents it.
+//!
+//! A coarse grid that only knows whether its own nodes are in contact misplaces the ends of a contact
+//! interval by half a cell, and loses short intervals altogether; that is what slows multigrid down
+//! for obstacle problems. Here every coarse grid gets *springs* on boundary nodes that put the ends, or
+//! the logarithmic capacity of a short interval, where the finest grid has them. Some facts about the
+//! five-point stencil on a half-plane with natural boundary condition are used (lengths in cells):
+//!
+//! - Seen from afar, nodes `..., -1, 0` in contact act like the interval that ends at [`TIP`].
+//! - A spring `SPRING t / (1 - t)` on node 1 moves that end on by `t`, for any `0 <= t < 1`.
+//! - A single node in contact acts like an interval of half-length [`POINT_ON_EDGE`], and in the
+//!   corner of a quadrant like one that reaches [`POINT_IN_CORNER`] along both sides.
+//! - A corner node in contact with springs on its two neighbours acts like contact up to `a` along one
+//!   side and `b` along the other, and similar things hold for all that is short there: see
+//!   `corner_springs`.
+//! - If a whole side of a quadrant is in contact, and around the corner one node more, that acts like
+//!   contact up to [`CORNER_LEG`]; a spring `CORNER_SPRING t / (1 - t)` on that node instead of contact
+//!   like contact up to `CORNER_LEG sqrt(t)`.
+//!
+//! The first two were found numerically (to five digits, so the closed forms are a conjecture); the
+//! others follow from the potential kernel of the square lattice (Spitzer, *Principles of Random
+//! Walk*, section 15) and the map `z^2` of the quadrant. They affect the speed of convergence only,
+//! never the solution.
+
+use std::f64::consts::{PI, SQRT_2};
+
+use super::level::Level;
+use super::stencil::perimeter;
+
+/// Where the interval of contact ends beyond its last node: sqrt(2) / 4.
+const TIP: f64 = SQRT_2 / 4.0;
+/// Scale of the spring that moves the end of an interval: (1 + sqrt(2)) / 2.
+const SPRING: f64 = (1.0 + SQRT_2) / 2.0;
+/// Half-length of the interval equivalent to one node of an edge: 2 exp(-gamma - 3/2 ln 2).
+const POINT_ON_EDGE: f64 = 0.397_012;
+/// Reach along both sides equivalent to a corner node: sqrt(2) exp(-gamma - 3/2 ln 2).
+const POINT_IN_CORNER: f64 = 0.280_730;
+/// Reach of a corner node and its neighbour along one side, along that side and along the other:
+/// `sqrt(POINT_IN_CORNER^2 exp(pi^2 / 4) +- pi / 4)`.
+const ONE_LEG: [f64; 2] = [1.309_464, 0.379_343];
+/// Reach of a corner node and both its neighbours: `POINT_IN_CORNER exp(pi / 2)`.
+const TWO_LEGS: f64 = 1.350_444;
+/// Contact around a corner by one node, where the whole other side is in contact: sqrt(4 / (pi g)),
+/// g = 2 - 4 / pi the resistance of that node.
+const CORNER_LEG: f64 = 1.323_608;
+/// Scale of the spring around a corner: 1 / g.
+const CORNER_SPRING: f64 = 1.375_969;
+/// Springs at least this stiff count as contact.
+const STIFFEST: f64 = 1e4;
+/// Slack when a node lies at the very end of an interval, in cells.
+const ROUNDING: f64 = 1e-9;
+
+/// A run of contact nodes as it looks from afar, in cells of the finest grid along the perimeter,
+/// counter-clockwise from the corner (0, 0); `end` may exceed the perimeter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Interval {
+    start: f64,
+    end: f64,
+}
+
+/// The contact set of a grid.
+pub(super) struct ContactSet {
+    n: usize,
+    in_contact: Vec<bool>,
+    intervals: Vec<Interval>,
+}
+
+impl ContactSet {
+    /// Reads the set off the values: nodes of the boundary with `y = 0` and `A y >= F`.
+    pub(super) fn of(level: &Level) -> Self {
+        let n = level.n;
+        let mut in_contact = vec![false; 4 * n];
+        Level::for_each_boundary_node(n, |p, i, j| {
+            in_contact[p] = level.value(i, j) == 0.0 && level.boundary_residual(i, j).0 <= 0.0;
+        });
+        Self::from_flags(n, in_contact)
+    }
+
+    /// The set that consists of one node.
+    pub(super) fn single(n: usize, i: usize, j: usize) -> Self {
+        let mut in_contact = vec![false; 4 * n];
+        in_contact[perimeter(n, i, j)] = true;
+        Self::from_flags(n, in_contact)
+    }
+
+    fn from_flags(n: usize, in_contact: Vec<bool>) -> Self {
+        let intervals = intervals(n, &in_contact);
+        Self { n, in_contact, intervals }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        !self.in_contact.contains(&true)
+    }
+
+    /// `1 / (diagonal + spring)` on the perimeter of a grid with `coarse_n` cells per side.
+    pub(super) fn inverse_diagonal(&self, coarse_n: usize) -> Vec<f64> {
+        let nodes = 4 * coarse_n;
+        if self.intervals.is_empty() {
+            // Without a free node there are no ends: contact everywhere or nowhere.
+            let free = |p: usize| if p.is_multiple_of(coarse_n) { 1.0 } else { 0.5 };
+            let everywhere = self.in_contact[0];
+            return (0..nodes).map(|p| if everywhere { 0.0 } else { free(p) }).collect();
+        }
+        let cell = self.n as f64 / coarse_n as f64;
+        let mut springs = vec![0.0; nodes];
+        for interval in &self.intervals {
+            add_springs(interval.scaled(1.0 / cell), coarse_n, &mut springs);
+        }
+        for (p, spring) in springs.iter_mut().enumerate() {
+            let diagonal = if p.is_multiple_of(coarse_n) { 1.0 } else { 2.0 };
+            *spring = if *spring < STIFFEST { 1.0 / (diagonal + *spring) } else { 0.0 };
+        }
+        springs
+    }
+}
+
+/// Runs of nodes in contact; none if there is no free node between them.
+fn intervals(n: usize, in_contact: &[bool]) -> Vec<Interval> {
+    let nodes = in_contact.len();
+    let Some(free) = in_contact.iter().position(|contact| !contact) else {
+        return Vec::new();
+    };
+    let mut intervals = Vec::new();
+    let mut first = None;
+    for p in free + 1..=free + nodes {
+        match (first, in_contact[p % nodes]) {
+            (None, true) => first = Some(p),
+            (Some(start), false) => {
+                intervals.push(Interval::of_nodes(n, start, p - 1));
+                first = None;
+            }
+            _ => {}
+        }
+    }
+    intervals
+}
+
+impl Interval {
+    fn of_nodes(n: usize, first: usize, last: usize) -> Self {
+        let (before, after) = ((n - first % n) % n, last % n);
+        let (start, end) = match (last - first, before, after) {
+            (0, 0, _) => (POINT_IN_CORNER, POINT_IN_CORNER),
+            (0, ..) => (POINT_ON_EDGE, POINT_ON_EDGE),
+            (1, 0, _) => (ONE_LEG[1], ONE_LEG[0] - 1.0),
+            (1, 1, 0) => (ONE_LEG[0] - 1.0, ONE_LEG[1]),
+            (2, 1, 1) => (TWO_LEGS - 1.0, TWO_LEGS - 1.0),
+            _ => {
+                let reach = |beyond_corner: usize| match beyond_corner {
+                    0 => 0.0,
+                    1 => CORNER_LEG - 1.0,
+                    _ => TIP,
+                };
+                (reach(before), reach(after))
+            }
+        };
+        Self { start: first as f64 - start, end: last as f64 + end }
+    }
+
+    fn scaled(self, factor: f64) -> Self {
+        Self { start: factor * self.start, end: factor * self.end }
+    }
+
+    /// The first and the last node in contact, if neither end is in a corner; in the wrong order if none is.
+    fn holds(self) -> [f64; 2] {
+        [(self.start + TIP - ROUNDING).ceil(), (self.end - TIP + ROUNDING).floor()]
+    }
+
+    /// Whether it lies about a cell around a corner or less, and holds no node but that at most.
+    fn is_short_at(self, corner: f64) -> bool {
+        let (start, end) = (self.start - corner, self.end - corner);
+        let [first, last] = self.holds();
+        if start <= 0.0 && end >= 0.0 {
+            end.max(-start) < CORNER_LEG
+        } else {
+            first > last && (start + end).abs() < 2.0
+        }
+    }
+
+    /// The corners it holds, and how far it reaches beyond the first and the last of them.
+    fn corners(self, n: usize) -> Option<Corners> {
+        let side = n as f64;
+        let first = (self.start / side).ceil() * side;
+        let last = (self.end / side).floor() * side;
+        let (before, after) = (first - self.start, self.end - last);
+        (first <= last).then_some(Corners { first, last, before, after })
+    }
+}
+
+struct Corners {
+    first: f64,
+    last: f64,
+    before: f64,
+    after: f64,
+}
+
+/// Adds the springs that represent one interval, in cells of the grid, to those of its nodes.
+fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
+    let nodes = springs.len() as i64;
+    let mut add = |node: f64, spring: f64| {
+        let p = (node.round() as i64).rem_euclid(nodes) as usize;
+        // A corner node has half the couplings of the others.
+        springs[p] += if p.is_multiple_of(n) { 0.5 * spring } else { spring };
+    };
+    let Interval { start, end } = interval;
+    let middle = 0.5 * (start + end);
+    let corner = (middle / n as f64).round() * n as f64;
+    if interval.is_short_at(corner) {
+        let [before, own, after] = corner_springs(start - corner, end - corner);
+        add(corner - 1.0, before);
+        add(corner, 2.0 * own);
+        add(corner + 1.0, after);
+        return;
+    }
+    let (first, last, before, after) = match interval.corners(n) {
+        Some(Corners { first, last, before, after }) => {
+            let (to_first, before) = around_corner(before);
+            let (to_last, after) = around_corner(after);
+            (first - to_first, last + to_last, before, after)
+        }
+        None => {
+            let [first, last] = interval.holds();
+            (first, last, end_spring(first - TIP - start), end_spring(end - TIP - last))
+        }
+    };
+    if first <= last {
+        for node in first.round() as i64..=last.round() as i64 {
+            add(node as f64, f64::INFINITY);
+        }
+        add(first - 1.0, before);
+        add(last + 1.0, after);
+        return;
+    }
+    // Too short to hold a node of this grid: the current is shared between two nodes, such that capacity
+    // and centre stay as they are; as in `corner_springs`.
+    let c = 2.0 / PI * libm::log((end - start) / (2.0 * POINT_ON_EDGE));
+    let right = (middle - middle.floor()).clamp(c.max(0.0), 1.0 - c.max(0.0));
+    for (node, share) in [(middle.floor(), 1.0 - right), (middle.floor() + 1.0, right)] {
+        add(node, conductance((1.0 - share - c) / (2.0 * share)));
+    }
+}
+
+/// Springs on a corner node (over a quarter of its couplings in the whole lattice) and on the ones before
+/// and after it, for contact from `start` to `end`, about a cell from the corner at most.
+///
+/// Mirrored at both sides, the quadrant becomes the whole lattice, and `z^2` makes a slit of the contact. Its
+/// length gives the capacity, `c` in units of the resistance between neighbours, its middle the quadrupole
+/// moment `m` of the current. On the lattice the corner node draws `1 - x - y` of the current and its
+/// neighbours, in pairs, `x` and `y`, where `x - y = m`; the potential kernel being 0, 1, 4 / pi and
+/// 4 - 8 / pi at the distances that occur, the potentials of all follow, and the springs from these.
+fn corner_springs(start: f64, end: f64) -> [f64; 3] {
+    let [first, last] = [start, end].map(|s| s * s.abs());
+    let c = libm::log((last - first) / (2.0 * POINT_IN_CORNER * POINT_IN_CORNER)) / PI;
+    // Springs draw current one way only.
+    let m = (0.5 * (first + last)).clamp(-1.0, 1.0);
+    // x + y: what the corner node leaves its neighbours if it is in contact, or what the moment takes.
+    let together = c.max(m.abs());
+    let side = |m: f64| conductance((1.0 - c - (4.0 / PI - 1.0) * m) / (0.5 * (together + m)));
+    [side(-m), conductance((together - c) / (1.0 - together)), side(m)]
+}
+
+/// Number of nodes in contact beyond a corner, and spring on the next one, for contact up to `leg`.
+fn around_corner(leg: f64) -> (f64, f64) {
+    if leg < CORNER_LEG {
+        let t = leg * leg / (CORNER_LEG * CORNER_LEG);
+        (0.0, CORNER_SPRING * t / (1.0 - t))
+    } else {
+        let nodes = (leg - TIP + ROUNDING).floor().max(1.0);
+        (nodes, end_spring(leg - TIP - nodes))
+    }
+}
+
+/// Spring that moves the end of an interval on by `t` cells.
+fn end_spring(t: f64) -> f64 {
+    let t = t.max(0.0);
+    SPRING * t / (1.0 - t)
+}
+
+fn conductance(resistance: f64) -> f64 {
+    if resistance > 1.0 / STIFFEST { 1.0 / resistance } else { STIFFEST }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::coarsest;
+    use super::*;
+    use crate::multigrid::rows;
+
+    fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> ContactSet {
+        let mut flags = vec![false; 4 * n];
+        nodes.into_iter().for_each(|p| flags[p % (4 * n)] = true);
+        ContactSet::from_flags(n, flags)
+    }
+
+    #[test]
+    fn the_finest_grid_sees_its_own_contact_set() {
+        let n = 16;
+        for (first, last) in
+            [(3, 3), (3, 4), (5, 14), (0, 0), (15, 17), (16, 16), (60, 70), (14, 35)]
+        {
+            let inverse = set(n, first..=last).inverse_diagonal(n);
+            for p in 0..4 * n {
+                let inside = (first..=last).any(|q| q % (4 * n) == p);
+                let expected =
+                    if inside { 0.0 } else { [0.5, 1.0][usize::from(p.is_multiple_of(n))] };
+                // A single node reaches a little further than the end of a run.
+                assert!(
+                    (inverse[p] - expected).abs() < 0.02,
+                    "{first}..={last} at {p}: {}",
+                    inverse[p]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn ends_between_coarse_nodes_become_springs() {
+        // Contact on 4..=9 of the finest grid ends at 9 + TIP, 4.5 + TIP / 2 in coarse cells: node 4 is in
+        // contact, and node 5 has a spring for the rest.
+        let inverse = set(32, 4..=9).inverse_diagonal(16);
+        let rest = 0.5 - 0.5 * TIP;
+        assert_eq!((inverse[3], inverse[4]), (0.0, 0.0));
+        assert!((inverse[5] - 1.0 / (2.0 + SPRING * rest / (1.0 - rest))).abs() < 1e-12);
+        assert_eq!(inverse[6], 0.5);
+    }
+
+    #[test]
+    fn short_intervals_keep_their_capacity() {
+        // One node seen from grids 2, 4 and 8 times coarser: each adds ln 2 / pi to the resistance.
+        let contact = set(64, [32]);
+        for (coarse_n, halvings) in [(32, 1.0), (16, 2.0), (8, 3.0)] {
+            let spring = 1.0 / contact.inverse_diagonal(coarse_n)[coarse_n / 2] - 2.0;
+            assert!((1.0 / spring - halvings * 2.0_f64.ln() / PI).abs() < 1e-9, "{coarse_n}");
+        }
+    }
+
+    #[test]
+    fn contact_everywhere_and_nowhere_have_no_ends() {
+        assert!(set(8, 0..32).inverse_diagonal(4).iter().all(|&inverse| inverse == 0.0));
+        assert!(set(8, []).is_empty());
+    }
+
+    /// `F'y` for a constant load and the linear problem with these inverses on the boundary.
+    fn energy(n: usize, inverse_diagonal: Vec<f64>) -> f64 {
+        let share = |i: usize| if i.is_multiple_of(n) { 0.5 } else { 1.0 } / n as f64;
+        let nodes = || (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j)));
+        let load: Vec<_> = nodes().map(|(i, j)| share(i) * share(j)).collect();
+        let mut level = Level::new(n);
+        rows::split(n, &load, &mut level.load, |_| ());
+        level.inverse_diagonal = inverse_diagonal;
+        coarsest::solve_linear(&mut level);
+        nodes().map(|(i, j)| level.load_at(i, j) * level.value(i, j)).sum()
+    }
+
+    #[test]
+    fn coarse_grids_see_how_much_a_set_holds() {
+        let n = 64;
+        let on_edges = [(32, 32), (31, 31), (30, 31), (29, 31), (90, 97)];
+        let beside_corner = [(65, 65), (65, 66), (66, 66), (66, 67), (68, 68), (65, 68), (60, 62)];
+        let short = [(0, 0), (0, 1), (1, 0), (1, 1), (0, 2), (1, 2), (2, 2)];
+        let legs = short.into_iter().chain([(3, 0), (3, 3), (4, 4), (9, 6)]);
+        let around_corner = legs.map(|(before, after)| (n - before, n + after));
+        for (first, last) in around_corner.chain(on_edges).chain(beside_corner) {
+            let contact = set(n, first..=last);
+            let free = |p: usize| if p.is_multiple_of(n) { 1.0 } else { 0.5 };
+            let own =
+                (0..4 * n).map(|p| if contact.in_contact[p] { 0.0 } else { free(p) }).collect();
+            let exact = energy(n, own);
+            for coarse_n in [32, 16, 8] {
+                let ratio = energy(coarse_n, contact.inverse_diagonal(coarse_n)) / exact;
+                assert!((ratio - 1.0).abs() < 0.01, "{first}..={last} on {coarse_n}: {ratio}");
+            }
+        }
+    }
+
+    /// Reach around the corner, in cells, of what holds node (1, 0) of a quadrant whose left side is in
+    /// contact, `inverse` being the inverse of its diagonal: the lattice problem is solved on a square,
+    /// with `Re sqrt(z^2 - reach^2)` on its far sides, until that fits in the middle as well.
+    fn reach_around_the_corner(inverse: f64) -> f64 {
+        const N: usize = 48;
+        const SWEEPS: usize = 400;
+        let relaxation = 2.0 / (1.0 + PI / N as f64);
+        let mut reach = 0.0;
+        for _ in 0..6 {
+            let far = |i: usize, j: usize| {
+                let (x, y) = (i as f64, j as f64);
+                let (re, im) = (x * x - y * y - reach * reach, 2.0 * x * y);
+                (0.5 * (re.hypot(im) + re)).sqrt()
+            };
+            let mut v = vec![[0.0; N + 1]; N + 1];
+            for (j, row) in v.iter_mut().enumerate() {
+                for (i, value) in row.iter_mut().enumerate() {
+                    *value = far(i, j);
+                }
+            }
+            for _ in 0..SWEEPS {
+                for j in 0..N {
+                    for i in 1..N {
+                        let sides = v[j][i - 1] + v[j][i + 1];
+                        let best = match (i, j) {
+                            (1, 0) => inverse * (0.5 * sides + v[1][1]),
+                            (_, 0) => 0.5 * (0.5 * sides + v[1][i]),
+                            _ => 0.25 * (sides + v[j - 1][i] + v[j + 1][i]),
+                        };
+                        v[j][i] += relaxation * (best - v[j][i]);
+                    }
+                }
+            }
+            let middle = (N / 2) as f64;
+            reach = (middle * middle - v[0][N / 2] * v[0][N / 2]).sqrt();
+        }
+        reach
+    }
+
+    #[test]
+    fn corner_constants_are_those_of_the_lattice() {
+        let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-3;
+        let contact = reach_around_the_corner(0.0);
+        assert!(close(contact, CORNER_LEG), "{contact}");
+        for t in [0.2, 0.5, 0.8_f64] {
+            let reach = reach_around_the_corner(1.0 / (2.0 + CORNER_SPRING * t / (1.0 - t)));
+            assert!(close(reach, CORNER_LEG * t.sqrt()), "{t}: {reach}");
+        }
+    }
+}

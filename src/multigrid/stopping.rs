@@ -1,0 +1,93 @@
+//! When multigrid stops, on the square and on the cube alike.
+
+use super::StopReason;
+use super::square::{Goal, MultigridParams, Outcome, Progress};
+
+/// The discretisation error is reached after two cycles if the natural residual is this part of the load.
+const DISCRETISATION: f64 = 0.05;
+/// A cycle that reduces the natural residual by less is suspected to work on rounding errors.
+const STAGNATION: f64 = 0.5;
+/// Natural residual of nodes that were minimised one by one, in roundings, generously.
+const FLOOR: f64 = 32.0;
+/// Growth of the natural residual, over its first value or the load, that ends the iteration.
+const HOPELESS: f64 = 1e12;
+
+/// A hierarchy of grids, as far as the stopping tests know it. Residuals are natural ones, those of the
+/// scaled load.
+pub(super) trait Hierarchy {
+    /// One cycle on the finest grid; returns the residual of the red nodes. The black ones are minimised
+    /// last. The `last` cycle does not smooth for a next.
+    fn cycle(&mut self, last: bool) -> f64;
+    /// Residual of all nodes.
+    fn check(&mut self) -> f64;
+    /// What one rounding of the largest value leaves in a residual.
+    fn rounding(&mut self) -> f64;
+    /// `max |F|` of the scaled load.
+    fn load_scale(&self) -> f64;
+    /// What the load was divided by.
+    fn scale(&self) -> f64;
+    fn work_units(&self) -> f64;
+}
+
+/// Cycles until the goal is reached; `first` is the residual before the first one.
+pub(super) fn iterate(
+    grids: &mut impl Hierarchy,
+    first: f64,
+    params: &MultigridParams,
+    mut monitor: impl FnMut(&Progress),
+) -> Outcome {
+    let hopeless = HOPELESS * first.max(grids.load_scale());
+    let (mut kkt, mut cycles) = (first, 0);
+    let stop = loop {
+        if cycles == params.max_cycles {
+            break StopReason::CycleLimit;
+        }
+        let last = params.goal == Goal::DiscretisationError && cycles > 0;
+        let previous = kkt;
+        kkt = grids.cycle(last);
+        cycles += 1;
+        let raw = kkt * grids.scale();
+        monitor(&Progress { cycle: cycles, kkt: raw, work_units: grids.work_units() });
+        if !kkt.is_finite() || kkt > hopeless {
+            break StopReason::Diverged;
+        }
+        match params.goal {
+            Goal::DiscretisationError if last && kkt <= DISCRETISATION * grids.load_scale() => {
+                break StopReason::Converged;
+            }
+            // What the cycle measured leaves out the black nodes; minimised last, they have residuals of
+            // rounding errors only. Where these might matter, all nodes are checked before claiming.
+            Goal::Kkt(tolerance) if raw <= tolerance => {
+                if (kkt + FLOOR * grids.rounding()) * grids.scale() > tolerance {
+                    kkt = grids.check();
+                }
+                if kkt * grids.scale() <= tolerance {
+                    break StopReason::Converged;
+                }
+            }
+            _ => {}
+        }
+        if kkt >= STAGNATION * previous {
+            let floor = FLOOR * grids.rounding();
+            if kkt <= floor {
+                kkt = grids.check();
+                if kkt <= floor {
+                    break StopReason::RoundingFloor;
+                }
+            }
+        }
+    };
+    let kkt = kkt * grids.scale();
+    Outcome { stop, cycles, kkt, work_units: grids.work_units() }
+}
+
+/// The outcome where the finest grid is the coarsest, and has been solved directly.
+pub(super) fn direct(grids: &mut impl Hierarchy, goal: Goal) -> Outcome {
+    let kkt = grids.check() * grids.scale();
+    let stop = match goal {
+        Goal::Kkt(tolerance) if kkt > tolerance => StopReason::RoundingFloor,
+        Goal::RoundingFloor => StopReason::RoundingFloor,
+        Goal::Kkt(_) | Goal::DiscretisationError => StopReason::Converged,
+    };
+    Outcome { stop, cycles: 0, kkt, work_units: grids.work_units() }
+}

@@ -1,0 +1,8 @@
+//! This paper's replication: its scenes, published tables and records, and the stages that tie them together.
+
+pub mod paper;
+pub mod project;
+pub mod record;
+pub mod scene;
+pub mod stages;
+pub mod table;

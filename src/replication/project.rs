@@ -1,0 +1,160 @@
+//! A project folder: the scenes, published values and templates that a run reads, and where it writes.
+
+use crate::pipeline::Artifacts;
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::files::read_tree;
+use crate::replication::paper::Paper;
+use crate::replication::record::{self, Record};
+use crate::replication::scene::Scene;
+use crate::timing::recorded::{self, Timings};
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A folder with `pipeline/scenes/`, read and validated.
+#[derive(Debug)]
+pub struct Project {
+    /// The folder.
+    pub root: PathBuf,
+    /// All scenes, by name.
+    pub scenes: Vec<Scene>,
+    /// The scene files as read, by path in the project.
+    pub scene_files: Artifacts,
+    /// The published tables.
+    pub paper: Paper,
+    /// `pipeline/paper.toml` as read.
+    pub paper_text: String,
+    /// `pipeline/identified.toml` as read, if it is there.
+    pub record_text: Option<Vec<u8>>,
+    /// `pipeline/timings.toml` as read, if it is there.
+    pub timings_text: Option<Vec<u8>>,
+    /// Everything under `report/` that is not generated, by path from there.
+    pub templates: Artifacts,
+    /// The commands of the program, for the book; a reader of the folder alone knows none.
+    pub commands: Vec<CommandHelp>,
+}
+
+/// A command of the program.
+#[derive(Clone, Debug, Serialize)]
+pub struct CommandHelp {
+    /// Its name; empty for the program without a command.
+    pub name: String,
+    /// What it says with `--help`.
+    pub help: String,
+}
+
+impl Project {
+    /// The nearest project folder at or above `from`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is none.
+    pub fn find(from: &Path) -> Result<PathBuf> {
+        from.ancestors()
+            .find(|folder| folder.join("pipeline").join("scenes").is_dir())
+            .map(Path::to_path_buf)
+            .ok_or_else(|| {
+                Error::input(format!(
+                    "no pipeline/scenes in {} or above; run inside a clone of signorini, or use `signorini solve --f ...`",
+                    from.display()
+                ))
+            })
+    }
+
+    /// Reads the project in `root`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::Input`] from its parts.
+    pub fn read(root: PathBuf) -> Result<Self> {
+        let (scenes, scene_files) = read_scenes(&root)?;
+        let path = root.join("pipeline").join("paper.toml");
+        let paper_text = fs::read_to_string(&path).context("read", &path)?;
+        let paper = Paper::parse(&paper_text)?;
+        let record_text = read_record(&root, record::PATH, |text| Record::parse(text).map(drop))?;
+        let timings_text =
+            read_record(&root, recorded::PATH, |text| Timings::parse(text).map(drop))?;
+        let templates = read_tree(&root.join("report"), is_not_ours)
+            .or_else(|(path, e)| Err(e).context("read", &path))?;
+        Ok(Self {
+            root,
+            scenes,
+            scene_files,
+            paper,
+            paper_text,
+            record_text,
+            timings_text,
+            templates,
+            commands: Vec::new(),
+        })
+    }
+
+    /// The scenes with these names, each once, or all if no name is given.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the known names if one is unknown.
+    pub fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
+        if names.is_empty() {
+            return Ok(self.scenes.iter().collect());
+        }
+        let mut scenes = names.iter().map(|name| self.scene(name)).collect::<Result<Vec<_>>>()?;
+        scenes.sort_by(|a, b| a.name.cmp(&b.name));
+        scenes.dedup_by(|a, b| a.name == b.name);
+        Ok(scenes)
+    }
+
+    /// The scene with this name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the known names if there is none.
+    pub fn scene(&self, name: &str) -> Result<&Scene> {
+        self.scenes.iter().find(|scene| scene.name == name).ok_or_else(|| {
+            let known: Vec<_> = self.scenes.iter().map(|scene| scene.name.as_str()).collect();
+            Error::input(format!("no scene `{name}`; there are: {}", known.join(", ")))
+        })
+    }
+}
+
+/// An optional record of the project, checked: a project of other problems has none.
+fn read_record(
+    root: &Path,
+    path: &str,
+    check: impl Fn(&str) -> Result<()>,
+) -> Result<Option<Vec<u8>>> {
+    let path = root.join(path);
+    if !fs::exists(&path).context("read", &path)? {
+        return Ok(None);
+    }
+    let text = fs::read_to_string(&path).context("read", &path)?;
+    check(&text)?;
+    Ok(Some(text.into_bytes()))
+}
+
+/// Folders under `report/` that a run writes.
+const GENERATED: [&str; 2] = ["src", "book"];
+
+/// Whether a path under `report/` is hidden or generated.
+fn is_not_ours(path: &str) -> bool {
+    path.rsplit('/').next().is_some_and(|name| name.starts_with('.')) || GENERATED.contains(&path)
+}
+
+/// Reads every `pipeline/scenes/*.toml`, sorted by name.
+fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
+    let folder = root.join("pipeline").join("scenes");
+    let (mut scenes, mut files) = (Vec::new(), Artifacts::new());
+    for entry in fs::read_dir(&folder).context("read", &folder)? {
+        let path = entry.context("read", &folder)?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        // Editors keep locks and backups as hidden files.
+        if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
+            continue;
+        }
+        let text = fs::read_to_string(&path).context("read", &path)?;
+        scenes.push(Scene::parse(&name, &text)?);
+        files.insert(format!("pipeline/scenes/{name}.toml"), text.into_bytes());
+    }
+    if scenes.is_empty() {
+        let folder = folder.display();
+        return Err(Error::input(format!("no scenes in {folder}; add one as the README shows")));
+    }
+    scenes.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok((scenes, files))
+}

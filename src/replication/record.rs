@@ -1,0 +1,101 @@
+//! `pipeline/identified.toml`: what the search for the lost Figure 1 has found, and how much was searched.
+
+use crate::identify::Questions;
+use crate::pipeline::error::{Error, Result, mistake};
+use serde::{Deserialize, Serialize};
+
+/// The record: questions that every run answers again, and what longer searches said.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// What the stage `identify` computes.
+    pub questions: Questions,
+    /// Per table, the f that are compared.
+    pub problem: Vec<Alternatives>,
+    /// The model selection, the best variant first.
+    pub selection: SelectionRecord,
+    /// Searches made, each with its extent.
+    pub run: Vec<RunRecord>,
+}
+
+/// The f that are compared for one table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Alternatives {
+    /// Number of the table.
+    pub table: u8,
+    /// Four decimals each, separated by `;`.
+    pub alternatives: Vec<String>,
+}
+
+/// The same search under several readings of the method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SelectionRecord {
+    /// The commands that make it, one per problem.
+    pub commands: Vec<String>,
+    /// Candidates per variant and problem.
+    pub candidates: u64,
+    /// One entry per variant.
+    pub variant: Vec<VariantRecord>,
+}
+
+/// The best a variant did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VariantRecord {
+    /// The variant in words.
+    pub name: String,
+    /// Sum of the objectives of both problems.
+    pub total: f64,
+    /// Its best f for each problem.
+    pub best: Vec<BestRecord>,
+}
+
+/// The best f for one problem.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BestRecord {
+    /// Counts that come out.
+    pub exact: usize,
+    /// Misfit of the others.
+    pub misfit: f64,
+    /// Values of Delta a to the printed digits.
+    pub delta_a: usize,
+    /// Values on the quadrants.
+    pub f: Vec<f64>,
+}
+
+/// One search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRecord {
+    /// What was searched, in words.
+    pub what: String,
+    /// The command, unless it was made by a scratch program.
+    pub command: Option<String>,
+    /// Candidates tried.
+    pub candidates: u64,
+    /// Candidates per second and core, if it was measured.
+    pub rate: Option<u64>,
+    /// What came out, in words.
+    pub outcome: String,
+}
+
+/// Path in the project.
+pub const PATH: &str = "pipeline/identified.toml";
+
+impl Record {
+    /// Parses the record.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line of the mistake.
+    pub fn parse(text: &str) -> Result<Self> {
+        toml::from_str(text).map_err(|e| Error::input(format!("{PATH}: {}", mistake(text, &e))))
+    }
+
+    /// The f that are compared for this table.
+    pub fn alternatives(&self, table: u8) -> &[String] {
+        self.problem.iter().find(|p| p.table == table).map_or(&[], |p| &p.alternatives)
+    }
+}

@@ -1,0 +1,269 @@
+//! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
+
+use crate::discrete::grid::{Grid, nested};
+use crate::discrete::load::{LoadRule, integral};
+use crate::discrete::transfer::Prolongation;
+use crate::pipeline::error::{Error, Result, mistake};
+use crate::problem::source::Source;
+use crate::saddle::StopRule;
+use serde::{Deserialize, Serialize};
+
+/// What a scene may ask for. What it does not ask for is not computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Output {
+    /// Table of iteration counts and Delta a.
+    Table,
+    /// Map of f.
+    Source,
+    /// Surface of the solution on the finest grid.
+    Surface,
+    /// Residuals against iterations.
+    History,
+    /// Trace and multiplier along the unrolled boundary.
+    Contact,
+    /// How sharply the published table fixes f.
+    Identify,
+}
+
+impl Output {
+    /// The name used in scenes and file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Table => "table",
+            Self::Source => "source",
+            Self::Surface => "surface",
+            Self::History => "history",
+            Self::Contact => "contact",
+            Self::Identify => "identify",
+        }
+    }
+}
+
+/// A validated scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// File name without its ending.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Number of the published table to compare with, if there is one.
+    pub paper_table: Option<u8>,
+    /// Right-hand side.
+    pub f: Source,
+    /// Quadrature of the load vector.
+    pub load: LoadRule,
+    /// Interpolation to the next grid.
+    pub prolongation: Prolongation,
+    /// Nested grids, coarsest first.
+    pub grids: Vec<Grid>,
+    /// Duality parameters.
+    pub r: Vec<f64>,
+    /// Stopping rules; the first is the one compared with the paper.
+    pub stop: Vec<StopRule>,
+    /// Cap on iterations per grid.
+    pub max_iterations: usize,
+    /// Wanted outputs, sorted.
+    pub outputs: Vec<Output>,
+    /// The r whose solution is drawn.
+    pub draw_r: f64,
+}
+
+/// The file as written; unknown keys are errors.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    title: String,
+    paper_table: Option<u8>,
+    f: String,
+    #[serde(default)]
+    load: LoadRule,
+    #[serde(default)]
+    prolongation: Prolongation,
+    #[serde(default = "paper_grids")]
+    grids: Vec<usize>,
+    #[serde(default = "paper_r")]
+    r: Vec<f64>,
+    #[serde(default = "paper_stop")]
+    stop: Vec<StopRule>,
+    #[serde(default = "default_cap")]
+    max_iterations: usize,
+    outputs: Vec<Output>,
+    draw_r: Option<f64>,
+}
+
+fn paper_grids() -> Vec<usize> {
+    vec![4, 8, 16, 32, 64]
+}
+
+fn paper_r() -> Vec<f64> {
+    vec![1e6, 10.0, 5.0, 1.0, 0.5]
+}
+
+fn paper_stop() -> Vec<StopRule> {
+    vec![StopRule::Signed]
+}
+
+fn default_cap() -> usize {
+    crate::saddle::Params::default().max_iterations
+}
+
+impl Scene {
+    /// Parses and validates the text of a scene file; `name` names the scene in messages.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
+    pub fn parse(name: &str, text: &str) -> Result<Self> {
+        let wrong = |what: String| Error::input(format!("scene `{name}`: {what}"));
+        let file: SceneFile = toml::from_str(text).map_err(|e| wrong(mistake(text, &e)))?;
+        let f: Source = file.f.parse().map_err(|e| wrong(format!("{e}")))?;
+        // A known solution is proof enough, and its integral takes milliseconds on every command.
+        if f.exact().is_none() {
+            solvable(&f).map_err(|e| wrong(e.to_string()))?;
+        }
+        let grids = nested(&file.grids).map_err(|e| wrong(e.to_string()))?;
+        if file.r.is_empty() || file.stop.is_empty() {
+            return Err(wrong(
+                "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]".into(),
+            ));
+        }
+        let finest = grids.last().map_or(0, |grid| grid.cells());
+        if finest > MAX_CELLS {
+            return Err(wrong(format!(
+                "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
+            )));
+        }
+        for &r in &file.r {
+            positive_r(r).map_err(|e| wrong(e.to_string()))?;
+        }
+        if let Some(r) = repeated(&file.r) {
+            return Err(wrong(format!("`r` lists {r} twice; remove one")));
+        }
+        if let Some(rule) = repeated(&file.stop) {
+            return Err(wrong(format!("`stop` lists {rule} twice; remove one")));
+        }
+        if file.max_iterations == 0 {
+            return Err(wrong("`max_iterations` must be at least 1".into()));
+        }
+        let draw_r = file.draw_r.unwrap_or(file.r[file.r.len() / 2]);
+        if !file.r.contains(&draw_r) {
+            return Err(wrong(format!("`draw_r` = {draw_r} is not among `r`; add it there")));
+        }
+        let mut outputs = file.outputs;
+        outputs.sort();
+        outputs.dedup();
+        if outputs.contains(&Output::Identify) && file.paper_table.is_none() {
+            return Err(wrong(
+                "`identify` explains a published table; add `paper_table`, or drop it from `outputs`"
+                    .into(),
+            ));
+        }
+        Ok(Self {
+            name: name.into(),
+            title: file.title,
+            paper_table: file.paper_table,
+            f,
+            load: file.load,
+            prolongation: file.prolongation,
+            grids,
+            r: file.r,
+            stop: file.stop,
+            max_iterations: file.max_iterations,
+            outputs,
+            draw_r,
+        })
+    }
+
+    /// Whether the scene asks for this output.
+    pub fn wants(&self, output: Output) -> bool {
+        self.outputs.contains(&output)
+    }
+
+    /// The finest grid.
+    pub fn finest(&self) -> Grid {
+        *self.grids.last().expect("validated: at least one grid")
+    }
+}
+
+/// Finest grid for which two nodal vectors fit comfortably in memory.
+pub const MAX_CELLS: usize = 8192;
+
+/// The first item that is there twice.
+fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
+}
+
+/// Checks the condition (2) for solvability: the integral of f must be negative.
+///
+/// # Errors
+/// [`Error::Input`] with the integral.
+pub fn solvable(f: &Source) -> Result<f64> {
+    let integral = integral(f);
+    if integral < 0.0 {
+        return Ok(integral);
+    }
+    Err(Error::input(format!(
+        "the integral of f is {integral:.3e}, but (2) asks for a negative one; lower f somewhere"
+    )))
+}
+
+/// Checks that r is a positive number, and one that can be written out as the name of a cell.
+///
+/// # Errors
+/// [`Error::Input`] otherwise.
+pub fn positive_r(r: f64) -> Result<f64> {
+    if (1e-12..=1e12).contains(&r) {
+        return Ok(r);
+    }
+    Err(Error::input(format!(
+        "r = {r:e} must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6"
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "title = \"t\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
+
+    fn error(text: &str) -> String {
+        Scene::parse("s", text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn defaults_are_the_papers() {
+        let scene = Scene::parse("s", GOOD).unwrap();
+        assert_eq!(scene.finest().cells(), 64);
+        assert_eq!(scene.r, [1e6, 10.0, 5.0, 1.0, 0.5]);
+        assert_eq!(scene.stop, [StopRule::Signed]);
+        assert!(scene.wants(Output::Table) && !scene.wants(Output::Surface));
+    }
+
+    #[test]
+    fn problems_with_known_solutions_are_solvable() {
+        for exact in crate::problem::exact::Exact::ALL {
+            assert!(solvable(&Source::Exact(exact)).unwrap() < -0.5, "{exact:?}");
+        }
+    }
+
+    #[test]
+    fn each_mistake_has_its_own_message() {
+        assert!(error(&GOOD.replace("title", "titel")).contains("line 1"));
+        assert!(error(&format!("{GOOD}colour = 3\n")).contains("unknown field `colour`"));
+        assert!(error(&GOOD.replace("-1", "1")).contains("(2) asks for a negative one"));
+        assert!(error(&GOOD.replace("-1", "0")).contains("(2) asks for a negative one"));
+        assert!(error(&GOOD.replace("-1", "nan")).contains("not a finite number"));
+        assert!(error(&format!("{GOOD}r = [0.0]\n")).contains("must be a positive number"));
+        assert!(error(&format!("{GOOD}r = [nan]\n")).contains("must be a positive number"));
+        assert!(error(&format!("{GOOD}r = []\n")).contains("must not be empty"));
+        assert!(error(&format!("{GOOD}grids = [4, 12]\n")).contains("does not nest"));
+        assert!(error(&format!("{GOOD}r = [10, 1, 10]\n")).contains("lists 10 twice"));
+        assert!(error(&format!("{GOOD}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
+        assert!(error(&format!("{GOOD}grids = [8192, 16384]\n")).contains("more memory"));
+        assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
+        assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
+        assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));
+        assert!(error(&GOOD.replace("table", "identify")).contains("add `paper_table`"));
+        assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("unknown variant `never`"));
+    }
+}

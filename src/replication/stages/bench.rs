@@ -1,0 +1,146 @@
+//! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
+
+mod claims;
+mod stability;
+
+use super::{artifact, cost, figures, to_json};
+use crate::experiments::{self, accuracy};
+use crate::figures::Caption;
+use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::replication::project::Project;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+
+/// Artifact with what an experiment found.
+const RESULT: &str = "result.json";
+
+/// The experiments, as tasks; they need the whole project, as the book does.
+pub fn tasks(project: &Project) -> Vec<Task> {
+    let plan = experiments::claims::Plan::of(&project.scenes);
+    let mut tasks = vec![
+        task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
+        task("claims", plan, experiments::claims::claims),
+        task("cube", experiments::cube::Plan::default(), experiments::cube::cube),
+    ];
+    tasks.extend(stability::tasks(project));
+    tasks
+}
+
+/// A picture of what experiments found.
+pub struct Picture {
+    /// Name in the book and of the file, without ending.
+    pub name: &'static str,
+    /// Experiments it is drawn from.
+    experiments: &'static [&'static str],
+    /// Its title for readers who cannot see it.
+    title: &'static str,
+    draw: fn(&Inputs, Caption) -> Drawn,
+}
+
+/// The pictures of the chapters on experiments.
+pub const PICTURES: &[Picture] = &[
+    Picture {
+        name: "accuracy",
+        experiments: &["accuracy"],
+        title: "Errors against the width of the grid, four problems with known solutions",
+        draw: |inputs, caption| cost::accuracy(caption, &result(inputs, "accuracy")?),
+    },
+    Picture {
+        name: "work",
+        experiments: &["accuracy"],
+        title: "Residual, error and cost of three methods in sweeps and visits of unknowns",
+        draw: |inputs, caption| cost::work(caption, &result(inputs, "accuracy")?),
+    },
+    Picture {
+        name: "sweep",
+        experiments: &["claims"],
+        title: "Iterations of both problems against the duality parameter, three ways of stopping",
+        draw: claims::sweep,
+    },
+    Picture {
+        name: "uzawa",
+        experiments: &["claims"],
+        title: "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
+        draw: claims::uzawa,
+    },
+    Picture {
+        name: "rounding",
+        experiments: &["rounding"],
+        title: "The least relative disturbance that changes each published count",
+        draw: stability::draw_rounding,
+    },
+    Picture {
+        name: "duality",
+        experiments: &["stress"],
+        title: "KKT residual and iterations of the paper's method over r",
+        draw: stability::draw_duality,
+    },
+    Picture {
+        name: "tolerances",
+        experiments: &["stress"],
+        title: "KKT residual reached against the tolerance asked for",
+        draw: stability::draw_tolerances,
+    },
+    Picture {
+        name: "deficits",
+        experiments: &["stress"],
+        title: "Work and contact as the integral of f tends to zero",
+        draw: stability::draw_deficits,
+    },
+    Picture {
+        name: "precision",
+        experiments: &["stress"],
+        title: "KKT residual that rounding leaves, over the grids",
+        draw: stability::draw_precision,
+    },
+];
+
+type Drawn = Result<String, String>;
+
+/// The tasks that draw [`PICTURES`].
+pub fn pictures() -> impl Iterator<Item = Task> {
+    PICTURES.iter().map(|picture| {
+        let needs = picture.experiments.iter().map(|name| id(name)).collect();
+        figures::drawing(picture.name, picture.title.into(), needs, picture.draw)
+    })
+}
+
+fn id(experiment: &str) -> String {
+    format!("bench/{experiment}")
+}
+
+/// The task of an experiment: everything that it depends on is in `plan`.
+fn task<P, R>(name: &str, plan: P, run: fn(&P) -> Result<R, String>) -> Task
+where
+    P: Serialize + Send + Sync + 'static,
+    R: Serialize + 'static,
+{
+    Task {
+        id: id(name),
+        stage: Stage::Bench,
+        parameters: parameters(&plan),
+        files: Artifacts::new(),
+        needs: Vec::new(),
+        export: None,
+        work: Box::new(move |_| Ok(Artifacts::from([(RESULT.into(), to_json(&run(&plan)?))]))),
+    }
+}
+
+/// What an experiment found.
+fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
+    super::from_json(inputs, &id(experiment), RESULT)
+}
+
+/// What all experiments found, by name, for the templates.
+pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, serde_json::Value>, String> {
+    let mut results = BTreeMap::new();
+    for task in inputs.artifacts.keys() {
+        if let Some(name) = task.strip_prefix("bench/") {
+            let value = serde_json::from_slice(artifact(inputs, task, RESULT)?)
+                .map_err(|e| format!("{RESULT} of {task}: {e}"))?;
+            results.insert(name.to_owned(), value);
+        }
+    }
+    Ok(results)
+}

@@ -1,0 +1,192 @@
+//! The experiments on stability and their pictures.
+
+use super::{Drawn, result, task};
+use crate::experiments::rounding::{self, Rounding, TablePlan, rounding};
+use crate::experiments::stress::{self, Deficit, Duality, Floor, Stress, Tolerance, stress};
+use crate::experiments::trial::Trial;
+use crate::figures::{
+    Axis, Caption, Chart, Curve, FragilityPanel, Scale, Stroke, charts, fragility,
+};
+use crate::pipeline::{Inputs, Task};
+use crate::replication::project::Project;
+
+/// The tasks of both experiments: they start from the paper's problems.
+pub(super) fn tasks(project: &Project) -> Vec<Task> {
+    let mut tables: Vec<TablePlan> = project
+        .scenes
+        .iter()
+        .filter_map(|scene| {
+            Some(TablePlan {
+                number: scene.paper_table?,
+                f: scene.f.to_string(),
+                load: scene.load,
+                prolongation: scene.prolongation,
+                grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
+                r: scene.r.clone(),
+            })
+        })
+        .collect();
+    tables.sort_by_key(|table| table.number);
+    vec![
+        task("stress", stress::Plan::new(tables.clone()), stress),
+        task("rounding", rounding::Plan::new(tables), rounding),
+    ]
+}
+
+/// The least disturbance that changes each count.
+pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Drawn {
+    let found: Rounding = result(inputs, "rounding")?;
+    let parts: Vec<_> = found
+        .tables
+        .iter()
+        .map(|table| {
+            let columns: Vec<String> =
+                table.grids.iter().map(|cells| format!("h = 1/{cells}")).collect();
+            let rows: Vec<String> = table.rows.iter().map(|row| format!("r = {}", row.r)).collect();
+            let cells: Vec<Vec<_>> = table
+                .rows
+                .iter()
+                .map(|row| row.cells.iter().map(|cell| (cell.count, cell.flips_at)).collect())
+                .collect();
+            (format!("Table {}", table.number), columns, rows, cells)
+        })
+        .collect();
+    let panels: Vec<_> = parts
+        .iter()
+        .map(|(title, columns, rows, cells)| FragilityPanel { title, columns, rows, cells })
+        .collect();
+    fragility(caption, &found.sizes, &panels).map_err(|e| e.to_string())
+}
+
+fn log(name: &str) -> Axis<'_> {
+    Axis { name, scale: Scale::Log, range: None }
+}
+
+type Points = Vec<(f64, f64)>;
+/// Name and points of a curve.
+type Line = (String, Points, Stroke);
+/// Title, names of the axes, and curves of a panel.
+type Panel = (String, [&'static str; 2], Vec<Line>);
+
+/// Panels two in a row, without the curves that have no points.
+fn panels(caption: Caption, parts: &[Panel]) -> Drawn {
+    let curves: Vec<Vec<Curve>> = parts
+        .iter()
+        .map(|(_, _, curves)| {
+            let some = curves.iter().filter(|(_, points, _)| !points.is_empty());
+            some.map(|(label, points, stroke)| Curve { label, points, stroke: *stroke }).collect()
+        })
+        .collect();
+    let charted: Vec<Chart> = parts
+        .iter()
+        .zip(&curves)
+        .map(|((title, [x, y], _), curves)| Chart { title, x: log(x), y: log(y), curves })
+        .collect();
+    charts(caption, 2, &charted).map_err(|e| e.to_string())
+}
+
+/// A curve with a ring at each point where the value is positive.
+fn marked<T>(
+    label: impl Into<String>,
+    cases: &[T],
+    x: impl Fn(&T) -> f64,
+    y: impl Fn(&T) -> Option<f64>,
+) -> Line {
+    let points = cases.iter().filter_map(|case| Some((x(case), y(case).filter(|y| *y > 0.0)?)));
+    (label.into(), points.collect(), Stroke::Marked)
+}
+
+fn steps(trial: &Trial) -> Option<f64> {
+    Some(trial.steps as f64)
+}
+
+/// The paper's method over the duality parameter.
+pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Drawn {
+    let found: Stress = result(inputs, "stress")?;
+    let curves = |value: fn(&Trial) -> Option<f64>| {
+        let of_problem = |(k, cases): (usize, &Vec<Duality>)| {
+            let label = |rule: &str| format!("{rule} rule, problem {}", k + 1);
+            let r = |case: &Duality| case.r;
+            [
+                marked(label("signed"), cases, r, |case| value(&case.signed)),
+                marked(label("strict"), cases, r, |case| value(&case.strict)),
+            ]
+        };
+        found.duality.iter().enumerate().flat_map(of_problem).collect::<Vec<_>>()
+    };
+    let mut residual = curves(|trial| trial.kkt);
+    let ends = found.duality.first().and_then(|cases| Some((cases.first()?.r, cases.last()?.r)));
+    if let Some((low, high)) = ends {
+        let line = vec![(low, 1.0), (high, 1.0)];
+        residual.push(("as large as the load".into(), line, Stroke::Reference));
+    }
+    let parts = [
+        ("Where it stops".into(), ["r", "KKT residual"], residual),
+        ("How long it takes".into(), ["r", "iterations"], curves(steps)),
+    ];
+    panels(caption, &parts)
+}
+
+/// What is reached for each tolerance.
+pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Drawn {
+    let found: Stress = result(inputs, "stress")?;
+    let parts: Vec<_> = found
+        .tolerances
+        .iter()
+        .enumerate()
+        .map(|(k, cases)| {
+            let tolerance = |case: &Tolerance| case.tolerance;
+            let mut curves = vec![
+                marked("signed rule", cases, tolerance, |case| case.signed.kkt),
+                marked("strict rule", cases, tolerance, |case| case.strict.kkt),
+                marked("multigrid", cases, tolerance, |case| case.multigrid.kkt),
+            ];
+            let asked = cases.iter().map(|case| (case.tolerance, case.tolerance)).collect();
+            curves.push(("as asked".into(), asked, Stroke::Reference));
+            (format!("Problem {}", k + 1), ["tolerance over the load", "KKT residual"], curves)
+        })
+        .collect();
+    panels(caption, &parts)
+}
+
+/// Work and contact as the integral of f tends to zero.
+pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Drawn {
+    let found: Stress = result(inputs, "stress")?;
+    let deficit = |case: &Deficit| case.deficit;
+    let (mut work, mut contact) = (Vec::new(), Vec::new());
+    for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
+        let label = |method: &str| format!("{method}, {way}");
+        work.push(marked(label("the paper's method"), cases, deficit, |case| steps(&case.saddle)));
+        work.push(marked(label("multigrid"), cases, deficit, |case| Some(case.multigrid.work)));
+        contact.push(marked(label("multigrid"), cases, deficit, |case| {
+            Some(case.multigrid.contact as f64)
+        }));
+    }
+    let parts = [
+        ("Work".into(), ["deficit", "sweeps of the finest grid"], work),
+        ("Contact".into(), ["deficit", "boundary nodes in contact"], contact),
+    ];
+    panels(caption, &parts)
+}
+
+/// What rounding leaves of the residual, over the grids.
+pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Drawn {
+    let found: Stress = result(inputs, "stress")?;
+    let cells = |case: &Floor| case.cells as f64;
+    let floors = &found.floors;
+    let residual = vec![
+        marked("multigrid, double", floors, cells, |case| case.multigrid.kkt),
+        marked("the paper's method, double", floors, cells, |case| case.saddle.as_ref()?.kkt),
+        marked("the paper's method, single", floors, cells, |case| Some(case.single?.kkt)),
+    ];
+    let units = vec![
+        marked("multigrid, double", floors, cells, |case| case.multigrid.floor),
+        marked("the paper's method, double", floors, cells, |case| case.saddle.as_ref()?.floor),
+        marked("the paper's method, single", floors, cells, |case| Some(case.single?.floor)),
+    ];
+    let parts = [
+        ("Over the load".into(), ["1/h", "KKT residual"], residual),
+        ("In roundings of y".into(), ["1/h", "KKT residual over eps max |y|"], units),
+    ];
+    panels(caption, &parts)
+}

@@ -1,0 +1,262 @@
+//! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
+
+use super::identify::{self, FINDINGS};
+use super::solve::{self, HISTORY, PAIR, read_pair};
+use super::{artifact, from_json};
+use crate::figures::{
+    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel,
+    IdentifiabilityPanel, Span, Surface, View, contact, histories, identifiability, maps_of_f,
+    surfaces,
+};
+use crate::identify::Findings;
+use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::replication::project::Project;
+use crate::replication::scene::{Output, Scene};
+use crate::saddle::{Iteration, Pair};
+use std::collections::BTreeMap;
+
+/// The kinds of figure, with the name each has when the paper's problems share it.
+pub const KINDS: [(Output, &str); 5] = [
+    (Output::Source, "figure1"),
+    (Output::Surface, "figure2"),
+    (Output::History, "histories"),
+    (Output::Contact, "contact"),
+    (Output::Identify, "identifiability"),
+];
+
+/// What a figure is drawn from: a scene reduced to what matters for it.
+struct Panel {
+    scene: Scene,
+    /// The same for hashing; drawing reads nothing else.
+    parameters: BTreeMap<String, String>,
+}
+
+/// The figure tasks of `scenes`; shared ones only if all scenes of `project` that share them are there.
+pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for (kind, shared_name) in KINDS {
+        let shared = sharing(project, scenes, kind);
+        if !shared.is_empty() {
+            tasks.push(task(kind, shared_name.into(), &shared));
+        }
+        for scene in scenes.iter().filter(|s| s.paper_table.is_none() && s.wants(kind)) {
+            tasks.push(task(kind, format!("{}-{}", scene.name, kind.name()), &[scene]));
+        }
+    }
+    tasks
+}
+
+/// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
+pub(super) fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
+    let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
+    let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
+    let all = project.scenes.iter().filter(shares).count();
+    if shared.len() == all { shared } else { Vec::new() }
+}
+
+fn task(kind: Output, name: String, scenes: &[&Scene]) -> Task {
+    let panels: Vec<Panel> = scenes.iter().map(|scene| Panel::new(kind, scene)).collect();
+    let mut hashed = BTreeMap::from([("kind".into(), kind.name().into())]);
+    for panel in &panels {
+        let name = &panel.scene.name;
+        hashed.extend(panel.parameters.iter().map(|(k, v)| (format!("{name}.{k}"), v.clone())));
+    }
+    let needs = panels.iter().flat_map(|panel| panel.needs(kind)).collect();
+    let titles: Vec<&str> = panels.iter().map(|panel| panel.scene.title.as_str()).collect();
+    let title = format!("{}: {}", caption(kind), titles.join("; "));
+    let task =
+        drawing(&name, title, needs, move |inputs, caption| draw(kind, &panels, inputs, caption));
+    Task { parameters: hashed, ..task }
+}
+
+/// The task that draws the figure `name`; its title is its only parameter.
+pub(super) fn drawing(
+    name: &str,
+    title: String,
+    needs: Vec<String>,
+    draw: impl Fn(&Inputs, Caption) -> Result<String, String> + Send + Sync + 'static,
+) -> Task {
+    let picture = format!("{name}.svg");
+    Task {
+        id: id(name),
+        stage: Stage::Figures,
+        parameters: BTreeMap::from([("title".into(), title.clone())]),
+        files: Artifacts::new(),
+        needs,
+        export: Some("figures"),
+        work: Box::new(move |inputs| {
+            let description =
+                format!("Made by `{COMMAND}` from inputs {} (blake3).", &inputs.digest[..12]);
+            let svg = draw(inputs, Caption { title: &title, description: &description })?;
+            Ok(Artifacts::from([(picture.clone(), svg.into_bytes())]))
+        }),
+    }
+}
+
+/// What draws the figures.
+pub(super) const COMMAND: &str = "signorini run --only figures";
+
+/// Id of the task that draws the figure `name`.
+pub(super) fn id(name: &str) -> String {
+    format!("figures/{name}")
+}
+
+impl Panel {
+    fn new(kind: Output, scene: &Scene) -> Self {
+        let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
+        let mut value = serde_json::json!({ "title": scene.title });
+        match kind {
+            Output::Source | Output::Identify => value["f"] = scene.f.to_string().into(),
+            _ => value["grids"] = cells.into(),
+        }
+        Self { scene: scene.clone(), parameters: parameters(&value) }
+    }
+
+    fn needs(&self, kind: Output) -> Vec<String> {
+        let scene = &self.scene;
+        match kind {
+            Output::Source | Output::Table => Vec::new(),
+            Output::Surface => vec![solve::id(scene, scene.stop[0], scene.draw_r)],
+            Output::History => {
+                scene.r.iter().map(|&r| solve::id(scene, scene.stop[0], r)).collect()
+            }
+            Output::Identify => vec![identify::id(scene)],
+            Output::Contact => {
+                scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
+            }
+        }
+    }
+
+    fn pair(&self, inputs: &Inputs, task: &str) -> Result<Pair, String> {
+        read_pair(self.scene.finest(), artifact(inputs, task, PAIR)?)
+    }
+}
+
+fn draw(
+    kind: Output,
+    panels: &[Panel],
+    inputs: &Inputs,
+    caption: Caption,
+) -> Result<String, String> {
+    let picture: Result<String, FigureError> = match kind {
+        Output::Source => {
+            let maps: Vec<_> =
+                panels.iter().map(|p| FMap { title: &p.scene.title, f: &p.scene.f }).collect();
+            maps_of_f(caption, &maps)
+        }
+        Output::Surface => {
+            let pairs = panels
+                .iter()
+                .map(|panel| panel.pair(inputs, &panel.needs(kind)[0]))
+                .collect::<Result<Vec<_>, _>>()?;
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(&pairs)
+                .map(|(panel, pair)| {
+                    let grid = panel.scene.finest();
+                    let view = View::uphill(grid, &pair.y);
+                    Surface { title: &panel.scene.title, grid, y: &pair.y, a: &pair.a, view }
+                })
+                .collect();
+            surfaces(caption, &panels)
+        }
+        Output::History => {
+            let mut curves = Vec::new();
+            for panel in panels {
+                let mut of_panel = Vec::new();
+                for (task, r) in panel.needs(kind).iter().zip(&panel.scene.r) {
+                    let levels: Vec<Vec<Iteration>> = from_json(inputs, task, HISTORY)?;
+                    of_panel.push((format!("r = {r}"), levels));
+                }
+                curves.push(of_panel);
+            }
+            let curves: Vec<Vec<History>> = curves
+                .iter()
+                .map(|of_panel| {
+                    of_panel.iter().map(|(label, levels)| History { label, levels }).collect()
+                })
+                .collect();
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(&curves)
+                .map(|(panel, curves)| HistoryPanel {
+                    title: &panel.scene.title,
+                    grids: &panel.scene.grids,
+                    curves,
+                })
+                .collect();
+            histories(caption, Span::AllGrids, &panels)
+        }
+        Output::Contact => {
+            let mut pairs = Vec::new();
+            for panel in panels {
+                let mut of_panel = Vec::new();
+                for (task, stop) in panel.needs(kind).iter().zip(&panel.scene.stop) {
+                    let label = format!("stop: {stop}, r = {}", panel.scene.draw_r);
+                    of_panel.push((label, panel.pair(inputs, task)?));
+                }
+                pairs.push(of_panel);
+            }
+            let lines: Vec<Vec<ContactLine>> = pairs
+                .iter()
+                .map(|of_panel| {
+                    of_panel
+                        .iter()
+                        .map(|(label, pair)| ContactLine { label, y: &pair.y, a: &pair.a })
+                        .collect()
+                })
+                .collect();
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(&lines)
+                .map(|(panel, lines)| ContactPanel {
+                    title: &panel.scene.title,
+                    grid: panel.scene.finest(),
+                    lines,
+                })
+                .collect();
+            contact(caption, &panels)
+        }
+        Output::Identify => {
+            let found = panels
+                .iter()
+                .map(|panel| from_json::<Findings>(inputs, &panel.needs(kind)[0], FINDINGS))
+                .collect::<Result<Vec<_>, _>>()?;
+            let others: Vec<Vec<[f64; 2]>> = found.iter().map(two_valued).collect();
+            let panels: Vec<_> = panels
+                .iter()
+                .zip(found.iter().zip(&others))
+                .map(|(panel, (found, others))| IdentifiabilityPanel {
+                    title: &panel.scene.title,
+                    slice: &found.slice,
+                    cells: found.target.cells(),
+                    others,
+                })
+                .collect();
+            identifiability(caption, &panels)
+        }
+        Output::Table => return Err("a table is not a figure".into()),
+    };
+    picture.map_err(|e| e.to_string())
+}
+
+/// The alternatives with one value on the first quadrant and one elsewhere: those in the plane of the map.
+fn two_valued(found: &Findings) -> Vec<[f64; 2]> {
+    let others = found.alternatives.iter().filter(|other| !other.chosen).map(|o| &o.values[..]);
+    let in_plane = |v: &[f64]| match *v {
+        [first, rest, b, c] => (rest == b && rest == c).then_some([first, rest]),
+        _ => None,
+    };
+    others.filter_map(in_plane).collect()
+}
+
+fn caption(kind: Output) -> &'static str {
+    match kind {
+        Output::Source => "Right-hand side f",
+        Output::Surface => "Solution v",
+        Output::History => "Residuals against iterations",
+        Output::Contact => "Trace and multiplier along the boundary",
+        Output::Identify => "Published counts that come out, around the recovered f",
+        Output::Table => "Table",
+    }
+}

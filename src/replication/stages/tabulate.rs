@@ -1,0 +1,54 @@
+//! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table, and level by level.
+
+use super::from_json;
+use super::solve::{self, Outcomes};
+use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::replication::paper::Row;
+use crate::replication::scene::Scene;
+use crate::replication::table::{levels_csv, table_csv};
+use crate::saddle::StopRule;
+
+/// Artifact in the paper's layout; [`crate::replication::table::read_table`] reads it.
+pub const TABLE: &str = "table.csv";
+/// Artifact with one row per r and grid.
+pub const LEVELS: &str = "levels.csv";
+
+/// Id of the task that tabulates a scene under a stopping rule.
+pub fn id(scene: &Scene, stop: StopRule) -> String {
+    format!("tabulate/{}/{stop}", scene.name)
+}
+
+/// The task that tabulates a scene under a stopping rule.
+pub fn task(scene: &Scene, stop: StopRule) -> Task {
+    let needs: Vec<String> = scene.r.iter().map(|&r| solve::id(scene, stop, r)).collect();
+    let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
+    Task {
+        id: id(scene, stop),
+        stage: Stage::Tabulate,
+        parameters: parameters(&serde_json::json!({ "r": scene.r, "grids": cells })),
+        files: Artifacts::new(),
+        needs: needs.clone(),
+        export: None,
+        work: Box::new(move |inputs| tabulate(inputs, &needs, &cells)),
+    }
+}
+
+fn tabulate(inputs: &Inputs, needs: &[String], cells: &[usize]) -> Result<Artifacts, String> {
+    let columns = needs
+        .iter()
+        .map(|need| from_json::<Outcomes>(inputs, need, solve::OUTCOMES))
+        .collect::<Result<Vec<_>, _>>()?;
+    let rows: Vec<Row> = columns
+        .iter()
+        .map(|column| Row {
+            r: column.r,
+            counts: column.levels.iter().map(|o| o.iterations).collect(),
+            delta_a: column.levels.last().map_or(f64::NAN, |o| o.delta_a),
+        })
+        .collect();
+    let levels: Vec<_> = columns.into_iter().map(|column| (column.r, column.levels)).collect();
+    Ok(Artifacts::from([
+        (TABLE.into(), table_csv(&rows, cells)?),
+        (LEVELS.into(), levels_csv(&levels)?),
+    ]))
+}

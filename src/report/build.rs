@@ -1,0 +1,90 @@
+//! mdBook, run in this process in a folder of its own, from bytes to bytes.
+
+use super::ReportError;
+use super::mathml::{Labels, collect_labels, convert};
+use crate::pipeline::files::read_tree;
+use mdbook_driver::MDBook;
+use mdbook_driver::config::Config;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::str::FromStr;
+
+/// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
+///
+/// Formulas in `*.md` are set as MathML. Returns every file of the built book by its path in it.
+/// The same files give the same bytes. The folder `scratch`, which must not exist yet, is used
+/// meanwhile and removed at the end, also on errors.
+///
+/// # Errors
+/// [`ReportError`] if a formula or a reference is wrong, mdBook refuses the book, or the disk does.
+pub fn build(
+    files: &BTreeMap<String, Vec<u8>>,
+    scratch: &Path,
+) -> Result<BTreeMap<String, Vec<u8>>, ReportError> {
+    let text = |name: &str, bytes: &[u8]| {
+        String::from_utf8(bytes.to_vec()).map_err(|_| ReportError::NotText(name.into()))
+    };
+    let mut labels = Labels::new();
+    for (name, bytes) in markdown(files) {
+        collect_labels(name, &text(name, bytes)?, &mut labels)?;
+    }
+    let config = match files.get("book.toml") {
+        Some(bytes) => Config::from_str(&text("book.toml", bytes)?).map_err(refused)?,
+        None => return Err(ReportError::Book("no book.toml among the files".into())),
+    };
+
+    let scratch = Scratch::new(scratch)?;
+    for (name, bytes) in files {
+        if !name.ends_with(".md") {
+            write(&scratch.0.join(name), bytes)?;
+        }
+    }
+    for (name, bytes) in markdown(files) {
+        let page = convert(name, &text(name, bytes)?, &labels)?;
+        write(&scratch.0.join(name), page.as_bytes())?;
+    }
+    let built = scratch.0.join(&config.build.build_dir);
+    MDBook::load_with_config(scratch.0, config).and_then(|book| book.build()).map_err(refused)?;
+    read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
+}
+
+/// A folder that lives as long as this value.
+struct Scratch<'a>(&'a Path);
+
+impl<'a> Scratch<'a> {
+    fn new(path: &'a Path) -> Result<Self, ReportError> {
+        let parent = path.parent().unwrap_or(path);
+        fs::create_dir_all(parent)
+            // Never an existing folder: what was in it would be deleted with it.
+            .and_then(|()| fs::create_dir(path))
+            .map_err(|source| io(path, source))?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for Scratch<'_> {
+    fn drop(&mut self) {
+        // A folder left behind is a nuisance, not a reason to lose the book.
+        let _ = fs::remove_dir_all(self.0);
+    }
+}
+
+fn markdown(files: &BTreeMap<String, Vec<u8>>) -> impl Iterator<Item = (&String, &Vec<u8>)> {
+    files.iter().filter(|(name, _)| name.ends_with(".md"))
+}
+
+fn refused(error: mdbook_driver::errors::Error) -> ReportError {
+    ReportError::Book(format!("{error:#}"))
+}
+
+fn io(path: &Path, source: std::io::Error) -> ReportError {
+    ReportError::Io { path: path.into(), source }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
+    let folder = path.parent().unwrap_or(path);
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(path, bytes))
+        .map_err(|source| io(path, source))
+}

@@ -1,0 +1,271 @@
+//! What the chapter on cost says about recorded times: fits, crossovers, and what was to be reached.
+
+use crate::experiments::accuracy::Findings;
+use crate::experiments::exponent;
+use crate::timing::measure::{SOLVERS, TIMED};
+use crate::timing::recorded::{Goal, Reached, Scaling, Timings, arrivals};
+use serde::Serialize;
+
+/// Recorded times, digested.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Cost {
+    /// Multigrid, one line per grid.
+    grids: Vec<Grid>,
+    /// Power laws of its time, per number of threads and goal.
+    fits: Vec<Fit>,
+    /// All solvers to the discretisation error, per problem.
+    races: Vec<Race>,
+    /// Largest spread of any median.
+    noise: f64,
+    targets: Option<Targets>,
+    outdated: Option<Outdated>,
+}
+
+/// Where multigrid has changed since it was timed.
+#[derive(Clone, Debug, Serialize)]
+struct Outdated {
+    cells: usize,
+    /// Work units to the rounding floor, as timed and as it is.
+    then: f64,
+    now: f64,
+}
+
+/// Multigrid on one grid.
+#[derive(Clone, Debug, Serialize)]
+struct Grid {
+    cells: usize,
+    unknowns: usize,
+    /// Bytes of the workspace per unknown.
+    bytes: f64,
+    /// To the discretisation error, then to the rounding floor.
+    goals: Vec<Timed>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Timed {
+    work_units: f64,
+    /// Nanoseconds per unknown, by threads: one, then two if there are.
+    ns: Vec<f64>,
+    /// Nanoseconds per unknown and work unit, one thread.
+    per_unit: f64,
+    /// Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
+    stream: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Fit {
+    goal: &'static str,
+    threads: usize,
+    exponent: f64,
+    /// Unknowns on the coarsest and the finest grid of the fit.
+    from: usize,
+    to: usize,
+    /// Nanoseconds per unknown: least and greatest.
+    ns: [f64; 2],
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Race {
+    problem: String,
+    solvers: [&'static str; 5],
+    rows: Vec<RaceRow>,
+    /// Per solver but multigrid: the finest grid on which it is fastest, and its time over multigrid's on
+    /// the finest grid it has been run on.
+    against: Vec<Against>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct RaceRow {
+    cells: usize,
+    seconds: Vec<Option<f64>>,
+    best: &'static str,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Against {
+    solver: &'static str,
+    /// Finest grid on which it is at least as fast as multigrid.
+    until: Option<usize>,
+    /// Finest grid with both, and the ratio of times there.
+    cells: usize,
+    ratio: f64,
+}
+
+/// Times on the finest grid against the targets that were set on a machine with faster memory.
+#[derive(Clone, Debug, Serialize)]
+struct Targets {
+    cells: usize,
+    /// One thread, nanoseconds per unknown: to the discretisation error and to the floor.
+    ns: [f64; 2],
+    /// The same with two threads, if there are.
+    both: Option<[f64; 2]>,
+    /// What was to be reached.
+    wanted: [f64; 2],
+    /// That, were time inverse to the bandwidth of in-place updates.
+    scaled: [f64; 2],
+    speedup: Option<Speedup>,
+    /// Least and greatest ratio of other people's times to ours.
+    peers: Option<[f64; 2]>,
+}
+
+/// One thread's time over that of two.
+#[derive(Clone, Debug, Serialize)]
+struct Speedup {
+    cells: usize,
+    /// To the discretisation error, then to the rounding floor.
+    ratios: [f64; 2],
+}
+
+/// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
+const WANTED: [f64; 2] = [8.0, 30.0];
+const THEIR_UPDATE: f64 = 60.0;
+/// Cells per side of the grid on which two threads are judged.
+const THREADS_AT: usize = 2048;
+/// Power laws are fitted to grids with at least so many unknowns.
+const FIT_FROM: usize = 100_000;
+
+fn unknowns(cells: usize) -> usize {
+    (cells + 1) * (cells + 1)
+}
+
+fn ns(line: &Scaling) -> f64 {
+    1e9 * line.seconds / unknowns(line.cells) as f64
+}
+
+impl Cost {
+    pub(super) fn of(timings: &Timings, accuracy: Option<&Findings>) -> Self {
+        let spreads = timings.multigrid.iter().map(|line| line.spread);
+        let spreads = spreads.chain(timings.solver.iter().map(|line| line.spread));
+        let mut problems: Vec<&String> = timings.solver.iter().map(|line| &line.problem).collect();
+        problems.dedup();
+        Self {
+            grids: grids(timings),
+            fits: fits(&timings.multigrid),
+            races: problems.into_iter().map(|problem| Race::of(problem, &timings.solver)).collect(),
+            noise: spreads.fold(0.0, f64::max),
+            targets: Targets::of(timings),
+            outdated: accuracy.and_then(|found| Outdated::of(timings, found)),
+        }
+    }
+}
+
+impl Outdated {
+    /// On the finest grid that both know, if the work differs there.
+    fn of(timings: &Timings, accuracy: &Findings) -> Option<Self> {
+        let timed = accuracy.problems.iter().find(|problem| problem.name == TIMED.name())?;
+        let mut both = timed.levels.iter().rev().filter_map(|level| {
+            let (cells, [.., floor]) = (level.cost.cells, &level.cost.goals);
+            let then = find(timings, cells, 1, Goal::Floor)?.work_units;
+            Some(Self { cells, then, now: floor.work_units })
+        });
+        both.next().filter(|work| (work.then - work.now).abs() > 1e-6 * work.now)
+    }
+}
+
+const GOALS: [(Goal, &str); 2] =
+    [(Goal::Discretisation, "discretisation error"), (Goal::Floor, "rounding floor")];
+
+fn find(timings: &Timings, cells: usize, threads: usize, goal: Goal) -> Option<&Scaling> {
+    timings
+        .multigrid
+        .iter()
+        .find(|line| line.cells == cells && line.threads == threads && line.goal == goal)
+}
+
+fn grids(timings: &Timings) -> Vec<Grid> {
+    let mut all: Vec<usize> = timings.multigrid.iter().map(|line| line.cells).collect();
+    all.dedup();
+    let grid = |cells: usize| {
+        let timed = |(goal, _): (Goal, _)| {
+            let one = find(timings, cells, 1, goal)?;
+            let lines = [Some(one), find(timings, cells, 2, goal)];
+            Some(Timed {
+                work_units: one.work_units,
+                ns: lines.into_iter().flatten().map(ns).collect(),
+                per_unit: ns(one) / one.work_units,
+                stream: one.traffic / timings.bandwidth.update,
+            })
+        };
+        let goals = GOALS.into_iter().map(timed).collect::<Option<Vec<_>>>()?;
+        let bytes = find(timings, cells, 1, Goal::Floor)?.bytes;
+        Some(Grid { cells, unknowns: unknowns(cells), bytes, goals })
+    };
+    all.into_iter().filter_map(grid).collect()
+}
+
+fn fits(lines: &[Scaling]) -> Vec<Fit> {
+    let mut fits = Vec::new();
+    for (goal, name) in GOALS {
+        for threads in 1..=2 {
+            let mine: Vec<_> = lines
+                .iter()
+                .filter(|l| l.goal == goal && l.threads == threads)
+                .filter(|l| unknowns(l.cells) >= FIT_FROM)
+                .collect();
+            let (Some(first), Some(last)) = (mine.first(), mine.last()) else { continue };
+            let points: Vec<_> =
+                mine.iter().map(|l| (unknowns(l.cells) as f64, l.seconds)).collect();
+            let exponent = exponent(&points);
+            if exponent.is_finite() {
+                let (from, to) = (unknowns(first.cells), unknowns(last.cells));
+                let range = |f: fn(f64, f64) -> f64| mine.iter().map(|l| ns(l)).reduce(f);
+                let ns = [range(f64::min), range(f64::max)].map(Option::unwrap_or_default);
+                fits.push(Fit { goal: name, threads, exponent, from, to, ns });
+            }
+        }
+    }
+    fits
+}
+
+impl Race {
+    fn of(problem: &str, lines: &[Reached]) -> Self {
+        let times = SOLVERS.map(|solver| {
+            let mine: Vec<_> =
+                lines.iter().filter(|l| l.solver == solver && l.problem == problem).collect();
+            arrivals(&mine).collect::<Vec<_>>()
+        });
+        let mut grids: Vec<usize> = times.iter().flatten().map(|(cells, _)| *cells).collect();
+        grids.sort_unstable();
+        grids.dedup();
+        let at = |k: usize, cells: usize| {
+            times[k].iter().find(|(grid, _)| *grid == cells).map(|(_, seconds)| *seconds)
+        };
+        let row = |cells: usize| {
+            let seconds: Vec<_> = (0..SOLVERS.len()).map(|k| at(k, cells)).collect();
+            let there = seconds.iter().enumerate().filter_map(|(k, s)| Some((k, (*s)?)));
+            let best = there.min_by(|a, b| a.1.total_cmp(&b.1)).map_or("", |(k, _)| SOLVERS[k]);
+            RaceRow { cells, seconds, best }
+        };
+        let rows: Vec<_> = grids.into_iter().map(row).collect();
+        let multigrid = SOLVERS.len() - 1;
+        let against = (0..multigrid).filter_map(|k| {
+            let both = |row: &RaceRow| Some((row.cells, row.seconds[k]? / row.seconds[multigrid]?));
+            let ratios: Vec<_> = rows.iter().filter_map(both).collect();
+            let until = ratios.iter().filter(|(_, ratio)| *ratio <= 1.0).map(|r| r.0).max();
+            let &(cells, ratio) = ratios.last()?;
+            Some(Against { solver: SOLVERS[k], until, cells, ratio })
+        });
+        let against = against.collect();
+        Self { problem: problem.into(), solvers: SOLVERS, rows, against }
+    }
+}
+
+impl Targets {
+    fn of(timings: &Timings) -> Option<Self> {
+        let cells = timings.multigrid.iter().map(|line| line.cells).max()?;
+        let on = |cells: usize, threads: usize| {
+            let of = |goal| find(timings, cells, threads, goal).map(ns);
+            Some([of(Goal::Discretisation)?, of(Goal::Floor)?])
+        };
+        let speedup = on(THREADS_AT, 1).zip(on(THREADS_AT, 2)).map(|(one, two)| Speedup {
+            cells: THREADS_AT,
+            ratios: [one[0] / two[0], one[1] / two[1]],
+        });
+        let ratios = || timings.peer.iter().map(|peer| peer.theirs / peer.ours);
+        let peers = (!timings.peer.is_empty())
+            .then(|| [ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max)]);
+        let scaled = WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update);
+        let (ns, both) = (on(cells, 1)?, on(cells, 2));
+        Some(Self { cells, ns, both, wanted: WANTED, scaled, speedup, peers })
+    }
+}

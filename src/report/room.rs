@@ -1,0 +1,121 @@
+//! What the chapter on the search says: how far f may move, which counts hold it, how much was searched.
+
+use crate::identify::{Breaks, COARSEST, Findings, Measure, Variant};
+use crate::replication::record::{Record, VariantRecord};
+use serde::Serialize;
+
+/// How sharply a table fixes f.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Fixed {
+    /// One entry per quadrant, then the common factor.
+    rooms: Vec<Room>,
+    /// One row per r, one entry per grid: the smallest move of a single value that changes the count.
+    holds: Vec<Vec<Option<f64>>>,
+    /// Counts that no single value changes within 1 % of the largest one.
+    loose: usize,
+    /// That 1 %.
+    percent: f64,
+    /// Alternatives for which every count comes out.
+    equal: usize,
+    /// Alternatives, among those, with a positive load sum on some grid.
+    unsolvable: usize,
+    /// Values of Delta a to both digits for the recovered f, and the most among the others with all counts.
+    chosen_deltas: usize,
+    other_deltas: usize,
+    /// Values of Delta a that no alternative with all counts gives: r, published, least and greatest of ours.
+    missed: Vec<[f64; 4]>,
+}
+
+/// How far a value may move alone.
+#[derive(Clone, Debug, Serialize)]
+struct Room {
+    /// What moves: a quadrant, or nothing for the common factor.
+    name: &'static str,
+    /// Its value.
+    value: f64,
+    /// How far down and up.
+    room: [f64; 2],
+    /// The count that changes first, down and up: r, and cells per side of the grid.
+    first: [Option<(f64, usize)>; 2],
+}
+
+/// How much was searched, and what the model selection says about two variants.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Searched {
+    /// Candidates of all searches.
+    candidates: u64,
+    /// Those of the model selection.
+    selection: u64,
+    selected: Option<VariantRecord>,
+    /// (13) as printed.
+    printed: Option<VariantRecord>,
+}
+
+const QUADRANTS: [&str; 4] = ["lower left", "lower right", "upper left", "upper right"];
+
+impl Fixed {
+    pub(super) fn of(findings: &Findings) -> Self {
+        let (map, target) = (&findings.identifiability, &findings.target);
+        let cell = |at: Option<(usize, usize)>| at.map(|(k, n)| (target.r[k], COARSEST << n));
+        let room = |b: &Breaks| Room {
+            name: b.piece.map_or("", |p| QUADRANTS[p]),
+            value: b.piece.map_or(1.0, |p| map.values[p]),
+            room: b.room,
+            first: b.first.map(cell),
+        };
+        let moves = |k: usize, level: usize| {
+            let single = map.directions.iter().filter(|b| b.piece.is_some());
+            single.flat_map(move |b| b.cells[k][level]).flatten().min_by(f64::total_cmp)
+        };
+        let levels = target.levels();
+        let holds: Vec<Vec<_>> = (0..target.r.len())
+            .map(|k| (0..levels).map(|level| moves(k, level)).collect())
+            .collect();
+        let percent = 0.01 * map.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let loose = holds.iter().flatten().filter(|h| h.is_none_or(|h| h > percent)).count();
+        let equal: Vec<_> = findings
+            .alternatives
+            .iter()
+            .filter(|a| a.found.score.exact == a.found.score.cells)
+            .collect();
+        let deltas = |chosen: bool| {
+            let of = equal.iter().filter(|a| a.chosen == chosen);
+            of.map(|a| a.found.score.delta_a_exact).max().unwrap_or(0)
+        };
+        let missed = (0..target.r.len()).filter_map(|k| {
+            let digits = |x: f64| format!("{x:.1e}");
+            let ours = || equal.iter().map(|a| a.found.delta_a[k]);
+            let hit = ours().any(|x| digits(x) == digits(target.delta_a[k]));
+            let ends = (ours().fold(f64::INFINITY, f64::min), ours().fold(0.0, f64::max));
+            (!hit && !equal.is_empty()).then(|| [target.r[k], target.delta_a[k], ends.0, ends.1])
+        });
+        Self {
+            rooms: map.directions.iter().map(room).collect(),
+            loose,
+            holds,
+            percent,
+            unsolvable: equal.iter().filter(|a| a.sums.iter().any(|s| *s > 0.0)).count(),
+            chosen_deltas: deltas(true),
+            other_deltas: deltas(false),
+            missed: missed.collect(),
+            equal: equal.len(),
+        }
+    }
+}
+
+impl Searched {
+    pub(super) fn of(record: &Record) -> Self {
+        let named = |variant: Variant| {
+            let name = variant.to_string();
+            record.selection.variant.iter().find(|v| v.name == name).cloned()
+        };
+        let searches: usize = record.selection.variant.iter().map(|v| v.best.len()).sum();
+        let selection = record.selection.candidates * searches as u64;
+        Self {
+            candidates: selection + record.run.iter().map(|run| run.candidates).sum::<u64>(),
+            selection,
+            selected: named(Variant::default()),
+            printed: named(Variant { measure: Measure::Printed, ..Variant::default() }),
+        }
+    }
+}

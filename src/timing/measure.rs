@@ -1,0 +1,258 @@
+//! Run times of every solver: medians with their noise, never part of any test or artifact.
+//!
+//! All that can be is made ready before the clock starts: load vectors, and for [`Scaling`] the workspace
+//! too. Saddle-point methods check the optimality conditions after every eighth of the sweeps made so
+//! far; these checks are part of their time.
+
+use super::bandwidth;
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::kkt;
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::transfer::Prolongation;
+use crate::experiments::law::{R, Track};
+use crate::experiments::saddle::{Looks, Method, sweeps_until};
+use crate::multigrid::active_set::{ActiveSetParams, active_set};
+use crate::multigrid::square::{self, Multigrid, MultigridParams, multigrid};
+use crate::problem::exact::Exact;
+use crate::problem::source::Source;
+use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use crate::timing::recorded::{Goal, Machine, Reached, SCHEMA, Scaling, Sweep, Timings};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Runs per median; fewer where a run takes long.
+    pub repeats: usize,
+    /// Coarse grids and little data: to see that it works, not to record.
+    pub quick: bool,
+    /// Solvers by their names in `solve --solver`; [`SOLVERS`] are all.
+    pub solvers: Vec<&'static str>,
+    /// Cells per side of the finest grid: a power of two.
+    pub finest: usize,
+}
+
+/// The names of all solvers.
+pub const SOLVERS: [&str; 5] =
+    ["arrow-hurwicz", "uzawa", "uzawa-proximal", "active-set", "multigrid"];
+/// The problem on which multigrid is timed.
+pub const TIMED: Exact = Exact::FreeCorner;
+/// The problems with known solutions that have a part of the boundary to find.
+const PROBLEMS: [Exact; 2] = [Exact::FreeSegment, Exact::FreeCorner];
+/// Relative natural residuals at which saddle-point methods are stopped.
+const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+/// Seconds that a single run may take by extrapolation from the coarser grid.
+const LONGEST: f64 = 4.0;
+/// Seconds that the runs of one median take together at most, once there are three.
+const BUDGET: f64 = 2.0;
+/// A measurement shorter than this repeats the run until it is as long.
+const SHORTEST: f64 = 1e-3;
+const LOOKS: Looks = Looks { share: 8, cap: 1_000_000 };
+
+/// Measures; `say` is told what comes next, once per solver, problem and grid.
+///
+/// # Errors
+/// A sentence if a solver fails.
+pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String> {
+    let machine = Machine::here(plan.repeats);
+    say("memory bandwidth");
+    let bandwidth = bandwidth::bandwidth(if plan.quick { 1 << 20 } else { 1 << 25 }, 5);
+    let wanted = |solver: &str| plan.solvers.contains(&solver);
+    let sweep = wanted("arrow-hurwicz").then(|| {
+        say("sweep of Arrow-Hurwicz");
+        sweep(plan)
+    });
+    let multigrid = match wanted("multigrid") {
+        true => scaling(plan, &mut say)?,
+        false => Vec::new(),
+    };
+    let mut solver = Vec::new();
+    for problem in PROBLEMS.into_iter().skip(usize::from(plan.quick)) {
+        let tracks = tracks(problem, plan)?;
+        for name in &plan.solvers {
+            solver.extend(reached(name, problem, &tracks, plan, &mut say)?);
+        }
+    }
+    let peer = Vec::new();
+    Ok(Timings { schema: SCHEMA, machine, bandwidth, sweep, multigrid, solver, peer })
+}
+
+/// Median and spread of the time of `run` in seconds, after one run that does not count.
+fn time(repeats: usize, mut run: impl FnMut()) -> (f64, f64) {
+    let mut once = |times: usize| {
+        let start = Instant::now();
+        (0..times).for_each(|_| run());
+        start.elapsed().as_secs_f64() / times as f64
+    };
+    let first = once(1);
+    let times = ((SHORTEST / first).ceil() as usize).max(1);
+    let mut seconds = Vec::new();
+    while seconds.len() < repeats && (seconds.len() < 3 || seconds.iter().sum::<f64>() < BUDGET) {
+        seconds.push(once(times));
+    }
+    seconds.sort_by(f64::total_cmp);
+    let quantile = |quarters: usize| seconds[quarters * (seconds.len() - 1) / 4];
+    (quantile(2), (quantile(3) - quantile(1)) / quantile(2))
+}
+
+fn sweep(plan: &Plan) -> Sweep {
+    const CELLS: usize = 64;
+    const ITERATIONS: usize = 2000;
+    let grid = Grid::new(CELLS).expect("fine enough");
+    let load = load(grid, &Source::Exact(Exact::FreeCorner), LoadRule::default());
+    // A tolerance out of reach, so that all iterations are made.
+    let params = Params {
+        tolerance: f64::MIN_POSITIVE,
+        rule: StopRule::Printed,
+        max_iterations: ITERATIONS,
+        ..Params::default()
+    };
+    let (seconds, spread) = time(plan.repeats, || {
+        arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid), None);
+    });
+    Sweep { cells: CELLS, ns: 1e9 * seconds / (ITERATIONS * grid.nodes()) as f64, spread }
+}
+
+fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, String> {
+    let threads: Vec<usize> =
+        if crate::timing::machine::cores() > 1 { vec![1, 2] } else { vec![1] };
+    let mut measured = Vec::new();
+    for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest) {
+        say(&format!("multigrid, h = 1/{cells}"));
+        let (grid, load) = timed(cells)?;
+        let mut workspace = Multigrid::new(cells).map_err(|e| e.to_string())?;
+        for &threads in &threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
+            for (goal, asked) in [
+                (Goal::Discretisation, square::Goal::DiscretisationError),
+                (Goal::Floor, square::Goal::RoundingFloor),
+            ] {
+                let params = MultigridParams { goal: asked, ..MultigridParams::default() };
+                let mut solve = || workspace.solve(&load, None, &params, |_| ());
+                let outcome = solve().map_err(|e| e.to_string())?;
+                let (seconds, spread) = pool.install(|| {
+                    time(plan.repeats, || {
+                        let _ = solve();
+                    })
+                });
+                let bytes = workspace.bytes() as f64 / grid.nodes() as f64;
+                let (work_units, traffic) = (outcome.work_units, workspace.traffic());
+                let scaling =
+                    Scaling { cells, threads, goal, work_units, bytes, traffic, seconds, spread };
+                measured.push(scaling);
+            }
+        }
+    }
+    Ok(measured)
+}
+
+fn timed(cells: usize) -> Result<(Grid, Vec<f64>), String> {
+    let grid = Grid::new(cells).map_err(|e| e.to_string())?;
+    Ok((grid, load(grid, &Source::Exact(TIMED), LoadRule::default())))
+}
+
+fn tracks(problem: Exact, plan: &Plan) -> Result<Vec<Track>, String> {
+    let finest = if plan.quick { 32 } else { plan.finest.min(1024) };
+    let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
+    grids.map(|cells| Track::new(problem, Grid::new(cells).map_err(|e| e.to_string())?)).collect()
+}
+
+/// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
+type Solve<'a> = Box<dyn Fn(&[Track]) -> Option<Vec<f64>> + 'a>;
+
+/// One solver on all grids from 1/16 on, for all its goals.
+fn reached(
+    name: &str,
+    problem: Exact,
+    tracks: &[Track],
+    plan: &Plan,
+    say: &mut impl FnMut(&str),
+) -> Result<Vec<Reached>, String> {
+    let goals = goals(name);
+    let mut before: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut measured = Vec::new();
+    for k in 2..=tracks.len() {
+        let track = &tracks[k - 1];
+        let cells = track.grid.cells();
+        say(&format!("{name}, {}, h = 1/{cells}", problem.name()));
+        for (g, (goal, growth, solve)) in goals.iter().enumerate() {
+            if before.get(&g).is_some_and(|seconds| growth * seconds > LONGEST) {
+                continue;
+            }
+            let y = solve(&tracks[..k]).ok_or_else(|| {
+                format!("{name} does not reach {goal} on {}, h = 1/{cells}", problem.name())
+            })?;
+            let (seconds, spread) = time(plan.repeats, || {
+                solve(&tracks[..k]);
+            });
+            before.insert(g, seconds);
+            measured.push(Reached {
+                solver: name.into(),
+                problem: problem.name().into(),
+                cells,
+                goal: goal.clone(),
+                error: track.error(&y),
+                discretisation: track.discretisation,
+                kkt: kkt(track.grid, &y, &track.load).relative,
+                seconds,
+                spread,
+            });
+        }
+    }
+    Ok(measured)
+}
+
+/// The goals of a solver: name, growth of the time from grid to grid, and how to get there.
+fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
+    let saddle = |method: Method| {
+        let to = |target: f64| -> (String, f64, Solve<'static>) {
+            let solve = move |tracks: &[Track]| nested(method, target, tracks);
+            (format!("relative KKT {target:e}"), 16.0, Box::new(solve))
+        };
+        TARGETS.map(to).into_iter().collect()
+    };
+    match name {
+        "arrow-hurwicz" => saddle(Method::ArrowHurwicz),
+        "uzawa" => saddle(Method::Uzawa),
+        "uzawa-proximal" => saddle(Method::UzawaProximal),
+        "active-set" => vec![(
+            "contact set at rest".into(),
+            8.0,
+            Box::new(|tracks: &[Track]| {
+                let Track { grid, load, .. } = tracks.last()?;
+                let params = ActiveSetParams::default();
+                Some(active_set(grid.cells(), load, None, &params, |_| ()).ok()?.0)
+            }),
+        )],
+        _ => {
+            use square::Goal::{DiscretisationError, RoundingFloor};
+            let to = |(words, goal): (&str, square::Goal)| -> (String, f64, Solve<'static>) {
+                let solve = move |tracks: &[Track]| {
+                    let Track { grid, load, .. } = tracks.last()?;
+                    let params = MultigridParams { goal, ..MultigridParams::default() };
+                    Some(multigrid(grid.cells(), load, None, &params, |_| ()).ok()?.0)
+                };
+                (words.into(), 4.0, Box::new(solve))
+            };
+            [("discretisation error", DiscretisationError), ("rounding floor", RoundingFloor)]
+                .map(to)
+                .into_iter()
+                .collect()
+        }
+    }
+}
+
+/// A saddle-point method from zero over the nested grids, each left when the target is met.
+fn nested(method: Method, target: f64, tracks: &[Track]) -> Option<Vec<f64>> {
+    let mut pair = Pair::zero(tracks[0].grid);
+    for (k, Track { grid, load, .. }) in tracks.iter().enumerate() {
+        if k > 0 {
+            pair = pair.prolonged(tracks[k - 1].grid, Prolongation::default());
+        }
+        let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
+        sweeps_until(method, (*grid, load), R, LOOKS, &mut pair, done)?;
+    }
+    Some(pair.y)
+}

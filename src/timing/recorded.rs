@@ -1,0 +1,222 @@
+//! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
+
+use crate::experiments::law::ARRIVED;
+use crate::pipeline::error::{Error, Result};
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// Path in the project.
+pub const PATH: &str = "pipeline/timings.toml";
+/// Version of the format.
+pub const SCHEMA: u8 = 1;
+
+/// Measured times. Every one is a median; its `spread` is the distance of the quartiles over it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Timings {
+    /// Version of the format, [`SCHEMA`].
+    pub schema: u8,
+    /// Where it was measured.
+    pub machine: Machine,
+    /// What its memory can do.
+    pub bandwidth: Bandwidth,
+    /// The sweep of the paper's method.
+    pub sweep: Option<Sweep>,
+    /// Multigrid on one problem, from grid to grid.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub multigrid: Vec<Scaling>,
+    /// All solvers on problems with known solutions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub solver: Vec<Reached>,
+    /// Other people's solvers beside ours; entered by hand, kept by `bench --record`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub peer: Vec<Peer>,
+}
+
+/// A machine and its state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    /// Model of the processor, as it calls itself.
+    pub cpu: String,
+    /// Cores that the program may use.
+    pub cores: usize,
+    /// Its caches, as the system describes them.
+    pub caches: String,
+    /// Operating system and release.
+    pub os: String,
+    /// Compiler that built the program.
+    pub rustc: String,
+    /// Load average of the last minute when it began: on an idle machine well below one.
+    pub load: f64,
+    /// Runs per median, where they are short.
+    pub repeats: usize,
+}
+
+/// Memory bandwidth, one thread, in GB/s; a store counts once, as in STREAM.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bandwidth {
+    /// Size of each array in MB.
+    #[serde(deserialize_with = "positive")]
+    pub megabytes: f64,
+    /// `a = b + s c`: 24 bytes per entry.
+    #[serde(deserialize_with = "positive")]
+    pub triad: f64,
+    /// `a = s a`: 16 bytes per entry.
+    #[serde(deserialize_with = "positive")]
+    pub update: f64,
+}
+
+/// Time of an iteration of Arrow-Hurwicz: sweep, step of the multiplier, stopping test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// Cells per side.
+    pub cells: usize,
+    /// Nanoseconds per node.
+    #[serde(deserialize_with = "positive")]
+    pub ns: f64,
+    /// Noise.
+    pub spread: f64,
+}
+
+/// Multigrid on one grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scaling {
+    /// Cells per side.
+    pub cells: usize,
+    /// Threads it could use.
+    pub threads: usize,
+    /// What it was to reach.
+    pub goal: Goal,
+    /// Cost in sweeps of the finest grid.
+    #[serde(deserialize_with = "positive")]
+    pub work_units: f64,
+    /// Bytes of the workspace per unknown.
+    #[serde(deserialize_with = "positive")]
+    pub bytes: f64,
+    /// Bytes moved per unknown, each pass reading and writing each row once.
+    #[serde(deserialize_with = "positive")]
+    pub traffic: f64,
+    /// Median time, workspace and load vector being there.
+    #[serde(deserialize_with = "positive")]
+    pub seconds: f64,
+    /// Noise.
+    pub spread: f64,
+}
+
+/// Goals of multigrid that are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Goal {
+    /// An algebraic error well below the discretisation error.
+    Discretisation,
+    /// As far as double precision goes.
+    Floor,
+}
+
+/// One solver on one problem, grid and goal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reached {
+    /// Its name, as in `solve --solver`.
+    pub solver: String,
+    /// Name of the problem, as in `exact(name)`.
+    pub problem: String,
+    /// Cells per side.
+    pub cells: usize,
+    /// What it was to reach, in words.
+    pub goal: String,
+    /// Error against the known solution, in the discrete L2 norm.
+    #[serde(deserialize_with = "positive")]
+    pub error: f64,
+    /// That of the discrete solution.
+    #[serde(deserialize_with = "positive")]
+    pub discretisation: f64,
+    /// Natural residual over the largest component of the load.
+    pub kkt: f64,
+    /// Median time, load vectors being there.
+    #[serde(deserialize_with = "positive")]
+    pub seconds: f64,
+    /// Noise.
+    pub spread: f64,
+}
+
+/// Another solver on one grid, measured by a script of `benches/peers`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Peer {
+    /// Name, version and configuration.
+    pub solver: String,
+    /// f in the notation of scenes.
+    pub f: String,
+    /// Cells per side.
+    pub cells: usize,
+    /// Its time in microseconds per unknown, one thread.
+    #[serde(deserialize_with = "positive")]
+    pub theirs: f64,
+    /// Relative natural residual that it reached.
+    #[serde(deserialize_with = "positive")]
+    pub their_kkt: f64,
+    /// Multigrid's time on the same load vector, in the same run, one thread.
+    #[serde(deserialize_with = "positive")]
+    pub ours: f64,
+    /// Relative natural residual that it reached.
+    #[serde(deserialize_with = "positive")]
+    pub our_kkt: f64,
+    /// Whether multigrid was repeated in one workspace, and not run in a process of its own each time.
+    #[serde(default)]
+    pub warm: bool,
+}
+
+/// Per grid, the least time in which the error came down to that of the discretisation.
+pub fn arrivals(lines: &[&Reached]) -> impl Iterator<Item = (usize, f64)> {
+    let mut grids: Vec<usize> = lines.iter().map(|line| line.cells).collect();
+    grids.dedup();
+    grids.into_iter().filter_map(|cells| {
+        let there = lines
+            .iter()
+            .filter(|line| line.cells == cells && line.error <= ARRIVED * line.discretisation);
+        Some((cells, there.map(|line| line.seconds).min_by(f64::total_cmp)?))
+    })
+}
+
+/// A number that a median or a norm can be.
+fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f64, D::Error> {
+    let x = f64::deserialize(deserializer)?;
+    match x > 0.0 && x.is_finite() {
+        true => Ok(x),
+        false => Err(serde::de::Error::custom(format!("{x} is not a positive number"))),
+    }
+}
+
+const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
+    # [[peer]] sections are entered by hand from benches/peers, and kept.\n\n";
+
+impl Timings {
+    /// Parses the record.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line of the mistake and the remedy.
+    pub fn parse(text: &str) -> Result<Self> {
+        const REMEDY: &str = "undo the edit, or measure again with `signorini bench --record`";
+        let timings: Self = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            let message = e.message().replace('\n', " ");
+            Error::input(format!("{PATH}: line {line}: {message}; {REMEDY}"))
+        })?;
+        if timings.schema != SCHEMA {
+            let found = timings.schema;
+            return Err(Error::input(format!(
+                "{PATH}: schema {found}, where this version writes {SCHEMA}; measure again with `signorini bench --record`"
+            )));
+        }
+        Ok(timings)
+    }
+
+    /// The text of the record.
+    pub fn to_toml(&self) -> String {
+        HEADER.to_owned() + &toml::to_string(self).expect("plain data")
+    }
+}
