@@ -1,11 +1,10 @@
 //! The accuracy experiment, the record of times, and the command that makes it.
 
+use crate::common::{Project, TABLE};
 use signorini::experiments::accuracy::{Findings, Plan, accuracy};
 use signorini::timing::recorded::{PATH, Timings};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
-
-mod common;
 
 fn findings() -> &'static Findings {
     static ONCE: OnceLock<Findings> = OnceLock::new();
@@ -103,7 +102,7 @@ fn a_quick_bench_has_all_fields_and_its_record_reads_back() {
 
 #[test]
 fn a_record_keeps_what_was_entered_by_hand() {
-    let project = common::Project::with(common::TABLE);
+    let project = Project::with(TABLE);
     let record = || {
         let said = project.run(&["bench", "--record", "--finest", "16", "--repeats", "1"]);
         assert_eq!(said.code, Some(0), "{said:?}");

@@ -1,7 +1,5 @@
 //! A small project in a temporary folder, and the binary run in it.
 
-#![allow(dead_code)] // Each test crate uses its own part.
-
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,8 +1,7 @@
 //! The book of this project as a reader opens it: the live iteration in a browser gives the tables'
 //! counts, and what the book says about the program is what the program says.
 
-mod common;
-
+use crate::common::copy;
 use serde_json::Value;
 use signorini::discrete::grid::nested;
 use signorini::discrete::load::load;
@@ -205,7 +204,7 @@ fn project() -> &'static Path {
         for part in ["pipeline", "report"] {
             // What was removed from the project must not live on in the copy.
             let _ = fs::remove_dir_all(project.join(part));
-            common::copy(&Path::new(ROOT).join(part), &project.join(part));
+            copy(&Path::new(ROOT).join(part), &project.join(part));
         }
         project
     })

@@ -1,7 +1,6 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
-mod solvers;
-
+use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
@@ -13,7 +12,6 @@ use signorini::multigrid::square::{Goal, Multigrid, MultigridParams, Outcome, mu
 use signorini::multigrid::{InputError, StopReason};
 use signorini::problem::exact::Exact;
 use signorini::problem::source::{Source, Tie};
-use solvers::{absurd_starts, assert_threads_do_not_matter};
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).unwrap()

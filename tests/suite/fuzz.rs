@@ -1,8 +1,6 @@
 //! Nonsense in every place where text or bytes are read: an answer or an error, never a panic.
 
-mod common;
-
-use common::{EVERYTHING, Project, assert_same, promised, wanting};
+use crate::common::{EVERYTHING, Project, assert_same, promised, wanting};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{RngSeed, TestCaseError};

@@ -1,8 +1,6 @@
 //! What a person sees: colours, bars and columns, as far as the terminal can show them.
 
-mod common;
-
-use common::{EVERYTHING, Project, TABLE, wanting};
+use crate::common::{EVERYTHING, Project, TABLE, wanting};
 use expect_test::expect;
 use std::fs;
 use std::process::{Command, Stdio};

@@ -1,8 +1,6 @@
 //! `signorini identify` and the stage of that name: what they say, how they stop, and what is kept.
 
-mod common;
-
-use common::Project;
+use crate::common::{Project, Said};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -85,10 +83,10 @@ fn an_interrupted_search_goes_on_to_the_same_end() {
     assert!(
         Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
     );
-    let output: common::Said = {
+    let output: Said = {
         let lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let out = lines.map(|line| line.unwrap() + "\n").collect();
-        common::Said { code: child.wait().unwrap().code(), out, err: String::new() }
+        Said { code: child.wait().unwrap().code(), out, err: String::new() }
     };
     assert_eq!(output.code, Some(130), "{output:?}");
     let partial = &output.json()["problems"][0];

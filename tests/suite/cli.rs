@@ -1,8 +1,6 @@
 //! The command line: what it prints where, in which format, and with which exit code.
 
-mod common;
-
-use common::{Project, TABLE};
+use crate::common::{PAPER, Project, Said, TABLE};
 use expect_test::{expect, expect_file};
 use std::fs;
 use std::process::Stdio;
@@ -269,7 +267,7 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
         (&1.0.into(), &100_000.into(), &false.into())
     );
     // With a tolerance that allows for it, the same numbers hold.
-    let allowed = common::PAPER.replace("count_slack = 1000", "count_slack = 100000");
+    let allowed = PAPER.replace("count_slack = 1000", "count_slack = 100000");
     project.write("pipeline/paper.toml", allowed);
     let said = project.run(&["diff"]);
     assert!(!said.lines().iter().any(|line| line.contains("! 100000")), "{said:?}");
@@ -306,7 +304,7 @@ fn the_graph_names_every_task_and_need() {
 #[test]
 fn a_closed_pipe_is_no_panic() {
     // Tolerances that the comparison keeps, so that `diff` has nothing to complain about.
-    let allowed = common::PAPER.replace("count_slack = 1000", "count_slack = 100000");
+    let allowed = PAPER.replace("count_slack = 1000", "count_slack = 100000");
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     project.write("pipeline/paper.toml", allowed);
     project.run(&["run"]).lines();
@@ -345,7 +343,7 @@ fn a_full_standard_output_is_an_error() {
     let project = Project::with(TABLE);
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
     let output = project.command(&["dag"]).stdout(full).stderr(Stdio::piped()).output().unwrap();
-    let said = common::Said::from(output);
+    let said = Said::from(output);
     assert!(said.refusal().contains("cannot write to standard output"), "{said:?}");
 }
 

@@ -1,8 +1,6 @@
 //! Runs that are killed or interrupted: what was finished is kept, and the next run goes on to the same result.
 
-mod common;
-
-use common::{Dice, EVERYTHING, Project, TABLE, assert_same, promised, wanting};
+use crate::common::{Dice, EVERYTHING, Project, TABLE, assert_same, promised, wanting};
 use std::io::Read;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};

@@ -1,9 +1,7 @@
 //! Every command in the README and in the chapter on own problems runs as written there, and the
 //! outputs shown are the true ones.
 
-mod common;
-
-use common::copy;
+use crate::common::copy;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,8 +1,6 @@
 //! Disks that are full, limited or read-only: one clear line, and the next run completes.
 
-mod common;
-
-use common::{EVERYTHING, Project, TABLE, assert_same, promised, wanting};
+use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, promised, wanting};
 use std::fs;
 use std::process::Command;
 
@@ -48,7 +46,7 @@ fn a_read_only_file_system_is_one_clear_line() {
             format!("mount --bind {folder} {folder} && mount -o remount,ro,bind {folder}");
         let script = format!("{read_only} && exec signorini run --cache-dir cache");
         let Some(output) = with_mounts(&project, &script) else { return };
-        let said = common::Said::from(output);
+        let said = Said::from(output);
         assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{said:?}");
         let error = said.err.lines().last().unwrap();
         assert!(error.starts_with("error: cannot ") && error.contains("Read-only file system"));
@@ -69,7 +67,7 @@ fn a_full_disk_is_one_clear_line_and_finished_cells_stay() {
     let script = "mount -t tmpfs -o size=48k tmpfs cache && { signorini run -v --cache-dir cache; echo $? >&2; } && \
         mount -o remount,size=10M cache && signorini run -v --cache-dir cache";
     let Some(output) = with_mounts(&project, script) else { return };
-    let said = common::Said::from(output);
+    let said = Said::from(output);
     assert_eq!(said.code, Some(0), "{said:?}");
     let (first, second) = said.err.split_once("\n2\n").unwrap_or_else(|| panic!("{said:?}"));
     let error = first.lines().last().unwrap();
@@ -93,7 +91,7 @@ fn a_full_disk_is_one_clear_line_and_finished_cells_stay() {
         fs::create_dir(project.path("cache")).unwrap();
         let script = script.replace("size=48k", &format!("size={size}k"));
         let script = script.replace("echo $? >&2;", "echo code=$? >&2;");
-        let said = common::Said::from(with_mounts(&project, &script).expect("allowed above"));
+        let said = Said::from(with_mounts(&project, &script).expect("allowed above"));
         assert_eq!(said.code, Some(0), "{size}: {said:?}");
         let (first, _) = said.err.split_once("code=").unwrap();
         let errors: Vec<_> = first.lines().filter(|line| line.starts_with("error: ")).collect();
@@ -119,7 +117,7 @@ fn a_file_size_limit_is_one_clear_line_and_the_next_run_completes() {
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} run");
         let mut shell = Command::new("sh");
         shell.args(["-c", &script]).current_dir(project.path("."));
-        let said = common::Said::from(shell.output().unwrap());
+        let said = Said::from(shell.output().unwrap());
         assert!(said.refusal().contains("raise the limit on file sizes"), "{blocks}: {said:?}");
         if blocks == 8 {
             let stale = project.stale();

@@ -1,8 +1,6 @@
 //! The cache: what is up to date never runs, what is not wanted never runs, what changed does.
 
-mod common;
-
-use common::{EVERYTHING, Project, TABLE, assert_same, wanting};
+use crate::common::{EVERYTHING, Project, TABLE, assert_same, wanting};
 use std::fs;
 
 const CELLS: [&str; 2] = ["solve/a/signed/r=1", "solve/a/signed/r=10"];

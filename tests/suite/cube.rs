@@ -1,10 +1,7 @@
 //! Solvers on the cube: accuracy, agreement, cost in work units, robustness.
 
-#[path = "problems/cube.rs"]
-mod problems;
-mod solvers;
-
-use problems::{exact_load, nodal_load, stress_loads};
+use crate::cube_loads::{exact_load, nodal_load, stress_loads};
+use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
 use signorini::discrete::cube::{Errors, Grid, energy, errors, kkt};
 use signorini::multigrid::active_set::ActiveSetParams;
@@ -12,7 +9,6 @@ use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
 use signorini::multigrid::square::{Goal, MultigridParams, Outcome};
 use signorini::multigrid::{InputError, StopReason};
 use signorini::problem::cube::Exact;
-use solvers::{absurd_starts, assert_threads_do_not_matter};
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).expect("fine enough")

@@ -1,8 +1,6 @@
 //! What is left for others to read: the reviewer's certificate, the trace of a run, and times for estimates.
 
-mod common;
-
-use common::{EVERYTHING, Project, TABLE, assert_same, promised, wanting};
+use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, promised, wanting};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,7 +18,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     let command = |args: &[&str]| {
         let mut command = project.command(args);
         command.env("SOURCE_DATE_EPOCH", "1795245605");
-        common::Said::from(command.output().unwrap())
+        Said::from(command.output().unwrap())
     };
     let said = command(&args);
     let lines = said.lines();

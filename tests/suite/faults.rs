@@ -1,8 +1,8 @@
 //! Faults: whatever breaks, a run ends with the right result or one clear line, and the next run repairs.
 
-mod common;
-
-use common::{Dice, EVERYTHING, PAPER, Project, TABLE, assert_same, promised, wanting};
+use crate::common::{
+    Dice, EVERYTHING, PAPER, Project, Said, TABLE, assert_same, promised, wanting,
+};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -152,8 +152,7 @@ fn two_runs_started_at_once_share_a_cache() {
             let mut command = project.command(&["run", "--force"]);
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
         };
-        let both =
-            [start(), start()].map(|run| common::Said::from(run.wait_with_output().unwrap()));
+        let both = [start(), start()].map(|run| Said::from(run.wait_with_output().unwrap()));
         for said in &both {
             if said.code != Some(0) {
                 assert!(said.refusal().contains("another signorini ("), "{said:?}");
