@@ -128,6 +128,7 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 /// The inverse of [`split`], each number times `factor`.
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
     let stride = stride(n);
+    assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
     natural.par_chunks_exact_mut(n + 1).enumerate().with_min_len(MIN_ROWS).for_each(
         |(j, target)| {
             let row = j * stride..(j + 1) * stride;

@@ -20,6 +20,9 @@ fn is_inside(n: usize, node: [usize; 3]) -> bool {
     node.iter().all(|&i| 0 < i && i < n)
 }
 
+/// Multiplications per visit of an unknown.
+pub(super) const STENCIL: f64 = 7.0;
+
 /// The Cholesky factor of the correction problem, made symmetric by the shares of the nodes.
 pub(super) fn factor(level: &Level) -> Banded {
     let n = level.n;
@@ -59,14 +62,18 @@ pub(super) fn solve_linear(level: &mut Level, factor: &Banded) {
 
 /// Solves the Signorini problem by the primal-dual active set method.
 ///
-/// If rounding has made the sum of the load nonnegative, there is no solution, and zero must do.
-pub(super) fn solve_obstacle(level: &mut Level) {
+/// If rounding has made the sum of the load nonnegative, there is no solution, and zero must do. Returns
+/// the work in visits of unknowns: a factorisation and two solutions for each step.
+pub(super) fn solve_obstacle(level: &mut Level) -> f64 {
     let n = level.n;
     let h = 1.0 / n as f64;
     let load: Vec<_> =
         all_nodes(n).map(|node| h * share_of(n, node) * level.load_at(node)).collect();
     let params = ActiveSetParams::default();
     let solution = on_network(&Network::cube(n), &load, None, &params, |_| ());
-    let y = solution.map_or_else(|_| vec![0.0; load.len()], |(y, ..)| y);
+    let (y, steps) =
+        solution.map_or_else(|_| (vec![0.0; load.len()], 0), |(y, _, steps)| (y, steps));
     all_nodes(n).zip(y).for_each(|(node, value)| level.set_value(node, value));
+    let matrix = Banded::zeros(level.nodes(), (n + 1) * (n + 1));
+    steps as f64 * (matrix.factor_work() + 2.0 * matrix.solve_work()) / STENCIL
 }

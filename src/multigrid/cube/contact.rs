@@ -29,8 +29,8 @@ use super::level::Level;
 use super::surface::{around, for_each_node, nodes, place};
 
 /// Potential kernel of the cubic lattice at the origin, at the nearest and at the diagonal neighbours in
-/// a plane: 0.252731..., G(0) - 1/6, and 0.055149...
-const G: [f64; 3] = [0.252_731_009_8, 0.086_064_343_1, 0.055_149_142_1];
+/// a plane: 0.252731..., G(0) - 1/6, and 0.055191...
+const G: [f64; 3] = [0.252_731_009_8, 0.086_064_343_1, 0.055_191_433_7];
 /// Springs at least this stiff count as contact.
 const STIFFEST: f64 = 1e3;
 
@@ -156,6 +156,7 @@ impl Draw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn springs(n: usize, coarse_n: usize, contact: &[[usize; 3]]) -> Vec<f64> {
         let mut set = ContactSet::single(n, contact[0]);
@@ -166,6 +167,20 @@ mod tests {
         }
         set.set_springs(&mut levels);
         levels[0].inverse_diagonal.iter().map(|inverse| 1.0 / inverse - 6.0).collect()
+    }
+
+    #[test]
+    fn the_kernel_is_that_of_the_cubic_lattice() {
+        // Watson's integral by Glasser and Zucker, the equation at the origin, and at (1, 1, 0) the identity
+        // 5 g / 12 - 1 / (2 pi^2 g), g = 2 G(0), for twice the kernel (Glasser and Boersma 2000).
+        let gammas: f64 = [1.0, 5.0, 7.0, 11.0].map(|k| libm::tgamma(k / 24.0)).iter().product();
+        let at_zero = 6.0_f64.sqrt() / (192.0 * PI.powi(3)) * gammas;
+        let g = 2.0 * at_zero;
+        let expected =
+            [at_zero, at_zero - 1.0 / 6.0, 0.5 * (5.0 / 12.0 * g - 1.0 / (2.0 * PI * PI * g))];
+        for (found, expected) in G.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+        }
     }
 
     #[test]

@@ -94,7 +94,8 @@ impl Multigrid {
         self.set_load(load)?;
         let finest = self.levels.len() - 1;
         if finest == 0 {
-            coarsest::solve_obstacle(&mut self.levels[0]);
+            let work = coarsest::solve_obstacle(&mut self.levels[0]);
+            self.count(work);
             return Ok(stopping::direct(self, params.goal));
         }
         let kkt = match start {
@@ -116,6 +117,9 @@ impl Multigrid {
     }
 
     /// Copies the solution, x fastest, `(n + 1)^3` numbers.
+    ///
+    /// # Panics
+    /// If the slice has another length.
     pub fn write_solution(&self, solution: &mut [f64]) {
         let finest = self.finest();
         rows::merge(finest.n, &finest.values, self.scale, solution);
@@ -151,7 +155,8 @@ impl Multigrid {
     ///
     /// Two sweeps before the first correction let the contact set settle.
     fn nested_iteration(&mut self) {
-        coarsest::solve_obstacle(&mut self.levels[0]);
+        let work = coarsest::solve_obstacle(&mut self.levels[0]);
+        self.count(work);
         for l in 1..self.levels.len() - 1 {
             self.interpolate(l);
             self.smooth_twice(l, Obstacle);
@@ -177,6 +182,7 @@ impl Multigrid {
             contact.set_springs(&mut self.levels[..l]);
             self.count(contact.spring_work());
             self.coarsest = coarsest::factor(&self.levels[0]);
+            self.count(self.coarsest.factor_work() / coarsest::STENCIL);
             self.contact = Some(contact);
         }
         self.w_cycle(l - 1);
@@ -189,8 +195,7 @@ impl Multigrid {
     fn w_cycle(&mut self, l: usize) {
         if l == 0 {
             coarsest::solve_linear(&mut self.levels[0], &self.coarsest);
-            let flops_per_visit = 13.0;
-            self.count(2.0 * self.coarsest.entries() as f64 / flops_per_visit);
+            self.count(self.coarsest.solve_work() / coarsest::STENCIL);
             return;
         }
         let level = &mut self.levels[l];

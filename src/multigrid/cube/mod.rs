@@ -18,7 +18,8 @@
 //! rows to cache lines and the springs of the boundary. A *work unit* is one projected Gauss-Seidel sweep
 //! of the finest grid, counted by visits of unknowns on all grids: a half-sweep 1/2, residual and
 //! restriction of one colour 3/4, interpolation to one colour 1/4, restriction of a load 1/2, a check of
-//! all optimality conditions 1, boundary loops and coarsest solves by their size.
+//! all optimality conditions 1, boundary loops by their size, direct solutions by their multiplications,
+//! of which a visit has as many as its stencil.
 
 mod coarsest;
 mod contact;

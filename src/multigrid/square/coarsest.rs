@@ -6,8 +6,12 @@ use crate::multigrid::banded::Banded;
 /// Active-set steps on the coarsest grid; it has at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
 
-/// Solves `(A + springs) y = F` with `y = 0` at the nodes in contact, by banded Cholesky.
-pub(super) fn solve_linear(level: &mut Level) {
+/// Multiplications per visit of an unknown.
+const STENCIL: f64 = 5.0;
+
+/// Solves `(A + springs) y = F` with `y = 0` at the nodes in contact, by banded Cholesky; returns the work
+/// in visits of unknowns.
+pub(super) fn solve_linear(level: &mut Level) -> f64 {
     let n = level.n;
     let (width, size) = (n + 1, level.nodes());
     let mut matrix = Banded::zeros(size, width);
@@ -42,18 +46,20 @@ pub(super) fn solve_linear(level: &mut Level) {
             level.set_value(i, j, x[j * width + i]);
         }
     }
+    (matrix.factor_work() + matrix.solve_work()) / STENCIL
 }
 
 /// Solves the Signorini problem of the coarsest grid by the primal-dual active set method.
 ///
-/// The matrix is an M-matrix, for which the method converges from any start (Hintermüller, Ito and
-/// Kunisch 2002, theorem 3.2); starting from full contact it never meets a singular system, because the
-/// node with the largest multiplier is kept when all others leave.
-pub(super) fn solve_obstacle(level: &mut Level) {
+/// Starting from full contact it never meets a singular system, because the node with the largest
+/// multiplier is kept when all others leave; see [`active_set`](crate::multigrid::active_set) on
+/// convergence. Returns the work in visits of unknowns.
+pub(super) fn solve_obstacle(level: &mut Level) -> f64 {
     let n = level.n;
     level.inverse_diagonal = vec![0.0; 4 * n];
+    let mut work = 0.0;
     for _ in 0..MAX_STEPS {
-        solve_linear(level);
+        work += solve_linear(level);
         let mut next = vec![0.0; 4 * n];
         let mut changed = false;
         let (mut largest, mut keep) = (f64::NEG_INFINITY, 0);
@@ -79,4 +85,5 @@ pub(super) fn solve_obstacle(level: &mut Level) {
         let value = level.value(i, j).max(0.0);
         level.set_value(i, j, value);
     });
+    work
 }

@@ -17,8 +17,13 @@
 //!   contact up to [`CORNER_LEG`]; a spring `CORNER_SPRING t / (1 - t)` on that node instead of contact
 //!   like contact up to `CORNER_LEG sqrt(t)`.
 //!
-//! The first two were found numerically (to five digits, so the closed forms are a conjecture); the
-//! others follow from the potential kernel of the square lattice (Spitzer, *Principles of Random
+//! The first two follow by Wiener and Hopf's factorisation. Without the interior nodes, the boundary has the
+//! symbol `2 sqrt((1 - cos t)(3 - cos t)) = S(z) S(1/z) / sqrt(rho)`, `S = sqrt((1 - z)(1 - rho z))`,
+//! `rho = 3 - 2 sqrt(2)` (the half-plane mirrored, a spring counts twice). Values that grow like a root and
+//! solve all equations but that of node 1 are the coefficients of `U = C z (1 - t (1 - z)) / ((1 - z) S)`: they
+//! grow like `sqrt(k - e)` with `e = 1/4 + rho / (2 (1 - rho)) + t = TIP + t`, and in the equation of node 1
+//! `t / sqrt(rho)` is left, twice a spring times the value `1 - t` there.
+//! The others follow from the potential kernel of the square lattice (Spitzer, *Principles of Random
 //! Walk*, section 15) and the map `z^2` of the quadrant. They affect the speed of convergence only,
 //! never the solution.
 
@@ -409,6 +414,39 @@ mod tests {
             reach = (middle * middle - v[0][N / 2] * v[0][N / 2]).sqrt();
         }
         reach
+    }
+
+    #[test]
+    fn ends_and_springs_are_those_of_the_lattice() {
+        // Values along the boundary by the series of U; their end by extrapolation of k - (u / C)^2.
+        let rho = 3.0 - 2.0 * SQRT_2;
+        for t in [0.0, 0.3, 0.9] {
+            let end = |count: usize| {
+                // Coefficients of (1 - z)^(-3/2) and (1 - rho z)^(-1/2), of their product, of U.
+                let series = |power: f64, ratio: f64| {
+                    let next = move |(k, c): (usize, f64)| {
+                        (k + 1, c * ratio * (power + k as f64) / (k + 1) as f64)
+                    };
+                    std::iter::successors(Some((0, 1.0)), move |&term| Some(next(term)))
+                };
+                let slow: Vec<_> = series(1.5, 1.0).map(|term| term.1).take(count).collect();
+                let product = |k: usize| -> f64 {
+                    series(0.5, rho).take(60).map(|(m, c)| c * slow[k - m]).sum()
+                };
+                let u = (1.0 - t) * product(count - 1) + t * product(count - 2);
+                let growth = 2.0 / PI.sqrt() / (1.0 - rho).sqrt();
+                count as f64 - (u / growth).powi(2)
+            };
+            let extrapolated = 2.0 * end(20_000) - end(10_000);
+            assert!((extrapolated - TIP - t).abs() < 1e-6, "{t}: {extrapolated}");
+        }
+        // The factorisation of the symbol.
+        for angle in [0.1, 1.0, 3.0_f64] {
+            let c = angle.cos();
+            let factors = ((2.0 - 2.0 * c) * (1.0 + rho * rho - 2.0 * rho * c) / rho).sqrt();
+            assert!((2.0 * ((1.0 - c) * (3.0 - c)).sqrt() / factors - 1.0).abs() < 1e-12);
+        }
+        assert!((end_spring(0.3) - 0.3 / 0.7 / (2.0 * rho.sqrt())).abs() < 1e-12);
     }
 
     #[test]

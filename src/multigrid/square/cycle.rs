@@ -86,7 +86,8 @@ impl Multigrid {
         self.set_load(load)?;
         let finest = self.levels.len() - 1;
         if finest == 0 {
-            coarsest::solve_obstacle(&mut self.levels[0]);
+            let work = coarsest::solve_obstacle(&mut self.levels[0]);
+            self.count(work);
             return Ok(stopping::direct(self, params.goal));
         }
         let kkt = match start {
@@ -108,6 +109,9 @@ impl Multigrid {
     }
 
     /// Copies the solution, row-major, `(n + 1)^2` numbers.
+    ///
+    /// # Panics
+    /// If the slice has another length.
     pub fn write_solution(&self, solution: &mut [f64]) {
         let finest = self.finest();
         rows::merge(finest.n, &finest.values, self.scale, solution);
@@ -147,7 +151,8 @@ impl Multigrid {
     ///
     /// Two sweeps before the first correction let the contact set settle.
     fn nested_iteration(&mut self) {
-        coarsest::solve_obstacle(&mut self.levels[0]);
+        let work = coarsest::solve_obstacle(&mut self.levels[0]);
+        self.count(work);
         for l in 1..self.levels.len() - 1 {
             self.pass(l, Obstacle, &smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
@@ -178,11 +183,8 @@ impl Multigrid {
     /// `f_cycle`, an F-cycle: the coarser problem gets an F-cycle and then a V-cycle.
     fn correct(&mut self, l: usize, f_from: usize, f_cycle: bool) {
         if l == 0 {
-            let coarsest = &mut self.levels[0];
-            coarsest::solve_linear(coarsest);
-            let flops_per_visit = 10.0;
-            let width = coarsest.n as f64 + 1.0;
-            self.count(width.powi(4) / flops_per_visit);
+            let work = coarsest::solve_linear(&mut self.levels[0]);
+            self.count(work);
             return;
         }
         let first = [StartRed(COARSE_RELAXATION), Relax(Colour::Black, 1.0), Restrict];
@@ -192,8 +194,9 @@ impl Multigrid {
             self.pass(l, Correction, &smooth_twice(Correct(1.0)));
             self.correct(l - 1, f_from, false);
         }
-        // What comes from an F-cycle or a direct solution, near-constant modes above all, is complete, and
-        // must not grow on the finest grid.
+        // What comes from an F-cycle or, two grids below, a direct solution, near-constant modes above all, is
+        // complete, and must not grow on the finest grid. (That it does one grid below costs nothing: without,
+        // 8 cells take 3 % more cycles, 12 and 28 cells 4 to 8 % less, finer grids the same.)
         let factor = if l == f_from + 1 { 1.0 / OVERCORRECTION } else { 1.0 };
         let last =
             [Correct(factor), Relax(Colour::Red, 1.0), Relax(Colour::Black, COARSE_RELAXATION)];

@@ -21,8 +21,9 @@
 //! Values and loads of all grids, 21.3 bytes per unknown, plus rounding of rows to cache lines: 21.5 in
 //! all at h = 1/4096, 22.4 at 1/512. A *work unit* is one projected Gauss-Seidel sweep of the finest
 //! grid, counted by visits of unknowns on all grids: a half-sweep 1/2, residual and restriction of one
-//! colour 1/2, interpolation to one colour 1/4, restriction of a load 1/2, a check of all optimality
-//! conditions 1, boundary loops and coarsest solves by their size. Reordering the input is not counted.
+//! colour 3/4, interpolation to one colour 1/4, restriction of a load 1/2, a check of all optimality
+//! conditions 1, boundary loops by their size, direct solutions by their multiplications, of which a
+//! visit has as many as its stencil. Reordering the input is not counted.
 //!
 //! # References
 //! - A. Brandt, C. W. Cryer, Multigrid algorithms for the solution of linear complementarity problems
