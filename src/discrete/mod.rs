@@ -1,9 +1,11 @@
 //! The discrete problem: grid, stiffness matrix, load vector, transfer between grids, optimality conditions, norms.
 
+pub mod cells;
 pub mod cube;
 pub mod grid;
 pub mod kkt;
 pub mod load;
 pub mod norms;
 pub mod stiffness;
+pub mod sweep;
 pub mod transfer;
