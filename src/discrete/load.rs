@@ -1,9 +1,9 @@
 //! Load vectors (6): F_i, the integral of f times the i-th hat function, by one of several rules.
 
-use super::cells::Cells;
+use super::cells::{Cells, Moments};
 use super::grid::{Grid, MIN_CELLS};
-use super::sweep::Moments;
 use crate::problem::exact::Exact;
+use crate::problem::region::Convex;
 use crate::problem::source::{Source, Tie};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -110,15 +110,14 @@ fn weigh(grid: Grid, diagonal: Option<Diagonal>, j: usize, row: &mut [f64]) {
     let (n, h) = (grid.cells(), grid.h());
     let inner = weight(grid, diagonal, 1, j) * h * h;
     let ends = [0, n].map(|i| weight(grid, diagonal, i, j) * h * h * row[i]);
-    row.iter_mut().for_each(|f| *f = inner * *f);
+    row.iter_mut().for_each(|f| *f *= inner);
     (row[0], row[n]) = (ends[0], ends[1]);
 }
 
 fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f64> {
     let side = grid.side();
-    let moved = |axis: usize| {
-        (0..side).map(|i| tie.step_off(grid.coordinate(i), axis)).collect::<Vec<_>>()
-    };
+    let moved =
+        |axis: usize| (0..side).map(|i| tie.step_off(grid.coordinate(i), axis)).collect::<Vec<_>>();
     let (xs, ys) = (moved(0), moved(1));
     by_rows(grid, |first, block| {
         for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
@@ -126,7 +125,7 @@ fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f6
                 Source::Pieces { background, pieces } => {
                     row.fill(*background);
                     for (region, value) in pieces {
-                        row[region.along(&xs, ys[j])].fill(*value);
+                        row[region.along(&xs, [ys[j]])].fill(*value);
                     }
                 }
                 Source::Exact(exact) => {
@@ -200,8 +199,10 @@ fn averaged(grid: Grid, f: &Source) -> Vec<f64> {
             }
             for (i, value) in row.iter_mut().enumerate() {
                 let around = (2 * i).saturating_sub(1)..(2 * i + 1).min(2 * n);
-                let near = rows.iter().filter(|row| !row.is_empty()).flat_map(|row| &row[around.clone()]);
-                let (sum, count) = near.fold((0.0, 0.0), |(sum, count), mean| (sum + mean, count + 1.0));
+                let near =
+                    rows.iter().filter(|row| !row.is_empty()).flat_map(|row| &row[around.clone()]);
+                let (sum, count) =
+                    near.fold((0.0, 0.0), |(sum, count), mean| (sum + mean, count + 1.0));
                 *value = sum / count;
             }
             weigh(grid, None, j, row);
@@ -231,9 +232,9 @@ fn exact(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
             row.values.resize(n, 0.0);
             row.cut.clear();
             match (&mut cells, f) {
-                (None, Source::Exact(exact)) => {
-                    row.cut.extend((0..n).map(|i| (i, smooth_corners(grid, *exact, diagonal, i, j))))
-                }
+                (None, Source::Exact(exact)) => row
+                    .cut
+                    .extend((0..n).map(|i| (i, smooth_corners(grid, *exact, diagonal, i, j)))),
                 (Some(cells), _) => {
                     let HatRow { values, cut } = row;
                     cells.row(j, values, |i, cell| {

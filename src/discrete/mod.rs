@@ -7,5 +7,4 @@ pub mod kkt;
 pub mod load;
 pub mod norms;
 pub mod stiffness;
-pub mod sweep;
 pub mod transfer;

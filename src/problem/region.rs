@@ -1,7 +1,6 @@
 //! Regions of the plane on which f is constant; all are convex.
 
 use std::f64::consts::PI;
-use std::f64::{INFINITY, NEG_INFINITY};
 use std::fmt;
 use std::ops::Range;
 
@@ -18,10 +17,30 @@ pub enum Region {
     Disc { centre: [f64; 2], radius: f64 },
 }
 
+/// A closed convex set, as the cells of a grid see it; `N` is the dimension less one.
+pub trait Convex<const N: usize>: Copy {
+    /// Which of the increasing abscissas `xs` the set holds where the other coordinates are `at`: bisection
+    /// finds the ends as [`contains`](Region::contains) has them to the last bit, since rounding is monotone.
+    fn along(&self, xs: &[f64], at: [f64; N]) -> Range<usize>;
+
+    /// Least and greatest x of the set where the other coordinates are within `strip`; nothing if it is empty there.
+    fn extent(&self, strip: [[f64; 2]; N]) -> Option<[f64; 2]>;
+
+    /// The same set in coordinates with their origin at (`x`, `at`) and this unit.
+    fn seen_from(&self, x: f64, at: [f64; N], unit: f64) -> Self;
+}
+
+/// Bisects for the run of abscissas with a property that none loses before, or gains from, `turn` on.
+pub(super) fn run(xs: &[f64], turn: usize, inside: impl Fn(f64) -> bool) -> Range<usize> {
+    let start = xs[..turn].partition_point(|&x| !inside(x));
+    let end = turn + xs[turn..].partition_point(|&x| inside(x));
+    start..end.max(start)
+}
+
 impl Region {
     /// A quadrant as an unbounded rectangle, any other region as it is.
     fn plain(self) -> Self {
-        let half = |plus: bool| if plus { [0.0, INFINITY] } else { [NEG_INFINITY, 0.0] };
+        let half = |plus: bool| if plus { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
         match self {
             Self::Quadrant { right, upper } => Self::Rect { x: half(right), y: half(upper) },
             other => other,
@@ -38,45 +57,6 @@ impl Region {
             Self::Disc { centre: [cx, cy], radius } => {
                 let (dx, dy) = (x - cx, y - cy);
                 dx * dx + dy * dy <= radius * radius
-            }
-            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
-        }
-    }
-
-    /// Which of the increasing abscissas `xs` the region holds at height y, as [`contains`](Self::contains)
-    /// has it to the last bit: rounded arithmetic is monotone, so that bisection finds the ends.
-    pub fn along(&self, xs: &[f64], y: f64) -> Range<usize> {
-        let inside = |&x: &f64| self.contains(x, y);
-        // Up to here the region is entered, from here on it is left.
-        let turn = match self.plain() {
-            Self::Rect { x, .. } => xs.partition_point(|&s| s < x[0]),
-            Self::HalfPlane { a, .. } => if a < 0.0 { xs.len() } else { 0 },
-            Self::Disc { centre, .. } => xs.partition_point(|&s| s < centre[0]),
-            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
-        };
-        let start = xs[..turn].partition_point(|x| !inside(x));
-        let end = turn + xs[turn..].partition_point(inside);
-        start..end.max(start)
-    }
-
-    /// Least and greatest x of the region in the strip `y[0] <= y <= y[1]`; nothing if it is empty there.
-    pub fn extent(&self, y: [f64; 2]) -> Option<[f64; 2]> {
-        match self.plain() {
-            Self::Rect { x, y: [bottom, top] } => (bottom <= y[1] && y[0] <= top).then_some(x),
-            Self::HalfPlane { a, b, c } => {
-                let scale = a.abs().max(b.abs());
-                let (a, b, c) = (a / scale, b / scale, c / scale);
-                let room = c - (b * y[0]).min(b * y[1]);
-                match a {
-                    0.0 => (room >= 0.0).then_some([NEG_INFINITY, INFINITY]),
-                    a if a > 0.0 => Some([NEG_INFINITY, room / a]),
-                    a => Some([room / a, INFINITY]),
-                }
-            }
-            Self::Disc { centre: [cx, cy], radius } => {
-                let away = (y[0] - cy).max(cy - y[1]).max(0.0);
-                let half = ((radius - away) * (radius + away)).sqrt();
-                (away <= radius).then_some([cx - half, cx + half])
             }
             Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
         }
@@ -106,24 +86,59 @@ impl Region {
             }
         }
     }
+}
 
-    /// The same region in the coordinates `(p - origin) / unit`.
-    pub fn seen_from(&self, origin: [f64; 2], unit: f64) -> Self {
-        let [ox, oy] = origin;
+/// A half-plane with a normal whose greatest component is 1 in size.
+fn scaled(a: f64, b: f64, c: f64) -> (f64, f64, f64) {
+    let scale = a.abs().max(b.abs());
+    (a / scale, b / scale, c / scale)
+}
+
+impl Convex<1> for Region {
+    fn along(&self, xs: &[f64], [y]: [f64; 1]) -> Range<usize> {
+        let turn = match self.plain() {
+            Self::Rect { x, .. } => xs.partition_point(|&s| s < x[0]),
+            Self::HalfPlane { a, .. } if a < 0.0 => xs.len(),
+            Self::Disc { centre, .. } => xs.partition_point(|&s| s < centre[0]),
+            _ => 0,
+        };
+        run(xs, turn, |x| self.contains(x, y))
+    }
+
+    fn extent(&self, [y]: [[f64; 2]; 1]) -> Option<[f64; 2]> {
         match self.plain() {
-            Self::Rect { x, y } => Self::Rect {
-                x: x.map(|x| (x - ox) / unit),
-                y: y.map(|y| (y - oy) / unit),
+            Self::Rect { x, y: [bottom, top] } => (bottom <= y[1] && y[0] <= top).then_some(x),
+            Self::HalfPlane { a, b, c } => {
+                let (a, b, c) = scaled(a, b, c);
+                let room = c - (b * y[0]).min(b * y[1]);
+                match a {
+                    0.0 => (room >= 0.0).then_some([f64::NEG_INFINITY, f64::INFINITY]),
+                    a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
+                    a => Some([room / a, f64::INFINITY]),
+                }
+            }
+            Self::Disc { centre: [cx, cy], radius } => {
+                let away = (y[0] - cy).max(cy - y[1]).max(0.0);
+                let half = ((radius - away) * (radius + away)).sqrt();
+                (away <= radius).then_some([cx - half, cx + half])
+            }
+            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
+        }
+    }
+
+    fn seen_from(&self, x: f64, [y]: [f64; 1], unit: f64) -> Self {
+        match self.plain() {
+            Self::Rect { x: [left, right], y: [bottom, top] } => Self::Rect {
+                x: [(left - x) / unit, (right - x) / unit],
+                y: [(bottom - y) / unit, (top - y) / unit],
             },
             Self::HalfPlane { a, b, c } => {
-                let scale = a.abs().max(b.abs());
-                let (a, b, c) = (a / scale, b / scale, c / scale);
-                Self::HalfPlane { a, b, c: (c - a * ox - b * oy) / unit }
+                let (a, b, c) = scaled(a, b, c);
+                Self::HalfPlane { a, b, c: (c - a * x - b * y) / unit }
             }
-            Self::Disc { centre: [cx, cy], radius } => Self::Disc {
-                centre: [(cx - ox) / unit, (cy - oy) / unit],
-                radius: radius / unit,
-            },
+            Self::Disc { centre: [cx, cy], radius } => {
+                Self::Disc { centre: [(cx - x) / unit, (cy - y) / unit], radius: radius / unit }
+            }
             Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
         }
     }
