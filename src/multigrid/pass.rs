@@ -81,9 +81,6 @@ pub(super) enum Problem {
     Correction,
 }
 
-/// Grids with fewer cells per side are walked stage by stage.
-const WAVE_FROM: usize = 64;
-
 /// Runs `stages` on `level`; returns the natural residual `max |min(y, A y - F)|`, inside without the `min`,
 /// of the red nodes if the problem is an obstacle problem and the last stage restricts, 0 otherwise.
 pub(super) fn run<D: Weighting>(
@@ -177,17 +174,6 @@ impl<D: Weighting> Walk<'_, D> {
 
     #[inline(always)]
     fn run_portable(&self, block: &mut Block, slabs_of: impl Fn(usize) -> Range<usize>) -> f64 {
-        if self.n < WAVE_FROM {
-            // What lies in the nearest cache needs no wave.
-            let mut natural = 0.0;
-            for (stage, kind) in self.stages.iter().enumerate() {
-                let slabs = slabs_of(stage);
-                for s in slabs.clone() {
-                    natural = worse(natural, self.step(block, *kind, s, slabs.start));
-                }
-            }
-            return natural;
-        }
         let slabs = |stage: usize| (stage, slabs_of(stage));
         let begin = (0..self.stages.len()).map(slabs).map(|(k, slabs)| slabs.start + k).min();
         let end = (0..self.stages.len()).map(slabs).map(|(k, slabs)| slabs.end + k).max();
