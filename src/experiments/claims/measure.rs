@@ -1,12 +1,12 @@
 //! The runs behind the claims, spread over threads; every count is the same however they are spread.
 
-use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Table};
+use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Table, VARIANTS};
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
-use crate::experiments::lanes::{End, Goal, Job, LANES, Method, run};
+use crate::experiments::lanes::{End, Goal, Job, LANES, run};
 use crate::problem::source::Source;
-use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
+use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
 
 /// The load towards a KKT residual: under the published one, problem 1 sums to a positive number on
@@ -40,7 +40,7 @@ enum Batch {
 #[derive(Clone, Copy)]
 struct Direct {
     target: f64,
-    /// `None` for Arrow-Hurwicz, else a place in [`super::VARIANTS`].
+    /// `None` for Arrow-Hurwicz, else a place in [`VARIANTS`].
     variant: Option<usize>,
     r: f64,
 }
@@ -75,7 +75,7 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
             for &(target, _) in plan.targets.iter().filter(asked).rev() {
                 runs.extend(swept.iter().map(|&r| Direct { target, variant: None, r }));
                 if case.grids[level].cells() >= plan.compared_from {
-                    for variant in (0..super::VARIANTS.len()).map(Some) {
+                    for variant in (0..VARIANTS.len()).map(Some) {
                         let of = |&r: &f64| Direct { target, variant, r };
                         runs.extend(plan.compared_r.iter().map(of));
                     }
@@ -159,10 +159,8 @@ impl<'a> Case<'a> {
         let job = |of: &Direct| Job {
             load,
             start: &self.starts[level],
-            method: of.variant.map_or(Method::ArrowHurwicz, |variant| Method::Uzawa {
-                weight: if variant >= 2 { plan.weight } else { 0.0 },
-                inner: 0.1 * of.target * scale,
-                loose: variant % 2 == 1,
+            method: of.variant.map_or(Method::ArrowHurwicz, |variant| {
+                VARIANTS[variant].method(plan.weight, 0.1 * of.target * scale)
             }),
             r: of.r,
             goal: Goal::Kkt(of.target),

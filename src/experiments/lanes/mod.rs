@@ -3,33 +3,17 @@
 //! A sweep waits at each node for its western neighbour, and all runs wait alike: eight of them
 //! side by side cost less than three one after the other. A run's stopping rule is first tried at the node that broke it
 //! last; all nodes are looked at only when that one no longer does. The counts are those of
-//! [`arrow_hurwicz`](crate::saddle::arrow_hurwicz) and [`uzawa`](crate::saddle::uzawa).
+//! [`solve`](crate::saddle::solve).
 
 mod iterates;
 
 use crate::discrete::grid::Grid;
-use crate::saddle::{Pair, StopRule};
+use crate::saddle::{Method, Pair, StopRule};
 use iterates::{Lanes, Measure};
 use std::array::from_fn;
 
 /// Runs side by side.
 pub const LANES: usize = 8;
-
-/// When the multiplier is stepped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Method {
-    /// After each sweep.
-    ArrowHurwicz,
-    /// When the inner gradient, with the proximal term of this weight (none if zero), is small enough.
-    Uzawa {
-        /// Weight c of [`ProximalParams`](crate::saddle::ProximalParams).
-        weight: f64,
-        /// The bound on the inner gradient that is always enough, in units of F.
-        inner: f64,
-        /// Whether a tenth of the gradient at the last step of the multiplier is enough as well.
-        loose: bool,
-    },
-}
 
 /// When a run has reached its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,13 +115,8 @@ struct Run<'a> {
 impl<'a> Run<'a> {
     fn enter(lanes: &mut Lanes, lane: usize, number: usize, job: &'a Job) -> Self {
         let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
-        let (weight, inner) = match job.method {
-            Method::ArrowHurwicz => (0.0, 0.0),
-            Method::Uzawa { weight, inner, loose } => {
-                (weight, if loose { inner.max(0.1 * scale) } else { inner })
-            }
-        };
-        lanes.enter(lane, job, weight);
+        let inner = job.method.inner_bound(scale).unwrap_or_default();
+        lanes.enter(lane, job, job.method.weight());
         Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, inner_witness: 0, scale }
     }
 
@@ -146,7 +125,7 @@ impl<'a> Run<'a> {
         if let Method::Uzawa { inner, loose, .. } = self.job.method {
             if loose {
                 let (gradient, _) = lanes.worst(lane, Measure::Printed, self.job);
-                self.inner = (0.1 * gradient).max(inner);
+                self.inner = self.job.method.inner_bound(gradient).unwrap_or(inner);
             }
             lanes.regularise(lane, self.job.load);
         }
@@ -170,9 +149,7 @@ impl<'a> Run<'a> {
 mod tests {
     use super::*;
     use crate::discrete::load::{LoadRule, load};
-    use crate::saddle::{
-        Params, ProximalParams, StopReason, UzawaParams, arrow_hurwicz, uzawa, uzawa_proximal,
-    };
+    use crate::saddle::{Params, StopReason, arrow_hurwicz, solve};
 
     fn setting() -> (Grid, Vec<f64>, Pair) {
         let grid = Grid::new(16).unwrap();
@@ -202,23 +179,18 @@ mod tests {
     #[test]
     fn and_uzawa_with_and_without_the_proximal_term() {
         let (grid, load, start) = setting();
-        let all = [(0.0, 3.0), (1.0, 3.0), (10.0, 1e4), (0.0, 1e4)];
-        let jobs = all.map(|(weight, r)| {
-            let method = Method::Uzawa { weight, inner: 1e-5, loose: false };
+        let all = [(0.0, 3.0, false), (1.0, 3.0, true), (10.0, 1e4, false), (0.0, 1e4, true)];
+        let jobs = all.map(|(weight, r, loose)| {
+            let method = Method::Uzawa { weight, inner: 1e-5, loose };
             let goal = Goal::Rule(StopRule::Printed, 1e-4);
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
-        for ((weight, r), ours) in all.into_iter().zip(run(grid, &jobs)) {
-            let rule = StopRule::Printed;
-            let params = UzawaParams { r, tolerance: 1e-4, rule, ..UzawaParams::default() };
+        for (job, ours) in jobs.iter().zip(run(grid, &jobs)) {
+            let params =
+                Params { r: job.r, tolerance: 1e-4, rule: StopRule::Printed, ..Params::default() };
             let mut pair = start.clone();
-            let theirs = if weight > 0.0 {
-                let params = ProximalParams { uzawa: params, weight };
-                uzawa_proximal(grid, &load, &params, &mut pair, None)
-            } else {
-                uzawa(grid, &load, &params, &mut pair, None)
-            };
-            assert_eq!((ours.sweeps, ours.delta_a), (theirs.sweeps, theirs.end.delta_a));
+            let (end, sweeps) = solve(grid, &load, job.method, &params, &mut pair, None);
+            assert_eq!((ours.sweeps, ours.delta_a), (sweeps, end.delta_a));
             assert_eq!((ours.met, &ours.pair), (true, &pair));
         }
     }
