@@ -1,5 +1,6 @@
 //! Saddle-point methods for the modified Lagrange functional (7), and their run over nested grids.
 
+pub mod batch;
 mod gradient;
 mod method;
 mod outcome;

@@ -4,8 +4,8 @@ use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Tabl
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
-use crate::experiments::lanes::{End, Goal, Job, LANES, run};
 use crate::problem::source::Source;
+use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
 
@@ -132,25 +132,14 @@ impl<'a> Case<'a> {
 
     /// As [`crate::saddle::solve_nested`], for several r.
     fn nested(&self, rule: StopRule, r: &[f64]) -> Done {
-        let mut pairs = vec![Pair::zero(self.grids[0]); r.len()];
-        let mut done = vec![Vec::new(); r.len()];
-        for (k, &grid) in self.grids.iter().enumerate() {
-            let load = &self.published[k];
-            let job = |(&r, start)| Job {
-                load,
-                start,
-                method: Method::ArrowHurwicz,
-                r,
-                goal: Goal::Rule(rule, tolerance(k + 1)),
-                cap: self.problem.max_iterations,
-            };
-            let ends = run(grid, &r.iter().zip(&pairs).map(job).collect::<Vec<_>>());
-            for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
-                done.push(Reached::of(&end, kkt(grid, &end.pair.y, load).relative));
-                *pair = end.pair.prolonged(grid, self.problem.prolongation);
-            }
-        }
-        done
+        let loads = &self.published[..];
+        let runs: Vec<_> = r.iter().map(|&r| Nested { loads, r, rule }).collect();
+        let cap = |_, _| self.problem.max_iterations;
+        let ends = run_nested(&self.grids, &runs, self.problem.prolongation, cap, &mut AsDefined);
+        let reached = |(k, end): (usize, &End)| {
+            Reached::of(end, kkt(self.grids[k], &end.pair.y, &loads[k]).relative)
+        };
+        ends.iter().map(|ends| ends.iter().enumerate().map(reached).collect()).collect()
     }
 
     fn direct(&self, plan: &Plan, level: usize, runs: &[Direct]) -> Done {
@@ -166,7 +155,7 @@ impl<'a> Case<'a> {
             goal: Goal::Kkt(of.target),
             cap: plan.cap,
         };
-        let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>());
+        let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>(), &mut AsDefined);
         ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
     }
 

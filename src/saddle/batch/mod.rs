@@ -1,15 +1,19 @@
-//! Many runs of Arrow-Hurwicz and Uzawa on one grid at once, one per vector lane, each as if it were alone.
+//! Many runs of the saddle-point methods on one grid at once, one per vector lane, each as if it were alone.
 //!
 //! A sweep waits at each node for its western neighbour, and all runs wait alike: eight of them
-//! side by side cost less than three one after the other. A run's stopping rule is first tried at the node that broke it
-//! last; all nodes are looked at only when that one no longer does. The counts are those of
-//! [`solve`](crate::saddle::solve).
+//! side by side cost less than three one after the other. A run's stopping rule is first tried at the node
+//! that broke it last; all nodes are tried only when that one no longer does. Iterates and counts are those
+//! of [`solve`](crate::saddle::solve) to the last bit, unless another arithmetic is asked for.
 
-mod iterates;
+mod arithmetic;
+mod lanes;
+
+pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed};
+pub use lanes::{Lanes, Measure, Order, V};
 
 use crate::discrete::grid::Grid;
-use crate::saddle::{Method, Pair, StopRule};
-use iterates::{Lanes, Measure};
+use crate::discrete::transfer::Prolongation;
+use crate::saddle::{Method, Pair, StopRule, tolerance};
 use std::array::from_fn;
 
 /// Runs side by side.
@@ -26,9 +30,9 @@ pub enum Goal {
 
 /// A run to be done.
 #[derive(Clone, Copy, Debug)]
-pub struct Job<'a> {
+pub struct Job<'a, N = f64> {
     /// Load vector F.
-    pub load: &'a [f64],
+    pub load: &'a [N],
     /// Where it starts.
     pub start: &'a Pair,
     /// The method.
@@ -58,28 +62,34 @@ pub struct End {
 ///
 /// # Panics
 /// If a load vector or a start has the wrong length for `grid`.
-pub fn run(grid: Grid, jobs: &[Job]) -> Vec<End> {
+pub fn run<N: Number>(
+    grid: Grid,
+    jobs: &[Job<N>],
+    arithmetic: &mut impl Arithmetic<N>,
+) -> Vec<End> {
     let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
     let mut waiting = jobs.iter().enumerate();
-    let mut lanes = Lanes::new(grid);
-    let mut runs: [Option<Run>; LANES] = [const { None }; LANES];
+    let mut lanes = Lanes::new(grid, Order::Lexicographic, 1.0);
+    let mut runs: [Option<Run<N>>; LANES] = [const { None }; LANES];
     loop {
         for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
-            *run = waiting.next().map(|(number, job)| Run::enter(&mut lanes, lane, number, job));
+            if let Some((number, job)) = waiting.next() {
+                lanes.enter(lane, job.r, job.load, job.method.weight(), job.start);
+                arithmetic.enter(lane, number);
+                *run = Some(Run::new(number, job));
+            }
         }
         if runs.iter().all(Option::is_none) {
             return ends.into_iter().flatten().collect();
         }
-        lanes.sweep();
+        lanes.sweep(arithmetic);
         let steps = from_fn(|lane| {
-            runs[lane].as_mut().is_some_and(|run| match run.job.method {
-                Method::ArrowHurwicz => true,
-                Method::Uzawa { .. } => {
-                    lanes.within(lane, Measure::Inner, run.inner, &mut run.inner_witness, run.job)
-                }
+            runs[lane].as_mut().is_some_and(|run| match run.inner {
+                None => true,
+                Some(bound) => lanes.within(lane, Measure::Inner, bound, &mut run.inner_witness),
             })
         });
-        let changes = lanes.step(steps);
+        let changes = lanes.step(steps, arithmetic);
         for lane in 0..LANES {
             let Some(run) = runs[lane].as_mut() else { continue };
             run.sweeps += 1;
@@ -87,10 +97,11 @@ pub fn run(grid: Grid, jobs: &[Job]) -> Vec<End> {
                 run.delta_a = changes[lane];
                 run.after_step(&mut lanes, lane);
             }
-            let met = steps[lane] && run.met(&mut lanes, lane);
+            let met = steps[lane] && run.met(&lanes, lane);
             if met || run.sweeps == run.job.cap {
-                let Run { sweeps, delta_a, .. } = *run;
-                ends[run.number] = Some(End { sweeps, met, delta_a, pair: lanes.pair(lane) });
+                let Run { sweeps, delta_a, number, .. } = *run;
+                arithmetic.leave(lane, number);
+                ends[number] = Some(End { sweeps, met, delta_a, pair: lanes.pair(lane) });
                 runs[lane] = None;
             }
         }
@@ -98,51 +109,94 @@ pub fn run(grid: Grid, jobs: &[Job]) -> Vec<End> {
 }
 
 /// A job in a lane.
-struct Run<'a> {
+struct Run<'a, N> {
     number: usize,
-    job: &'a Job<'a>,
+    job: &'a Job<'a, N>,
     sweeps: usize,
     delta_a: f64,
     /// Bound on the inner gradient.
-    inner: f64,
-    /// Nodes that broke the goal and the inner bound when last looked at.
+    inner: Option<f64>,
+    /// Nodes that broke the goal and the inner bound when last tried.
     witness: usize,
     inner_witness: usize,
     /// Largest component of F.
     scale: f64,
 }
 
-impl<'a> Run<'a> {
-    fn enter(lanes: &mut Lanes, lane: usize, number: usize, job: &'a Job) -> Self {
-        let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
-        let inner = job.method.inner_bound(scale).unwrap_or_default();
-        lanes.enter(lane, job, job.method.weight());
+impl<'a, N: Number> Run<'a, N> {
+    fn new(number: usize, job: &'a Job<'a, N>) -> Self {
+        let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.wide().abs()));
+        let inner = job.method.inner_bound(scale);
         Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, inner_witness: 0, scale }
     }
 
     /// Prepares the next inner minimisation.
-    fn after_step(&mut self, lanes: &mut Lanes, lane: usize) {
-        if let Method::Uzawa { inner, loose, .. } = self.job.method {
+    fn after_step(&mut self, lanes: &mut Lanes<N>, lane: usize) {
+        if let Method::Uzawa { loose, .. } = self.job.method {
             if loose {
-                let (gradient, _) = lanes.worst(lane, Measure::Printed, self.job);
-                self.inner = self.job.method.inner_bound(gradient).unwrap_or(inner);
+                let (gradient, _) = lanes.worst(lane, Measure::Printed);
+                self.inner = self.job.method.inner_bound(gradient);
             }
-            lanes.regularise(lane, self.job.load);
+            lanes.regularise(lane);
         }
     }
 
     /// Whether the goal is reached, after a step of the multiplier.
-    fn met(&mut self, lanes: &mut Lanes, lane: usize) -> bool {
+    fn met(&mut self, lanes: &Lanes<N>, lane: usize) -> bool {
         let (measure, bound, dual) = match self.job.goal {
             Goal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
-            Goal::Rule(StopRule::Signed, tolerance) => (Measure::Signed, tolerance, false),
-            Goal::Rule(StopRule::Printed, tolerance) => (Measure::Printed, tolerance, false),
-            Goal::Rule(StopRule::SignedDual, tolerance) => (Measure::Signed, tolerance, true),
-            Goal::Rule(StopRule::PrintedDual, tolerance) => (Measure::Printed, tolerance, true),
+            Goal::Rule(rule, tolerance) => {
+                let measure = if rule.is_printed() { Measure::Printed } else { Measure::Signed };
+                (measure, N::of(tolerance).wide(), rule.asks_dual())
+            }
         };
-        (!dual || self.delta_a <= bound)
-            && lanes.within(lane, measure, bound, &mut self.witness, self.job)
+        (!dual || self.delta_a <= bound) && lanes.within(lane, measure, bound, &mut self.witness)
     }
+}
+
+/// A run of the paper's method over nested grids.
+#[derive(Clone, Copy, Debug)]
+pub struct Nested<'a, N = f64> {
+    /// Load vectors, one per grid.
+    pub loads: &'a [Vec<N>],
+    /// Duality parameter r > 0.
+    pub r: f64,
+    /// Stopping rule, with the paper's tolerances.
+    pub rule: StopRule,
+}
+
+/// Does all runs, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
+/// grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
+///
+/// The prolongation is computed in double precision and rounded once.
+///
+/// # Panics
+/// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load has the wrong length.
+pub fn run_nested<N: Number>(
+    grids: &[Grid],
+    runs: &[Nested<N>],
+    prolongation: Prolongation,
+    cap: impl Fn(usize, usize) -> usize,
+    arithmetic: &mut impl Arithmetic<N>,
+) -> Vec<Vec<End>> {
+    let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
+    let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
+    for (k, &grid) in grids.iter().enumerate() {
+        let job = |(number, (nested, start))| {
+            let &Nested { ref loads, r, rule } = nested;
+            let (method, goal) = (Method::ArrowHurwicz, Goal::Rule(rule, tolerance(k + 1)));
+            Job { load: &loads[k], start, method, r, goal, cap: cap(number, k) }
+        };
+        let jobs: Vec<_> = runs.iter().zip(&pairs).enumerate().map(job).collect();
+        let ends = run(grid, &jobs, arithmetic);
+        for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
+            if k + 1 < grids.len() {
+                *pair = end.pair.prolonged(grid, prolongation);
+            }
+            done.push(end);
+        }
+    }
+    done
 }
 
 #[cfg(test)]
@@ -165,7 +219,7 @@ mod tests {
             let (method, goal) = (Method::ArrowHurwicz, Goal::Rule(rule, 1e-4));
             Job { load: &load, start: &start, method, r, goal, cap: 1000 }
         };
-        let ends = run(grid, &all().map(job).collect::<Vec<_>>());
+        let ends = run(grid, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
         for ((r, rule), ours) in all().zip(ends) {
             let params = Params { r, rule, tolerance: 1e-4, max_iterations: 1000 };
             let mut pair = start.clone();
@@ -185,7 +239,7 @@ mod tests {
             let goal = Goal::Rule(StopRule::Printed, 1e-4);
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
-        for (job, ours) in jobs.iter().zip(run(grid, &jobs)) {
+        for (job, ours) in jobs.iter().zip(run(grid, &jobs, &mut AsDefined)) {
             let params =
                 Params { r: job.r, tolerance: 1e-4, rule: StopRule::Printed, ..Params::default() };
             let mut pair = start.clone();
