@@ -10,7 +10,7 @@ use crate::discrete::load::{LoadRule, load};
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
-use crate::multigrid::square::Goal;
+use crate::multigrid::Goal;
 use crate::problem::source::Source;
 use crate::saddle::batch::{AsDefined, End, Goal as Until, Job, Nested, Number, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopRule};
