@@ -7,6 +7,9 @@ use super::space::Geometry;
 use super::variant::Variant;
 use serde::{Deserialize, Serialize};
 
+/// Per row and grid, how far a published count is from coming out.
+type Misfit = Vec<Vec<f64>>;
+
 /// Smallest and largest move tried, relative to the largest value of f.
 const REACH: [f64; 2] = [1e-5, 1.0];
 /// Ratio of one move to the next, hence the resolution of what single cells allow.
@@ -108,7 +111,7 @@ impl Direction<'_> {
 fn along(
     directions: &[Direction],
     here: &[Vec<f64>],
-    misfits: &dyn Fn(&[Vec<f64>]) -> Vec<Vec<Vec<f64>>>,
+    misfits: &dyn Fn(&[Vec<f64>]) -> Vec<Misfit>,
 ) -> Vec<Breaks> {
     let held = |m: &[Vec<f64>], (k, level): Cell| m[k][level] == 0.0;
     let all: Vec<Cell> = (0..here.len())

@@ -14,8 +14,6 @@ use std::time::Instant;
 
 /// Candidates in one item of an enumeration.
 const ITEM: u64 = 4096;
-/// Candidates between two looks at the clock.
-const CLOCK: u64 = 64;
 /// Largest number of candidates that is surely counted without rounding.
 const MOST: f64 = 9_007_199_254_740_992.0;
 

@@ -361,7 +361,7 @@ impl<N: Number> Lanes<N> {
             let outer = node / side == 0 || node / side == n;
             let mass = if outer { half * self.shift.0[lane] } else { self.shift.0[lane] };
             flux = flux + mass * here;
-            if node % side == 0 || node % side == n {
+            if [0, n].contains(&(node % side)) {
                 flux = flux - half * mass * here;
             }
         }

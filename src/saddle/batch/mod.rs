@@ -183,7 +183,7 @@ pub fn run_nested<N: Number>(
     let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
     for (k, &grid) in grids.iter().enumerate() {
         let job = |(number, (nested, start))| {
-            let &Nested { ref loads, r, rule } = nested;
+            let Nested { loads, r, rule } = *nested;
             let (method, goal) = (Method::ArrowHurwicz, Goal::Rule(rule, tolerance(k + 1)));
             Job { load: &loads[k], start, method, r, goal, cap: cap(number, k) }
         };
