@@ -182,12 +182,19 @@ pub fn run_nested<N: Number>(
     let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
     let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
     for (k, &grid) in grids.iter().enumerate() {
-        let job = |(number, (nested, start))| {
-            let Nested { loads, r, rule } = *nested;
-            let (method, goal) = (Method::ArrowHurwicz, Goal::Rule(rule, tolerance(k + 1)));
-            Job { load: &loads[k], start, method, r, goal, cap: cap(number, k) }
-        };
-        let jobs: Vec<_> = runs.iter().zip(&pairs).enumerate().map(job).collect();
+        let jobs: Vec<Job<N>> = runs
+            .iter()
+            .zip(&pairs)
+            .enumerate()
+            .map(|(number, (nested, start))| Job {
+                load: &nested.loads[k],
+                start,
+                method: Method::ArrowHurwicz,
+                r: nested.r,
+                goal: Goal::Rule(nested.rule, tolerance(k + 1)),
+                cap: cap(number, k),
+            })
+            .collect();
         let ends = run(grid, &jobs, arithmetic);
         for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
             if k + 1 < grids.len() {
