@@ -13,10 +13,7 @@ use crate::multigrid::square::multigrid;
 use crate::multigrid::{self, InputError};
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Source;
-use crate::saddle::{
-    self, Outcome, Pair, Params, ProximalParams, UzawaOutcome, UzawaParams, on_nested,
-    solve_nested, tolerance, uzawa, uzawa_proximal,
-};
+use crate::saddle::{self, Method, Outcome, Pair, Params, StopReason, on_nested, tolerance};
 use std::time::Instant;
 
 /// What is to be solved.
@@ -70,8 +67,7 @@ impl Problem<'_> {
         let start = Instant::now();
         let (outcomes, pair) = on_saddle(solver, &grids, &loads, params);
         let seconds = start.elapsed().as_secs_f64();
-        if let Some(o) =
-            outcomes.last().map(|o| o.end).filter(|o| o.stop == saddle::StopReason::Diverged)
+        if let Some((o, ..)) = outcomes.last().filter(|(_, _, stop)| *stop == StopReason::Diverged)
         {
             return Err(Error::Stage(vec![format!(
                 "{} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
@@ -80,11 +76,11 @@ impl Problem<'_> {
         }
         let levels = outcomes
             .iter()
-            .map(|&UzawaOutcome { end: o, sweeps }| Level {
+            .map(|&(o, sweeps, stop)| Level {
                 cells: o.cells,
                 iterations: o.iterations,
                 sweeps: Some(sweeps),
-                stop: o.stop.to_string(),
+                stop: stop.to_string(),
                 energy: o.energy,
                 sum_load: o.sum_load,
                 kkt: o.kkt,
@@ -163,35 +159,25 @@ impl Problem<'_> {
     }
 }
 
-/// Runs a saddle-point method over the nested grids: the end and the sweeps on each, and the last pair.
+/// Runs a saddle-point method over the nested grids: the end, the sweeps and the checked reason to stop on
+/// each, and the last pair.
 fn on_saddle(
     solver: Solver,
     grids: &[Grid],
     loads: &[Vec<f64>],
     params: &Params,
-) -> (Vec<UzawaOutcome>, Pair) {
-    let prolongation = Prolongation::default();
-    if solver == Solver::ArrowHurwicz {
-        let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
-        let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
-        return (ends.into_iter().map(sweeps).collect(), pair);
-    }
-    let Params { r, rule, max_iterations, .. } = *params;
-    on_nested(grids, loads, prolongation, |level, grid, load, pair| {
-        let params = UzawaParams {
-            r,
-            rule,
-            tolerance: tolerance(level),
-            max_sweeps: max_iterations,
-            ..UzawaParams::default()
+) -> (Vec<(Outcome, usize, StopReason)>, Pair) {
+    on_nested(grids, loads, Prolongation::default(), |level, grid, load, pair| {
+        let params = Params { tolerance: tolerance(level), ..*params };
+        let uzawa = |weight| Method::Uzawa { weight, inner: 0.1 * params.tolerance, loose: false };
+        let method = match solver {
+            Solver::Uzawa => uzawa(0.0),
+            Solver::UzawaProximal => uzawa(1.0),
+            _ => Method::ArrowHurwicz,
         };
-        let outcome = if solver == Solver::Uzawa {
-            uzawa(grid, load, &params, pair, None)
-        } else {
-            let params = ProximalParams { uzawa: params, ..ProximalParams::default() };
-            uzawa_proximal(grid, load, &params, pair, None)
-        };
-        (outcome, outcome.end.stop)
+        let (outcome, sweeps) = saddle::solve(grid, load, method, &params, pair, None);
+        let stop = outcome.checked(grid, load, pair, params.tolerance);
+        ((outcome, sweeps, stop), outcome.stop)
     })
 }
 

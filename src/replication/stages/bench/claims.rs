@@ -48,8 +48,8 @@ pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Drawn {
     for &(target, cells) in &claims.targets {
         for problem in &claims.problems {
             let mut curves = vec![("Arrow-Hurwicz".into(), against(problem, target, cells, None))];
-            for (k, name) in VARIANTS.iter().enumerate() {
-                curves.push(((*name).into(), against(problem, target, cells, Some(k))));
+            for (k, variant) in VARIANTS.iter().enumerate() {
+                curves.push((variant.name.into(), against(problem, target, cells, Some(k))));
             }
             panels.push(Panel {
                 title: format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number),
