@@ -4,7 +4,8 @@ use super::pipeline::Workplace;
 use super::run::exports;
 use super::{CacheArgs, say, say_json, styled};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Judged, Reason, Stage, Summary, Verdict};
+use crate::pipeline::{Judged, Reason, Summary, Verdict};
+use crate::replication::stages::Stage;
 use anstyle::AnsiColor;
 use clap::Args;
 use std::collections::BTreeMap;
@@ -63,7 +64,7 @@ fn width() -> usize {
 fn table(summary: &Summary, width: usize) -> String {
     let mut lines = Vec::new();
     for stage in Stage::ALL {
-        let of: Vec<_> = summary.verdicts.iter().filter(|j| j.stage == stage).collect();
+        let of: Vec<_> = summary.verdicts.iter().filter(|j| stage.has(&j.task)).collect();
         let is_stale = |judged: &&&Judged| matches!(judged.verdict, Verdict::Stale(_));
         let late: Vec<_> = of.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
         let Some(any) = late.first() else {
@@ -148,9 +149,9 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
         }
         // Of what waits, more may have changed than what it waits for.
         if matches!(judged.verdict, Verdict::Waits(_)) {
-            let task = tasks.iter().find(|task| task.id == judged.task);
+            let task = tasks.task(&judged.task);
             let last = workplace.store.manifests(&judged.task).into_iter().next();
-            let changes = task.zip(last).map(|(task, last)| task.own_changes(&last));
+            let changes = task.zip(last).map(|(task, last)| tasks.own_changes(task, &last));
             let changes = changes.into_iter().flatten();
             changes.for_each(|change| text += &format!("  {change}\n"));
         }

@@ -5,7 +5,7 @@ use crate::pipeline::error::{Error, Result, mistake};
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Paper {
     /// Duality parameters, in the order of the rows.
@@ -15,7 +15,7 @@ pub struct Paper {
 }
 
 /// One published table with its declared tolerances.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedTable {
     /// Number of the table.

@@ -2,7 +2,7 @@
 
 use crate::pipeline::Artifacts;
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::files::read_tree;
+use crate::pipeline::files::{read_text, read_tree};
 use crate::replication::paper::Paper;
 use crate::replication::record::{self, Record};
 use crate::replication::scene::Scene;
@@ -67,7 +67,7 @@ impl Project {
     pub fn read(root: PathBuf) -> Result<Self> {
         let (scenes, scene_files) = read_scenes(&root)?;
         let path = root.join("pipeline").join("paper.toml");
-        let paper_text = fs::read_to_string(&path).context("read", &path)?;
+        let paper_text = read_text(&path)?;
         let paper = Paper::parse(&paper_text)?;
         let record_text = read_record(&root, record::PATH, |text| Record::parse(text).map(drop))?;
         let timings_text =
@@ -123,7 +123,7 @@ fn read_record(
     if !fs::exists(&path).context("read", &path)? {
         return Ok(None);
     }
-    let text = fs::read_to_string(&path).context("read", &path)?;
+    let text = read_text(&path)?;
     check(&text)?;
     Ok(Some(text.into_bytes()))
 }
@@ -147,7 +147,11 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
         if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
             continue;
         }
-        let text = fs::read_to_string(&path).context("read", &path)?;
+        if path.file_name().is_none_or(|name| name.to_str().is_none()) {
+            let path = path.display();
+            return Err(Error::input(format!("the name of {path} is not UTF-8; rename it")));
+        }
+        let text = read_text(&path)?;
         scenes.push(Scene::parse(&name, &text)?);
         files.insert(format!("pipeline/scenes/{name}.toml"), text.into_bytes());
     }

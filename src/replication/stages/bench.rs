@@ -6,7 +6,7 @@ mod stability;
 use super::{artifact, cost, figures, to_json};
 use crate::experiments::{self, accuracy};
 use crate::figures::Caption;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -118,7 +118,6 @@ where
 {
     Task {
         id: id(name),
-        stage: Stage::Bench,
         parameters: parameters(&plan),
         files: Artifacts::new(),
         needs: Vec::new(),

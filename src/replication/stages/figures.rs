@@ -9,7 +9,7 @@ use crate::figures::{
     surfaces,
 };
 use crate::identify::Findings;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::saddle::{Iteration, Pair};
@@ -79,7 +79,6 @@ pub(super) fn drawing(
     let picture = format!("{name}.svg");
     Task {
         id: id(name),
-        stage: Stage::Figures,
         parameters: BTreeMap::from([("title".into(), title.clone())]),
         files: Artifacts::new(),
         needs,

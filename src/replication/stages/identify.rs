@@ -1,13 +1,13 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
 use super::{figures, to_json};
-use crate::identify::{Variant, findings};
+use crate::identify::{Questions, Target, Variant, findings};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Artifacts, Stage, Task, parameters};
-use crate::replication::paper::Paper;
+use crate::pipeline::{Artifacts, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::record::{self, Record};
 use crate::replication::scene::{Output, Scene};
+use serde::Serialize;
 
 /// Artifact with [`crate::identify::Findings`].
 pub const FINDINGS: &str = "findings.json";
@@ -36,30 +36,37 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
     };
     let variant =
         Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
+    let text = String::from_utf8_lossy(text);
+    let record = Record::parse(&text)?;
+    let question = Question {
+        f: scene.f.to_string(),
+        variant,
+        target: project.paper.target(table)?,
+        alternatives: record.alternatives(table).to_vec(),
+        questions: record.questions,
+    };
     let f = scene.f.clone();
-    let value = serde_json::json!({ "f": f.to_string(), "table": table, "variant": variant });
     Ok(Task {
         id: id(scene),
-        stage: Stage::Identify,
-        parameters: parameters(&value),
-        files: Artifacts::from([
-            (PAPER.into(), project.paper_text.clone().into_bytes()),
-            (record::PATH.into(), text.clone()),
-        ]),
+        parameters: parameters(&question),
+        files: Artifacts::new(),
         needs: Vec::new(),
         export: None,
-        work: Box::new(move |inputs| {
-            let text = |name: &str| String::from_utf8_lossy(&inputs.files[name]);
-            let paper = Paper::parse(&text(PAPER)).map_err(|e| e.to_string())?;
-            let record = Record::parse(&text(record::PATH)).map_err(|e| e.to_string())?;
-            let target = paper.target(table).map_err(|e| e.to_string())?;
-            let alternatives = record.alternatives(table);
+        work: Box::new(move |_| {
+            let Question { target, variant, alternatives, questions, .. } = &question;
             let threads = rayon::current_num_threads();
-            let found = findings(&target, &variant, &f, alternatives, &record.questions, threads);
-            let found = found.map_err(|e| e.to_string())?;
-            Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
+            let found = findings(target, variant, &f, alternatives, questions, threads);
+            Ok(Artifacts::from([(FINDINGS.into(), to_json(&found.map_err(|e| e.to_string())?))]))
         }),
     })
 }
 
-const PAPER: &str = "pipeline/paper.toml";
+/// Everything that the findings depend on: of the files that hold it, the rest may change freely.
+#[derive(Serialize)]
+struct Question {
+    f: String,
+    variant: Variant,
+    target: Target,
+    alternatives: Vec<String>,
+    questions: Questions,
+}

@@ -6,7 +6,7 @@ use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
 use super::{artifact, bench, figures, from_json, to_json};
 use crate::discrete::load::{LoadRule, integral};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
+use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
 use crate::problem::source::{Region, Source};
 use crate::replication::paper::TableComparison;
 use crate::replication::project::{CommandHelp, Project};
@@ -19,7 +19,6 @@ use crate::report::{
 use crate::saddle::StopRule;
 use crate::timing::recorded;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
 ///
@@ -65,8 +64,8 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let versions = versions();
     let commands = project.commands.clone();
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let own = Node { id: "report/book".into(), stage: Stage::Report, needs: needs.clone() };
-    let graph = Graph::new(earlier.iter().map(Node::of).chain([own]).collect());
+    let own = Node { id: "report/book".into(), needs: needs.clone() };
+    let graph = Graph { nodes: earlier.iter().map(Node::of).chain([own]).collect() };
     let mut parameters: BTreeMap<String, String> = versions
         .iter()
         .map(|library| (format!("version of {}", library.name), library.version.clone()))
@@ -78,7 +77,6 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let about = About { versions, commands, graph };
     Ok(Task {
         id: "report/book".into(),
-        stage: Stage::Report,
         parameters,
         files,
         needs,
@@ -149,18 +147,11 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
     for (name, bytes) in pictures(inputs) {
         files.insert(format!("src/figures/{name}"), bytes.clone());
     }
-    let built = report::build(&files, &scratch()).map_err(|e| e.to_string())?;
+    let built = report::build(&files, inputs.scratch).map_err(|e| e.to_string())?;
     let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));
     Ok(pages
         .chain(built.into_iter().map(|(name, bytes)| (format!("book/{name}"), bytes)))
         .collect())
-}
-
-/// A folder for mdBook to work in; its name is in no artifact.
-fn scratch() -> std::path::PathBuf {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-    std::env::temp_dir().join(format!("signorini-book-{}-{unique}", std::process::id()))
 }
 
 fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made<Problem> {
