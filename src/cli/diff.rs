@@ -2,8 +2,8 @@
 
 use super::pipeline::{Workplace, bring_up_to_date};
 use super::{CacheArgs, say, say_json, styled};
-use crate::pipeline::error::{Error, Result};
 use crate::pipeline::Manifest;
+use crate::pipeline::error::{Error, Result};
 use crate::replication::paper::{Comparison, RowComparison, TableComparison};
 use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;

@@ -15,7 +15,7 @@ mod status;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 use crate::pipeline::talk;
-use crate::replication::project::CommandHelp;
+use crate::report::CommandHelp;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -87,7 +87,8 @@ impl Workplace {
         // Looking needs no lock and no writing, and is enough when nothing is to do.
         if !options.force && progress.trace().is_none() {
             let (summary, _) = self.look(plan, whole, progress)?;
-            if summary.nothing_to_do() && self.lock_file(&summary, whole)? == LockFile::read(root)? {
+            if summary.nothing_to_do() && self.lock_file(&summary, whole)? == LockFile::read(root)?
+            {
                 return Ok(summary);
             }
         }
@@ -119,8 +120,7 @@ impl Workplace {
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let differences =
-            LockFile::read(&self.project.root)?.differences(&summary.lock_file());
+        let differences = LockFile::read(&self.project.root)?.differences(&summary.lock_file());
         if differences.is_empty() {
             exports.perform(&self.project.root, &self.store)?;
             refuse_edited(&summary)?;

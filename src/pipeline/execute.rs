@@ -274,7 +274,9 @@ impl<'a> Walk<'a> {
         let task = &self.plan.tasks()[job.task];
         let needed = |need: &String| (need.clone(), self.manifest(need).outputs.clone());
         let needed: Vec<(String, Hashes)> = task.needs.iter().map(needed).collect();
-        let State::Stale(reason) = &self.states[job.task] else { unreachable!("only stale tasks run") };
+        let State::Stale(reason) = &self.states[job.task] else {
+            unreachable!("only stale tasks run")
+        };
         let reason = reason.to_string();
         scope.spawn(move |_| {
             let start = Instant::now();
@@ -330,9 +332,9 @@ impl<'a> Walk<'a> {
         for (k, task) in self.plan.tasks().iter().enumerate() {
             let id = &task.id;
             let verdict = match &self.states[k] {
-                State::Done(_) => ran.get(id).map_or(Verdict::Fresh, |ran| {
-                    Verdict::Stale(ran.reason.clone())
-                }),
+                State::Done(_) => {
+                    ran.get(id).map_or(Verdict::Fresh, |ran| Verdict::Stale(ran.reason.clone()))
+                }
                 State::Stale(reason) | State::Lost(reason) => Verdict::Stale(reason.clone()),
                 State::Waiting => Verdict::Waits(self.waits_for(task).unwrap_or_default().into()),
             };
@@ -378,7 +380,8 @@ fn run(
     fs::create_dir_all(&scratch).context("create", &scratch)?;
     let digest = shown_digest(&inputs);
     let start = Instant::now();
-    let given = Inputs { files: &task.files, artifacts: &artifacts, digest: &digest, scratch: &scratch };
+    let given =
+        Inputs { files: &task.files, artifacts: &artifacts, digest: &digest, scratch: &scratch };
     let failed = |reason: String| Error::Stage(vec![format!("{}: {reason}", task.id)]);
     // A panic must not take the other tasks with it; its own message has been printed.
     let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
@@ -419,14 +422,16 @@ mod tests {
 
     fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
         let store = Store::new(cache).unwrap();
-        execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false)).unwrap()
+        execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false))
+            .unwrap()
     }
 
     #[test]
     fn another_program_never_finds_the_results_of_the_first() {
         let cache = tempfile::tempdir().unwrap();
         let plan = |program: &str, damping: u8| {
-            let tasks = vec![task("a/1", &[], move || vec![damping]), task("b/1", &["a/1"], || vec![7])];
+            let tasks =
+                vec![task("a/1", &[], move || vec![damping]), task("b/1", &["a/1"], || vec![7])];
             Plan::new(&hash(program.as_bytes()), tasks).unwrap()
         };
         let [old, new] = [plan("old", 1), plan("new", 2)];
@@ -436,7 +441,10 @@ mod tests {
         let dry = walk(&new, cache.path(), Options { dry_run: true, ..options });
         let verdicts: Vec<String> = dry.verdicts.iter().map(|j| j.verdict.to_string()).collect();
         let change = format!("{} -> {}", &hash(b"old")[..12], &hash(b"new")[..12]);
-        assert_eq!(verdicts, [format!("stale: the program changed: {change}"), "waits for a/1".into()]);
+        assert_eq!(
+            verdicts,
+            [format!("stale: the program changed: {change}"), "waits for a/1".into()]
+        );
         let second = walk(&new, cache.path(), options);
         let outputs = |summary: &Summary, id: &str| summary.manifests[id].outputs["out"].clone();
         assert_eq!(outputs(&second, "a/1"), hash(&[2]), "the second program's");

@@ -100,10 +100,15 @@ impl Plan {
             }
             if let Some(need) = task.needs.iter().find(|need| !index.contains_key(*need)) {
                 let id = &task.id;
-                return Err(Error::input(format!("{id} needs {need}, which does not come before it")));
+                return Err(Error::input(format!(
+                    "{id} needs {need}, which does not come before it"
+                )));
             }
             if index.insert(task.id.clone(), k).is_some() {
-                return Err(Error::input(format!("two tasks are called {}; rename a scene", task.id)));
+                return Err(Error::input(format!(
+                    "two tasks are called {}; rename a scene",
+                    task.id
+                )));
             }
         }
         Ok(Self { program: program.into(), tasks, index })

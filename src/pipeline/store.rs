@@ -251,7 +251,8 @@ impl Store {
         let layouts = list(&self.cache).context("list", &self.cache)?;
         for layout in layouts.into_iter().filter(is_layout) {
             walk(&layout.join("objects"), &mut ours, &|path| {
-                is_hash(name(path)) && path.parent().is_some_and(|two| name(path).starts_with(name(two)))
+                is_hash(name(path))
+                    && path.parent().is_some_and(|two| name(path).starts_with(name(two)))
             })?;
             walk(&layout.join("tasks"), &mut ours, &|path| {
                 let generation = name(path).strip_suffix(".json").unwrap_or_default();

@@ -41,7 +41,9 @@ pub fn build(
     ] {
         if folder != Path::new(ours) {
             let folder = folder.display();
-            return Err(ReportError::Setting(format!("{setting} is `{folder}`, but must be `{ours}`")));
+            return Err(ReportError::Setting(format!(
+                "{setting} is `{folder}`, but must be `{ours}`"
+            )));
         }
     }
     config.build.create_missing = false;

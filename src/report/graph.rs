@@ -149,17 +149,18 @@ mod tests {
             id: id.into(),
             needs: needs.iter().map(|need| (*need).to_owned()).collect(),
         };
-        let graph = Graph { nodes: vec![
-            node("solve/a/signed/r=1", &[]),
-            node("solve/a/signed/r=2", &[]),
-            node(
-                "tabulate/a/signed", &["solve/a/signed/r=1", "solve/a/signed/r=2"],
-            ),
-            node("figures/a-surface", &["solve/a/signed/r=1"]),
-            node(
-                "report/book", &["tabulate/a/signed", "figures/a-surface", "solve/a/signed/r=1"],
-            ),
-        ] };
+        let graph = Graph {
+            nodes: vec![
+                node("solve/a/signed/r=1", &[]),
+                node("solve/a/signed/r=2", &[]),
+                node("tabulate/a/signed", &["solve/a/signed/r=1", "solve/a/signed/r=2"]),
+                node("figures/a-surface", &["solve/a/signed/r=1"]),
+                node(
+                    "report/book",
+                    &["tabulate/a/signed", "figures/a-surface", "solve/a/signed/r=1"],
+                ),
+            ],
+        };
         let edges = essential(&groups(&graph), &graph);
         let [solve, table] = [("solve", "a"), ("tabulate", "a")];
         let picture_of_a = ("figures", "a");

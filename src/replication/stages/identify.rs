@@ -1,11 +1,11 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
 use super::{figures, to_json};
+use crate::identify::record::Record;
 use crate::identify::{Questions, Target, Variant, findings};
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Task, parameters};
-use crate::replication::project::Project;
-use crate::replication::record::{self, Record};
+use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 use serde::Serialize;
 
@@ -30,14 +30,13 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
     let (Some(table), Some(text)) = (scene.paper_table, &project.record_text) else {
         return Err(Error::input(format!(
             "scene `{}` asks for `identify`, which needs {}; restore it, or drop the output",
-            scene.name,
-            record::PATH
+            scene.name, IDENTIFIED
         )));
     };
     let variant =
         Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
     let text = String::from_utf8_lossy(text);
-    let record = Record::parse(&text)?;
+    let record: Record = from_toml(IDENTIFIED, &text)?;
     let question = Question {
         f: scene.f.to_string(),
         variant,
