@@ -2,7 +2,7 @@
 
 use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say};
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::real;
 use crate::pipeline::{
     Exports, Graph, Lock, LockFile, Manifest, Node, Options, Plan, Progress, Store, Summary, Times,
@@ -226,11 +226,10 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
 
 fn open(page: &Path) -> Result<()> {
     let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let status = Command::new(opener).arg(page).status().context("open", page)?;
-    if status.success() {
+    if Command::new(opener).arg(page).status().is_ok_and(|status| status.success()) {
         return Ok(());
     }
-    Err(Error::input(format!("`{opener}` did not open {0}; open it by hand", page.display())))
+    Err(Error::input(format!("`{opener}` did not open {}; open it by hand", page.display())))
 }
 
 pub(super) fn gc(args: &GcArgs) -> Result<u8> {

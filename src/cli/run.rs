@@ -4,7 +4,7 @@ use super::pipeline::{Workplace, edited, outside_report};
 use super::{CacheArgs, check_folder, say, talk, write_file};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Progress, Summary, Times, Verdict, brief, why};
-use crate::replication::stages::Stage;
+use crate::replication::stages::{Stage, report};
 use crate::timing::machine;
 use clap::Args;
 use std::path::PathBuf;
@@ -96,8 +96,15 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if summary.nothing_to_do() && !summary.lock_file_changed {
         return say("nothing to do\n");
     }
+    let left_out = report::left_out(&workplace.project);
+    if let Some(reason) = left_out.filter(|_| summary.exports.contains_key(BOOK)) {
+        talk(&format!("the book leaves out its chapters on the paper: {reason}"));
+    }
     say(&account(&summary))
 }
+
+/// The first page of the book.
+const BOOK: &str = "report/book/index.html";
 
 /// How long a run of what is stale, or waits for what is, may take.
 fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Duration> {
@@ -133,8 +140,8 @@ fn account(summary: &Summary) -> String {
     if summary.lock_file_changed && summary.ran.is_empty() {
         text += "pipeline/lock.toml brought up to date\n";
     }
-    if summary.exports.contains_key("report/book/index.html") {
-        text += "the book: report/book/index.html\n";
+    if summary.exports.contains_key(BOOK) {
+        text += &format!("the book: {BOOK}\n");
     }
     text
 }

@@ -121,11 +121,11 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
     let summary = workplace.judge(&tasks)?;
-    let prefix = format!("{}/", args.stage);
+    let (prefix, part_of_id) = (format!("{}/", args.stage), args.stage.contains('/'));
     let asked: Vec<_> = summary
         .verdicts
         .iter()
-        .filter(|j| j.task == args.stage || j.task.starts_with(&prefix))
+        .filter(|j| j.task.starts_with(&prefix) || part_of_id && j.task.starts_with(&args.stage))
         .collect();
     if asked.is_empty() {
         let names = Stage::ALL.map(Stage::name).join(", ");

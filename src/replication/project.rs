@@ -96,6 +96,17 @@ impl Project {
         Ok(scenes)
     }
 
+    /// The scenes of the paper's problems 1 and 2, as far as there are any; the chapters are about them.
+    pub fn problems(&self) -> Vec<&Scene> {
+        let of = |number| self.scenes.iter().find(|scene| scene.paper_table == Some(number));
+        [1, 2].into_iter().filter_map(of).collect()
+    }
+
+    /// Whether a scene is one of the paper's problems.
+    pub fn is_problem(&self, scene: &Scene) -> bool {
+        self.problems().iter().any(|problem| problem.name == scene.name)
+    }
+
     /// The scene with this name.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ pub use data::{
     Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Piece, Problem, Provenance,
     Report, Row, Scene, Solution, Version,
 };
-pub use pages::pages;
+pub use pages::{pages, stubs};
 
 use std::path::PathBuf;
 

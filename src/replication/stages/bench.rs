@@ -17,7 +17,8 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
-    let plan = experiments::claims::Plan::of(&project.scenes);
+    let problems: Vec<_> = project.problems().into_iter().cloned().collect();
+    let plan = experiments::claims::Plan::of(&problems);
     let mut tasks = vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),

@@ -29,7 +29,7 @@ pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
     let name = scene.name.clone();
     Ok(Task {
         id: id(scene),
-        parameters: parameters(&paper),
+        parameters: parameters(&serde_json::json!({ "r": paper.r, "table": table })),
         files: Artifacts::new(),
         needs: vec![need.clone()],
         export: None,

@@ -23,7 +23,9 @@ pub fn id(scene: &Scene) -> String {
 /// [`Error::Input`] if the record of the search is missing.
 pub fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     let asking = figures::sharing(project, scenes, Output::Identify);
-    asking.into_iter().map(|scene| task(project, scene)).collect()
+    let own = |scene: &&&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
+    let asking = asking.into_iter().chain(scenes.iter().filter(own).copied());
+    asking.map(|scene| task(project, scene)).collect()
 }
 
 fn task(project: &Project, scene: &Scene) -> Result<Task> {

@@ -78,8 +78,7 @@ const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 /// are planned when all scenes concerned are among `scenes`.
 ///
 /// # Errors
-/// [`Error::Input`](crate::pipeline::error::Error::Input) if the book lacks something that only a scene can ask for,
-/// or a scene asks for what the project lacks.
+/// [`Error::Input`](crate::pipeline::error::Error::Input) if a scene asks for what the project lacks.
 pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
     let mut tasks: Vec<Task> = Vec::new();
     for scene in scenes {
@@ -96,10 +95,12 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
-        tasks.extend(bench::tasks(project));
-        tasks.extend(bench::pictures());
-        tasks.extend(timings::pictures(project));
-        tasks.push(report::task(project, &tasks)?);
+        if report::left_out(project).is_none() {
+            tasks.extend(bench::tasks(project));
+            tasks.extend(bench::pictures());
+            tasks.extend(timings::pictures(project));
+        }
+        tasks.push(report::task(project, &tasks));
     }
     tasks.sort_by_key(|task| Stage::ALL.iter().position(|stage| stage.has(&task.id)));
     if let Some(stage) = only {

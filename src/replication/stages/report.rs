@@ -6,7 +6,7 @@ use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
 use super::{artifact, bench, figures, from_json, to_json};
 use crate::discrete::load::{LoadRule, integral};
 use crate::identify::record::Record;
-use crate::pipeline::error::{Error, Result, from_toml};
+use crate::pipeline::error::from_toml;
 use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
 use crate::problem::source::{Region, Source};
 use crate::replication::paper::TableComparison;
@@ -20,40 +20,32 @@ use crate::saddle::StopRule;
 use crate::timing::recorded;
 use std::collections::BTreeMap;
 
+/// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
+/// what one of them does not ask for, they are left out of the book.
+pub fn left_out(project: &Project) -> Option<String> {
+    let problems = project.problems();
+    let [first, second] = problems[..] else {
+        return Some("they need two scenes, one with `paper_table = 1` and one with 2".into());
+    };
+    if first.grids != second.grids {
+        return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
+    }
+    problems.iter().find_map(|scene| {
+        let rule = RULES.iter().find(|rule| !scene.stop.contains(rule));
+        let mut kinds = figures::KINDS.iter().map(|(kind, _)| *kind).chain([Output::Table]);
+        let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
+            .find(|kind| !scene.wants(*kind))
+            .map(|kind| format!("\"{}\" to `outputs`", kind.name())))?;
+        Some(format!("they show scene `{}`; add {missing}", scene.name))
+    })
+}
+
 /// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
-///
-/// # Errors
-/// [`Error::Input`] if the paper's problems do not ask for what the chapters show.
-pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
-    let mut problems: Vec<Scene> =
-        project.scenes.iter().filter(|scene| scene.paper_table.is_some()).cloned().collect();
-    problems.sort_by_key(|scene| scene.paper_table);
-    if problems.len() != 2 || problems[0].grids != problems[1].grids {
-        return Err(Error::input(
-            "the book needs two scenes with `paper_table`, on the same grids; restore problem1 and problem2",
-        ));
-    }
-    for scene in &problems {
-        let figures = figures::KINDS.iter().map(|(kind, _)| *kind);
-        let missing = RULES
-            .iter()
-            .find(|rule| !scene.stop.contains(rule))
-            .map(|rule| format!("\"{rule}\" to `stop`"))
-            .or(figures
-                .chain([Output::Table])
-                .find(|kind| !scene.wants(*kind))
-                .map(|kind| format!("\"{}\" to `outputs`", kind.name())));
-        if let Some(missing) = missing {
-            let name = &scene.name;
-            return Err(Error::input(format!("scene `{name}`: the book shows it; add {missing}")));
-        }
-    }
-    let others: Vec<Scene> = project
-        .scenes
-        .iter()
-        .filter(|scene| scene.paper_table.is_none() && scene.wants(Output::Table))
-        .cloned()
-        .collect();
+pub fn task(project: &Project, earlier: &[Task]) -> Task {
+    let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
+    let other = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Table);
+    let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
+    let left_out = left_out(project);
     let mut files = project.scene_files.clone();
     files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
     files.extend(project.record_text.clone().map(|text| (IDENTIFIED.to_owned(), text)));
@@ -75,14 +67,20 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
         parameters.insert(name.into(), hash(&text));
     }
     let about = About { versions, commands, graph };
-    Ok(Task {
+    Task {
         id: "report/book".into(),
         parameters,
         files,
         needs,
         export: Some("report"),
-        work: Box::new(move |inputs| make(inputs, &problems, &others, &about)),
-    })
+        work: Box::new(move |inputs| match &left_out {
+            None => book(inputs, |templates| {
+                let report = gather(inputs, &problems, &others, &about)?;
+                report::pages(templates, &report).map_err(|e| e.to_string())
+            }),
+            Some(reason) => book(inputs, |templates| Ok(report::stubs(templates, reason))),
+        }),
+    }
 }
 
 /// What the book tells about the program and its run.
@@ -97,12 +95,13 @@ const RULES: [StopRule; 3] = [StopRule::Signed, StopRule::Printed, StopRule::Sig
 
 type Made<T> = std::result::Result<T, String>;
 
-fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Artifacts> {
+/// Everything that the chapters tell.
+fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Report> {
     let comparisons = problems
         .iter()
         .map(|scene| from_json::<TableComparison>(inputs, &diff::id(scene), DIFF))
         .collect::<Made<Vec<_>>>()?;
-    let report = Report {
+    Ok(Report {
         grids: problems[0].grids.iter().map(|grid| grid.cells()).collect(),
         r: comparisons[0].rows.iter().map(|row| row.r).collect(),
         tolerance: comparisons[0].tolerance.clone(),
@@ -129,7 +128,14 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             from_toml::<Record>(IDENTIFIED, &String::from_utf8_lossy(text))
                 .map_err(|e| e.to_string())?
         },
-    };
+    })
+}
+
+/// The pages made of the templates, and the book made of the pages.
+fn book(
+    inputs: &Inputs,
+    pages: impl Fn(&BTreeMap<String, String>) -> Made<BTreeMap<String, String>>,
+) -> Made<Artifacts> {
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
     for (path, bytes) in inputs.files {
@@ -142,7 +148,7 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             files.insert(name.into(), bytes.clone());
         }
     }
-    let pages = report::pages(&templates, &report).map_err(|e| e.to_string())?;
+    let pages = pages(&templates)?;
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
     for (name, bytes) in pictures(inputs) {
         files.insert(format!("src/figures/{name}"), bytes.clone());
