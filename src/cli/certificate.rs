@@ -127,7 +127,7 @@ fn folder(asked: Option<&Path>, project: &Path) -> Result<PathBuf> {
 
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
-    let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
+    let summary = workplace.judge(&workplace.tasks(&[], None)?, true)?;
     let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
     let refused = if let Some(first) = stale.clone().next() {
         let of = summary.verdicts.len();

@@ -3,7 +3,7 @@
 use super::interrupt::interrupted;
 use super::{CacheArgs, current_folder, say};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::files::real;
+use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
     Exports, Graph, Lock, LockFile, Manifest, Node, Options, Plan, Progress, Store, Summary, Times,
     execute,
@@ -12,7 +12,7 @@ use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Arguments of `dag`.
@@ -61,7 +61,7 @@ impl Workplace {
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(".signorini"));
         outside_report(&root, &folder, "the cache")?;
         let mut project = Project::read(root)?;
-        project.commands = super::commands();
+        project.commands = super::commands;
         Ok(Self { store: Store::new(&folder)?, project })
     }
 
@@ -69,9 +69,10 @@ impl Workplace {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
-    /// What a run of all tasks, or of these, would do; needs no lock and writes nothing.
-    pub fn judge(&self, plan: &Plan) -> Result<Summary> {
-        Ok(self.look(plan, false, &Progress::new(false, true))?.0)
+    /// What [`Workplace::run`] would do; needs no lock and writes nothing.
+    pub fn judge(&self, plan: &Plan, whole: bool) -> Result<Summary> {
+        let known = LockFile::read(&self.project.root)?;
+        Ok(self.look(plan, whole, &known, &Progress::new(false, true))?.0)
     }
 
     /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to
@@ -84,22 +85,31 @@ impl Workplace {
         progress: &Progress,
     ) -> Result<Summary> {
         let root = &self.project.root;
+        let lock_file = |summary: &Summary, known: &LockFile| {
+            let ours = summary.lock_file();
+            if whole { ours } else { known.clone().updated(ours) }
+        };
         // Looking needs no lock and no writing, and is enough when nothing is to do.
         if !options.force && progress.trace().is_none() {
-            let (summary, _) = self.look(plan, whole, progress)?;
-            if summary.nothing_to_do() && self.lock_file(&summary, whole)? == LockFile::read(root)?
+            let known = LockFile::read(root)?;
+            let (summary, exports) = self.look(plan, whole, &known, progress)?;
+            if summary.nothing_to_do()
+                && lock_file(&summary, &known) == known
+                && self.leftovers(&exports).is_empty()
             {
                 return Ok(summary);
             }
         }
         let _locks = self.lock()?;
-        let (mut summary, exports) = self.walk(plan, whole, options, progress)?;
+        let known = LockFile::read(root)?;
+        let (mut summary, exports) = self.walk(plan, whole, &known, options, progress)?;
+        remove(&self.leftovers(&exports));
         exports.perform(root, &self.store)?;
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let lock_file = self.lock_file(&summary, whole)?;
-        if lock_file != LockFile::read(root)? {
+        let lock_file = lock_file(&summary, &known);
+        if lock_file != known {
             lock_file.write(root)?;
             summary.lock_file_changed = true;
         }
@@ -116,11 +126,12 @@ impl Workplace {
         progress: &Progress,
     ) -> Result<(Summary, Vec<String>)> {
         let _locks = self.lock()?;
-        let (summary, exports) = self.walk(plan, true, options, progress)?;
+        let known = LockFile::read(&self.project.root)?;
+        let (summary, exports) = self.walk(plan, true, &known, options, progress)?;
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let differences = LockFile::read(&self.project.root)?.differences(&summary.lock_file());
+        let differences = known.differences(&summary.lock_file());
         if differences.is_empty() {
             exports.perform(&self.project.root, &self.store)?;
             refuse_edited(&summary)?;
@@ -128,32 +139,41 @@ impl Workplace {
         Ok((summary, differences))
     }
 
-    /// The lock file that this walk makes of the one that is there.
-    fn lock_file(&self, summary: &Summary, whole: bool) -> Result<LockFile> {
-        let ours = summary.lock_file();
-        Ok(if whole { ours } else { LockFile::read(&self.project.root)?.updated(ours) })
-    }
-
-    /// The right to write to project and cache, both cleared of what killed runs left behind.
+    /// The right to write to project and cache.
     fn lock(&self) -> Result<[Lock; 2]> {
-        Ok([Exports::lock(&self.project.root, &["figures", "report"])?, self.store.lock()?])
+        Ok([Exports::lock(&self.project.root)?, self.store.lock()?])
     }
 
-    fn look(&self, plan: &Plan, whole: bool, progress: &Progress) -> Result<(Summary, Exports)> {
-        self.walk(plan, whole, Options { dry_run: true, ..Options::default() }, progress)
+    /// What killed runs left behind, in the cache and where exports go.
+    fn leftovers(&self, exports: &Exports) -> Vec<PathBuf> {
+        [self.store.leftovers(), exports.leftovers(&self.project.root)].concat()
+    }
+
+    fn look(
+        &self,
+        plan: &Plan,
+        whole: bool,
+        known: &LockFile,
+        progress: &Progress,
+    ) -> Result<(Summary, Exports)> {
+        self.walk(plan, whole, known, Options { dry_run: true, ..Options::default() }, progress)
     }
 
     fn walk(
         &self,
         plan: &Plan,
         whole: bool,
+        known: &LockFile,
         options: Options,
         progress: &Progress,
     ) -> Result<(Summary, Exports)> {
         let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
         let root = &self.project.root;
         let made = &summary.manifests;
-        let exports = Exports::plan(root, plan, made, &self.store, options.force, whole)?;
+        let exports = {
+            let may = [options.force, whole];
+            Exports::plan(root, plan, made, &self.store, &known.exports, may)?
+        };
         summary.exported = exports.len();
         summary.exports = exports.files.clone();
         summary.edited = exports.edited.clone();

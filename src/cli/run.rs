@@ -57,8 +57,9 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
+    let whole = args.scenes.is_empty() && args.only.is_none();
     if args.dry_run {
-        let summary = workplace.judge(&tasks)?;
+        let summary = workplace.judge(&tasks, whole)?;
         if let Some(time) = expected(&workplace, &summary, args.jobs) {
             talk(&format!("about {}, if all that waits has to run", brief(time)));
         }
@@ -76,7 +77,6 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let ran = if args.locked {
         workplace.run_locked(&tasks, options, &progress)
     } else {
-        let whole = args.scenes.is_empty() && args.only.is_none();
         workplace.run(&tasks, whole, options, &progress).map(|summary| (summary, Vec::new()))
     };
     // A run that failed is worth looking at too.

@@ -40,7 +40,7 @@ pub(super) struct ExplainArgs {
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
-    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?)?;
+    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, args.scenes.is_empty())?;
     let stale = !summary.nothing_to_do();
     if args.json {
         let tasks: BTreeMap<_, _> =
@@ -120,7 +120,7 @@ fn cut(text: &str, width: usize) -> String {
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
-    let summary = workplace.judge(&tasks)?;
+    let summary = workplace.judge(&tasks, true)?;
     let (prefix, part_of_id) = (format!("{}/", args.stage), args.stage.contains('/'));
     let asked: Vec<_> = summary
         .verdicts

@@ -291,7 +291,7 @@ impl<'a> Walk<'a> {
         });
     }
 
-    /// Notes what came of a task; returns those that waited for it alone and have to run.
+    /// Notes what came of a task; returns those that waited and now have to run.
     fn settle(&mut self, done: Done, times: &mut Times) -> Result<Vec<Job>> {
         let id = &self.plan.tasks()[done.job].id;
         let state = std::mem::replace(&mut self.states[done.job], State::Waiting);
@@ -312,13 +312,14 @@ impl<'a> Walk<'a> {
                 }
             }
         }
+        // Also those for which it was the last thing missing at a remove: what turns out up to date
+        // frees what waits for it.
         let mut jobs = Vec::new();
         for k in done.job + 1..self.states.len() {
-            let task = &self.plan.tasks()[k];
-            if matches!(self.states[k], State::Waiting) && task.needs.contains(id) {
+            if matches!(self.states[k], State::Waiting) {
                 jobs.extend(self.judge(k)?);
                 if matches!(self.states[k], State::Done(_)) {
-                    self.progress.skip(&task.id);
+                    self.progress.skip(&self.plan.tasks()[k].id);
                 }
             }
         }

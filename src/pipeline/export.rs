@@ -1,7 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{is_plain, read_if_there, remove_temporary, write_atomically};
-use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, hash};
+use super::files::{is_plain, leftovers, read_if_there, write_atomically};
+use super::{Hashes, Lock, Manifest, Plan, Store, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,7 +24,7 @@ impl Exports {
     /// What exporting these manifests would change.
     ///
     /// A file may be overwritten if it is empty, or signorini is on record to have written it: in the
-    /// lock file, in the cache or in the record of exports. With `force`, every file may be. If
+    /// lock file, whose exports are `known`, in the cache or in the record of exports. With `force`, every file may be. If
     /// `whole`, the plan is all there is, and files of earlier plans are to go.
     ///
     /// # Errors
@@ -34,11 +34,10 @@ impl Exports {
         plan: &Plan,
         manifests: &BTreeMap<String, Manifest>,
         store: &Store,
-        force: bool,
-        whole: bool,
+        known: &Hashes,
+        [force, whole]: [bool; 2],
     ) -> Result<Self> {
         let mut exports = Self { written: Written::read(project), ..Self::default() };
-        let known = LockFile::read(project)?.exports;
         let on_record = |exports: &Self, path: &str, found: &str| {
             known.get(path).is_some_and(|hash| hash == found) || exports.written.knows(path, found)
         };
@@ -86,14 +85,20 @@ impl Exports {
         Ok(exports)
     }
 
-    /// The right to write to the project, whose `folders` of exports are cleared of what killed runs left.
+    /// The right to write to the project.
     ///
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
-    pub fn lock(project: &Path, folders: &[&str]) -> Result<Lock> {
-        let lock = Lock::take(&project.join("pipeline/.lock"))?;
-        folders.iter().chain(&["pipeline"]).for_each(|name| remove_temporary(&project.join(name)));
-        Ok(lock)
+    pub fn lock(project: &Path) -> Result<Lock> {
+        Lock::take(&project.join("pipeline/.lock"))
+    }
+
+    /// What killed runs left behind, if none is at work.
+    pub fn leftovers(&self, project: &Path) -> Vec<PathBuf> {
+        let mut folders: BTreeSet<&str> =
+            self.files.keys().filter_map(|path| path.split('/').next()).collect();
+        folders.insert("pipeline");
+        leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
     /// How many files there are to write and to remove.

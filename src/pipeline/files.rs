@@ -32,7 +32,7 @@ pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write().context("write", path)
 }
 
-/// A new folder in this one, which goes when the value does; [`remove_temporary`] knows its name.
+/// A new folder in this one, which goes when the value does; [`leftovers`] knows its name.
 ///
 /// # Errors
 /// Those of the system.
@@ -47,22 +47,28 @@ pub(super) fn is_temporary(name: &OsStr) -> bool {
     name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1])
 }
 
-/// Removes the temporary files and folders that killed runs left below a folder, as far as it can be read.
+/// The temporary files and folders in these folders and below, as far as they can be read.
 ///
-/// Only for whoever holds the lock: a file of a run that goes on has such a name, too.
-pub(super) fn remove_temporary(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        // What is left behind is a nuisance, not a reason to stop.
-        let _ = match (is_temporary(&entry.file_name()), is_folder) {
-            (true, true) => fs::remove_dir_all(entry.path()),
-            (true, false) => fs::remove_file(entry.path()),
-            (false, true) => {
-                remove_temporary(&entry.path());
-                Ok(())
+/// If no run is at work, killed ones left them.
+pub(super) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let (mut folders, mut found) = (Vec::from_iter(folders), Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            if is_temporary(&entry.file_name()) {
+                found.push(entry.path());
+            } else if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                folders.push(entry.path());
             }
-            (false, false) => Ok(()),
-        };
+        }
+    }
+    found
+}
+
+/// Removes what [`leftovers`] found; only for whoever holds the lock.
+pub(crate) fn remove(leftovers: &[PathBuf]) {
+    for path in leftovers {
+        // What is left behind is a nuisance, not a reason to stop.
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
 }
 
@@ -95,7 +101,8 @@ pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
 /// [`Error::Io`](super::error::Error::Io), also if it is not UTF-8.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     let text = read(path).and_then(|bytes| {
-        String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "not UTF-8"))
+        String::from_utf8(bytes)
+            .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8"))
     });
     text.context("read", path)
 }
@@ -200,7 +207,7 @@ mod tests {
         }
         let leftover = path.with_file_name(".signorini-0a1b2c.tmp");
         fs::write(&leftover, "half").unwrap();
-        remove_temporary(folder.path());
+        remove(&leftovers([folder.path().to_path_buf()]));
         assert!(path.exists() && !leftover.exists());
         assert_eq!(read_if_there(&leftover).unwrap(), None);
     }

@@ -1,6 +1,6 @@
 //! The cache on disk: artifacts by content under `objects/`, manifests by task under `tasks/`.
 
-use super::files::{is_temporary, remove_temporary, write_atomically};
+use super::files::{is_temporary, leftovers, write_atomically};
 use super::manifest::{Manifest, Reason, changes, is_hash};
 use super::{Artifacts, Hashes, Lock, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
@@ -70,14 +70,17 @@ impl Store {
         &self.cache
     }
 
-    /// Takes the lock of the cache, which is created if need be, and removes what killed runs left there.
+    /// Takes the lock of the cache, which is created if need be.
     ///
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
     pub fn lock(&self) -> Result<Lock> {
-        let lock = Lock::take(&self.cache.join("lock"))?;
-        remove_temporary(&self.root);
-        Ok(lock)
+        Lock::take(&self.cache.join("lock"))
+    }
+
+    /// What killed runs left behind, if none is at work.
+    pub fn leftovers(&self) -> Vec<PathBuf> {
+        leftovers([self.root.clone()])
     }
 
     /// Where tasks may write temporary files.

@@ -1,13 +1,12 @@
 //! A project folder: the scenes, published values and templates that a run reads, and where it writes.
 
-use crate::identify::record::Record;
 use crate::pipeline::Artifacts;
-use crate::pipeline::error::{Error, IoContext, Result, from_toml};
-use crate::pipeline::files::{read_text, read_tree};
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::files::{read_if_there, read_text, read_tree};
 use crate::replication::paper::Paper;
 use crate::replication::scene::Scene;
 use crate::report::CommandHelp;
-use crate::timing::recorded::{self, Timings};
+use crate::timing::recorded;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -27,14 +26,14 @@ pub struct Project {
     pub paper: Paper,
     /// `pipeline/paper.toml` as read.
     pub paper_text: String,
-    /// `pipeline/identified.toml` as read, if it is there.
+    /// `pipeline/identified.toml` as read, if it is there; whoever needs it parses it.
     pub record_text: Option<Vec<u8>>,
-    /// `pipeline/timings.toml` as read, if it is there.
+    /// `pipeline/timings.toml` as read, if it is there; whoever needs it parses it.
     pub timings_text: Option<Vec<u8>>,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
-    /// The commands of the program, for the book; a reader of the folder alone knows none.
-    pub commands: Vec<CommandHelp>,
+    /// Tells the commands of the program, for the book; a reader of the folder alone knows none.
+    pub commands: fn() -> Vec<CommandHelp>,
 }
 
 impl Project {
@@ -63,10 +62,8 @@ impl Project {
         let path = root.join("pipeline").join("paper.toml");
         let paper_text = read_text(&path)?;
         let paper = Paper::parse(&paper_text)?;
-        let record_text =
-            read_record(&root, IDENTIFIED, |text| from_toml::<Record>(IDENTIFIED, text).map(drop))?;
-        let timings_text =
-            read_record(&root, recorded::PATH, |text| Timings::parse(text).map(drop))?;
+        let record_text = read_if_there(&root.join(IDENTIFIED))?;
+        let timings_text = read_if_there(&root.join(recorded::PATH))?;
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
         Ok(Self {
@@ -78,7 +75,7 @@ impl Project {
             record_text,
             timings_text,
             templates,
-            commands: Vec::new(),
+            commands: Vec::new,
         })
     }
 
@@ -117,21 +114,6 @@ impl Project {
             Error::input(format!("no scene `{name}`; there are: {}", known.join(", ")))
         })
     }
-}
-
-/// An optional record of the project, checked: a project of other problems has none.
-fn read_record(
-    root: &Path,
-    path: &str,
-    check: impl Fn(&str) -> Result<()>,
-) -> Result<Option<Vec<u8>>> {
-    let path = root.join(path);
-    if !fs::exists(&path).context("read", &path)? {
-        return Ok(None);
-    }
-    let text = read_text(&path)?;
-    check(&text)?;
-    Ok(Some(text.into_bytes()))
 }
 
 /// Folders under `report/` that a run writes.

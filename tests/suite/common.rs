@@ -134,13 +134,6 @@ impl Project {
         self.command(args).output().expect("the binary starts").into()
     }
 
-    /// Starts the binary with silent outputs.
-    pub fn start(&self, args: &[&str]) -> Child {
-        let mut command = self.command(args);
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        command.spawn().expect("the binary starts")
-    }
-
     /// Ids of the tasks that a run would run, now or after others.
     pub fn stale(&self) -> Vec<String> {
         let status = self.run(&["status", "--json"]).json();

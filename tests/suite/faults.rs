@@ -409,12 +409,7 @@ fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
         assert!(said.refusal().contains(remedy), "{remedy} is not in {said:?}");
     }
     project.write("pipeline/scenes/a.toml", b"title = \"\xff\"");
-    assert!(
-        project
-            .run(&["run"])
-            .refusal()
-            .contains("a.toml: stream did not contain valid UTF-8; save it as UTF-8")
-    );
+    assert!(project.run(&["run"]).refusal().contains("a.toml: it is not UTF-8; save it as UTF-8"));
     project.scene("a", TABLE);
     assert!(project.run(&["run", "none"]).refusal().ends_with("no scene `none`; there are: a"));
     project.write("pipeline/paper.toml", PAPER.replace("[1, 2], ", ""));

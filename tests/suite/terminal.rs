@@ -98,7 +98,7 @@ fn run_says_why_and_how_long_on_standard_error() {
     project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
     fs::remove_dir_all(project.path(".signorini/v1/tasks/solve/a/signed/r=1")).unwrap();
     let said = project.run(&["run"]);
-    assert!(said.err.contains("(parameter f: else=-1 -> else=-2; one task for another reason)"));
+    assert!(said.err.contains("(parameter f: else=-1 -> else=-2; 2 tasks for other reasons)"));
     assert!(said.out.contains("  parameter f: else=-1 -> else=-2; one task for another reason\n"));
     let clock = said.err.lines().last().unwrap();
     assert!(clock.starts_with("took "), "{clock}");

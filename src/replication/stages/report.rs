@@ -53,20 +53,12 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
-    let versions = versions();
-    let commands = project.commands.clone();
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let own = Node { id: "report/book".into(), needs: needs.clone() };
     let graph = Graph { nodes: earlier.iter().map(Node::of).chain([own]).collect() };
-    let mut parameters: BTreeMap<String, String> = versions
-        .iter()
-        .map(|library| (format!("version of {}", library.name), library.version.clone()))
-        .collect();
     // By hash: whoever asks what changed does not want to read it all, old and new.
-    for (name, text) in [("commands", to_json(&commands)), ("graph", to_json(&graph))] {
-        parameters.insert(name.into(), hash(&text));
-    }
-    let about = About { versions, commands, graph };
+    let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
+    let about = About { commands: project.commands, graph };
     Task {
         id: "report/book".into(),
         parameters,
@@ -83,10 +75,9 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
     }
 }
 
-/// What the book tells about the program and its run.
+/// What the book tells about the program and its run; of the program, the digest is an input anyway.
 struct About {
-    versions: Vec<Version>,
-    commands: Vec<CommandHelp>,
+    commands: fn() -> Vec<CommandHelp>,
     graph: Graph,
 }
 
@@ -120,7 +111,7 @@ fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) 
             bench: bench_figures(inputs),
         },
         bench: bench::results(inputs)?,
-        commands: about.commands.clone(),
+        commands: (about.commands)(),
         provenance: provenance(inputs, about),
         timings: super::timings::read(inputs)?,
         record: {
@@ -313,7 +304,7 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
             .map(|(name, bytes)| Artifact { name: name.clone(), hash: hash(bytes) })
             .collect(),
         artifacts: made.map(|(name, bytes)| Artifact { name, hash: hash(bytes) }).collect(),
-        versions: about.versions.clone(),
+        versions: versions(),
         graph: about.graph.clone(),
         license: env!("CARGO_PKG_LICENSE").into(),
     }
