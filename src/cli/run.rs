@@ -52,7 +52,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.tasks().is_empty() {
         return Err(Error::input(
-            "the scenes ask for nothing here; see `outputs` in the scene, or drop --only",
+            "these scenes alone ask for nothing here; what they share with others needs all of them, so drop the names, or --only, or see `outputs`",
         ));
     }
     let options =

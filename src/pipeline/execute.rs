@@ -3,92 +3,17 @@
 use super::manifest::{Manifest, PROGRAM, Reason, Verdict};
 use super::store::Store;
 use super::times::Times;
-use super::{Artifacts, Hashes, Inputs, LockFile, Plan, Progress, Task, hash, why};
-use crate::pipeline::error::{Error, IoContext, Result};
+use super::{
+    Artifacts, Hashes, Inputs, Judged, Options, Plan, Progress, Ran, Summary, Task, hash, why,
+};
+use crate::pipeline::error::{Error, Result};
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use serde_json::json;
 use std::collections::{BTreeMap, VecDeque};
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::{Duration, Instant};
-
-/// How to walk the plan.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
-    /// Run everything.
-    pub force: bool,
-    /// After a failure go on with what does not depend on it.
-    pub keep_going: bool,
-    /// Threads; 0 means one per core. Results do not depend on it.
-    pub jobs: usize,
-    /// Judge only; write nothing.
-    pub dry_run: bool,
-}
-
-/// A task that ran.
-#[derive(Clone, Debug)]
-pub struct Ran {
-    /// Task id.
-    pub task: String,
-    /// Why it ran.
-    pub reason: Reason,
-    /// How long its work took.
-    pub time: Duration,
-}
-
-/// A task with its verdict.
-#[derive(Clone, Debug)]
-pub struct Judged {
-    /// Task id.
-    pub task: String,
-    /// What is to become of it.
-    pub verdict: Verdict,
-}
-
-/// What a walk found and did.
-#[derive(Debug, Default)]
-pub struct Summary {
-    /// Verdict on every task before it ran, in the plan's order.
-    pub verdicts: Vec<Judged>,
-    /// Tasks that ran, in the plan's order.
-    pub ran: Vec<Ran>,
-    /// What the tasks were expected to take, before the first one ran; `None` if that is not known.
-    pub expected: Option<Duration>,
-    /// Files written to or removed from the project folder, or in a dry run those that would be.
-    pub exported: usize,
-    /// Exports that were edited by hand and are left alone.
-    pub edited: Vec<String>,
-    /// What is exported where, by hash.
-    pub exports: Hashes,
-    /// Tasks that failed or could not run because of one that did, each with its reason.
-    pub failed: Vec<String>,
-    /// Manifests of all tasks that are up to date now.
-    pub manifests: BTreeMap<String, Manifest>,
-    /// Whether `pipeline/lock.toml` was written anew.
-    pub lock_file_changed: bool,
-    /// Whether a run would have to note that an older result is in use again.
-    pub reverted: bool,
-}
-
-impl Summary {
-    /// Whether nothing was, or in a dry run would be, run or exported.
-    pub fn nothing_to_do(&self) -> bool {
-        self.exported == 0
-            && self.edited.is_empty()
-            && !self.reverted
-            && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
-    }
-
-    /// The lock file that this walk supports.
-    pub fn lock_file(&self) -> LockFile {
-        LockFile {
-            tasks: self.manifests.iter().map(|(id, m)| (id.clone(), m.digest())).collect(),
-            exports: self.exports.clone(),
-        }
-    }
-}
 
 /// Walks the plan; what it writes goes to the cache only, whose lock the caller holds.
 ///
@@ -377,12 +302,14 @@ fn run(
         artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
     }
     progress.span("step", "read", start, || json!({ "artifacts": needed.len() }));
-    let scratch = store.scratch();
-    fs::create_dir_all(&scratch).context("create", &scratch)?;
     let digest = shown_digest(&inputs);
     let start = Instant::now();
-    let given =
-        Inputs { files: &task.files, artifacts: &artifacts, digest: &digest, scratch: &scratch };
+    let given = Inputs {
+        files: &task.files,
+        artifacts: &artifacts,
+        digest: &digest,
+        scratch: store.scratch(),
+    };
     let failed = |reason: String| Error::Stage(vec![format!("{}: {reason}", task.id)]);
     // A panic must not take the other tasks with it; its own message has been printed.
     let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
@@ -403,96 +330,4 @@ fn shown_digest(inputs: &BTreeMap<String, String>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::path::Path;
-    use std::sync::Mutex;
-    use std::sync::atomic::AtomicUsize;
-
-    /// A task that makes one artifact of what it needs.
-    fn task(id: &str, needs: &[&str], make: impl Fn() -> Vec<u8> + Send + Sync + 'static) -> Task {
-        Task {
-            id: id.into(),
-            parameters: BTreeMap::new(),
-            files: Artifacts::new(),
-            needs: needs.iter().map(|need| (*need).to_owned()).collect(),
-            export: None,
-            work: Box::new(move |_| Ok(Artifacts::from([("out".into(), make())]))),
-        }
-    }
-
-    fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
-        let store = Store::new(cache).unwrap();
-        execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false))
-            .unwrap()
-    }
-
-    #[test]
-    fn another_program_never_finds_the_results_of_the_first() {
-        let cache = tempfile::tempdir().unwrap();
-        let plan = |program: &str, damping: u8| {
-            let tasks =
-                vec![task("a/1", &[], move || vec![damping]), task("b/1", &["a/1"], || vec![7])];
-            Plan::new(&hash(program.as_bytes()), tasks).unwrap()
-        };
-        let [old, new] = [plan("old", 1), plan("new", 2)];
-        let options = Options::default();
-        let first = walk(&old, cache.path(), options);
-        assert!(walk(&old, cache.path(), options).nothing_to_do());
-        let dry = walk(&new, cache.path(), Options { dry_run: true, ..options });
-        let verdicts: Vec<String> = dry.verdicts.iter().map(|j| j.verdict.to_string()).collect();
-        let change = format!("{} -> {}", &hash(b"old")[..12], &hash(b"new")[..12]);
-        assert_eq!(
-            verdicts,
-            [format!("stale: the program changed: {change}"), "waits for a/1".into()]
-        );
-        let second = walk(&new, cache.path(), options);
-        let outputs = |summary: &Summary, id: &str| summary.manifests[id].outputs["out"].clone();
-        assert_eq!(outputs(&second, "a/1"), hash(&[2]), "the second program's");
-        assert_eq!(outputs(&second, "b/1"), outputs(&first, "b/1"));
-        // And back: what the first program made is still there for it.
-        let back = walk(&old, cache.path(), options);
-        assert!(back.ran.is_empty() && back.reverted && outputs(&back, "a/1") == hash(&[1]));
-    }
-
-    #[test]
-    fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
-        // `slow` ends only after `second`, of a later stage, has run: a barrier between stages would
-        // never end.
-        let (send, receive) = channel::<()>();
-        let (send, receive) = (Mutex::new(send), Mutex::new(receive));
-        let order = &*Box::leak(Box::new(AtomicUsize::new(0)));
-        let tasks = vec![
-            task("a/slow", &[], move || {
-                receive.lock().unwrap().recv().unwrap();
-                Vec::new()
-            }),
-            task("a/first", &[], || vec![order.fetch_add(1, Ordering::SeqCst) as u8]),
-            task("b/second", &["a/first"], move || {
-                send.lock().unwrap().send(()).unwrap();
-                vec![order.fetch_add(1, Ordering::SeqCst) as u8]
-            }),
-        ];
-        let plan = Plan::new("program", tasks).unwrap();
-        let cache = tempfile::tempdir().unwrap();
-        let summary = walk(&plan, cache.path(), Options { jobs: 2, ..Options::default() });
-        let ran: Vec<&str> = summary.ran.iter().map(|ran| ran.task.as_str()).collect();
-        assert_eq!(ran, ["a/slow", "a/first", "b/second"], "in the plan's order");
-        assert_eq!(summary.manifests["b/second"].outputs["out"], hash(&[1]));
-    }
-
-    #[test]
-    fn a_panic_is_the_failure_of_one_task() {
-        let tasks = vec![
-            task("a/wild", &[], || panic!("on purpose")),
-            task("a/tame", &[], || vec![1]),
-            task("b/waits", &["a/wild"], || vec![2]),
-        ];
-        let plan = Plan::new("program", tasks).unwrap();
-        let cache = tempfile::tempdir().unwrap();
-        let summary = walk(&plan, cache.path(), Options { keep_going: true, ..Options::default() });
-        assert!(summary.failed[0].starts_with("a/wild: panicked"), "{:?}", summary.failed);
-        assert_eq!(summary.failed[1], "b/waits: not run, because a/wild failed");
-        assert!(summary.manifests.contains_key("a/tame"));
-    }
-}
+mod tests;

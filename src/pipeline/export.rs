@@ -73,7 +73,8 @@ impl Exports {
                 }
             }
         }
-        if whole {
+        // What a task that failed or waits made before is still wanted.
+        if whole && manifests.len() == plan.tasks().len() {
             let old = known.keys().chain(exports.written.0.keys());
             for path in old.filter(|path| !exports.files.contains_key(*path) && is_plain(path)) {
                 let found = read_if_there(&project.join(path))?;

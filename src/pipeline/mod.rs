@@ -16,10 +16,11 @@ mod lockfile;
 mod manifest;
 mod progress;
 mod store;
+mod summary;
 mod times;
 mod trace;
 
-pub use execute::{Judged, Options, Ran, Summary, execute};
+pub use execute::execute;
 pub use export::Exports;
 pub use graph::{Graph, Node};
 pub use lock::Lock;
@@ -28,6 +29,7 @@ pub use manifest::{Change, Manifest, Reason, Verdict, why};
 pub use progress::Progress;
 pub(crate) use progress::{bar, talk};
 pub use store::{Garbage, Hit, Store};
+pub use summary::{Judged, Options, Ran, Summary};
 pub use times::{Times, brief};
 pub use trace::Trace;
 

@@ -516,6 +516,24 @@ fn book_files(data: &Report) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// What the report stage hands to `build`: pages, configuration, theme, figures.
+#[test]
+fn a_build_folder_that_is_not_ours_is_refused_and_keeps_its_files() {
+    let precious = tempfile::tempdir().unwrap();
+    fs::write(precious.path().join("thesis.txt"), "precious").unwrap();
+    let files = |setting: &str| {
+        let folder = precious.path().display();
+        let text = format!("[book]\ntitle = \"t\"\n[{setting} = '{folder}'\n[output.html]\n");
+        BTreeMap::from([
+            ("book.toml".to_owned(), text.into_bytes()),
+            ("src/SUMMARY.md".to_owned(), b"- [One](one.md)\n".to_vec()),
+            ("src/one.md".to_owned(), b"# One\n".to_vec()),
+        ])
+    };
+    let refused = build(&files("build]\nbuild-dir"), &scratch("elsewhere")).unwrap_err();
+    assert!(refused.to_string().contains("build.build-dir is"), "{refused}");
+    assert_eq!(fs::read(precious.path().join("thesis.txt")).unwrap(), b"precious");
+}
+
 fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     let report = Path::new(env!("CARGO_MANIFEST_DIR")).join("report");
     let mut files: BTreeMap<_, _> =
