@@ -1,8 +1,9 @@
 //! The project as the commands work on it, and `dag`, `report`, `gc`.
 
 use super::interrupt::interrupted;
-use super::{CacheArgs, current_folder, say};
-use crate::pipeline::error::{Error, IoContext, Result};
+use super::output::say;
+use super::{CacheArgs, current_folder, threads};
+use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{
     CacheLock, Graph, LockFile, Manifest, Node, Options, Progress, Stage, Store, Summary, Task,
     Times, execute,
@@ -104,6 +105,12 @@ impl Workplace {
     }
 
     fn walk(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
+        // Zero would ask the environment, without a bound.
+        let jobs = match options.jobs {
+            0 => rayon::current_num_threads(),
+            jobs => threads("-j", jobs),
+        };
+        let options = Options { jobs, ..options };
         execute(tasks, &self.store, &self.project.root, options, progress, interrupted())
     }
 }
@@ -143,11 +150,12 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
 
 fn open(page: &Path) -> Result<()> {
     let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let status = Command::new(opener).arg(page).status().context("open", page)?;
-    if status.success() {
-        return Ok(());
-    }
-    Err(Error::input(format!("`{opener}` did not open {0}; open it by hand", page.display())))
+    let why = match Command::new(opener).arg(page).status() {
+        Ok(status) if status.success() => return Ok(()),
+        Ok(status) => format!("`{opener}` failed ({status})"),
+        Err(e) => format!("`{opener}` cannot be started ({e})"),
+    };
+    Err(Error::input(format!("{why}; open {} by hand", page.display())))
 }
 
 pub(super) fn gc(args: &GcArgs) -> Result<u8> {

@@ -1,7 +1,8 @@
 //! `run`: brings everything up to date, and says what that took.
 
+use super::CacheArgs;
+use super::output::{OutputFile, say, talk};
 use super::pipeline::Workplace;
-use super::{CacheArgs, check_folder, say, talk, write_file};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Progress, Stage, Summary, Times, Verdict, brief, why};
 use crate::timing::machine;
@@ -63,7 +64,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         }
         return say(&verdicts(&summary));
     }
-    args.trace.as_deref().map_or(Ok(()), check_folder)?;
+    let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
     let mut progress = Progress::new(args.verbose, args.quiet);
     if args.trace.is_some() {
         progress = progress.traced();
@@ -75,8 +76,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         workplace.run(&tasks, options, &progress).map(|summary| (summary, Vec::new()))
     };
     // A run that failed is worth looking at too.
-    if let (Some(path), Some(trace)) = (&args.trace, progress.trace()) {
-        write_file(path, trace.to_json().as_bytes())?;
+    if let (Some(file), Some(trace)) = (&trace_file, progress.trace()) {
+        file.write(trace.to_json().as_bytes())?;
     }
     let (summary, differences) = ran?;
     if !args.quiet && !summary.stages.is_empty() {

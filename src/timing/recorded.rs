@@ -200,7 +200,8 @@ impl Timings {
     /// # Errors
     /// [`Error::Input`] with the line of the mistake and the remedy.
     pub fn parse(text: &str) -> Result<Self> {
-        const REMEDY: &str = "undo the edit, or measure again with `signorini bench --record`";
+        const REMEDY: &str =
+            "correct it, or move the file away; `signorini bench --record` writes a new one";
         let timings: Self = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
             let message = e.message().replace('\n', " ");
@@ -209,7 +210,7 @@ impl Timings {
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(
-                "{PATH}: schema {found}, where this version writes {SCHEMA}; measure again with `signorini bench --record`"
+                "{PATH}: schema {found}, where this version writes {SCHEMA}; move the file away and measure again with `signorini bench --record`"
             )));
         }
         Ok(timings)

@@ -1,6 +1,7 @@
 //! The tests of the whole: one binary, a module per subject.
 
 mod accuracy;
+mod answers;
 mod book;
 mod cache;
 mod claims;

@@ -1,8 +1,9 @@
 //! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
 
+use crate::cli::output::talk;
 use crate::identify::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 /// Time between two plain lines.
@@ -43,7 +44,7 @@ impl Watch {
             None if self.spoke.elapsed() >= LINE => {
                 let (done, all) = progress.items;
                 let percent = 100 * done / all.max(1);
-                say(&format!("{}: {percent} %, {}", self.name, told(progress)));
+                talk(&format!("{}: {percent} %, {}", self.name, told(progress)));
                 self.spoke = Instant::now();
             }
             None => {}
@@ -54,7 +55,7 @@ impl Watch {
     pub(super) fn line(&mut self, text: &str) {
         match &self.bar {
             Some(bar) => bar.println(text),
-            None => say(text),
+            None => talk(text),
         }
     }
 
@@ -65,7 +66,7 @@ impl Watch {
         }
         if let Some(last) = &self.last {
             let time = last.elapsed.as_secs_f64();
-            say(&format!("{}: {time:.1} s, {}", self.name, told(last)));
+            talk(&format!("{}: {time:.1} s, {}", self.name, told(last)));
         }
     }
 }
@@ -94,9 +95,4 @@ fn short(x: f64) -> String {
         x if x >= 10.0 || x == 0.0 => format!("{x:.0}"),
         x => format!("{x:.1}"),
     }
-}
-
-/// A plain line; a reader that has gone away is no reason to stop.
-pub(super) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
 }
