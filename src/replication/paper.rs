@@ -1,7 +1,7 @@
 //! The published tables, the tolerance we declare for them, and the comparison with ours.
 
 use crate::identify::Target;
-use crate::pipeline::error::{Error, Result, mistake};
+use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
@@ -105,21 +105,11 @@ impl Paper {
     /// # Errors
     /// [`Error::Input`] with the line of the mistake.
     pub fn parse(text: &str) -> Result<Self> {
-        let wrong = |what: String| Error::input(format!("pipeline/paper.toml: {what}"));
-        let paper: Self = toml::from_str(text).map_err(|e| wrong(mistake(text, &e)))?;
+        let paper: Self = from_toml("pipeline/paper.toml", text)?;
         for t in &paper.table {
-            let width = t.counts.first().map_or(0, Vec::len);
-            if t.counts.len() != paper.r.len()
-                || t.delta_a.len() != paper.r.len()
-                || t.counts.iter().any(|row| row.len() != width)
-            {
-                return Err(wrong(format!("table {} does not have one full row per r", t.number)));
-            }
-            if width == 0 {
-                return Err(wrong(format!("table {} has no counts", t.number)));
-            }
-            if let Some(why) = t.mistake() {
-                return Err(wrong(format!("table {}: {why}", t.number)));
+            if let Some(why) = t.mistake(paper.r.len()) {
+                let number = t.number;
+                return Err(Error::input(format!("pipeline/paper.toml: table {number} {why}")));
             }
         }
         Ok(paper)
@@ -219,14 +209,26 @@ impl PublishedTable {
         format!("{counts}, a Delta a is within a factor of {}", self.delta_a_factor)
     }
 
-    /// What is wrong with its numbers.
-    fn mistake(&self) -> Option<String> {
+    /// What is wrong with its numbers, of which there is to be one row for each of `rows` values of r.
+    fn mistake(&self, rows: usize) -> Option<String> {
+        let width = self.counts.first().map_or(0, Vec::len);
+        if width == 0 {
+            return Some("has no counts".into());
+        }
+        if self.counts.len() != rows
+            || self.delta_a.len() != rows
+            || self.counts.iter().any(|row| row.len() != width)
+        {
+            return Some("does not have one full row per r".into());
+        }
         if let Some(value) = self.delta_a.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
-            return Some(format!("delta_a = {value} must be a positive number"));
+            return Some(format!("has delta_a = {value}, which must be a positive number"));
         }
         if !(self.count_share >= 0.0 && self.count_share.is_finite()) {
             let share = self.count_share;
-            return Some(format!("count_share = {share} must be a number from 0 on, such as 0.05"));
+            return Some(format!(
+                "has count_share = {share}, which must be a number from 0 on, such as 0.05"
+            ));
         }
         if !(self.delta_a_factor >= 1.0 && self.delta_a_factor.is_finite()) {
             let factor = self.delta_a_factor;

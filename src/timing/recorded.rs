@@ -1,7 +1,7 @@
 //! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
 
 use crate::experiments::law::ARRIVED;
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Path in the project.
@@ -202,11 +202,8 @@ impl Timings {
     pub fn parse(text: &str) -> Result<Self> {
         const REMEDY: &str =
             "correct it, or move the file away; `signorini bench --record` writes a new one";
-        let timings: Self = toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            let message = e.message().replace('\n', " ");
-            Error::input(format!("{PATH}: line {line}: {message}; {REMEDY}"))
-        })?;
+        let timings: Self =
+            from_toml(PATH, text).map_err(|e| Error::input(format!("{e}; {REMEDY}")))?;
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(
