@@ -51,9 +51,13 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.is_empty() {
-        return Err(Error::input(
-            "the scenes ask for nothing here; see `outputs` in the scene, or drop --only",
-        ));
+        let remedy = match args.scenes.is_empty() {
+            true => "see `outputs` in the scenes, or drop --only",
+            false => {
+                "figures show all published problems together, and the book all scenes: name none, or see `outputs`"
+            }
+        };
+        return Err(Error::input(format!("there is nothing of this kind to make; {remedy}")));
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };

@@ -110,9 +110,9 @@ impl Solver {
     /// Memory for a nodal vector's entry, all vectors and factors together, rounded up from measured peaks.
     fn bytes_per_node(self, dimension: u8, n: u64) -> u64 {
         match (self, dimension) {
-            // Nested dissection: fill of n^2 log n on the square, n^4 on the cube.
-            (Self::ActiveSet, 2) => 200 + 100 * u64::from(n.max(2).ilog2()),
-            (Self::ActiveSet, _) => 400 + 40 * n,
+            // The fill of the factors; on the cube it grows with n^4.
+            (Self::ActiveSet, 2) => 800,
+            (Self::ActiveSet, _) => 500 + 90 * n,
             _ => 48,
         }
     }

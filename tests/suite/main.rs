@@ -13,6 +13,7 @@ mod disks;
 mod explore;
 mod faults;
 mod fuzz;
+mod hostile;
 mod identify;
 mod identify_cli;
 mod interruption;

@@ -1,11 +1,12 @@
 //! What came out and what it is worth: judged apart from the solvers, as JSON and as text.
 
-use super::problem::{Domain, Errors, Problem, Settings, rule_name};
+use super::problem::{Domain, Errors, Problem};
 use super::solvers::Solved;
 use crate::discrete::kkt::Kkt;
 use crate::saddle::{Pair, tolerance};
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Largest relative KKT residual, and largest sum of v r over the energy, of what may be called solved:
 /// above, half of the load is out of balance.
@@ -166,7 +167,7 @@ impl Answer {
         self.warnings.extend(warnings);
     }
 
-    pub fn json(&self, problem: &Problem) -> serde_json::Value {
+    pub fn json(&self, problem: &Problem) -> Value {
         let last = self.last();
         let (n, kkt) = (problem.finest(), last.kkt);
         let per_grid = |of: fn(&Level) -> Option<usize>| -> Vec<usize> {
@@ -178,7 +179,8 @@ impl Answer {
             "f": problem.domain.f(),
             "dimension": problem.domain.dimension(),
             "solver": problem.solver.name(),
-            "settings": problem.settings(),
+            "settings": problem.settings().into_iter().collect::<BTreeMap<_, _>>(),
+            "not_as_in_scene": problem.overridden,
             "h": 1.0 / n as f64,
             "unknowns": self.pair.y.len(),
             "iterations": last.iterations,
@@ -224,8 +226,18 @@ impl Answer {
     pub fn text(&self, problem: &Problem) -> String {
         let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
         let (f, integral) = (problem.domain.f(), self.integral(problem));
-        let mut text = format!("{name}: f = {f}, integral {integral:.4}\n");
-        text += &settings(&problem.settings());
+        let mut text = match integral.abs() {
+            1e-2..1e6 => format!("{name}: f = {f}, integral {integral:.4}\n"),
+            _ => format!("{name}: f = {f}, integral {integral:.3e}\n"),
+        };
+        let settings = problem.settings().into_iter().map(|(name, value)| match value {
+            Value::String(text) => format!("{name} {text}"),
+            value => format!("{name} {value}"),
+        });
+        text += &format!("{}\n", settings.collect::<Vec<_>>().join(", "));
+        if !problem.overridden.is_empty() {
+            text += &format!("not as in the scene: {}\n", problem.overridden.join(", "));
+        }
         text += &self.table();
         text += &format!("solved in {:.3} s", self.seconds[1]);
         if let Some(work_units) = self.work_units {
@@ -277,22 +289,4 @@ impl Answer {
         }
         text
     }
-}
-
-/// The settings that apply, in one line.
-fn settings(settings: &Settings) -> String {
-    let mut parts = Vec::new();
-    parts.extend(settings.load.map(|rule| format!("load {}", rule_name(&rule))));
-    parts.extend(settings.r.map(|r| format!("r = {r}")));
-    parts.extend(settings.stop.map(|rule| format!("stopping rule {rule}")));
-    parts.extend(settings.max_iterations.map(|cap| format!("at most {cap} iterations per grid")));
-    parts.extend(settings.tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
-    let mut text = String::new();
-    if !parts.is_empty() {
-        text += &format!("{}\n", parts.join(", "));
-    }
-    if !settings.overridden.is_empty() {
-        text += &format!("not as in the scene: {}\n", settings.overridden.join(", "));
-    }
-    text
 }

@@ -18,6 +18,7 @@ use crate::replication::scene::{Scene, positive_r, solvable};
 use crate::saddle::{Pair, Params, StopRule};
 use crate::timing::machine;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Cells per side of the finest grid, where neither the user nor a scene says it.
 const DEFAULT_CELLS: usize = 64;
@@ -115,41 +116,22 @@ impl Problem {
         self.scene.as_deref().unwrap_or("custom")
     }
 
-    /// What applies to the solver, for a reader of the answer.
-    pub fn settings(&self) -> Settings {
-        let nested = self.solver.is_nested();
-        Settings {
-            load: match self.domain {
-                Domain::Square { rule, .. } => Some(rule),
-                Domain::Cube(_) => None,
-            },
-            r: nested.then_some(self.params.r),
-            stop: nested.then_some(self.params.rule),
-            max_iterations: nested.then_some(self.params.max_iterations),
-            prolongation: nested.then_some(self.prolongation),
-            tolerance: self.tolerance,
-            overridden: self.overridden.clone(),
+    /// What the answer depends on besides f, the solver and the grids, by name.
+    pub fn settings(&self) -> Vec<(&'static str, Value)> {
+        let mut settings = Vec::new();
+        if let Domain::Square { rule, .. } = &self.domain {
+            settings.push(("load", rule_name(rule).into()));
         }
+        if self.solver.is_nested() {
+            let Params { r, rule, max_iterations, .. } = self.params;
+            settings.push(("r", r.into()));
+            settings.push(("stop", rule.name().into()));
+            settings.push(("max_iterations", max_iterations.into()));
+            settings.push(("prolongation", json!(self.prolongation)));
+        }
+        settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
+        settings
     }
-}
-
-/// What the answer depends on besides f, the solver and the grids.
-#[derive(Serialize)]
-pub(super) struct Settings {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub load: Option<LoadRule>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub r: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stop: Option<StopRule>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_iterations: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prolongation: Option<Prolongation>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tolerance: Option<f64>,
-    /// Options given instead of what the scene says, in words.
-    pub overridden: Vec<String>,
 }
 
 /// Chooses between an option and the scene.
@@ -175,7 +157,7 @@ impl Choice<'_> {
     }
 }
 
-pub(super) fn rule_name(rule: &LoadRule) -> String {
+fn rule_name(rule: &LoadRule) -> String {
     match rule {
         LoadRule::Nodal { .. } => "nodal",
         LoadRule::Exact { .. } => "exact",
