@@ -1,6 +1,7 @@
 //! `solve`: one problem, once, without cache or book.
 
 mod answer;
+mod domain;
 mod problem;
 mod solvers;
 

