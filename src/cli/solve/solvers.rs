@@ -6,8 +6,8 @@ use super::domain::{Domain, square};
 use super::problem::Problem;
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
 use crate::multigrid::cube;
-use crate::multigrid::square::{Goal, MultigridParams, multigrid};
-use crate::multigrid::{self, InputError};
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{self, Goal, InputError, MultigridParams};
 use crate::pipeline::error::{Error, Result};
 use crate::saddle::{
     self, Outcome, Pair, Params, ProximalParams, UzawaOutcome, UzawaParams, on_nested,
@@ -89,9 +89,7 @@ impl Problem {
         let goal = self.tolerance.map_or(Goal::RoundingFloor, |t| Goal::Kkt(t * largest()));
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let direct = ActiveSetParams::default();
-        let by_cycles = |(y, o): (_, crate::multigrid::square::Outcome)| {
-            (y, o.cycles, o.stop, Some(o.work_units))
-        };
+        let by_cycles = |(y, o): (_, multigrid::Outcome)| (y, o.cycles, o.stop, Some(o.work_units));
         let by_steps = |(y, o): (_, active_set::Outcome)| (y, o.steps, o.stop, None);
         let solved = match (&self.domain, self.solver) {
             (Domain::Square { .. }, Solver::Multigrid) => {
