@@ -71,6 +71,9 @@ pub enum IdentifyError {
         "the values {0} hold no decimal; write MIN:MAX:STEP with MIN <= MAX and STEP > 0, e.g. -4:4:0.5"
     )]
     EmptyLattice(String),
+    /// A range of more values than a search can try.
+    #[error("the values {0} are too many; take a larger step or a smaller range")]
+    LargeLattice(String),
     /// A text that is neither a list nor a range of decimals.
     #[error(
         "cannot read the values `{0}`; write a range such as -4:4:0.5 or a list such as -6,2,1.99"
