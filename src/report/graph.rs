@@ -1,6 +1,6 @@
 //! The graph of tasks as a small picture inside a page, in the reader's colours.
 
-use crate::pipeline::{Graph, Node, Stage};
+use crate::pipeline::{Graph, Node};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Width of a column, of the box in it, height of a row and of the box in it, in display pixels.
@@ -17,12 +17,12 @@ const HEAD: usize = 28;
 /// others is left out, or those to the book would hide all else.
 pub(super) fn picture(graph: &Graph) -> String {
     let groups = groups(graph);
-    let mut stages: Vec<Stage> = groups.iter().map(|group| group.key.0).collect();
+    let mut stages: Vec<&str> = groups.iter().map(|group| group.key.0).collect();
     stages.dedup();
     let rows = rows(&groups);
     let most = rows.values().max().map_or(1, |row| row + 1);
     let (width, height) = (COLUMN * stages.len() - (COLUMN - BOX) + 2, HEAD + ROW * most);
-    let left = |stage| 1 + COLUMN * stages.iter().position(|s| *s == stage).unwrap_or(0);
+    let left = |stage: &str| 1 + COLUMN * stages.iter().position(|s| *s == stage).unwrap_or(0);
     let middle = |key: &Key| match rows.get(key) {
         Some(row) => HEAD + ROW * row + TALL / 2 + 1,
         None => (HEAD + height) / 2,
@@ -42,7 +42,7 @@ pub(super) fn picture(graph: &Graph) -> String {
     }
     for &stage in &stages {
         let x = left(stage) + BOX / 2;
-        svg += &format!(r#"<text class="stage" x="{x}" y="14">{}</text>"#, stage.name());
+        svg += &format!(r#"<text class="stage" x="{x}" y="14">{stage}</text>"#);
     }
     for group in &groups {
         let (x, y) = (left(group.key.0), middle(&group.key));
@@ -57,7 +57,7 @@ pub(super) fn picture(graph: &Graph) -> String {
 }
 
 /// Stage and lane: what is drawn as one box.
-type Key<'a> = (Stage, &'a str);
+type Key<'a> = (&'a str, &'a str);
 
 struct Group<'a> {
     key: Key<'a>,
@@ -74,8 +74,8 @@ fn key(node: &Node) -> Key<'_> {
     let mut scenes: Vec<&str> = node.needs.iter().map(|need| name(need)).collect();
     scenes.dedup();
     match scenes[..] {
-        [scene] if node.stage == Stage::Figures => (node.stage, scene),
-        _ => (node.stage, name(&node.id)),
+        [scene] if node.stage() == "figures" => (node.stage(), scene),
+        _ => (node.stage(), name(&node.id)),
     }
 }
 
@@ -93,7 +93,7 @@ fn groups(graph: &Graph) -> Vec<Group<'_>> {
 
 /// The row of each box except the book's: first those that stand alone, then two rows to a scene.
 fn rows<'a>(groups: &[Group<'a>]) -> BTreeMap<Key<'a>, usize> {
-    let drawn = || groups.iter().map(|group| group.key).filter(|key| key.0 != Stage::Report);
+    let drawn = || groups.iter().map(|group| group.key).filter(|key| key.0 != "report");
     let mut lanes: Vec<(usize, &str)> = Vec::new();
     for (_, lane) in drawn() {
         if lanes.iter().all(|(_, known)| *known != lane) {
@@ -106,7 +106,7 @@ fn rows<'a>(groups: &[Group<'a>]) -> BTreeMap<Key<'a>, usize> {
     let mut next = 0;
     for (_, lane) in lanes {
         // What is drawn or searched from solves goes below, out of the way from tables to the book.
-        let below = |key: &Key| matches!(key.0, Stage::Figures | Stage::Identify);
+        let below = |key: &Key| matches!(key.0, "figures" | "identify");
         let (lower, upper): (Vec<Key>, Vec<Key>) =
             drawn().filter(|key| key.1 == lane).partition(below);
         for row in [upper, lower].into_iter().filter(|row| !row.is_empty()) {
@@ -145,31 +145,27 @@ mod tests {
 
     #[test]
     fn tasks_are_grouped_and_implied_lines_left_out() {
-        let node = |id: &str, stage, needs: &[&str]| Node {
+        let node = |id: &str, needs: &[&str]| Node {
             id: id.into(),
-            stage,
             needs: needs.iter().map(|need| (*need).to_owned()).collect(),
         };
-        let graph = Graph::new(vec![
-            node("solve/a/signed/r=1", Stage::Solve, &[]),
-            node("solve/a/signed/r=2", Stage::Solve, &[]),
-            node(
-                "tabulate/a/signed",
-                Stage::Tabulate,
-                &["solve/a/signed/r=1", "solve/a/signed/r=2"],
-            ),
-            node("figures/a-surface", Stage::Figures, &["solve/a/signed/r=1"]),
-            node(
-                "report/book",
-                Stage::Report,
-                &["tabulate/a/signed", "figures/a-surface", "solve/a/signed/r=1"],
-            ),
-        ]);
+        let graph = Graph {
+            nodes: vec![
+                node("solve/a/signed/r=1", &[]),
+                node("solve/a/signed/r=2", &[]),
+                node("tabulate/a/signed", &["solve/a/signed/r=1", "solve/a/signed/r=2"]),
+                node("figures/a-surface", &["solve/a/signed/r=1"]),
+                node(
+                    "report/book",
+                    &["tabulate/a/signed", "figures/a-surface", "solve/a/signed/r=1"],
+                ),
+            ],
+        };
         let edges = essential(&groups(&graph), &graph);
-        let [solve, table] = [(Stage::Solve, "a"), (Stage::Tabulate, "a")];
-        let picture_of_a = (Stage::Figures, "a");
-        let book = (Stage::Report, "book");
-        let want = [(solve, table), (solve, picture_of_a), (table, book), (picture_of_a, book)];
+        let [solve, table] = [("solve", "a"), ("tabulate", "a")];
+        let picture_of_a = ("figures", "a");
+        let book = ("report", "book");
+        let want = [(picture_of_a, book), (solve, picture_of_a), (solve, table), (table, book)];
         assert_eq!(edges, want);
         let rows = rows(&groups(&graph));
         assert_eq!((rows[&solve], rows[&table], rows[&picture_of_a]), (0, 0, 1));

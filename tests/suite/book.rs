@@ -10,7 +10,7 @@ use signorini::experiments::{rounding, stress};
 use signorini::identify::record::Record;
 use signorini::identify::{Findings, Questions, Variant, findings};
 use signorini::pipeline::error::from_toml;
-use signorini::pipeline::{Graph, Node, Stage};
+use signorini::pipeline::{Graph, Node};
 use signorini::problem::source::Source;
 use signorini::replication::paper::Paper;
 use signorini::replication::project::{IDENTIFIED, Project};
@@ -43,7 +43,7 @@ fn the_book_opens_from_a_folder_without_any_request() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, bytes).unwrap();
     }
-    assert!(!scratch("offline").exists());
+    assert_eq!(std::fs::read_dir(scratch("offline")).unwrap().count(), 0, "nothing is left there");
 
     let html = html(&book);
     assert!(html.len() >= 11, "{:?}", html.keys());
@@ -380,17 +380,19 @@ fn sample(published: impl Fn(usize, usize) -> usize) -> Report {
             ],
             artifacts: vec![artifact("figures/figure1.svg")],
             versions: vec![Version { name: "signorini".into(), version: "0.1.0".into() }],
-            graph: Graph::new(vec![
-                node("solve/problem1/signed/r=1", Stage::Solve, &[]),
-                node("report/book", Stage::Report, &["solve/problem1/signed/r=1"]),
-            ]),
+            graph: Graph {
+                nodes: vec![
+                    node("solve/problem1/signed/r=1", &[]),
+                    node("report/book", &["solve/problem1/signed/r=1"]),
+                ],
+            },
             license: "MIT OR Apache-2.0".into(),
         },
     }
 }
 
-fn node(id: &str, stage: Stage, needs: &[&str]) -> Node {
-    Node { id: id.into(), stage, needs: needs.iter().map(|need| (*need).into()).collect() }
+fn node(id: &str, needs: &[&str]) -> Node {
+    Node { id: id.into(), needs: needs.iter().map(|need| (*need).into()).collect() }
 }
 
 /// What the experiments find, with smaller plans.
@@ -514,6 +516,24 @@ fn book_files(data: &Report) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// What the report stage hands to `build`: pages, configuration, theme, figures.
+#[test]
+fn a_build_folder_that_is_not_ours_is_refused_and_keeps_its_files() {
+    let precious = tempfile::tempdir().unwrap();
+    fs::write(precious.path().join("thesis.txt"), "precious").unwrap();
+    let files = |setting: &str| {
+        let folder = precious.path().display();
+        let text = format!("[book]\ntitle = \"t\"\n[{setting} = '{folder}'\n[output.html]\n");
+        BTreeMap::from([
+            ("book.toml".to_owned(), text.into_bytes()),
+            ("src/SUMMARY.md".to_owned(), b"- [One](one.md)\n".to_vec()),
+            ("src/one.md".to_owned(), b"# One\n".to_vec()),
+        ])
+    };
+    let refused = build(&files("build]\nbuild-dir"), &scratch("elsewhere")).unwrap_err();
+    assert!(refused.to_string().contains("build.build-dir is"), "{refused}");
+    assert_eq!(fs::read(precious.path().join("thesis.txt")).unwrap(), b"precious");
+}
+
 fn with_theme(pages: BTreeMap<String, String>) -> BTreeMap<String, Vec<u8>> {
     let report = Path::new(env!("CARGO_MANIFEST_DIR")).join("report");
     let mut files: BTreeMap<_, _> =
