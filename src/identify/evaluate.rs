@@ -200,7 +200,7 @@ impl<'a> Evaluator<'a> {
                         let ends = n == last[k];
                         // Before its last iteration a lane only has to be above the tolerance.
                         if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
-                            let misfit = misfit(at.lanes.worst(k, measure).0, tolerance, ends);
+                            let misfit = misfit(at.lanes.worst(k, measure), tolerance, ends);
                             let cell = &mut forced.misfit[k][level];
                             *cell = (*cell + misfit).min(CELL_CAP);
                             failed |= misfit > 0.0;

@@ -85,7 +85,7 @@ pub struct Lanes<N> {
     /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
     edge: [V<N>; 2],
     corner: [V<N>; 2],
-    inside: V<N>,
+    centre: V<N>,
     y: Vec<V<N>>,
     a: Vec<V<N>>,
     /// F, and with the proximal term.
@@ -133,7 +133,7 @@ impl<N: Number> Lanes<N> {
             shift: V::all(0.0),
             edge: [V::all(2.0), V::all(0.5)],
             corner: [V::all(1.0); 2],
-            inside: V::all(0.25),
+            centre: V::all(0.25),
             y: nodes(),
             a: vec![V::all(0.0); 4 * n],
             load: nodes(),
@@ -157,7 +157,7 @@ impl<N: Number> Lanes<N> {
         self.r.0[lane] = N::of(r);
         let shift = weight * self.grid.h() * self.grid.h();
         self.shift.0[lane] = N::of(shift);
-        self.inside.0[lane] = N::of(1.0 / (4.0 + shift));
+        self.centre.0[lane] = N::of(1.0 / (4.0 + shift));
         for (k, value) in [2.0 + 0.5 * shift, 1.0 + 0.25 * shift].into_iter().enumerate() {
             let [diagonal, inverse] = if k == 0 { &mut self.edge } else { &mut self.corner };
             (diagonal.0[lane], inverse.0[lane]) = (N::of(value), N::of(1.0 / value));
@@ -248,7 +248,7 @@ impl<N: Number> Lanes<N> {
         let mut west = row[0];
         for i in 1..side - 1 {
             let sum = arithmetic.star([south[i], north[i], row[i + 1], load[i], west]);
-            west = arithmetic.node(self.inside * sum);
+            west = arithmetic.node(self.centre * sum);
             row[i] = west;
         }
     }
@@ -283,6 +283,30 @@ impl<N: Number> Lanes<N> {
         steps: [bool; LANES],
         arithmetic: &mut impl Arithmetic<N>,
     ) -> [f64; LANES] {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx512dq") {
+            // SAFETY: as in `sweep`.
+            return unsafe { self.step_avx512(steps, arithmetic) };
+        }
+        self.step_portable(steps, arithmetic)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq")]
+    fn step_avx512(
+        &mut self,
+        steps: [bool; LANES],
+        arithmetic: &mut impl Arithmetic<N>,
+    ) -> [f64; LANES] {
+        self.step_portable(steps, arithmetic)
+    }
+
+    #[inline(always)]
+    fn step_portable(
+        &mut self,
+        steps: [bool; LANES],
+        arithmetic: &mut impl Arithmetic<N>,
+    ) -> [f64; LANES] {
         let zero = N::of(0.0);
         let mut changes = [zero; LANES];
         for edge in &self.edges {
@@ -301,52 +325,92 @@ impl<N: Number> Lanes<N> {
 
     /// Whether a measure is at most `bound` everywhere in a lane; NaN never is.
     ///
-    /// The node `witness`, which broke the bound last, is tried first; others only when it no longer does.
+    /// The node `witness`, which broke the bound last, is tried first, then the rows from its own on.
     pub fn within(&self, lane: usize, measure: Measure, bound: f64, witness: &mut usize) -> bool {
-        let value = self.value(lane, measure, *witness);
-        if value > bound || value.is_nan() {
+        let above = |value: f64| value > bound || value.is_nan();
+        if above(self.value(lane, measure, *witness)) {
             return false;
         }
-        let (value, node) = self.worst(lane, measure);
-        *witness = node;
-        value <= bound
+        let side = self.grid.side();
+        let first = *witness / side;
+        for j in (first..side).chain(0..first) {
+            let (value, node) = self.worst_in_row(lane, measure, j);
+            if above(value) {
+                *witness = node;
+                return false;
+            }
+        }
+        true
     }
 
-    /// The largest value of a measure over all nodes of a lane, and where it is; NaN if any is.
-    pub fn worst(&self, lane: usize, measure: Measure) -> (f64, usize) {
-        let mut worst = (f64::NEG_INFINITY, 0);
-        for node in 0..self.y.len() {
-            let value = self.value(lane, measure, node);
+    /// The largest value of a measure over all nodes of a lane; NaN if any is.
+    pub fn worst(&self, lane: usize, measure: Measure) -> f64 {
+        let mut worst = f64::NEG_INFINITY;
+        for j in 0..self.grid.side() {
+            let (value, _) = self.worst_in_row(lane, measure, j);
             if value.is_nan() {
-                return (value, node);
+                return value;
             }
-            if value > worst.0 {
+            worst = worst.max(value);
+        }
+        worst
+    }
+
+    /// The same in row `j`, and where it is.
+    fn worst_in_row(&self, lane: usize, measure: Measure, j: usize) -> (f64, usize) {
+        let (n, side) = (self.grid.cells(), self.grid.side());
+        let mut worst = (f64::NEG_INFINITY, 0);
+        let mut note = |value: f64, node: usize| {
+            if value > worst.0 || value.is_nan() && !worst.0.is_nan() {
                 worst = (value, node);
             }
+        };
+        let edges = match j {
+            0 => 0..n + 1,
+            _ if j == n => self.edges.len() - n - 1..self.edges.len(),
+            _ => n + 1 + 2 * (j - 1)..n + 1 + 2 * j,
+        };
+        for edge in &self.edges[edges] {
+            note(self.on_boundary(lane, measure, edge), edge.node as usize);
+        }
+        if j != 0 && j != n {
+            (j * side + 1..j * side + n).for_each(|k| note(self.inside(lane, measure, k), k));
         }
         worst
     }
 
     /// The measure at a node, rounded as in [`Plain::gradient`](crate::saddle::Plain::gradient).
-    #[inline(always)]
     fn value(&self, lane: usize, measure: Measure, node: usize) -> f64 {
-        let load = if measure == Measure::Inner && self.regularised {
-            self.target[node].0[lane]
-        } else {
-            self.load[node].0[lane]
-        };
+        match self.edges.get(self.edge_at[node] as usize) {
+            Some(edge) => self.on_boundary(lane, measure, edge),
+            None => self.inside(lane, measure, node),
+        }
+    }
+
+    /// F, or F with the proximal term where the measure has it.
+    #[inline(always)]
+    fn load_of(&self, lane: usize, measure: Measure, node: usize) -> N {
+        let with_term = measure == Measure::Inner && self.regularised;
+        if with_term { self.target[node].0[lane] } else { self.load[node].0[lane] }
+    }
+
+    #[inline(always)]
+    fn inside(&self, lane: usize, measure: Measure, node: usize) -> f64 {
+        let (side, y) = (self.grid.side(), |k: usize| self.y[k].0[lane]);
+        let (across, along) = (y(node - side) + y(node + side), y(node - 1) + y(node + 1));
+        let mut flux = N::of(4.0) * y(node) - across - along - self.load_of(lane, measure, node);
+        if measure == Measure::Inner {
+            flux = flux + self.shift.0[lane] * y(node);
+        }
+        let flux = flux.wide();
+        if measure == Measure::Signed { flux } else { flux.abs() }
+    }
+
+    #[inline(always)]
+    fn on_boundary(&self, lane: usize, measure: Measure, edge: &Edge) -> f64 {
         let y = |k: usize| self.y[k].0[lane];
-        let (here, half, zero) = (y(node), N::of(0.5), N::of(0.0));
-        let Some(edge) = self.edges.get(self.edge_at[node] as usize) else {
-            let side = self.grid.side();
-            let (across, along) = (y(node - side) + y(node + side), y(node - 1) + y(node + 1));
-            let mut flux = N::of(4.0) * here - across - along - load;
-            if measure == Measure::Inner {
-                flux = flux + self.shift.0[lane] * here;
-            }
-            let flux = flux.wide();
-            return if measure == Measure::Signed { flux } else { flux.abs() };
-        };
+        let (node, half, zero) = (edge.node as usize, N::of(0.5), N::of(0.0));
+        let (here, load) = (y(node), self.load_of(lane, measure, node));
         let along = half * (y(edge.along[0] as usize) + y(edge.along[1] as usize));
         let mut flux = match edge.inward {
             Some(inner) => N::of(2.0) * here - along - y(inner as usize) - load,

@@ -134,7 +134,7 @@ impl<'a, N: Number> Run<'a, N> {
     fn after_step(&mut self, lanes: &mut Lanes<N>, lane: usize) {
         if let Method::Uzawa { loose, .. } = self.job.method {
             if loose {
-                let (gradient, _) = lanes.worst(lane, Measure::Printed);
+                let gradient = lanes.worst(lane, Measure::Printed);
                 self.inner = self.job.method.inner_bound(gradient);
             }
             lanes.regularise(lane);
