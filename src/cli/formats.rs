@@ -36,9 +36,9 @@ pub fn write(path: &Path, grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>
         "vti" => vti(grid, &pair.y, name),
         _ => {
             let view = View::uphill(grid, &pair.y);
-            let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view };
+            let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view, range: None };
             let caption = Caption { title: name, description: "Made by `signorini solve`." };
-            let svg = surfaces(caption, &[surface]);
+            let svg = surfaces(caption, 2, &[surface]);
             svg.map_err(|e| Error::input(e.to_string()))?.into_bytes()
         }
     })

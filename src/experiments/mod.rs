@@ -13,6 +13,7 @@ pub mod reference;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;
+pub mod targets;
 pub mod trial;
 
 /// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.

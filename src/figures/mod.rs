@@ -63,6 +63,8 @@ pub struct Surface<'a> {
     pub a: &'a [f64],
     /// From where it is seen; [`View::uphill`] hides least.
     pub view: View,
+    /// The range of heights and colours; without one, that of the data and zero.
+    pub range: Option<(f64, f64)>,
 }
 
 /// Which iterations [`histories`] shows.

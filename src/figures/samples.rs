@@ -53,6 +53,7 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
             y: &runs[k][1].2.y,
             a: &runs[k][1].2.a,
             view: View::uphill(grid, &runs[k][1].2.y),
+            range: None,
         })
         .collect();
     let curves: Vec<Vec<History>> = runs
@@ -84,7 +85,7 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
     });
     vec![
         ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
-        ("figure2", surfaces(CAPTION, &shapes).unwrap()),
+        ("figure2", surfaces(CAPTION, 2, &shapes).unwrap()),
         ("histories", histories(CAPTION, Span::AllGrids, &histories_of).unwrap()),
         ("finest", histories(CAPTION, Span::FinestGrid, &histories_of).unwrap()),
         ("contact", contact(CAPTION, &contacts).unwrap()),
@@ -124,8 +125,8 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     let (title, grid, y, a) = ("one", grids[1], &pair.y, &pair.a);
     for azimuth in [0.0, 52.5, 90.0] {
         let view = View { azimuth, ..View::default() };
-        let panel = Surface { title, grid, y, a, view };
-        figures.push((format!("view{azimuth}"), surfaces(CAPTION, &[panel]).unwrap()));
+        let panel = Surface { title, grid, y, a, view, range: None };
+        figures.push((format!("view{azimuth}"), surfaces(CAPTION, 2, &[panel]).unwrap()));
     }
     let line = |label| ContactLine { label, y, a };
     let lines =

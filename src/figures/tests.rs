@@ -90,7 +90,7 @@ fn bad_data_is_refused_with_its_place() {
     assert!(matches!(maps_of_f(CAPTION, &[]), Err(FigureError::Empty("panels"))));
     let surface = |y: &[f64], a: &[f64]| {
         let view = View::default();
-        surfaces(CAPTION, &[Surface { title: "t", grid, y, a, view }])
+        surfaces(CAPTION, 2, &[Surface { title: "t", grid, y, a, view, range: None }])
     };
     assert!(surface(&y, &a).is_ok(), "a flat surface is a picture");
     assert!(matches!(surface(&y[1..], &a), Err(FigureError::Length { got: 24, want: 25, .. })));

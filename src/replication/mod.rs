@@ -3,6 +3,7 @@
 pub mod paper;
 pub mod project;
 pub mod record;
+pub mod results;
 pub mod scene;
 pub mod stages;
 pub mod table;

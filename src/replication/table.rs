@@ -1,4 +1,4 @@
-//! Tables as polars data frames and CSV: the only module that knows polars.
+//! Tables in the paper's layout and level by level, as CSV.
 
 use crate::replication::paper::Row;
 use crate::saddle::Outcome;
@@ -32,7 +32,7 @@ pub fn levels_csv(columns: &[(f64, Vec<Outcome>)]) -> Result<Vec<u8>, String> {
         "kkt_natural" => float(|o| o.kkt.natural),
         "kkt_relative" => float(|o| o.kkt.relative),
     );
-    csv(frame.map_err(|e| e.to_string())?)
+    frame.and_then(csv).map_err(|e| e.to_string())
 }
 
 /// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`.
@@ -48,7 +48,7 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
     }
     let delta_a: Vec<f64> = rows.iter().map(|row| row.delta_a).collect();
     columns.push(Column::new("delta_a".into(), delta_a));
-    csv(DataFrame::new(rows.len(), columns).map_err(|e| e.to_string())?)
+    DataFrame::new(rows.len(), columns).and_then(csv).map_err(|e| e.to_string())
 }
 
 /// Reads what [`table_csv`] wrote.
@@ -56,7 +56,7 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
 /// # Errors
 /// What is wrong with the table.
 pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
-    let frame = CsvReader::new(Cursor::new(bytes)).finish().map_err(|e| e.to_string())?;
+    let frame = read_csv(bytes).map_err(|e| e.to_string())?;
     let floats = |name: &str| -> PolarsResult<Vec<f64>> {
         let column = frame.column(name)?.cast(&DataType::Float64)?;
         Ok(column.f64()?.iter().map(|v| v.unwrap_or(f64::NAN)).collect())
@@ -76,10 +76,18 @@ pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
     read().map_err(|e| format!("table.csv: {e}"))
 }
 
-fn csv(mut frame: DataFrame) -> Result<Vec<u8>, String> {
+/// CSV with a header line.
+pub(super) fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    CsvWriter::new(&mut bytes).finish(&mut frame).map_err(|e| e.to_string())?;
+    CsvWriter::new(&mut bytes).finish(&mut frame)?;
     Ok(bytes)
+}
+
+/// Reads what [`csv`] wrote.
+pub(super) fn read_csv(bytes: &[u8]) -> PolarsResult<DataFrame> {
+    // Types from all rows: a column may begin with whole numbers, or with nothing.
+    let options = CsvReadOptions::default().with_infer_schema_length(None);
+    CsvReader::new(Cursor::new(bytes)).with_options(options).finish()
 }
 
 #[cfg(test)]

@@ -5,17 +5,16 @@ mod cost;
 mod data;
 mod facts;
 mod filters;
-mod graph;
 mod mathml;
 mod pages;
 mod room;
 
 pub use build::build;
 pub use data::{
-    Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report, Row,
-    Scene, Solution, Version,
+    Artifact, Column, Compared, Figure, Figures, Level, Miss, Piece, Problem, Provenance, Report,
+    Row, Scene, Shape, Version,
 };
-pub use pages::pages;
+pub use pages::{context, pages};
 
 use std::path::PathBuf;
 
@@ -32,6 +31,9 @@ pub enum ReportError {
         /// What is wrong.
         message: String,
     },
+    /// Results that lack what the chapters are about.
+    #[error("the book lacks its data: {0}")]
+    Data(String),
     /// A formula that is no LaTeX we can set.
     #[error("{chapter}: cannot set the formula `{formula}`: {message}")]
     Formula {

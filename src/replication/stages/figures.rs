@@ -43,7 +43,52 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
             tasks.push(task(kind, format!("{}-{}", scene.name, kind.name()), &[scene]));
         }
     }
+    let shared = sharing(project, scenes, Output::Surface);
+    if !shared.is_empty() {
+        tasks.push(stops(&shared));
+    }
     tasks
+}
+
+/// Name of the figure of stops and solutions.
+pub(super) const STOPS: &str = "stops";
+
+/// The task that draws, in a row per problem, where the paper stopped, the solution, and the difference.
+fn stops(scenes: &[&Scene]) -> Task {
+    let panels: Vec<Panel> =
+        scenes.iter().map(|scene| Panel::new(Output::Surface, scene)).collect();
+    let f = panels.iter().map(|panel| (panel.scene.name.clone(), panel.scene.f.to_string()));
+    let hashed = f.collect();
+    let needs = panels.iter().flat_map(|panel| panel.needs(Output::Surface)).collect();
+    let title = "Where the paper stopped, where the solution is, and the difference";
+    let task = drawing(STOPS, title.into(), needs, move |inputs, caption| {
+        let mut rows = Vec::new();
+        for panel in &panels {
+            let stop = panel.pair(inputs, &panel.needs(Output::Surface)[0])?;
+            let solution = solve::solution(&panel.scene)?;
+            let y = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
+            let difference = Pair { y, a: vec![0.0; stop.a.len()] };
+            let pairs = [stop, solution, difference];
+            let values = pairs.iter().flat_map(|pair| &pair.y).copied();
+            let range = values.fold((0.0, 0.0), |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
+            rows.push((panel, pairs, range));
+        }
+        let names = ["where it stopped", "the solution", "the difference"];
+        let titles: Vec<String> = rows
+            .iter()
+            .flat_map(|(panel, ..)| names.map(|name| format!("{}: {name}", panel.scene.title)))
+            .collect();
+        let mut shown = Vec::new();
+        for ((panel, pairs, range), titles) in rows.iter().zip(titles.chunks(3)) {
+            let (grid, range) = (panel.scene.finest(), Some(*range));
+            let view = View::uphill(grid, &pairs[1].y);
+            for (Pair { y, a }, title) in pairs.iter().zip(titles) {
+                shown.push(Surface { title, grid, y, a, view, range });
+            }
+        }
+        surfaces(caption, 3, &shown).map_err(|e| e.to_string())
+    });
+    Task { parameters: hashed, ..task }
 }
 
 /// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
@@ -155,10 +200,11 @@ fn draw(
                 .map(|(panel, pair)| {
                     let grid = panel.scene.finest();
                     let view = View::uphill(grid, &pair.y);
-                    Surface { title: &panel.scene.title, grid, y: &pair.y, a: &pair.a, view }
+                    let title = &panel.scene.title;
+                    Surface { title, grid, y: &pair.y, a: &pair.a, view, range: None }
                 })
                 .collect();
-            surfaces(caption, &panels)
+            surfaces(caption, 2, &panels)
         }
         Output::History => {
             let mut curves = Vec::new();

@@ -6,6 +6,7 @@ pub mod diff;
 pub mod figures;
 pub mod identify;
 pub mod report;
+pub mod results;
 pub mod solve;
 pub mod tabulate;
 pub mod timings;
@@ -42,6 +43,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
+        tasks.extend(results::task(project));
         tasks.extend(bench::tasks(project));
         tasks.extend(bench::pictures());
         tasks.extend(timings::pictures(project));
