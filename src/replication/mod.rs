@@ -2,8 +2,6 @@
 
 pub mod paper;
 pub mod project;
-pub mod record;
-pub mod results;
 pub mod scene;
 pub mod stages;
 pub mod table;

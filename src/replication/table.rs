@@ -1,9 +1,9 @@
 //! Tables in the paper's layout and level by level, as CSV.
 
 use crate::replication::paper::Row;
+use crate::report::results::{csv, read_csv};
 use crate::saddle::Outcome;
 use polars::prelude::*;
-use std::io::Cursor;
 
 /// One row per (r, grid): everything an [`Outcome`] says. Columns carry the names of its fields.
 ///
@@ -74,20 +74,6 @@ pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
             .collect())
     };
     read().map_err(|e| format!("table.csv: {e}"))
-}
-
-/// CSV with a header line.
-pub(super) fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
-    let mut bytes = Vec::new();
-    CsvWriter::new(&mut bytes).finish(&mut frame)?;
-    Ok(bytes)
-}
-
-/// Reads what [`csv`] wrote.
-pub(super) fn read_csv(bytes: &[u8]) -> PolarsResult<DataFrame> {
-    // Types from all rows: a column may begin with whole numbers, or with nothing.
-    let options = CsvReadOptions::default().with_infer_schema_length(None);
-    CsvReader::new(Cursor::new(bytes)).with_options(options).finish()
 }
 
 #[cfg(test)]

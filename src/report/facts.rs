@@ -1,8 +1,8 @@
 //! What the prose says about the data: counts of agreements, ranges of ratios, worst residuals.
 
 use super::data::{Problem, Report};
+use super::results::{Results, Summary};
 use super::room::{Fixed, Searched};
-use crate::replication::results::{Results, Summary};
 use crate::saddle::{Outcome, StopRule, tolerance};
 use serde::Serialize;
 

@@ -7,12 +7,13 @@ mod facts;
 mod filters;
 mod mathml;
 mod pages;
+pub mod results;
 mod room;
 
 pub use build::build;
 pub use data::{
-    Artifact, Column, Compared, Figure, Figures, Level, Miss, Piece, Problem, Provenance, Report,
-    Row, Scene, Shape, Version,
+    Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Miss, Piece, Problem,
+    Provenance, Report, Row, Scene, Shape, Version,
 };
 pub use pages::{context, pages};
 

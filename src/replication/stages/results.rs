@@ -4,8 +4,8 @@ use super::{artifact, tabulate};
 use crate::pipeline::{Artifacts, Stage, Task};
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
-use crate::replication::results::{Levels, Results};
 use crate::replication::scene::Output;
+use crate::report::results::{Levels, Published, Results};
 
 /// Id of the task.
 pub const ID: &str = "diff/results";
@@ -37,14 +37,19 @@ pub fn task(project: &Project) -> Option<Task> {
         export: Some("report"),
         work: Box::new(move |inputs| {
             let paper = Paper::parse(&String::from_utf8_lossy(&inputs.files[PAPER]));
+            let paper = paper.map_err(|e| e.to_string())?;
+            let published = |number: u8| {
+                let table = paper.table.iter().find(|table| table.number == number)?;
+                Some(Published { r: &paper.r, counts: &table.counts, delta_a: &table.delta_a })
+            };
             let levels = parts
                 .iter()
                 .map(|(id, problem, table, rule)| {
                     let csv = artifact(inputs, id, tabulate::LEVELS)?;
-                    Ok(Levels { problem, table: *table, rule: *rule, csv })
+                    Ok(Levels { problem, published: table.and_then(published), rule: *rule, csv })
                 })
                 .collect::<Result<Vec<_>, String>>()?;
-            let results = Results::of(&levels, &paper.map_err(|e| e.to_string())?)?;
+            let results = Results::of(&levels)?;
             Ok(Artifacts::from([(FILE.into(), results.to_csv()?)]))
         }),
     })

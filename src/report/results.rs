@@ -1,16 +1,15 @@
 //! Every result in one tidy table, and what the book says of them as joins and aggregates.
 
-use super::paper::Paper;
-use super::table::{csv, read_csv};
 use crate::saddle::{StopRule, tolerance};
 use polars::prelude::*;
 use serde::Serialize;
+use std::io::Cursor;
 
 /// One row per problem, stopping rule, r and grid.
 ///
 /// `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` say what was
 /// solved. `published` and `published_delta_a` are what the paper prints, empty where it prints
-/// nothing. The other columns are those of [`levels_csv`](super::table::levels_csv).
+/// nothing. The other columns are those of [`Levels::csv`].
 #[derive(Clone, Debug)]
 pub struct Results(DataFrame);
 
@@ -18,12 +17,23 @@ pub struct Results(DataFrame);
 pub struct Levels<'a> {
     /// Name of the scene.
     pub problem: &'a str,
-    /// Number of its published table, if there is one.
-    pub table: Option<u8>,
+    /// What the paper prints of it, if it does.
+    pub published: Option<Published<'a>>,
     /// Stopping rule.
     pub rule: StopRule,
-    /// What [`levels_csv`](super::table::levels_csv) wrote.
+    /// CSV with columns `r`, `cells`, `iterations`, `stop`, `gradient_abs`, `delta_a` and others.
     pub csv: &'a [u8],
+}
+
+/// A published table, row by row.
+#[derive(Clone, Copy, Debug)]
+pub struct Published<'a> {
+    /// Duality parameters.
+    pub r: &'a [f64],
+    /// Iterations, one list per r, one count per grid.
+    pub counts: &'a [Vec<usize>],
+    /// Delta a on the finest grid, per r.
+    pub delta_a: &'a [f64],
 }
 
 /// Some numbers of one problem.
@@ -59,14 +69,14 @@ impl Results {
     ///
     /// # Errors
     /// polars' words, if a table of levels cannot be read.
-    pub fn of(parts: &[Levels], paper: &Paper) -> Result<Self, String> {
+    pub fn of(parts: &[Levels]) -> Result<Self, String> {
         let join = || -> PolarsResult<DataFrame> {
-            let (mut all, mut published) = (DataFrame::empty(), printed("", &[], paper, 0)?);
+            let (mut all, mut published) = (DataFrame::empty(), printed("", &[], NOTHING)?);
             for part in parts {
                 let mut levels = read_csv(part.csv)?;
                 let grids = add_keys(&mut levels, part)?;
-                if let Some(table) = part.table.filter(|_| part.rule == StopRule::Signed) {
-                    published.vstack_mut(&printed(part.problem, &grids, paper, table)?)?;
+                if let Some(table) = part.published.filter(|_| part.rule == StopRule::Signed) {
+                    published.vstack_mut(&printed(part.problem, &grids, table)?)?;
                 }
                 all.vstack_mut(&levels)?;
             }
@@ -174,18 +184,18 @@ fn add_keys(levels: &mut DataFrame, part: &Levels) -> PolarsResult<Vec<i64>> {
     Ok(grids)
 }
 
+const NOTHING: Published = Published { r: &[], counts: &[], delta_a: &[] };
+
 /// What the paper prints for a problem.
-fn printed(problem: &str, grids: &[i64], paper: &Paper, number: u8) -> PolarsResult<DataFrame> {
+fn printed(problem: &str, grids: &[i64], table: Published) -> PolarsResult<DataFrame> {
     let (mut r, mut cells) = (Vec::new(), Vec::new());
     let (mut counts, mut deltas) = (Vec::new(), Vec::new());
-    for table in paper.table.iter().filter(|table| table.number == number) {
-        for (row, x) in paper.r.iter().enumerate() {
-            for (level, (&n, &count)) in grids.iter().zip(&table.counts[row]).enumerate() {
-                r.push(*x);
-                cells.push(n);
-                counts.push(count as i64);
-                deltas.push((level + 1 == grids.len()).then_some(table.delta_a[row]));
-            }
+    for (row, x) in table.r.iter().enumerate() {
+        for (level, (&n, &count)) in grids.iter().zip(&table.counts[row]).enumerate() {
+            r.push(*x);
+            cells.push(n);
+            counts.push(count as i64);
+            deltas.push((level + 1 == grids.len()).then_some(table.delta_a[row]));
         }
     }
     df!(
@@ -195,6 +205,26 @@ fn printed(problem: &str, grids: &[i64], paper: &Paper, number: u8) -> PolarsRes
         "published" => counts,
         "published_delta_a" => deltas,
     )
+}
+
+/// CSV with a header line.
+///
+/// # Errors
+/// polars' own.
+pub fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    CsvWriter::new(&mut bytes).finish(&mut frame)?;
+    Ok(bytes)
+}
+
+/// Reads what [`csv`] wrote.
+///
+/// # Errors
+/// polars' own.
+pub fn read_csv(bytes: &[u8]) -> PolarsResult<DataFrame> {
+    // Types from all rows: a column may begin with whole numbers, or with nothing.
+    let options = CsvReadOptions::default().with_infer_schema_length(None);
+    CsvReader::new(Cursor::new(bytes)).with_options(options).finish()
 }
 
 fn floats(rows: &DataFrame, column: &str) -> PolarsResult<Series> {
