@@ -5,7 +5,7 @@ use super::camera::{Camera, Scene, UNIT};
 use super::palette::{CONTACT, INK, MUTED, RULE, SHADE, lit, viridis};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
 use super::text::Ticks;
-use super::{Caption, FigureError, Surface, range_with_zero, some, vector};
+use super::{Caption, FigureError, Surface, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
 
 /// Most cells per side that are drawn; finer grids are thinned, or the file would grow too large.
@@ -32,7 +32,7 @@ pub fn surfaces(
     columns: usize,
     panels: &[Surface],
 ) -> Result<String, FigureError> {
-    for panel in some("panels", panels)? {
+    for panel in not_empty("panels", panels)? {
         vector(panel.title, "y", panel.y, panel.grid.nodes())?;
         vector(panel.title, "a", panel.a, panel.grid.boundary_nodes())?;
     }

@@ -4,15 +4,14 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY, PAIR, read_pair};
 use super::{artifact, from_json};
 use crate::figures::{
-    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel,
-    IdentifiabilityPanel, Span, Surface, View, contact, histories, identifiability, maps_of_f,
-    surfaces,
+    Caption, ContactPanel, FMap, FigureError, History, HistoryPanel, IdentifiabilityPanel, Surface,
+    View, contact, histories, identifiability, maps_of_f, surfaces,
 };
 use crate::identify::Findings;
 use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{Iteration, Pair};
+use crate::saddle::{Pair, StopRule};
 use std::collections::BTreeMap;
 
 /// The kinds of figure, with the name each has when the paper's problems share it.
@@ -44,7 +43,8 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         }
     }
     let shared = sharing(project, scenes, Output::Surface);
-    if !shared.is_empty() {
+    // Only the book shows it.
+    if !shared.is_empty() && !project.templates.is_empty() {
         tasks.push(stops(&shared));
     }
     tasks
@@ -207,79 +207,48 @@ fn draw(
             surfaces(caption, 2, &panels)
         }
         Output::History => {
-            let mut curves = Vec::new();
+            let histories_of = |panel: &Panel| {
+                let curves = panel.needs(kind).into_iter().zip(&panel.scene.r).map(|(task, r)| {
+                    let levels = from_json(inputs, &task, HISTORY)?;
+                    Ok(History { label: format!("r = {r}"), levels })
+                });
+                curves.collect::<Result<Vec<_>, String>>()
+            };
+            let mut shown = Vec::new();
             for panel in panels {
-                let mut of_panel = Vec::new();
-                for (task, r) in panel.needs(kind).iter().zip(&panel.scene.r) {
-                    let levels: Vec<Vec<Iteration>> = from_json(inputs, task, HISTORY)?;
-                    of_panel.push((format!("r = {r}"), levels));
-                }
-                curves.push(of_panel);
+                let Scene { title, grids, .. } = &panel.scene;
+                shown.push(HistoryPanel { title, grids, curves: histories_of(panel)? });
             }
-            let curves: Vec<Vec<History>> = curves
-                .iter()
-                .map(|of_panel| {
-                    of_panel.iter().map(|(label, levels)| History { label, levels }).collect()
-                })
-                .collect();
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(&curves)
-                .map(|(panel, curves)| HistoryPanel {
-                    title: &panel.scene.title,
-                    grids: &panel.scene.grids,
-                    curves,
-                })
-                .collect();
-            histories(caption, Span::AllGrids, &panels)
+            histories(caption, &shown)
         }
         Output::Contact => {
-            let mut pairs = Vec::new();
-            for panel in panels {
-                let mut of_panel = Vec::new();
-                for (task, stop) in panel.needs(kind).iter().zip(&panel.scene.stop) {
+            let pairs_of = |panel: &Panel| {
+                let lines = panel.needs(kind).into_iter().zip(&panel.scene.stop);
+                let line = |(task, stop): (String, &StopRule)| {
                     let label = format!("stop: {stop}, r = {}", panel.scene.draw_r);
-                    of_panel.push((label, panel.pair(inputs, task)?));
-                }
-                pairs.push(of_panel);
+                    Ok((label, panel.pair(inputs, &task)?))
+                };
+                lines.map(line).collect::<Result<Vec<_>, String>>()
+            };
+            let mut shown = Vec::new();
+            for panel in panels {
+                let (title, grid) = (&panel.scene.title, panel.scene.finest());
+                shown.push(ContactPanel { title, grid, lines: pairs_of(panel)? });
             }
-            let lines: Vec<Vec<ContactLine>> = pairs
-                .iter()
-                .map(|of_panel| {
-                    of_panel
-                        .iter()
-                        .map(|(label, pair)| ContactLine { label, y: &pair.y, a: &pair.a })
-                        .collect()
-                })
-                .collect();
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(&lines)
-                .map(|(panel, lines)| ContactPanel {
-                    title: &panel.scene.title,
-                    grid: panel.scene.finest(),
-                    lines,
-                })
-                .collect();
-            contact(caption, &panels)
+            contact(caption, &shown)
         }
         Output::Identify => {
             let found = panels
                 .iter()
                 .map(|panel| from_json::<Findings>(inputs, &panel.needs(kind)[0], FINDINGS))
                 .collect::<Result<Vec<_>, _>>()?;
-            let others: Vec<Vec<[f64; 2]>> = found.iter().map(two_valued).collect();
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(found.iter().zip(&others))
-                .map(|(panel, (found, others))| IdentifiabilityPanel {
-                    title: &panel.scene.title,
-                    slice: &found.slice,
-                    cells: found.target.cells(),
-                    others,
-                })
-                .collect();
-            identifiability(caption, &panels)
+            let shown = panels.iter().zip(&found).map(|(panel, found)| IdentifiabilityPanel {
+                title: &panel.scene.title,
+                slice: &found.slice,
+                cells: found.target.cells(),
+                others: two_valued(found),
+            });
+            identifiability(caption, &shown.collect::<Vec<_>>())
         }
         Output::Table => return Err("a table is not a figure".into()),
     };
@@ -299,7 +268,7 @@ fn two_valued(found: &Findings) -> Vec<[f64; 2]> {
 fn caption(kind: Output) -> &'static str {
     match kind {
         Output::Source => "Right-hand side f",
-        Output::Surface => "Solution v",
+        Output::Surface => "Surface v",
         Output::History => "Residuals against iterations",
         Output::Contact => "Trace and multiplier along the boundary",
         Output::Identify => "Published counts that come out, around the recovered f",
