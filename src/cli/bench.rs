@@ -1,13 +1,12 @@
 //! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
 
-use super::{current_folder, say, say_json, solve::Solver};
+use super::{current_folder, say, say_json, solve::Solver, talk};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
 use crate::timing::measure::{Plan, SOLVERS, measure};
 use crate::timing::recorded::{self, Timings};
 use clap::{Args, ValueEnum};
 use std::fs;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Arguments of `bench`.
@@ -80,11 +79,6 @@ impl Record {
         };
         Ok(Self { path, peer })
     }
-}
-
-/// Progress, for which nobody has to listen.
-fn talk(what: &str) {
-    let _ = writeln!(anstream::stderr(), "{what}");
 }
 
 fn text(timings: &Timings) -> String {

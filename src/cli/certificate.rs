@@ -127,7 +127,7 @@ fn folder(asked: Option<&Path>, project: &Path) -> Result<PathBuf> {
 
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
-    let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
+    let summary = workplace.judge(&workplace.tasks(&[], None)?, true)?;
     let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
     let refused = if let Some(first) = stale.clone().next() {
         let of = summary.verdicts.len();
@@ -138,7 +138,7 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
             first.verdict
         )
     } else if let Some(edited) = summary.edited.first() {
-        return Err(Error::input(edited.clone()));
+        return Err(Error::input(super::pipeline::edited(edited)));
     } else if !summary.nothing_to_do() {
         "files in figures/ or report/ are missing or old".into()
     } else {

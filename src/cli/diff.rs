@@ -2,9 +2,10 @@
 
 use super::pipeline::{Workplace, bring_up_to_date};
 use super::{CacheArgs, say, say_json, styled};
+use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Manifest, Stage};
 use crate::replication::paper::{Comparison, RowComparison, TableComparison};
+use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
 use anstyle::AnsiColor;
 use clap::Args;
@@ -26,7 +27,7 @@ pub(super) struct DiffArgs {
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    if tasks.is_empty() {
+    if tasks.tasks().is_empty() {
         return Err(Error::input(
             "no scene has a `paper_table`; add one to compare with the paper",
         ));

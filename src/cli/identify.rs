@@ -266,7 +266,7 @@ fn ended(args: &IdentifyArgs) -> Result<u8> {
         (false, _) => Ok(0),
         (true, Some(_)) => Err(Error::Interrupted),
         (true, None) => {
-            watch::say("interrupted; with --checkpoint FILE the search could be resumed");
+            super::talk("interrupted; with --checkpoint FILE the search could be resumed");
             Ok(Error::Interrupted.exit_code())
         }
     }

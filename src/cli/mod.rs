@@ -13,7 +13,8 @@ mod solve;
 mod status;
 
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::write_atomically;
+use crate::pipeline::files::write_atomically;
+use crate::pipeline::talk;
 use crate::report::CommandHelp;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
@@ -145,9 +146,7 @@ pub fn main() -> ExitCode {
     match dispatch(cli) {
         Ok(code) => ExitCode::from(code),
         Err(e) => {
-            // The exit code still tells if nobody reads this.
-            let _ =
-                writeln!(anstream::stderr(), "{}: {e}", styled("error", anstyle::AnsiColor::Red));
+            talk(&format!("{}: {e}", styled("error", anstyle::AnsiColor::Red)));
             ExitCode::from(e.exit_code())
         }
     }
@@ -206,11 +205,6 @@ fn say(text: &str) -> Result<u8> {
 fn say_json(value: &impl serde::Serialize) -> Result<u8> {
     let text = serde_json::to_string_pretty(value).expect("answers are plain data");
     say(&(text + "\n"))
-}
-
-/// A line of talk on standard error; a reader that has gone away is no reason to stop.
-fn talk(line: &str) {
-    let _ = writeln!(anstream::stderr(), "{line}");
 }
 
 /// Refuses a file that the user named in a folder that is not there: a slip of the pen makes no folders.

@@ -5,7 +5,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Paper {
     /// Duality parameters, in the order of the rows.
@@ -15,7 +15,7 @@ pub struct Paper {
 }
 
 /// One published table with its declared tolerances.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedTable {
     /// Number of the table.
@@ -98,19 +98,33 @@ impl Paper {
     /// Parses and validates `pipeline/paper.toml`.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the from_toml.
+    /// [`Error::Input`] with the line of the mistake.
     pub fn parse(text: &str) -> Result<Self> {
         let paper: Self = from_toml("pipeline/paper.toml", text)?;
-        for t in &paper.table {
+        let wrong = |what: &str| Err(Error::input(format!("pipeline/paper.toml: {what}")));
+        let positive = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v > 0.0);
+        if !positive(&paper.r) || paper.r.is_empty() {
+            return wrong("`r` must list positive numbers");
+        }
+        for (k, t) in paper.table.iter().enumerate() {
+            let number = t.number;
+            let share = t.count_share.is_finite() && t.count_share >= 0.0;
+            let factor = t.delta_a_factor.is_finite() && t.delta_a_factor >= 1.0;
+            if !positive(&t.delta_a) || !share || !factor {
+                return wrong(&format!(
+                    "table {number}: `delta_a` must be positive, `count_share` not negative and `delta_a_factor` at least 1, all finite"
+                ));
+            }
+            if paper.table[..k].iter().any(|other| other.number == number) {
+                return wrong(&format!("two tables have the number {number}; change one"));
+            }
             let width = t.counts.first().map_or(0, Vec::len);
-            if t.counts.len() != paper.r.len()
+            if width == 0
+                || t.counts.len() != paper.r.len()
                 || t.delta_a.len() != paper.r.len()
                 || t.counts.iter().any(|row| row.len() != width)
             {
-                return Err(Error::input(format!(
-                    "pipeline/paper.toml: table {} does not have one full row per r",
-                    t.number
-                )));
+                return wrong(&format!("table {number} does not have one full row per r"));
             }
         }
         Ok(paper)
@@ -260,5 +274,15 @@ mod tests {
             paper.compare(1, "s", &ours()[..1]).unwrap_err().to_string().contains("r = 1000000")
         );
         assert!(Paper::parse(&TEXT.replace("[2, 200]", "[2]")).is_err());
+        for (from, to) in [
+            ("delta_a = [1e-4", "delta_a = [nan"),
+            ("factor = 1.5", "factor = inf"),
+            ("share = 0.05", "share = nan"),
+            ("r = [1e6, 10]", "r = []"),
+            ("r = [1e6", "r = [inf"),
+            ("[[1, 100], [2, 200]]", "[[], []]"),
+        ] {
+            assert!(TEXT.contains(from) && Paper::parse(&TEXT.replace(from, to)).is_err(), "{to}");
+        }
     }
 }

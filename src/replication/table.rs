@@ -1,39 +1,8 @@
-//! Tables in the paper's layout and level by level, as CSV.
+//! Tables in the paper's layout, as CSV.
 
 use crate::replication::paper::Row;
 use crate::report::results::{csv, read_csv};
-use crate::saddle::Outcome;
 use polars::prelude::*;
-
-/// One row per (r, grid): everything an [`Outcome`] says. Columns carry the names of its fields.
-///
-/// # Errors
-/// polars' words, should it fail to write.
-pub fn levels_csv(columns: &[(f64, Vec<Outcome>)]) -> Result<Vec<u8>, String> {
-    let all: Vec<(f64, &Outcome)> =
-        columns.iter().flat_map(|(r, levels)| levels.iter().map(move |o| (*r, o))).collect();
-    let float = |of: fn(&Outcome) -> f64| all.iter().map(|(_, o)| of(o)).collect::<Vec<_>>();
-    let count =
-        |of: fn(&Outcome) -> usize| all.iter().map(|(_, o)| of(o) as u64).collect::<Vec<_>>();
-    let frame = df!(
-        "r" => all.iter().map(|(r, _)| *r).collect::<Vec<_>>(),
-        "cells" => count(|o| o.cells),
-        "iterations" => count(|o| o.iterations),
-        "stop" => all.iter().map(|(_, o)| o.stop.to_string()).collect::<Vec<_>>(),
-        "gradient_signed" => float(|o| o.gradient_signed),
-        "gradient_abs" => float(|o| o.gradient_abs),
-        "delta_a" => float(|o| o.delta_a),
-        "energy" => float(|o| o.energy),
-        "sum_load" => float(|o| o.sum_load),
-        "kkt_stationarity" => float(|o| o.kkt.stationarity),
-        "kkt_min_y" => float(|o| o.kkt.min_y),
-        "kkt_min_lambda" => float(|o| o.kkt.min_lambda),
-        "kkt_complementarity" => float(|o| o.kkt.complementarity),
-        "kkt_natural" => float(|o| o.kkt.natural),
-        "kkt_relative" => float(|o| o.kkt.relative),
-    );
-    frame.and_then(csv).map_err(|e| e.to_string())
-}
 
 /// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`.
 ///

@@ -15,7 +15,7 @@ pub use data::{
     Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Miss, Piece, Problem,
     Provenance, Report, Row, Scene, Shape, Version,
 };
-pub use pages::{context, pages};
+pub use pages::{context, pages, stubs};
 
 use std::path::PathBuf;
 
@@ -82,6 +82,9 @@ pub enum ReportError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A setting of mdBook under which its output would not be where the run looks for it.
+    #[error("report/book.toml: {0}")]
+    Setting(String),
     /// mdBook refused the book.
     #[error("mdBook: {0}")]
     Book(String),

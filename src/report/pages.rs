@@ -68,6 +68,22 @@ pub fn pages(
     Ok(pages)
 }
 
+/// The same pages in a project without what the chapters tell about: each says why it was left out.
+pub fn stubs(templates: &BTreeMap<String, String>, reason: &str) -> BTreeMap<String, String> {
+    let mut pages = BTreeMap::new();
+    for (name, text) in templates {
+        if name.ends_with(".md") || name.ends_with(".js") {
+            pages.insert(format!("src/{name}"), text.clone());
+        } else if let Some(stem) = name.strip_suffix(PAGE) {
+            let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
+            let page =
+                format!("{title}\n\nLeft out, as are all chapters on the paper: {reason}.\n");
+            pages.insert(format!("src/{stem}.md"), page);
+        }
+    }
+    pages
+}
+
 /// The error with its place; in a component, with the page that called it as well.
 fn located(page: &str, error: &tera::Error) -> ReportError {
     let (file, line, message) = match error.kind() {

@@ -1,6 +1,6 @@
 //! Every result in one tidy table, and what the book says of them as joins and aggregates.
 
-use crate::saddle::{StopRule, tolerance};
+use crate::saddle::{Outcome, StopRule, tolerance};
 use polars::prelude::*;
 use serde::Serialize;
 use std::io::Cursor;
@@ -9,7 +9,7 @@ use std::io::Cursor;
 ///
 /// `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` say what was
 /// solved. `published` and `published_delta_a` are what the paper prints, empty where it prints
-/// nothing. The other columns are those of [`Levels::csv`].
+/// nothing. The other columns carry the names of the fields of [`Outcome`].
 #[derive(Clone, Debug)]
 pub struct Results(DataFrame);
 
@@ -21,8 +21,8 @@ pub struct Levels<'a> {
     pub published: Option<Published<'a>>,
     /// Stopping rule.
     pub rule: StopRule,
-    /// CSV with columns `r`, `cells`, `iterations`, `stop`, `gradient_abs`, `delta_a` and others.
-    pub csv: &'a [u8],
+    /// For each r, the outcomes on all grids, coarsest first.
+    pub columns: Vec<(f64, Vec<Outcome>)>,
 }
 
 /// A published table, row by row.
@@ -73,8 +73,7 @@ impl Results {
         let join = || -> PolarsResult<DataFrame> {
             let (mut all, mut published) = (DataFrame::empty(), printed("", &[], NOTHING)?);
             for part in parts {
-                let mut levels = read_csv(part.csv)?;
-                let grids = add_keys(&mut levels, part)?;
+                let (levels, grids) = frame(part)?;
                 if let Some(table) = part.published.filter(|_| part.rule == StopRule::Signed) {
                     published.vstack_mut(&printed(part.problem, &grids, table)?)?;
                 }
@@ -169,19 +168,40 @@ impl Results {
     }
 }
 
-/// Puts the keys in front, and returns the grids in cells per side.
-fn add_keys(levels: &mut DataFrame, part: &Levels) -> PolarsResult<Vec<i64>> {
-    let height = levels.height();
-    let cells: Vec<i64> = levels.column("cells")?.i64()?.iter().flatten().collect();
-    let mut grids = cells.clone();
+/// One row per r and grid, and the grids in cells per side.
+fn frame(part: &Levels) -> PolarsResult<(DataFrame, Vec<i64>)> {
+    let rows: Vec<(f64, usize, &Outcome)> = part
+        .columns
+        .iter()
+        .flat_map(|(r, levels)| levels.iter().zip(1..).map(move |(o, level)| (*r, level, o)))
+        .collect();
+    let float = |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(row.2)).collect::<Vec<_>>();
+    let count =
+        |of: fn(&Outcome) -> usize| rows.iter().map(|row| of(row.2) as i64).collect::<Vec<_>>();
+    let mut grids = count(|o| o.cells);
     grids.sort_unstable();
     grids.dedup();
-    let level = |n: &i64| grids.iter().position(|grid| grid == n).map_or(0, |k| k + 1);
-    let tolerances: Vec<f64> = cells.iter().map(|n| tolerance(level(n))).collect();
-    levels.insert_column(0, Column::new("problem".into(), vec![part.problem; height]))?;
-    levels.insert_column(1, Column::new("rule".into(), vec![part.rule.to_string(); height]))?;
-    levels.insert_column(4, Column::new("tolerance".into(), tolerances))?;
-    Ok(grids)
+    let frame = df!(
+        "problem" => vec![part.problem; rows.len()],
+        "rule" => vec![part.rule.to_string(); rows.len()],
+        "r" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
+        "cells" => count(|o| o.cells),
+        "tolerance" => rows.iter().map(|row| tolerance(row.1)).collect::<Vec<_>>(),
+        "iterations" => count(|o| o.iterations),
+        "stop" => rows.iter().map(|row| row.2.stop.to_string()).collect::<Vec<_>>(),
+        "gradient_signed" => float(|o| o.gradient_signed),
+        "gradient_abs" => float(|o| o.gradient_abs),
+        "delta_a" => float(|o| o.delta_a),
+        "energy" => float(|o| o.energy),
+        "sum_load" => float(|o| o.sum_load),
+        "kkt_stationarity" => float(|o| o.kkt.stationarity),
+        "kkt_min_y" => float(|o| o.kkt.min_y),
+        "kkt_min_lambda" => float(|o| o.kkt.min_lambda),
+        "kkt_complementarity" => float(|o| o.kkt.complementarity),
+        "kkt_natural" => float(|o| o.kkt.natural),
+        "kkt_relative" => float(|o| o.kkt.relative),
+    );
+    Ok((frame?, grids))
 }
 
 const NOTHING: Published = Published { r: &[], counts: &[], delta_a: &[] };

@@ -8,7 +8,7 @@ use crate::figures::{
     View, contact, histories, identifiability, maps_of_f, surfaces,
 };
 use crate::identify::Findings;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::saddle::{Pair, StopRule};
@@ -38,7 +38,7 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         if !shared.is_empty() {
             tasks.push(task(kind, shared_name.into(), &shared));
         }
-        for scene in scenes.iter().filter(|s| s.paper_table.is_none() && s.wants(kind)) {
+        for scene in scenes.iter().filter(|s| !project.is_problem(s) && s.wants(kind)) {
             tasks.push(task(kind, format!("{}-{}", scene.name, kind.name()), &[scene]));
         }
     }
@@ -93,7 +93,7 @@ fn stops(scenes: &[&Scene]) -> Task {
 
 /// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
 pub(super) fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
-    let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
+    let shares = |scene: &&Scene| project.is_problem(scene) && scene.wants(kind);
     let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
     let all = project.scenes.iter().filter(shares).count();
     if shared.len() == all { shared } else { Vec::new() }
@@ -124,7 +124,6 @@ pub(super) fn drawing(
     let picture = format!("{name}.svg");
     Task {
         id: id(name),
-        stage: Stage::Figures,
         parameters: BTreeMap::from([("title".into(), title.clone())]),
         files: Artifacts::new(),
         needs,

@@ -6,8 +6,8 @@ use super::solve::{self, HISTORY, OUTCOMES, Outcomes, PAIR, read_pair};
 use super::{artifact, bench, figures, from_json, results, to_json};
 use crate::discrete::load::{LoadRule, integral};
 use crate::identify::record::Record;
-use crate::pipeline::error::{Error, Result, from_toml};
-use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
+use crate::pipeline::error::from_toml;
+use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
 use crate::problem::source::{Region, Source};
 use crate::replication::paper::{RowComparison, TableComparison};
 use crate::replication::project::{IDENTIFIED, Project};
@@ -20,42 +20,33 @@ use crate::report::{
 use crate::saddle::{Iteration, Pair, StopRule};
 use crate::timing::recorded;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
+/// what one of them does not ask for, they are left out of the book.
+pub fn left_out(project: &Project) -> Option<String> {
+    let problems = project.problems();
+    let [first, second] = problems[..] else {
+        return Some("they need two scenes, one with `paper_table = 1` and one with 2".into());
+    };
+    if first.grids != second.grids {
+        return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
+    }
+    problems.iter().find_map(|scene| {
+        let rule = RULES.iter().find(|rule| !scene.stop.contains(rule));
+        let mut kinds = figures::KINDS.iter().map(|(kind, _)| *kind).chain([Output::Table]);
+        let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
+            .find(|kind| !scene.wants(*kind))
+            .map(|kind| format!("\"{}\" to `outputs`", kind.name())))?;
+        Some(format!("they show scene `{}`; add {missing}", scene.name))
+    })
+}
 
 /// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
-///
-/// # Errors
-/// [`Error::Input`] if the paper's problems do not ask for what the chapters show.
-pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
-    let mut problems: Vec<Scene> =
-        project.scenes.iter().filter(|scene| scene.paper_table.is_some()).cloned().collect();
-    problems.sort_by_key(|scene| scene.paper_table);
-    if problems.len() != 2 || problems[0].grids != problems[1].grids {
-        return Err(Error::input(
-            "the book needs two scenes with `paper_table`, on the same grids; restore problem1 and problem2",
-        ));
-    }
-    for scene in &problems {
-        let figures = figures::KINDS.iter().map(|(kind, _)| *kind);
-        let missing = RULES
-            .iter()
-            .find(|rule| !scene.stop.contains(rule))
-            .map(|rule| format!("\"{rule}\" to `stop`"))
-            .or(figures
-                .chain([Output::Table])
-                .find(|kind| !scene.wants(*kind))
-                .map(|kind| format!("\"{}\" to `outputs`", kind.name())));
-        if let Some(missing) = missing {
-            let name = &scene.name;
-            return Err(Error::input(format!("scene `{name}`: the book shows it; add {missing}")));
-        }
-    }
-    let others: Vec<Scene> = project
-        .scenes
-        .iter()
-        .filter(|scene| scene.paper_table.is_none() && scene.wants(Output::Table))
-        .cloned()
-        .collect();
+pub fn task(project: &Project, earlier: &[Task]) -> Task {
+    let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
+    let other = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Table);
+    let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
+    let left_out = left_out(project);
     let mut files = project.scene_files.clone();
     files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
     files.extend(project.record_text.clone().map(|text| (IDENTIFIED.to_owned(), text)));
@@ -63,35 +54,32 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
-    let versions = versions();
-    let commands = project.commands.clone();
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let own = Node { id: "report/book".into(), stage: Stage::Report, needs: needs.clone() };
-    let graph = Graph::new(earlier.iter().map(Node::of).chain([own]).collect());
-    let mut parameters: BTreeMap<String, String> = versions
-        .iter()
-        .map(|library| (format!("version of {}", library.name), library.version.clone()))
-        .collect();
+    let own = Node { id: "report/book".into(), needs: needs.clone() };
+    let graph = Graph { nodes: earlier.iter().map(Node::of).chain([own]).collect() };
     // By hash: whoever asks what changed does not want to read it all, old and new.
-    for (name, text) in [("commands", to_json(&commands)), ("graph", to_json(&graph))] {
-        parameters.insert(name.into(), hash(&text));
-    }
-    let about = About { versions, commands, graph };
-    Ok(Task {
+    let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
+    let about = About { commands: project.commands, graph };
+    Task {
         id: "report/book".into(),
-        stage: Stage::Report,
         parameters,
         files,
         needs,
         export: Some("report"),
-        work: Box::new(move |inputs| make(inputs, &problems, &others, &about)),
-    })
+        work: Box::new(move |inputs| match &left_out {
+            None => book(inputs, |templates| {
+                let report = gather(inputs, &problems, &others, &about)?;
+                let context = report::context(&report).map_err(|e| e.to_string())?;
+                report::pages(templates, &context).map_err(|e| e.to_string())
+            }),
+            Some(reason) => book(inputs, |templates| Ok(report::stubs(templates, reason))),
+        }),
+    }
 }
 
-/// What the book tells about the program and its run.
+/// What the book tells about the program and its run; of the program, the digest is an input anyway.
 struct About {
-    versions: Vec<Version>,
-    commands: Vec<CommandHelp>,
+    commands: fn() -> Vec<CommandHelp>,
     graph: Graph,
 }
 
@@ -100,12 +88,13 @@ const RULES: [StopRule; 3] = [StopRule::Signed, StopRule::Printed, StopRule::Sig
 
 type Made<T> = std::result::Result<T, String>;
 
-fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Artifacts> {
+/// Everything that the chapters tell.
+fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Report> {
     let comparisons = problems
         .iter()
         .map(|scene| from_json::<TableComparison>(inputs, &diff::id(scene), DIFF))
         .collect::<Made<Vec<_>>>()?;
-    let report = Report {
+    Ok(Report {
         grids: problems[0].grids.iter().map(|grid| grid.cells()).collect(),
         r: comparisons[0].rows.iter().map(|row| row.r).collect(),
         tolerance: comparisons[0].tolerance.clone(),
@@ -126,7 +115,7 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
         },
         results: Results::read(artifact(inputs, results::ID, results::FILE)?)?,
         bench: bench::results(inputs)?,
-        commands: about.commands.clone(),
+        commands: (about.commands)(),
         provenance: provenance(inputs, about),
         timings: super::timings::read(inputs)?,
         record: {
@@ -134,7 +123,14 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             from_toml::<Record>(IDENTIFIED, &String::from_utf8_lossy(text))
                 .map_err(|e| e.to_string())?
         },
-    };
+    })
+}
+
+/// The pages made of the templates, and the book made of the pages.
+fn book(
+    inputs: &Inputs,
+    pages: impl Fn(&BTreeMap<String, String>) -> Made<BTreeMap<String, String>>,
+) -> Made<Artifacts> {
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
     for (path, bytes) in inputs.files {
@@ -147,28 +143,19 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             files.insert(name.into(), bytes.clone());
         }
     }
-    let pages = report::context(&report).and_then(|context| report::pages(&templates, &context));
-    let pages = pages.map_err(|e| e.to_string())?;
+    let pages = pages(&templates)?;
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
     for (name, bytes) in pictures(inputs) {
         files.insert(format!("src/figures/{name}"), bytes.clone());
     }
-    files.insert(
-        format!("src/{}", results::FILE),
-        artifact(inputs, results::ID, results::FILE)?.into(),
-    );
-    let built = report::build(&files, &scratch()).map_err(|e| e.to_string())?;
+    if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
+        files.insert(format!("src/{}", results::FILE), csv.into());
+    }
+    let built = report::build(&files, inputs.scratch).map_err(|e| e.to_string())?;
     let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));
     Ok(pages
         .chain(built.into_iter().map(|(name, bytes)| (format!("book/{name}"), bytes)))
         .collect())
-}
-
-/// A folder for mdBook to work in; its name is in no artifact.
-fn scratch() -> std::path::PathBuf {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-    std::env::temp_dir().join(format!("signorini-book-{}-{unique}", std::process::id()))
 }
 
 fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made<Problem> {
@@ -355,7 +342,7 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
             .collect(),
         artifacts: made.map(|(name, bytes)| Artifact { name, hash: short_hash(bytes) }).collect(),
         figures: pictures(inputs).map(|(name, svg)| drawn(name.clone(), svg)).collect(),
-        versions: about.versions.clone(),
+        versions: versions(),
         graph: about.graph.clone(),
         license: env!("CARGO_PKG_LICENSE").into(),
     }

@@ -8,7 +8,7 @@ use crate::discrete::stiffness;
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::MultigridParams;
 use crate::multigrid::square::multigrid;
-use crate::pipeline::{Artifacts, Stage, Task, parameters};
+use crate::pipeline::{Artifacts, Task, parameters};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::replication::scene::{Output, Scene};
@@ -101,7 +101,6 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
 fn task(scene: &Scene, cell: Cell) -> Task {
     Task {
         id: id(scene, cell.stop, cell.r),
-        stage: Stage::Solve,
         parameters: parameters(&cell),
         files: Artifacts::new(),
         needs: Vec::new(),

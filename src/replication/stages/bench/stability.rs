@@ -11,8 +11,8 @@ use crate::replication::project::Project;
 /// The tasks of both experiments: they start from the paper's problems.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let mut tables: Vec<TablePlan> = project
-        .scenes
-        .iter()
+        .problems()
+        .into_iter()
         .filter_map(|scene| {
             Some(TablePlan {
                 number: scene.paper_table?,
