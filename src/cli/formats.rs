@@ -42,9 +42,10 @@ impl Format {
             Self::Vti => vti([grid.cells(), grid.cells(), 0], grid.h(), &pair.y, name),
             Self::Svg => {
                 let view = View::uphill(grid, &pair.y);
-                let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view };
+                let surface =
+                    Surface { title: name, grid, y: &pair.y, a: &pair.a, view, range: None };
                 let caption = Caption { title: name, description: "Made by `signorini solve`." };
-                let svg = surfaces(caption, &[surface]);
+                let svg = surfaces(caption, 2, &[surface]);
                 svg.map_err(|e| Error::input(e.to_string()))?.into_bytes()
             }
         })

@@ -11,6 +11,7 @@ pub mod problems;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;
+pub mod targets;
 pub mod trial;
 
 /// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.

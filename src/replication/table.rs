@@ -1,8 +1,8 @@
-//! Tables as polars data frames and CSV: the only module that knows polars.
+//! Tables in the paper's layout, as CSV.
 
 use crate::replication::paper::Row;
+use crate::report::results::{csv, read_csv};
 use polars::prelude::*;
-use std::io::Cursor;
 
 /// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
 /// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which.
@@ -24,7 +24,7 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
             columns.push(Column::new(format!("capped 1/{n}").into(), capped));
         }
     }
-    csv(DataFrame::new(rows.len(), columns).map_err(|e| e.to_string())?)
+    DataFrame::new(rows.len(), columns).and_then(csv).map_err(|e| e.to_string())
 }
 
 /// Reads what [`table_csv`] wrote.
@@ -32,7 +32,7 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
 /// # Errors
 /// What is wrong with the table.
 pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
-    let frame = CsvReader::new(Cursor::new(bytes)).finish().map_err(|e| e.to_string())?;
+    let frame = read_csv(bytes).map_err(|e| e.to_string())?;
     let floats = |name: &str| -> PolarsResult<Vec<f64>> {
         let column = frame.column(name)?.cast(&DataType::Float64)?;
         Ok(column.f64()?.iter().map(|v| v.unwrap_or(f64::NAN)).collect())
@@ -57,12 +57,6 @@ pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
             .collect())
     };
     read().map_err(|e| format!("table.csv: {e}"))
-}
-
-fn csv(mut frame: DataFrame) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    CsvWriter::new(&mut bytes).finish(&mut frame).map_err(|e| e.to_string())?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

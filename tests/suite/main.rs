@@ -17,6 +17,7 @@ mod hostile;
 mod identify;
 mod identify_cli;
 mod interruption;
+mod layout;
 mod loads;
 mod multigrid;
 mod readme;
