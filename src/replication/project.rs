@@ -116,8 +116,8 @@ impl Project {
     }
 }
 
-/// Folders under `report/` that a run writes.
-const GENERATED: [&str; 2] = ["src", "book"];
+/// What a run writes under `report/`.
+const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
 
 /// Whether a path under `report/` is hidden or generated.
 fn is_not_ours(path: &str) -> bool {

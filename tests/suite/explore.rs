@@ -172,16 +172,10 @@ fn the_graph_is_what_dag_prints() {
     let page = fs::read_to_string(book().join("../src/provenance.md")).unwrap();
     let graph = String::from_utf8(signorini(&["dag", "--mermaid"]).stdout).unwrap();
     assert!(graph.starts_with("graph LR\n") && page.contains(&graph));
-    let picture =
-        page.split("<svg class=\"graph\"").nth(1).unwrap().split("</svg>").next().unwrap();
-    for stage in ["solve", "tabulate", "diff", "identify", "figures", "report"] {
-        assert!(picture.contains(&format!(">{stage}</text>")), "{stage}");
-    }
-    assert!(picture.contains("problem1 × 15</text>"));
 }
 
 /// The project's book, built once from a copy of the project with a cache of its own.
-fn book() -> &'static Path {
+pub fn book() -> &'static Path {
     static BOOK: OnceLock<PathBuf> = OnceLock::new();
     BOOK.get_or_init(|| {
         let said = signorini(&["run", "--only", "report"]);

@@ -5,7 +5,7 @@ mod stability;
 
 use super::{artifact, cost, figures, to_json};
 use crate::experiments::{self, accuracy};
-use crate::figures::Caption;
+use crate::figures::{Caption, Chart, charts};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use serde::Serialize;
@@ -97,7 +97,13 @@ pub const PICTURES: &[Picture] = &[
     },
 ];
 
-type Drawn = Result<String, String>;
+/// A picture, or why there is none.
+pub(super) type Drawn = Result<String, String>;
+
+/// Charts in rows of `columns`, each with a range of its own.
+pub(super) fn drawn(caption: Caption, columns: usize, panels: &[Chart]) -> Drawn {
+    charts(caption, columns, false, panels).map_err(|e| e.to_string())
+}
 
 /// The tasks that draw [`PICTURES`].
 pub fn pictures() -> impl Iterator<Item = Task> {

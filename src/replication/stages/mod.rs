@@ -6,6 +6,7 @@ pub mod diff;
 pub mod figures;
 pub mod identify;
 pub mod report;
+pub mod results;
 pub mod solve;
 pub mod tabulate;
 pub mod timings;
@@ -95,6 +96,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
+        tasks.extend(results::task(project));
         if report::left_out(project).is_none() {
             tasks.extend(bench::tasks(project));
             tasks.extend(bench::pictures());

@@ -2,21 +2,22 @@
 
 use super::diff::{self, DIFF};
 use super::identify::{self, FINDINGS};
-use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
-use super::{artifact, bench, figures, from_json, to_json};
+use super::solve::{self, HISTORY, OUTCOMES, Outcomes, PAIR, read_pair};
+use super::{artifact, bench, figures, from_json, results, to_json};
 use crate::discrete::load::{LoadRule, integral};
 use crate::identify::record::Record;
 use crate::pipeline::error::from_toml;
 use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
 use crate::problem::source::{Region, Source};
-use crate::replication::paper::TableComparison;
+use crate::replication::paper::{RowComparison, TableComparison};
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
+use crate::report::results::Results;
 use crate::report::{
-    self, Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Piece, Problem,
-    Provenance, Report, Row, Solution, Version,
+    self, Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Miss, Piece, Problem,
+    Provenance, Report, Row, Shape, Version,
 };
-use crate::saddle::StopRule;
+use crate::saddle::{Iteration, Pair, StopRule};
 use crate::timing::recorded;
 use std::collections::BTreeMap;
 
@@ -68,7 +69,8 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
         work: Box::new(move |inputs| match &left_out {
             None => book(inputs, |templates| {
                 let report = gather(inputs, &problems, &others, &about)?;
-                report::pages(templates, &report).map_err(|e| e.to_string())
+                let context = report::context(&report).map_err(|e| e.to_string())?;
+                report::pages(templates, &context).map_err(|e| e.to_string())
             }),
             Some(reason) => book(inputs, |templates| Ok(report::stubs(templates, reason))),
         }),
@@ -105,11 +107,13 @@ fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) 
         figures: Figures {
             figure1: figure(inputs, Output::Source)?,
             figure2: figure(inputs, Output::Surface)?,
+            stops: picture(inputs, figures::STOPS)?,
             contact: figure(inputs, Output::Contact)?,
             histories: figure(inputs, Output::History)?,
             identifiability: figure(inputs, Output::Identify)?,
             bench: bench_figures(inputs),
         },
+        results: Results::read(artifact(inputs, results::ID, results::FILE)?)?,
         bench: bench::results(inputs)?,
         commands: (about.commands)(),
         provenance: provenance(inputs, about),
@@ -144,6 +148,9 @@ fn book(
     for (name, bytes) in pictures(inputs) {
         files.insert(format!("src/figures/{name}"), bytes.clone());
     }
+    if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
+        files.insert(format!("src/{}", results::FILE), csv.into());
+    }
     let built = report::build(&files, inputs.scratch).map_err(|e| e.to_string())?;
     let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));
     Ok(pages
@@ -153,7 +160,7 @@ fn book(
 
 fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made<Problem> {
     let columns = |rule: StopRule| -> Made<Vec<Column>> {
-        let column = |row: &crate::replication::paper::RowComparison| {
+        let column = |row: &RowComparison| {
             let outcomes: Outcomes = from_json(inputs, &solve::id(scene, rule, row.r), OUTCOMES)?;
             Ok(Column { r: row.r, outcomes: outcomes.levels })
         };
@@ -164,6 +171,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
     let pair = read_pair(scene.finest(), artifact(inputs, &drawn, PAIR)?)?;
     let [load, tie, diagonal] = load_names(scene.load);
     Ok(Problem {
+        name: scene.name.clone(),
         number: usize::from(comparison.table),
         title: scene.title.clone(),
         f: scene.f.to_string(),
@@ -177,26 +185,46 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
         printed: printed?,
         signed_dual: signed_dual?,
         table: rows(comparison),
-        solution: Solution {
-            cells: scene.finest().cells(),
-            r: scene.draw_r,
-            least: pair.y.iter().copied().fold(f64::INFINITY, f64::min),
-            greatest: pair.y.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            contact_nodes: pair.a.iter().filter(|a| **a > 0.0).count(),
-            boundary_nodes: pair.a.len(),
-        },
+        misses: misses(inputs, scene, comparison)?,
+        cells: scene.finest().cells(),
+        drawn_r: scene.draw_r,
+        boundary_nodes: pair.a.len(),
+        stop: shape(&pair, scene.finest().h()),
+        solution: shape(&solve::solution(scene)?, scene.finest().h()),
         findings: from_json(inputs, &identify::id(scene), FINDINGS)?,
     })
 }
 
+fn shape(pair: &Pair, h: f64) -> Shape {
+    Shape {
+        least: pair.y.iter().copied().fold(f64::INFINITY, f64::min),
+        greatest: pair.y.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        contact: pair.a.iter().filter(|a| **a > 0.0).count(),
+        inflow: h * pair.a.iter().sum::<f64>(),
+    }
+}
+
+/// The values of Delta a that miss the published digits, each with the two before it.
+fn misses(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made<Vec<Miss>> {
+    let missed = comparison.rows.iter().filter(|row| !row.delta_a_exact());
+    let miss = |row: &RowComparison| {
+        let id = solve::id(scene, scene.stop[0], row.r);
+        let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
+        let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
+        let last = finest.iter().map(|iteration| (iteration.number, iteration.delta_a)).collect();
+        Ok(Miss { r: row.r, paper: row.delta_a_paper, last })
+    };
+    missed.map(miss).collect()
+}
+
 fn rows(comparison: &TableComparison) -> Vec<Row> {
-    let of_row = |row: &crate::replication::paper::RowComparison| Row {
+    let of_row = |row: &RowComparison| Row {
         r: row.r,
         counts: (0..row.ours.len())
             .map(|k| Compared {
                 ours: row.ours[k],
                 paper: row.paper[k],
-                exact: row.ours[k] == row.paper[k],
+                exact: row.count_exact(k),
                 within: row.within[k],
             })
             .collect(),
@@ -283,7 +311,16 @@ fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
 fn picture(inputs: &Inputs, name: &str) -> Made<Figure> {
     let file = format!("{name}.svg");
     let svg = artifact(inputs, &figures::id(name), &file)?;
-    Ok(Figure { hash: hash(svg), file, note: String::new(), command: figures::COMMAND.into() })
+    Ok(drawn(file, svg))
+}
+
+fn drawn(file: String, svg: &[u8]) -> Figure {
+    Figure { hash: short_hash(svg), file, command: figures::COMMAND.into() }
+}
+
+/// As much of a hash as a reader compares.
+fn short_hash(bytes: &[u8]) -> String {
+    hash(bytes)[..12].to_owned()
 }
 
 /// The pictures of experiments and of recorded times, if there are any, by name.
@@ -301,9 +338,10 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
         inputs: inputs
             .files
             .iter()
-            .map(|(name, bytes)| Artifact { name: name.clone(), hash: hash(bytes) })
+            .map(|(name, bytes)| Artifact { name: name.clone(), hash: short_hash(bytes) })
             .collect(),
-        artifacts: made.map(|(name, bytes)| Artifact { name, hash: hash(bytes) }).collect(),
+        artifacts: made.map(|(name, bytes)| Artifact { name, hash: short_hash(bytes) }).collect(),
+        figures: pictures(inputs).map(|(name, svg)| drawn(name.clone(), svg)).collect(),
         versions: versions(),
         graph: about.graph.clone(),
         license: env!("CARGO_PKG_LICENSE").into(),
