@@ -5,7 +5,7 @@ use super::output::{say, say_json, styled};
 use super::pipeline::Workplace;
 use super::run::exports;
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Judged, Reason, Summary, Verdict};
+use crate::pipeline::{Judged, Reason, Summary, Verdict, stage};
 use crate::replication::stages::Stage;
 use anstyle::AnsiColor;
 use clap::Args;
@@ -122,12 +122,13 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
     let summary = workplace.judge(&tasks, true)?;
-    let (prefix, part_of_id) = (format!("{}/", args.stage), args.stage.contains('/'));
-    let asked: Vec<_> = summary
-        .verdicts
-        .iter()
-        .filter(|j| j.task.starts_with(&prefix) || part_of_id && j.task.starts_with(&args.stage))
-        .collect();
+    // A stage, a task, or the beginning of the ids of several.
+    let is_asked = |id: &str| match tasks.task(&args.stage) {
+        Some(task) => task.id == id,
+        None if args.stage.contains('/') => id.starts_with(&args.stage),
+        None => stage(id) == args.stage,
+    };
+    let asked: Vec<_> = summary.verdicts.iter().filter(|j| is_asked(&j.task)).collect();
     if asked.is_empty() {
         let names = Stage::ALL.map(Stage::name).join(", ");
         return Err(Error::input(format!(

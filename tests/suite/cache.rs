@@ -155,6 +155,10 @@ fn explain_prints_old_and_new() {
             "  parameter grids: [4,8] -> [8,16]"
         ]
     );
+    let both = project.run(&["explain", "solve/a/signed/r=1", "--json"]).json();
+    assert_eq!(both["tasks"].as_object().unwrap().len(), 1, "a task, not all that begin like it");
+    let both = project.run(&["explain", "solve/a/signed/r", "--json"]).json();
+    assert_eq!(both["tasks"].as_object().unwrap().len(), 2);
     // The table waits, and has changes of its own.
     assert_eq!(
         project.run(&["explain", "tabulate"]).lines(),

@@ -25,11 +25,17 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     let asking = figures::sharing(project, scenes, Output::Identify);
     let own = |scene: &&&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
     let asking = asking.into_iter().chain(scenes.iter().filter(own).copied());
-    asking.map(|scene| task(project, scene)).collect()
+    let record = project.record_text.as_deref().map(String::from_utf8_lossy);
+    let mut asking = asking.peekable();
+    let record: Option<Record> = match record.filter(|_| asking.peek().is_some()) {
+        Some(text) => Some(from_toml(IDENTIFIED, &text)?),
+        None => None,
+    };
+    asking.map(|scene| task(project, scene, record.as_ref())).collect()
 }
 
-fn task(project: &Project, scene: &Scene) -> Result<Task> {
-    let (Some(table), Some(text)) = (scene.paper_table, &project.record_text) else {
+fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Task> {
+    let (Some(table), Some(record)) = (scene.paper_table, record) else {
         return Err(Error::input(format!(
             "scene `{}` asks for `identify`, which needs {}; restore it, or drop the output",
             scene.name, IDENTIFIED
@@ -37,14 +43,12 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
     };
     let variant =
         Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
-    let text = String::from_utf8_lossy(text);
-    let record: Record = from_toml(IDENTIFIED, &text)?;
     let question = Question {
         f: scene.f.to_string(),
         variant,
         target: project.paper.target(table)?,
         alternatives: record.alternatives(table).to_vec(),
-        questions: record.questions,
+        questions: record.questions.clone(),
     };
     let f = scene.f.clone();
     Ok(Task {
