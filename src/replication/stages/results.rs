@@ -39,8 +39,7 @@ pub fn task(project: &Project) -> Option<Task> {
                 let table = paper.table.iter().find(|table| table.number == number)?;
                 Some(Published { r: &paper.r, counts: &table.counts, delta_a: &table.delta_a })
             };
-            let mut levels = Vec::new();
-            for part in &parts {
+            let levels = parts.iter().map(|part| {
                 let outcomes = |id: &String| {
                     let column: Outcomes = from_json(inputs, id, solve::OUTCOMES)?;
                     Ok((column.r, column.levels))
@@ -48,8 +47,9 @@ pub fn task(project: &Project) -> Option<Task> {
                 let columns = ids(part).iter().map(outcomes).collect::<Result<_, String>>()?;
                 let (scene, rule) = part;
                 let published = scene.paper_table.and_then(published);
-                levels.push(Levels { problem: &scene.name, published, rule: *rule, columns });
-            }
+                Ok(Levels { problem: &scene.name, published, rule: *rule, columns })
+            });
+            let levels = levels.collect::<Result<Vec<_>, String>>()?;
             Ok(Artifacts::from([(FILE.into(), Results::of(&levels)?.to_csv()?)]))
         }),
     })
