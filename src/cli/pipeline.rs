@@ -1,7 +1,8 @@
 //! The project as the commands work on it, and `dag`, `report`, `gc`.
 
 use super::interrupt::interrupted;
-use super::{CacheArgs, current_folder, say};
+use super::output::say;
+use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
@@ -167,6 +168,12 @@ impl Workplace {
         options: Options,
         progress: &Progress,
     ) -> Result<(Summary, Exports)> {
+        // Zero would ask the environment, without a bound.
+        let jobs = match options.jobs {
+            0 => rayon::current_num_threads(),
+            jobs => threads("-j", jobs),
+        };
+        let options = Options { jobs, ..options };
         let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
         let root = &self.project.root;
         let made = &summary.manifests;
@@ -246,10 +253,12 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
 
 fn open(page: &Path) -> Result<()> {
     let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    if Command::new(opener).arg(page).status().is_ok_and(|status| status.success()) {
-        return Ok(());
-    }
-    Err(Error::input(format!("`{opener}` did not open {}; open it by hand", page.display())))
+    let why = match Command::new(opener).arg(page).status() {
+        Ok(status) if status.success() => return Ok(()),
+        Ok(status) => format!("`{opener}` failed ({status})"),
+        Err(e) => format!("`{opener}` cannot be started ({e})"),
+    };
+    Err(Error::input(format!("{why}; open {} by hand", page.display())))
 }
 
 pub(super) fn gc(args: &GcArgs) -> Result<u8> {

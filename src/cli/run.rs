@@ -1,7 +1,8 @@
 //! `run`: brings everything up to date, and says what that took.
 
+use super::CacheArgs;
+use super::output::{OutputFile, say, talk};
 use super::pipeline::{Workplace, edited, outside_report};
-use super::{CacheArgs, check_folder, say, talk, write_file};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Progress, Summary, Times, Verdict, brief, why};
 use crate::replication::stages::{Stage, report};
@@ -51,9 +52,13 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.tasks().is_empty() {
-        return Err(Error::input(
-            "these scenes alone ask for nothing here; what they share with others needs all of them, so drop the names, or --only, or see `outputs`",
-        ));
+        let remedy = match args.scenes.is_empty() {
+            true => "see `outputs` in the scenes, or drop --only",
+            false => {
+                "figures show all published problems together, and the book all scenes: name none, or see `outputs`"
+            }
+        };
+        return Err(Error::input(format!("there is nothing of this kind to make; {remedy}")));
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
@@ -65,9 +70,9 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         }
         return say(&verdicts(&summary));
     }
-    if let Some(trace) = &args.trace {
-        check_folder(trace)?;
-        outside_report(&workplace.project.root, trace, "the trace")?;
+    let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
+    if let Some(file) = &trace_file {
+        outside_report(&workplace.project.root, file.path(), "the trace")?;
     }
     let mut progress = Progress::new(args.verbose, args.quiet);
     if args.trace.is_some() {
@@ -80,8 +85,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         workplace.run(&tasks, whole, options, &progress).map(|summary| (summary, Vec::new()))
     };
     // A run that failed is worth looking at too.
-    if let (Some(path), Some(trace)) = (&args.trace, progress.trace()) {
-        write_file(path, trace.to_json().as_bytes())?;
+    if let (Some(file), Some(trace)) = (&trace_file, progress.trace()) {
+        file.write(trace.to_json().as_bytes())?;
     }
     let (summary, differences) = ran?;
     if !args.quiet && !summary.ran.is_empty() {

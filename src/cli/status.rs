@@ -1,8 +1,9 @@
 //! `status` and `explain`: what is stale, and why.
 
+use super::CacheArgs;
+use super::output::{say, say_json, styled};
 use super::pipeline::Workplace;
 use super::run::exports;
-use super::{CacheArgs, say, say_json, styled};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Judged, Reason, Summary, Verdict};
 use crate::replication::stages::Stage;

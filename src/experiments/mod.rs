@@ -6,10 +6,8 @@
 pub mod accuracy;
 pub mod claims;
 pub mod cube;
-pub mod lanes;
 pub mod law;
 pub mod problems;
-pub mod reference;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;

@@ -4,7 +4,8 @@ use crate::replication::paper::Row;
 use crate::report::results::{csv, read_csv};
 use polars::prelude::*;
 
-/// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`.
+/// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
+/// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which.
 ///
 /// # Errors
 /// polars' words, should it fail to write.
@@ -17,6 +18,12 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
     }
     let delta_a: Vec<f64> = rows.iter().map(|row| row.delta_a).collect();
     columns.push(Column::new("delta_a".into(), delta_a));
+    for (level, n) in cells.iter().enumerate() {
+        let capped: Vec<bool> = rows.iter().map(|row| row.capped[level]).collect();
+        if capped.contains(&true) {
+            columns.push(Column::new(format!("capped 1/{n}").into(), capped));
+        }
+    }
     DataFrame::new(rows.len(), columns).and_then(csv).map_err(|e| e.to_string())
 }
 
@@ -32,12 +39,19 @@ pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
     };
     let read = || -> PolarsResult<Vec<Row>> {
         let (r, delta_a) = (floats("r")?, floats("delta_a")?);
-        let grids = frame.get_column_names().into_iter().filter(|name| name.starts_with("1/"));
-        let counts = grids.map(|name| floats(name)).collect::<PolarsResult<Vec<_>>>()?;
+        let names = frame.get_column_names().into_iter().filter(|name| name.starts_with("1/"));
+        let grids: Vec<&str> = names.map(|name| name.as_str()).collect();
+        let counts = grids.iter().map(|name| floats(name)).collect::<PolarsResult<Vec<_>>>()?;
+        let capped = |name: &&str| match frame.column(&format!("capped {name}")) {
+            Ok(column) => Ok(column.bool()?.iter().map(|v| v == Some(true)).collect()),
+            Err(_) => Ok(vec![false; frame.height()]),
+        };
+        let capped = grids.iter().map(capped).collect::<PolarsResult<Vec<_>>>()?;
         Ok((0..frame.height())
             .map(|k| Row {
                 r: r[k],
                 counts: counts.iter().map(|column| column[k] as usize).collect(),
+                capped: capped.iter().map(|column| column[k]).collect(),
                 delta_a: delta_a[k],
             })
             .collect())
@@ -52,8 +66,8 @@ mod tests {
     #[test]
     fn a_table_survives_its_csv_to_the_bit() {
         let rows = vec![
-            Row { r: 1e6, counts: vec![1, 149], delta_a: 1.0 / 3.0 * 1e-4 },
-            Row { r: 0.5, counts: vec![3, 55], delta_a: 3.53e-4 },
+            Row { r: 1e6, counts: vec![1, 149], capped: vec![false; 2], delta_a: 1.0 / 3.0 * 1e-4 },
+            Row { r: 0.5, counts: vec![3, 55], capped: vec![false; 2], delta_a: 3.53e-4 },
         ];
         let bytes = table_csv(&rows, &[4, 8]).unwrap();
         expect_test::expect![[r#"
@@ -63,5 +77,9 @@ mod tests {
         "#]]
         .assert_eq(std::str::from_utf8(&bytes).unwrap());
         assert_eq!(read_table(&bytes).unwrap(), rows);
+        let mut cut = rows;
+        cut[1].capped[1] = true;
+        let bytes = table_csv(&cut, &[4, 8]).unwrap();
+        assert_eq!(read_table(&bytes).unwrap(), cut);
     }
 }

@@ -1,7 +1,8 @@
 //! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
 
+use crate::cli::output::talk;
 use crate::identify::Progress;
-use crate::pipeline::{bar, talk};
+use crate::pipeline::bar;
 use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 

@@ -224,7 +224,7 @@ fn rows(comparison: &TableComparison) -> Vec<Row> {
             .map(|k| Compared {
                 ours: row.ours[k],
                 paper: row.paper[k],
-                exact: row.ours[k] == row.paper[k],
+                exact: row.count_exact(k),
                 within: row.within[k],
             })
             .collect(),

@@ -6,7 +6,7 @@ use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::paper::Row;
 use crate::replication::scene::Scene;
 use crate::replication::table::table_csv;
-use crate::saddle::StopRule;
+use crate::saddle::{StopReason, StopRule};
 
 /// Artifact in the paper's layout; [`crate::replication::table::read_table`] reads it.
 pub const TABLE: &str = "table.csv";
@@ -40,6 +40,7 @@ fn tabulate(inputs: &Inputs, needs: &[String], cells: &[usize]) -> Result<Artifa
         .map(|column| Row {
             r: column.r,
             counts: column.levels.iter().map(|o| o.iterations).collect(),
+            capped: column.levels.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
             delta_a: column.levels.last().map_or(f64::NAN, |o| o.delta_a),
         })
         .collect();

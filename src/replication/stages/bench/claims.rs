@@ -44,8 +44,8 @@ pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Drawn {
         for problem in &claims.problems {
             let of = |variant| against(problem, target, cells, variant);
             let mut curves = vec![Curve::marked("Arrow-Hurwicz", of(None))];
-            for (k, name) in VARIANTS.iter().enumerate() {
-                curves.push(Curve::marked(*name, of(Some(k))));
+            for (k, variant) in VARIANTS.iter().enumerate() {
+                curves.push(Curve::marked(variant.name, of(Some(k))));
             }
             panels.push(Chart {
                 title: format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number),
