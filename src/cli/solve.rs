@@ -1,5 +1,7 @@
 //! `solve`: one problem, once, without scene files, cache or book.
 
+mod accuracy;
+mod bound;
 mod cube;
 mod problem;
 
@@ -50,12 +52,18 @@ pub(super) struct SolveArgs {
     /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
     #[arg(long, value_name = "RESIDUAL")]
     tolerance: Option<f64>,
+    /// Guaranteed relative error in the energy norm; chooses the grid by itself
+    #[arg(long, value_name = "REL", conflicts_with_all = ["cube", "h", "solver", "tolerance"])]
+    accuracy: Option<f64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
     /// Write the solution: .vti for ParaView, .npy for NumPy, .svg for a picture; or vtk, npy, svg alone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the recovered solution, piecewise quadratic, on half the width
+    #[arg(long, requires = "out", conflicts_with = "cube")]
+    recover: bool,
 }
 
 impl SolveArgs {
@@ -134,7 +142,10 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some(f) = &args.cube {
         return cube::solve(args, f);
     }
-    let solver = args.solver.unwrap_or(Solver::ArrowHurwicz);
+    let solver = match args.accuracy {
+        Some(_) => Solver::Multigrid,
+        None => args.solver.unwrap_or(Solver::ArrowHurwicz),
+    };
     let scene = match &args.scene {
         Some(name) => Some(scene(name)?),
         None => None,
@@ -173,15 +184,22 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             };
             problem.saddle(solver, &params)?
         }
-        Solver::Multigrid => problem.multigrid(tolerance)?,
+        Solver::Multigrid => match args.accuracy {
+            Some(wanted) => accuracy::solve(problem, wanted)?,
+            None => problem.multigrid(|load| goal(tolerance, load))?,
+        },
         Solver::ActiveSet => problem.active_set()?,
     };
     let grid = solved.grid;
     if let Some(out) = &out {
-        let bytes = formats::write(out, grid, &solved.pair, name)?;
+        let bytes = match args.recover {
+            true => bound::write_recovery(out, &f, &solved, name)?,
+            false => formats::write(out, grid, &solved.pair, name)?,
+        };
         std::fs::write(out, bytes).context("write", out)?;
     }
     let last = solved.levels.last().expect("at least one grid");
+    let bound = bound::of(&f, &solved);
     if args.json {
         let mut json = serde_json::json!({
             "schema": 1,
@@ -213,9 +231,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
                 "l2": errors.l2, "h1": errors.h1, "max": errors.max, "multiplier_l2": errors.multiplier_l2,
             });
         }
+        bound::add_to(&mut json, &bound);
         return say_json(&json);
     }
-    say(&text(&problem, integral, &solved, out.as_deref()))
+    let guaranteed = bound::text(&bound, last.energy);
+    say(&(text(&problem, integral, &solved, out.as_deref()) + &guaranteed))
 }
 
 fn text(problem: &Problem, integral: f64, solved: &Solved, out: Option<&Path>) -> String {

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod book;
+mod bounds;
 mod cache;
 mod claims;
 mod cli;

@@ -1,7 +1,9 @@
 //! `solve --cube`: the same problem in three dimensions.
 
+use super::bound;
 use super::problem::Level;
 use super::{SolveArgs, Solver, cells, cost, goal, table};
+use crate::bounds::Bounds;
 use crate::cli::formats;
 use crate::cli::{say, say_json};
 use crate::discrete::cube::{Grid, energy, errors, kkt};
@@ -107,6 +109,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
         if let Some(e) = errors {
             json["errors"] = serde_json::json!({ "l2": e.l2, "h1": e.h1, "max": e.max });
         }
+        bound::add_to(&mut json, &Err::<Bounds, _>("bounds are made for the square only"));
         return say_json(&json);
     }
     let mut text = format!("cube: f = {f}, integral {:.4}\n", level.sum_load);

@@ -1,6 +1,6 @@
 //! Solving one problem by any solver, each brought to the same shape of answer.
 
-use super::{Solver, goal};
+use super::Solver;
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::{Kkt, kkt};
 use crate::discrete::load::{LoadRule, load};
@@ -8,7 +8,7 @@ use crate::discrete::norms::{Errors, errors};
 use crate::discrete::stiffness::{energy, residual};
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
-use crate::multigrid::square::{MultigridParams, multigrid};
+use crate::multigrid::square::{Goal, MultigridParams, multigrid};
 use crate::multigrid::{self, InputError};
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Source;
@@ -19,6 +19,7 @@ use crate::saddle::{
 use std::time::Instant;
 
 /// What is to be solved.
+#[derive(Clone, Copy)]
 pub(super) struct Problem<'a> {
     pub name: &'a str,
     pub f: &'a Source,
@@ -94,9 +95,10 @@ impl Problem<'_> {
         Ok(Solved { grid, pair, levels, work_units: None, errors, setup, seconds })
     }
 
-    pub fn multigrid(&self, tolerance: Option<f64>) -> Result<Solved> {
+    /// `goal` says what is to be reached for a load vector.
+    pub fn multigrid(&self, goal: impl Fn(&[f64]) -> Goal) -> Result<Solved> {
         self.fast(|grid, load| {
-            let params = MultigridParams { goal: goal(tolerance, load), ..Default::default() };
+            let params = MultigridParams { goal: goal(load), ..Default::default() };
             let (y, outcome) = multigrid(grid.cells(), load, None, &params, |_| ())?;
             Ok((y, outcome.cycles, outcome.stop, Some(outcome.work_units)))
         })
