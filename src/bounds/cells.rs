@@ -55,8 +55,7 @@ impl Strip<'_> {
         for start in cells.clone().step_by(LANES) {
             self.add_block(start..cells.end.min(start + LANES), mass, &mut parts);
         }
-        let [distance, recovered, linear, values, bubbles, residual] =
-            parts.each_mut().map(|lanes| fold(lanes));
+        let [distance, recovered, linear, values, bubbles, residual] = parts.each_mut().map(fold);
         let Range { start, end } = cells;
         // Values of the corners summed over the cells: those of each inner column twice.
         let column = |i: usize| lower.v[i] + upper.v[i];

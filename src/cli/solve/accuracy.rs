@@ -2,7 +2,7 @@
 
 use super::bound;
 use super::problem::{Problem, Solved};
-use crate::multigrid::square::Goal;
+use crate::multigrid::Goal;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::MAX_CELLS;
 

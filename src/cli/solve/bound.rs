@@ -73,7 +73,7 @@ pub(super) fn text(bound: &std::result::Result<Bounds, NoBound>, energy: f64) ->
     if !(low - explained <= energy && energy <= high + explained) {
         text += "warning: the energy is further from the true one than the error explains: the load vector is not that of f; try --load exact\n";
     }
-    if !(bound.relative() < POOR) {
+    if bound.relative() >= POOR {
         text += "warning: the error may be as large as the solution; refine the grid, or try --solver multigrid\n";
     }
     text

@@ -8,8 +8,8 @@ use crate::discrete::norms::{Errors, errors};
 use crate::discrete::stiffness::{energy, residual};
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
-use crate::multigrid::square::{Goal, MultigridParams, multigrid};
-use crate::multigrid::{self, InputError};
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{self, Goal, InputError, MultigridParams};
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Source;
 use crate::saddle::{
