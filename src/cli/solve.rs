@@ -161,7 +161,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         (None, Some(scene)) => scene.finest().cells(),
         (None, None) => 64,
     };
-    let rule = args.load.map(LoadRule::from).or(scene.as_ref().map(|s| s.load)).unwrap_or_default();
+    // An accuracy is asked of the solution for f, whatever load vector a scene takes.
+    let exact = args.accuracy.map(|_| LoadRule::from(LoadName::Exact));
+    let rule = (args.load.map(LoadRule::from).or(exact))
+        .or(scene.as_ref().map(|s| s.load))
+        .unwrap_or_default();
     let stop =
         StopRule::ALL.into_iter().find(|rule| rule.name() == args.stop).ok_or_else(|| {
             let names = StopRule::ALL.map(StopRule::name).join(", ");
