@@ -1,6 +1,6 @@
 //! The right-hand side as the bounds see it: its moments over the cells, and where it jumps.
 
-use super::pieces;
+use crate::discrete::cells::{Cells, Cut};
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
 use std::borrow::Cow;
@@ -51,8 +51,31 @@ impl Moments {
         (self.square - bilinear).max(0.0)
     }
 
+    /// Those over a cell that jumps of f cut.
+    fn of_cut(grid: Grid, cell: &mut Cut) -> Self {
+        let triangles = cell.triangles(true).map(|moments| (moments.f, moments.square));
+        let sum = |k: usize| triangles[0].0[k] + triangles[1].0[k];
+        // Below the rising diagonal the ridge is (Y + 1/2) (1/2 - X), above it the other way round.
+        let ridge = |[one, x, y, xy, ..]: [f64; 8]| 0.25 * one + 0.5 * (y - x) - xy;
+        let [below, above] = triangles.map(|(f, _)| f);
+        let flipped = [above[0], above[2], above[1], above[3], 0.0, 0.0, 0.0, 0.0];
+        let h2 = grid.h() * grid.h();
+        Self {
+            one: h2 * sum(0),
+            x: h2 * sum(1),
+            y: h2 * sum(2),
+            xy: h2 * sum(3),
+            xx: h2 * sum(4),
+            yy: h2 * sum(5),
+            xxy: h2 * sum(6),
+            xyy: h2 * sum(7),
+            ridge: h2 * (ridge(below) + ridge(flipped)),
+            square: h2 * h2 * (triangles[0].1 + triangles[1].1),
+        }
+    }
+
     /// Adds `mass` concentrated at (X, Y), where f times `h^2` is `value`.
-    pub fn add(&mut self, [x, y]: [f64; 2], mass: f64, value: f64) {
+    fn add(&mut self, [x, y]: [f64; 2], mass: f64, value: f64) {
         let (right, up) = (x + 0.5, y + 0.5);
         self.one += mass;
         self.x += mass * x;
@@ -162,11 +185,11 @@ impl<'a> AllCells<'a> {
         let n = grid.cells();
         let mut all = Self { grid, f, rows: Vec::new(), integral: 0.0 };
         if let Source::Pieces { background, pieces } = f {
+            let mut cells = Cells::new(grid, *background, pieces);
             let mut values = vec![0.0; n];
             for j in 0..n {
                 let mut cut = Vec::new();
-                let f = (*background, &pieces[..]);
-                pieces::row(grid, f, j, &mut values, |i, moments| cut.push((i, moments)));
+                cells.row(j, &mut values, |i, cell| cut.push((i, Moments::of_cut(grid, cell))));
                 all.rows.push(CellRow::new(grid, &values, cut));
             }
         }
@@ -206,7 +229,7 @@ impl<'a> AllCells<'a> {
 }
 
 /// Radon's seven points on a triangle, exact for degree 5 (Stroud, T2:5-1), with weights.
-pub(super) fn quadrature(triangle: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
+fn quadrature(triangle: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
     let [p, q, r] = triangle;
     let area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]));
     let root = 15f64.sqrt();

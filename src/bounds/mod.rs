@@ -46,7 +46,6 @@ mod cells;
 mod contact;
 mod data;
 mod flux;
-mod pieces;
 mod recovery;
 mod residual;
 mod walk;
