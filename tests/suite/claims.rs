@@ -32,6 +32,7 @@ fn the_signed_table_is_the_published_one() {
             .map(|line| signorini::replication::paper::Row {
                 r: line.r,
                 counts: line.counts.iter().map(|count| count.reached().unwrap()).collect(),
+                capped: vec![false; line.counts.len()],
                 delta_a: line.delta_a,
             })
             .collect();

@@ -1,8 +1,7 @@
 //! `solve --accuracy`: the grid is chosen, from coarse to fine, with the guaranteed bound as judge.
 
-use super::bound;
-use super::problem::{Problem, Solved};
-use crate::multigrid::Goal;
+use super::answer::Answer;
+use super::problem::Problem;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::MAX_CELLS;
 
@@ -15,7 +14,7 @@ const STRIDE: usize = 8;
 
 /// Solves on one grid after the other until the bound of the error in the energy norm, relative to that of
 /// the solution, is at most `wanted`. Coarser grids cost less than the last one together.
-pub(super) fn solve(problem: Problem, wanted: f64) -> Result<Solved> {
+pub(super) fn solve(problem: &mut Problem, wanted: f64) -> Result<Answer> {
     if !(wanted > 0.0 && wanted < 1.0) {
         return Err(Error::input(format!(
             "--accuracy {wanted}: must be between 0 and 1, e.g. 1e-3 for an error of 0.1 % in the energy norm"
@@ -23,14 +22,21 @@ pub(super) fn solve(problem: Problem, wanted: f64) -> Result<Solved> {
     }
     let (mut finest, mut levels) = (FIRST, Vec::new());
     loop {
-        let mut solved = Problem { finest, ..problem }.multigrid(|_| Goal::DiscretisationError)?;
-        let bound = bound::of(problem.f, &solved).map_err(|reason| {
-            Error::input(format!("--accuracy: no bound of the error: {reason}"))
-        })?;
-        levels.append(&mut solved.levels);
-        let reached = bound.relative();
-        if reached <= wanted {
-            return Ok(Solved { levels, ..solved });
+        problem.grids = vec![finest];
+        problem.domain.check_solver(problem.solver, finest)?;
+        let mut answer = problem.solve()?;
+        levels.append(&mut answer.levels);
+        let reached = match &answer.bounds {
+            Ok(bounds) => bounds.relative(),
+            Err(reason) => {
+                return Err(Error::input(format!(
+                    "--accuracy: no bound of the error: {reason}; scale f"
+                )));
+            }
+        };
+        if reached <= wanted || answer.failure.is_some() {
+            answer.levels = levels;
+            return Ok(answer);
         }
         // The error falls like the width.
         let needed = finest as f64 * reached / wanted;

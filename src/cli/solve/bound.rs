@@ -1,37 +1,10 @@
 //! What an answer is worth: guaranteed bounds of its error and of the true energy, and the contact found.
 
-use super::problem::Solved;
-use crate::bounds::{Bounds, NoBound, bounds, recovery};
-use crate::cli::formats;
-use crate::discrete::grid::Grid;
-use crate::discrete::transfer::prolong_boundary;
-use crate::pipeline::error::{Error, Result};
-use crate::problem::source::Source;
-use crate::saddle::Pair;
+use crate::bounds::Bounds;
 use serde_json::{Value, json};
-use std::path::Path;
-
-/// Bounds for a solution on the square, or why there are none.
-pub(super) fn of(f: &Source, solved: &Solved) -> std::result::Result<Bounds, NoBound> {
-    bounds(solved.grid, f, &solved.pair.y)
-}
-
-/// The bytes of a file of the recovered solution, on the grid of half the width.
-pub(super) fn write_recovery(
-    out: &Path,
-    f: &Source,
-    solved: &Solved,
-    name: &str,
-) -> Result<Vec<u8>> {
-    let (y, _) = recovery(solved.grid, f, &solved.pair.y)
-        .map_err(|reason| Error::input(format!("--recover: {reason}")))?;
-    let grid = Grid::new(2 * solved.grid.cells()).map_err(|e| Error::input(e.to_string()))?;
-    let pair = Pair { y, a: prolong_boundary(&solved.pair.a) };
-    formats::write(out, grid, &pair, name)
-}
 
 /// Adds the bounds to an answer; those of a field that has none are null, with the reason.
-pub(super) fn add_to(answer: &mut Value, bound: &std::result::Result<Bounds, impl ToString>) {
+pub(super) fn add_to(answer: &mut Value, bound: &Result<Bounds, String>) {
     (answer["bound"], answer["contact"]) = match bound {
         Ok(bound) => {
             let Bounds { energy, error, recovered, .. } = bound;
@@ -41,14 +14,14 @@ pub(super) fn add_to(answer: &mut Value, bound: &std::result::Result<Bounds, imp
             )
         }
         Err(reason) => {
-            answer["bound_reason"] = reason.to_string().into();
+            answer["bound_reason"] = reason.as_str().into();
             (Value::Null, Value::Null)
         }
     };
 }
 
 /// The same as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong.
-pub(super) fn text(bound: &std::result::Result<Bounds, NoBound>, energy: f64) -> String {
+pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
     let bound = match bound {
         Ok(bound) => bound,
         Err(reason) => return format!("no bound of the error: {reason}\n"),

@@ -5,8 +5,8 @@ mod stability;
 
 use super::{artifact, cost, figures, to_json};
 use crate::experiments::{self, accuracy};
-use crate::figures::Caption;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::figures::{Caption, Chart, charts};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -17,7 +17,8 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
-    let plan = experiments::claims::Plan::of(&project.scenes);
+    let problems: Vec<_> = project.problems().into_iter().cloned().collect();
+    let plan = experiments::claims::Plan::of(&problems);
     let mut tasks = vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
@@ -96,7 +97,13 @@ pub const PICTURES: &[Picture] = &[
     },
 ];
 
-type Drawn = Result<String, String>;
+/// A picture, or why there is none.
+pub(super) type Drawn = Result<String, String>;
+
+/// Charts in rows of `columns`, each with a range of its own.
+pub(super) fn drawn(caption: Caption, columns: usize, panels: &[Chart]) -> Drawn {
+    charts(caption, columns, false, panels).map_err(|e| e.to_string())
+}
 
 /// The tasks that draw [`PICTURES`].
 pub fn pictures() -> impl Iterator<Item = Task> {
@@ -118,7 +125,6 @@ where
 {
     Task {
         id: id(name),
-        stage: Stage::Bench,
         parameters: parameters(&plan),
         files: Artifacts::new(),
         needs: Vec::new(),
