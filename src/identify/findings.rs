@@ -3,7 +3,8 @@
 use super::evaluate::Evaluator;
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
 use super::rank::explain;
-use super::search::{Budget, Method, Report, Request, search};
+use super::request::{Method, Request};
+use super::search::{Budget, Report, search};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Variant;
 use super::{COARSEST, Found, IdentifyError, Target};

@@ -3,7 +3,7 @@
 use super::evaluate::Evaluator;
 use super::random::Random;
 use super::rank::{Best, Found, Ranked, evaluate, explain};
-use super::search::{Method, Request};
+use super::request::{Method, Request};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Order;
 use super::{IdentifyError, Target};

@@ -3,7 +3,6 @@
 use super::bound;
 use super::domain::Errors;
 use super::problem::Problem;
-use super::solvers::Solved;
 use crate::bounds::Bounds;
 use crate::discrete::kkt::Kkt;
 use crate::saddle::{Pair, tolerance};
@@ -37,6 +36,16 @@ pub(super) struct Level {
 /// Of a coarse grid, the natural residual says enough.
 fn natural<S: serde::Serializer>(kkt: &Kkt, out: S) -> Result<S::Ok, S::Error> {
     json!({ "natural": kkt.natural, "relative": kkt.relative }).serialize(out)
+}
+
+/// What a solver leaves.
+pub(super) struct Solved {
+    /// One entry per grid on which it stopped, coarsest first.
+    pub levels: Vec<Level>,
+    /// On the finest grid.
+    pub pair: Pair,
+    /// Cost in sweeps of the finest grid, if the solver counts it.
+    pub work_units: Option<f64>,
 }
 
 /// An answer with its judgement.

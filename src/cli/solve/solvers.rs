@@ -1,7 +1,7 @@
 //! Every solver brought to the same shape of answer.
 
 use super::Solver;
-use super::answer::{Answer, Level};
+use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
@@ -125,14 +125,4 @@ impl Problem {
         let place = self.scene.as_deref().unwrap_or(self.domain.option());
         Error::input(format!("{place}: {e}; {remedy}"))
     }
-}
-
-/// What a solver leaves.
-pub(super) struct Solved {
-    /// One entry per grid on which it stopped, coarsest first.
-    pub levels: Vec<Level>,
-    /// On the finest grid.
-    pub pair: Pair,
-    /// Cost in sweeps of the finest grid, if the solver counts it.
-    pub work_units: Option<f64>,
 }

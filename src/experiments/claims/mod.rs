@@ -7,7 +7,6 @@ pub use verdict::{Gain, GainAt, Range, Spread, Tally, Verdict, Verdicts};
 
 use crate::discrete::load::LoadRule;
 use crate::discrete::transfer::Prolongation;
-use crate::replication::scene::Scene;
 use crate::saddle::{Method, StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
@@ -53,9 +52,8 @@ pub struct Problem {
 }
 
 impl Plan {
-    /// The experiment on these scenes; `None` for those that compare with no published table.
-    pub fn of(scenes: &[Scene]) -> Self {
-        let mut problems: Vec<_> = scenes.iter().filter_map(Problem::of).collect();
+    /// The experiment on these problems.
+    pub fn new(mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| problem.number);
         Self {
             problems,
@@ -86,21 +84,6 @@ impl Plan {
 
 fn decade(power: i32) -> f64 {
     if power < 0 { 1.0 / 10f64.powi(-power) } else { 10f64.powi(power) }
-}
-
-impl Problem {
-    /// The problem of a scene, if it belongs to a published table.
-    fn of(scene: &Scene) -> Option<Self> {
-        Some(Self {
-            number: scene.paper_table?,
-            f: scene.f.to_string(),
-            load: scene.load,
-            prolongation: scene.prolongation,
-            grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
-            r: scene.r.clone(),
-            max_iterations: scene.max_iterations,
-        })
-    }
 }
 
 /// What was found.

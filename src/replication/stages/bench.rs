@@ -8,6 +8,7 @@ use crate::experiments::{self, accuracy};
 use crate::figures::{Caption, Chart, charts};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
+use crate::replication::scene::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -17,8 +18,8 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
-    let problems: Vec<_> = project.problems().into_iter().cloned().collect();
-    let plan = experiments::claims::Plan::of(&problems);
+    let problems = project.problems().into_iter().filter_map(problem).collect();
+    let plan = experiments::claims::Plan::new(problems);
     let mut tasks = vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
@@ -26,6 +27,19 @@ pub fn tasks(project: &Project) -> Vec<Task> {
     ];
     tasks.extend(stability::tasks(project));
     tasks
+}
+
+/// The problem of a scene as the claims are measured on it, if it belongs to a published table.
+pub fn problem(scene: &Scene) -> Option<experiments::claims::Problem> {
+    Some(experiments::claims::Problem {
+        number: scene.paper_table?,
+        f: scene.f.to_string(),
+        load: scene.load,
+        prolongation: scene.prolongation,
+        grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
+        r: scene.r.clone(),
+        max_iterations: scene.max_iterations,
+    })
 }
 
 /// A picture of what experiments found.
