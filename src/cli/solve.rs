@@ -1,6 +1,8 @@
 //! `solve`: one problem, once, without cache or book.
 
+mod accuracy;
 mod answer;
+mod bound;
 mod domain;
 mod problem;
 mod solvers;
@@ -49,12 +51,18 @@ pub(super) struct SolveArgs {
     /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
     #[arg(long, value_name = "RESIDUAL")]
     tolerance: Option<f64>,
+    /// Guaranteed relative error in the energy norm; chooses the grid by itself
+    #[arg(long, value_name = "REL", conflicts_with_all = ["cube", "h", "solver", "tolerance"])]
+    accuracy: Option<f64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
     /// Write the solution: .vti for ParaView, .npy for NumPy, .svg for a picture; or vtk, npy, svg alone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the recovered solution, piecewise quadratic, on half the width
+    #[arg(long, requires = "out", conflicts_with = "cube")]
+    recover: bool,
 }
 
 impl SolveArgs {
@@ -156,9 +164,12 @@ impl From<LoadName> for LoadRule {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
-    let problem = Problem::read(args)?;
+    let mut problem = Problem::read(args)?;
     let file = args.file(&problem)?;
-    let answer = problem.solve()?;
+    let answer = match problem.accuracy {
+        Some(wanted) => accuracy::solve(&mut problem, wanted)?,
+        None => problem.solve()?,
+    };
     if args.json {
         say_json(&answer.json(&problem))?;
     } else {
@@ -166,7 +177,10 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     if let Some((file, format)) = file {
         let (domain, n) = (&problem.domain, problem.finest());
-        file.write(&domain.file(format, n, &answer.pair, problem.name())?)?;
+        file.write(&match args.recover {
+            true => domain.recovered_file(format, n, &answer.pair, problem.name())?,
+            false => domain.file(format, n, &answer.pair, problem.name())?,
+        })?;
         if !args.json {
             say(&format!("wrote {}\n", file.path().display()))?;
         }

@@ -105,9 +105,9 @@ fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
     // Contact everywhere, and v r is a rounding error there.
     let args = ["solve", "--f", "else=-1", "--h", "1/32", "--solver", "multigrid", "--json"];
     let json = project.run(&args).json();
-    assert_eq!(json["contact"]["nodes"], json["contact"]["boundary_nodes"]);
+    assert_eq!(json["contact_nodes"]["nodes"], json["contact_nodes"]["boundary_nodes"]);
     assert_eq!(
-        (&json["contact"]["nodes"], &json["kkt"]["complementarity"]),
+        (&json["contact_nodes"]["nodes"], &json["kkt"]["complementarity"]),
         (&128.into(), &0.0.into())
     );
     assert_eq!(json["kkt"]["max_min"], 0.0);
@@ -118,7 +118,7 @@ fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
     assert!(number("complementarity").abs() > number("max_min"), "a sum, not a maximum: {json}");
     let cube = ["solve", "--cube", "else=-1", "--h", "1/8", "--json"];
     let json = project.run(&cube).json();
-    assert_eq!(json["contact"]["boundary_nodes"], 9 * 9 * 9 - 7 * 7 * 7);
+    assert_eq!(json["contact_nodes"]["boundary_nodes"], 9 * 9 * 9 - 7 * 7 * 7);
 }
 
 #[test]

@@ -63,6 +63,42 @@ fn solve_json_has_every_promised_field() {
     for phase in ["setup", "solve"] {
         assert!((0.0..10.0).contains(&json["seconds"][phase].as_f64().unwrap()), "{phase}");
     }
+    for field in ["energy", "error"] {
+        let [low, high] = [0, 1].map(|k| json["bound"][field][k].as_f64().unwrap());
+        assert!(low <= high, "{field}: {json}");
+    }
+    let forces =
+        json["contact"].as_array().unwrap().iter().map(|arc| arc["force"].as_f64().unwrap());
+    assert!((forces.sum::<f64>() - 1.0).abs() < 1e-12, "all of -1: {json}");
+}
+
+#[test]
+fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
+    let project = Project::with(TABLE);
+    let f = "rect(0.25,0.5,0.25,0.5)=2; else=-1";
+    let solve =
+        |more: &[&str]| project.run(&[&["solve", "--f", f, "--json"], more].concat()).json();
+    let json = solve(&["--accuracy", "0.004"]);
+    // The true energy is -0.0166023, its energy norm 0.18222.
+    let [least, most] = [0, 1].map(|k| json["bound"]["error"][k].as_f64().unwrap() / 0.18222);
+    assert!(0.0025 < least && most < 0.004, "reached, with a grid hardly too fine: {json}");
+    let fixed = solve(&["--solver", "multigrid", "--load", "exact", "--h", "1/512"]);
+    assert!(
+        json["h"].as_f64() >= fixed["h"].as_f64()
+            && fixed["bound"]["error"][1].as_f64() < Some(0.004)
+    );
+    let cube = project.run(&["solve", "--cube", "else=-1", "--h", "1/8", "--json"]).json();
+    assert!(cube["bound"].is_null() && cube["contact"].is_null(), "{cube}");
+    assert!(cube["bound_reason"].as_str().unwrap().contains("square"), "{cube}");
+}
+
+#[test]
+fn the_recovered_solution_is_written_at_twice_the_nodes() {
+    let project = Project::with(TABLE);
+    let args = ["solve", "a", "--h", "1/16", "--out", "w.npy", "--recover"];
+    assert_eq!(project.run(&args).code, Some(0));
+    let bytes = std::fs::read(project.path("w.npy")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..80]).contains("(33, 33)"));
 }
 
 #[test]
@@ -221,6 +257,8 @@ fn solve_refuses_in_one_line() {
         (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),
         (&["--f", "else=-1", "--tolerance", "1e-6"], "is for --solver multigrid"),
         (&["--cube", "else=-1", "--tolerance", "nan"], "must be a positive number"),
+        (&["--f", "else=-1", "--accuracy", "2"], "must be between 0 and 1"),
+        (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");

@@ -3,6 +3,7 @@
 mod accuracy;
 mod answers;
 mod book;
+mod bounds;
 mod cache;
 mod claims;
 mod cli;

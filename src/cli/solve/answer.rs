@@ -1,7 +1,9 @@
 //! What came out and what it is worth: judged apart from the solvers, as JSON and as text.
 
+use super::bound;
 use super::domain::Errors;
 use super::problem::Problem;
+use crate::bounds::Bounds;
 use crate::discrete::kkt::Kkt;
 use crate::saddle::{Pair, tolerance};
 use serde::Serialize;
@@ -49,7 +51,7 @@ pub(super) struct Solved {
 /// An answer with its judgement.
 pub(super) struct Answer {
     /// One entry per grid on which the solver stopped, coarsest first.
-    levels: Vec<Level>,
+    pub levels: Vec<Level>,
     /// The solution on the finest grid.
     pub pair: Pair,
     work_units: Option<f64>,
@@ -59,6 +61,8 @@ pub(super) struct Answer {
     /// Boundary nodes with v < r, and all.
     contact: [usize; 2],
     errors: Option<Errors>,
+    /// Guaranteed bounds, or why there are none.
+    pub bounds: Result<Bounds, String>,
     /// For grids and load vectors, and for the solver.
     seconds: [f64; 2],
     warnings: Vec<String>,
@@ -80,6 +84,7 @@ impl Answer {
                 boundary.len(),
             ],
             errors: problem.domain.errors(n, y, load),
+            bounds: problem.domain.bounds(n, y),
             levels,
             pair,
             work_units,
@@ -209,7 +214,7 @@ impl Answer {
                 "natural": kkt.natural,
                 "relative": kkt.relative,
             },
-            "contact": { "nodes": self.contact[0], "boundary_nodes": self.contact[1] },
+            "contact_nodes": { "nodes": self.contact[0], "boundary_nodes": self.contact[1] },
             "warnings": self.warnings,
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
@@ -223,6 +228,7 @@ impl Answer {
         if let Some(errors) = &self.errors {
             json["errors"] = json!(errors);
         }
+        bound::add_to(&mut json, &self.bounds);
         json
     }
 
@@ -255,6 +261,7 @@ impl Answer {
             }
             text.push('\n');
         }
+        text += &bound::text(&self.bounds, self.last().energy);
         self.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
         text
     }

@@ -1,6 +1,7 @@
 //! The square and the cube under one interface: load vector, judgement, errors, files.
 
 use super::Solver;
+use crate::bounds::{Bounds, bounds, recovery};
 use crate::cli::formats::Format;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
@@ -8,6 +9,7 @@ use crate::discrete::kkt::{Kkt, kkt};
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::errors;
 use crate::discrete::stiffness::{energy, residual};
+use crate::discrete::transfer::prolong_boundary;
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
@@ -159,6 +161,33 @@ impl Domain {
                 Some(Errors { l2: e.l2, h1: e.h1, max: e.max, multiplier_l2: None })
             }
         }
+    }
+
+    /// Guaranteed bounds, or why there are none.
+    pub fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Bounds, String> {
+        match self {
+            Self::Square { f, .. } => bounds(square(n), f, y).map_err(|reason| reason.to_string()),
+            Self::Cube { .. } => Err("bounds are made for the square only".into()),
+        }
+    }
+
+    /// The bytes of a file with the recovered solution, on the grid of half the width.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is none, or it cannot be drawn.
+    pub fn recovered_file(
+        &self,
+        format: Format,
+        n: usize,
+        pair: &Pair,
+        name: &str,
+    ) -> Result<Vec<u8>> {
+        let Self::Square { f, .. } = self else {
+            return Err(Error::input("--recover is for the square; leave it out"));
+        };
+        let (y, _) = recovery(square(n), f, &pair.y)
+            .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
+        self.file(format, 2 * n, &Pair { y, a: prolong_boundary(&pair.a) }, name)
     }
 
     /// The bytes of a file with the solution.

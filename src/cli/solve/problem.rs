@@ -1,7 +1,7 @@
 //! What `solve` is asked: f and its domain, the grids, the solver and its settings.
 
 use super::domain::Domain;
-use super::{SolveArgs, Solver, cells};
+use super::{LoadName, SolveArgs, Solver, cells};
 use crate::cli::current_folder;
 use crate::discrete::grid::nested;
 use crate::discrete::load::LoadRule;
@@ -30,6 +30,8 @@ pub(super) struct Problem {
     pub prolongation: Prolongation,
     /// The tolerance of multigrid, relative to the load; none means the rounding floor.
     pub tolerance: Option<f64>,
+    /// The relative error in the energy norm that is to be guaranteed: then the grids are chosen by it.
+    pub accuracy: Option<f64>,
     /// Where an option was given instead of what the scene says.
     pub overridden: Vec<String>,
 }
@@ -59,9 +61,11 @@ impl Problem {
                     (None, Some(scene)) => scene.f.clone(),
                     (None, None) => return Err(Error::input("give a scene or --f")),
                 };
+                // An accuracy is asked of the solution for f, whatever load vector a scene takes.
+                let exact = args.accuracy.map(|_| LoadName::Exact);
                 let rule = choose.one(
                     "load",
-                    args.load.map(LoadRule::from),
+                    args.load.or(exact).map(LoadRule::from),
                     scene.map(|s| s.load),
                     rule_name,
                 );
@@ -69,7 +73,11 @@ impl Problem {
                 Domain::Square { f, rule: rule.unwrap_or_default(), integral }
             }
         };
-        let solver = args.solver.unwrap_or(domain.default_solver());
+        let default = match args.accuracy {
+            Some(_) => Solver::Multigrid,
+            None => domain.default_solver(),
+        };
+        let solver = args.solver.unwrap_or(default);
         let given = args.h.as_deref().map(cells).transpose()?;
         let finest = choose
             .one("finest grid", given, scene.map(|s| s.finest().cells()), |n| format!("1/{n}"))
@@ -99,6 +107,7 @@ impl Problem {
             params,
             prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
             tolerance: args.tolerance(solver)?,
+            accuracy: args.accuracy,
             overridden,
             domain,
         })

@@ -69,7 +69,11 @@ impl Problem {
     fn on_finest_grid(&self, load: &[f64]) -> Result<Solved> {
         let n = self.finest();
         let largest = || load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
-        let goal = self.tolerance.map_or(Goal::RoundingFloor, |t| Goal::Kkt(t * largest()));
+        let goal = match (self.accuracy, self.tolerance) {
+            (Some(_), _) => Goal::DiscretisationError,
+            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest()),
+            (None, None) => Goal::RoundingFloor,
+        };
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let direct = ActiveSetParams::default();
         let by_cycles = |(y, o): (_, multigrid::Outcome)| (y, o.cycles, o.stop, Some(o.work_units));

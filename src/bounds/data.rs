@@ -1,0 +1,285 @@
+//! The right-hand side as the bounds see it: its moments over the cells, and where it jumps.
+
+use crate::discrete::cells::{Cells, Cut};
+use crate::discrete::grid::Grid;
+use crate::problem::source::Source;
+use std::borrow::Cow;
+
+/// Integrals over one cell of f times polynomials in X and Y, the coordinates that run from -1/2 to 1/2
+/// there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moments {
+    pub one: f64,
+    pub x: f64,
+    pub y: f64,
+    pub xy: f64,
+    pub xx: f64,
+    pub yy: f64,
+    pub xxy: f64,
+    pub xyy: f64,
+    /// Of `min(x, y) (1 - max(x, y))`, `x = X + 1/2`: the piecewise linear function on triangles less the
+    /// bilinear one, where the second difference over the cell is 1.
+    pub ridge: f64,
+    /// Of f itself, times `h^2`.
+    pub square: f64,
+}
+
+impl Moments {
+    /// Those of a constant f, from its integral.
+    pub fn constant(mass: f64) -> Self {
+        let twelfth = mass / 12.0;
+        let square = mass * mass;
+        Self { one: mass, xx: twelfth, yy: twelfth, ridge: twelfth, square, ..Self::default() }
+    }
+
+    /// Integrals of f times the bilinear hat functions of the corners ll, lr, ul, ur.
+    pub fn masses(&self) -> [f64; 4] {
+        let (mean, x, y) = (0.25 * self.one, 0.5 * self.x, 0.5 * self.y);
+        [
+            mean - x - y + self.xy,
+            mean + x - y - self.xy,
+            mean - x + y - self.xy,
+            mean + x + y + self.xy,
+        ]
+    }
+
+    /// `h^2` times the square of the L2 norm of f less its best bilinear approximation.
+    pub fn oscillation(&self) -> f64 {
+        let bilinear = self.one * self.one
+            + 12.0 * (self.x * self.x + self.y * self.y)
+            + 144.0 * self.xy * self.xy;
+        (self.square - bilinear).max(0.0)
+    }
+
+    /// Those over a cell that jumps of f cut.
+    fn of_cut(grid: Grid, cell: &mut Cut) -> Self {
+        let triangles = cell.triangles(true).map(|moments| (moments.f, moments.square));
+        let sum = |k: usize| triangles[0].0[k] + triangles[1].0[k];
+        // Below the rising diagonal the ridge is (Y + 1/2) (1/2 - X), above it the other way round.
+        let ridge = |[one, x, y, xy, ..]: [f64; 8]| 0.25 * one + 0.5 * (y - x) - xy;
+        let [below, above] = triangles.map(|(f, _)| f);
+        let flipped = [above[0], above[2], above[1], above[3], 0.0, 0.0, 0.0, 0.0];
+        let h2 = grid.h() * grid.h();
+        Self {
+            one: h2 * sum(0),
+            x: h2 * sum(1),
+            y: h2 * sum(2),
+            xy: h2 * sum(3),
+            xx: h2 * sum(4),
+            yy: h2 * sum(5),
+            xxy: h2 * sum(6),
+            xyy: h2 * sum(7),
+            ridge: h2 * (ridge(below) + ridge(flipped)),
+            square: h2 * h2 * (triangles[0].1 + triangles[1].1),
+        }
+    }
+
+    /// Adds `mass` concentrated at (X, Y), where f times `h^2` is `value`.
+    fn add(&mut self, [x, y]: [f64; 2], mass: f64, value: f64) {
+        let (right, up) = (x + 0.5, y + 0.5);
+        self.one += mass;
+        self.x += mass * x;
+        self.y += mass * y;
+        self.xy += mass * x * y;
+        self.xx += mass * x * x;
+        self.yy += mass * y * y;
+        self.xxy += mass * x * x * y;
+        self.xyy += mass * x * y * y;
+        self.ridge += mass * right.min(up) * (1.0 - right.max(up));
+        self.square += mass * value;
+    }
+}
+
+/// What is known of f on a run of neighbouring cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Data {
+    /// Constant, with this integral over each cell.
+    Constant(f64),
+    /// The moments of the cells from this place on in [`CellRow::cut`].
+    Cut(usize),
+}
+
+/// f on one row of cells, as runs from left to right.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CellRow {
+    /// The cell after the last one of each run, and what f is there.
+    runs: Vec<(usize, Data)>,
+    cut: Vec<Moments>,
+}
+
+impl CellRow {
+    /// From f on each cell but those that jumps cut, whose numbers and moments are given in order.
+    fn new(grid: Grid, values: &[f64], cut: Vec<(usize, Moments)>) -> Self {
+        let mut row = Self::default();
+        let add_constant = |runs: &mut Vec<_>, mut start: usize, end: usize| {
+            while start < end {
+                let value = values[start];
+                let same = |block: &[f64]| block.iter().fold(true, |same, &v| same & (v == value));
+                // By blocks, which is faster than cell by cell.
+                let mut stop = start;
+                while stop + BLOCK <= end && same(&values[stop..stop + BLOCK]) {
+                    stop += BLOCK;
+                }
+                stop += values[stop..end].iter().take_while(|&&v| v == value).count();
+                runs.push((stop, Data::Constant(value * grid.h() * grid.h())));
+                start = stop;
+            }
+        };
+        let mut start = 0;
+        for (k, (i, moments)) in cut.into_iter().enumerate() {
+            add_constant(&mut row.runs, start, i);
+            row.cut.push(moments);
+            row.runs.push((i + 1, Data::Cut(k)));
+            start = i + 1;
+        }
+        add_constant(&mut row.runs, start, values.len());
+        row
+    }
+
+    fn integral(&self) -> f64 {
+        let mut start = 0;
+        let of_run = |&(end, data): &(usize, Data)| {
+            let cells = end - std::mem::replace(&mut start, end);
+            match data {
+                Data::Constant(mass) => mass * cells as f64,
+                Data::Cut(first) => self.cut[first..first + cells].iter().map(|f| f.one).sum(),
+            }
+        };
+        self.runs.iter().map(of_run).sum()
+    }
+
+    /// The end of the run with cell `i`, where f is constant, and its integral over each cell.
+    pub fn constant(&self, i: usize) -> (usize, f64) {
+        match self.runs[self.runs.partition_point(|&(end, _)| end <= i)] {
+            (end, Data::Constant(mass)) => (end, mass),
+            (_, Data::Cut(_)) => unreachable!("f is not constant there"),
+        }
+    }
+
+    /// Moments over cell `i`.
+    pub fn at(&self, i: usize) -> Moments {
+        let run = self.runs.partition_point(|&(end, _)| end <= i);
+        let start = if run == 0 { 0 } else { self.runs[run - 1].0 };
+        match self.runs[run].1 {
+            Data::Constant(mass) => Moments::constant(mass),
+            Data::Cut(first) => self.cut[first + i - start],
+        }
+    }
+}
+
+/// Cells compared at once.
+const BLOCK: usize = 16;
+
+/// f on all cells: held for constant pieces, which take little room, and integrated anew each time for
+/// smooth f.
+pub(super) struct AllCells<'a> {
+    grid: Grid,
+    f: &'a Source,
+    rows: Vec<CellRow>,
+    /// The integral of f.
+    pub integral: f64,
+}
+
+impl<'a> AllCells<'a> {
+    pub fn new(grid: Grid, f: &'a Source) -> Self {
+        let n = grid.cells();
+        let mut all = Self { grid, f, rows: Vec::new(), integral: 0.0 };
+        if let Source::Pieces { background, pieces } = f {
+            let mut cells = Cells::new(grid, *background, pieces);
+            let mut values = vec![0.0; n];
+            for j in 0..n {
+                let mut cut = Vec::new();
+                cells.row(j, &mut values, |i, cell| cut.push((i, Moments::of_cut(grid, cell))));
+                all.rows.push(CellRow::new(grid, &values, cut));
+            }
+        }
+        all.integral = (0..n).map(|j| all.row(j).integral()).sum();
+        all
+    }
+
+    /// Row `j` from below.
+    pub fn row(&self, j: usize) -> Cow<'_, CellRow> {
+        if let Some(row) = self.rows.get(j) {
+            return Cow::Borrowed(row);
+        }
+        let cells = (0..self.grid.cells()).map(|i| (i, self.integrated(i, j))).collect();
+        Cow::Owned(CellRow::new(self.grid, &[], cells))
+    }
+
+    /// Moments over cell (i, j).
+    pub fn at(&self, i: usize, j: usize) -> Moments {
+        self.rows.get(j).map_or_else(|| self.integrated(i, j), |row| row.at(i))
+    }
+
+    /// Moments of a smooth f over cell (i, j), by quadrature.
+    fn integrated(&self, i: usize, j: usize) -> Moments {
+        let h = self.grid.h();
+        let [x, y] = [i, j].map(|k| self.grid.coordinate(k));
+        let mut sum = Moments::default();
+        for triangle in
+            [[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]], [[-0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]]
+        {
+            for ([p, q], weight) in quadrature(triangle) {
+                let value = self.f.at(x + (p + 0.5) * h, y + (q + 0.5) * h);
+                sum.add([p, q], weight * value * h * h, value * h * h);
+            }
+        }
+        sum
+    }
+}
+
+/// Radon's seven points on a triangle, exact for degree 5 (Stroud, T2:5-1), with weights.
+fn quadrature(triangle: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
+    let [p, q, r] = triangle;
+    let area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]));
+    let root = 15f64.sqrt();
+    let mut points = [([0.0; 2], 0.0); 7];
+    let third = 1.0 / 3.0;
+    let mut place = |k: usize, [a, b, c]: [f64; 3], weight: f64| {
+        points[k] = ([0, 1].map(|d| a * p[d] + b * q[d] + c * r[d]), area * weight);
+    };
+    place(0, [third; 3], 9.0 / 40.0);
+    for (k, s, w) in [
+        (1, (6.0 - root) / 21.0, (155.0 - root) / 1200.0),
+        (4, (6.0 + root) / 21.0, (155.0 + root) / 1200.0),
+    ] {
+        let t = 1.0 - 2.0 * s;
+        place(k, [t, s, s], w);
+        place(k + 1, [s, t, s], w);
+        place(k + 2, [s, s, t], w);
+    }
+    points
+}
+
+/// The nodes around which f is not one constant, between a row of cells and the one above: inclusive
+/// ranges of columns, from left to right.
+pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>) -> Vec<[usize; 2]> {
+    let runs = |row: Option<&CellRow>| row.map(|row| row.runs.clone()).unwrap_or_default();
+    let (below, above) = (runs(below), runs(above));
+    let mut seams: Vec<[usize; 2]> = Vec::new();
+    let mut add = |from: usize, to: usize| match seams.last_mut() {
+        Some(last) if from <= last[1] + 1 => last[1] = last[1].max(to),
+        _ => seams.push([from, to]),
+    };
+    let (mut b, mut a, mut start, mut before) = (0, 0, 0, None);
+    loop {
+        let (lower, upper) = (below.get(b), above.get(a));
+        let Some(end) = [lower, upper].into_iter().flatten().map(|run| run.0).min() else {
+            return seams;
+        };
+        let uniform = match (lower.map(|run| run.1), upper.map(|run| run.1)) {
+            (Some(Data::Constant(p)), Some(Data::Constant(q))) if p == q => Some(p),
+            (Some(Data::Constant(p)), None) | (None, Some(Data::Constant(p))) => Some(p),
+            _ => None,
+        };
+        match uniform {
+            None => add(start, end),
+            Some(mass) if start > 0 && before != Some(mass) => add(start, start),
+            Some(_) => {}
+        }
+        before = uniform;
+        start = end;
+        b += usize::from(lower.is_some_and(|run| run.0 == end));
+        a += usize::from(upper.is_some_and(|run| run.0 == end));
+    }
+}

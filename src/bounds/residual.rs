@@ -1,0 +1,84 @@
+//! A bound of the flux that a residual takes: Poincaré's inequality on squares of all sizes.
+
+use std::f64::consts::PI;
+
+/// Sums of squares of a piecewise constant function, by the size of the squares on which it varies.
+///
+/// With `P_l` the mean over squares of `2^l` by `2^l` cells, `r = sum (P_l - P_{l+1}) r`, and
+/// `(P_l - P_{l+1}) r` has no mean on squares of width `2^(l+1) h`, where Poincaré's constant is the width
+/// over pi (Payne and Weinberger 1960). One flux for each level gives
+/// `|grad w| <= sum_l 2^(l+1) h / pi |(P_l - P_{l+1}) r|` for the solution of `-Lap w = r`.
+pub(super) struct Pyramid {
+    levels: Vec<Level>,
+    /// Sum and sum of squares of the blocks that cannot be halved any more.
+    top: [f64; 2],
+}
+
+/// Blocks of one size.
+struct Level {
+    /// Blocks per side.
+    side: usize,
+    /// The lower one of a pair of rows; empty for a row of zeros.
+    waiting: Option<Vec<f64>>,
+    /// Sum over the blocks of the next size of the variance of their four parts.
+    variance: f64,
+}
+
+impl Pyramid {
+    pub fn new(n: usize) -> Self {
+        let mut sides = vec![n];
+        while sides[sides.len() - 1].is_multiple_of(2) {
+            sides.push(sides[sides.len() - 1] / 2);
+        }
+        let level = |side| Level { side, waiting: None, variance: 0.0 };
+        Self { levels: sides.into_iter().map(level).collect(), top: [0.0; 2] }
+    }
+
+    /// Adds the next row of cells, each times `h^2`; an empty one is zero.
+    pub fn push(&mut self, row: Vec<f64>) {
+        let (mut row, mut l) = (row, 0);
+        while l + 1 < self.levels.len() {
+            let level = &mut self.levels[l];
+            let Some(lower) = level.waiting.take() else {
+                level.waiting = Some(row);
+                return;
+            };
+            if lower.is_empty() && row.is_empty() {
+                l += 1;
+                continue;
+            }
+            let zeros = vec![0.0; if lower.is_empty() || row.is_empty() { level.side } else { 0 }];
+            let below = if lower.is_empty() { &zeros } else { &lower };
+            let above = if row.is_empty() { &zeros } else { &row };
+            let pairs = below.as_chunks::<2>().0.iter().zip(above.as_chunks::<2>().0);
+            let mut variance = 0.0;
+            let sums = pairs
+                .map(|([a, b], [c, d])| {
+                    let sum = (a + b) + (c + d);
+                    let mean = 0.25 * sum;
+                    variance += (a - mean).powi(2)
+                        + (b - mean).powi(2)
+                        + (c - mean).powi(2)
+                        + (d - mean).powi(2);
+                    sum
+                })
+                .collect();
+            level.variance += variance;
+            (row, l) = (sums, l + 1);
+        }
+        for block in &row {
+            self.top[0] += block;
+            self.top[1] += block * block;
+        }
+    }
+
+    /// The bound of `|grad w|`.
+    pub fn bound(&self) -> f64 {
+        let (last, others) = self.levels.split_last().expect("a level at least");
+        let below: f64 = others.iter().map(|level| level.variance.sqrt()).sum();
+        let side = last.side as f64;
+        let [sum, squares] = self.top;
+        let top = (squares - (sum / side) * (sum / side)).max(0.0);
+        (2.0 * below + side * top.sqrt()) / PI
+    }
+}

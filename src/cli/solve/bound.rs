@@ -1,0 +1,56 @@
+//! What an answer is worth: guaranteed bounds of its error and of the true energy, and the contact found.
+
+use crate::bounds::Bounds;
+use serde_json::{Value, json};
+
+/// Adds the bounds to an answer; those of a field that has none are null, with the reason.
+pub(super) fn add_to(answer: &mut Value, bound: &Result<Bounds, String>) {
+    (answer["bound"], answer["contact"]) = match bound {
+        Ok(bound) => {
+            let Bounds { energy, error, recovered, .. } = bound;
+            (
+                json!({ "energy": energy, "error": error, "recovered": recovered }),
+                json!(bound.contact),
+            )
+        }
+        Err(reason) => {
+            answer["bound_reason"] = reason.as_str().into();
+            (Value::Null, Value::Null)
+        }
+    };
+}
+
+/// The same as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong.
+pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
+    let bound = match bound {
+        Ok(bound) => bound,
+        Err(reason) => return format!("no bound of the error: {reason}\n"),
+    };
+    let [low, high] = bound.energy;
+    let [least, most] = bound.error;
+    let relative = 100.0 * bound.relative();
+    let mut text = format!(
+        "guaranteed: true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
+    );
+    text += &if relative < 100.0 {
+        format!(", at most {relative:.2} % of the solution\n")
+    } else {
+        "\n".into()
+    };
+    for arc in &bound.contact {
+        let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.4}, {y:.4})"));
+        text += &format!("contact anticlockwise from {from} to {to}, force {:.6}\n", arc.force);
+    }
+    // The energy of v is above the true one by half the square of the error.
+    let explained = most * most;
+    if !(low - explained <= energy && energy <= high + explained) {
+        text += "warning: the energy is further from the true one than the error explains: the load vector is not that of f; try --load exact\n";
+    }
+    if bound.relative() >= POOR {
+        text += "warning: the error may be as large as the solution; refine the grid, or try --solver multigrid\n";
+    }
+    text
+}
+
+/// Part of the solution above which an error is warned of.
+const POOR: f64 = 0.5;

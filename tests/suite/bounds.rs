@@ -1,0 +1,171 @@
+//! The guaranteed bounds: brackets of reference energies, effectivity, and answers that are wrong.
+
+use signorini::bounds::{Bounds, NoBound, bounds};
+use signorini::discrete::grid::Grid;
+use signorini::discrete::load::{Diagonal, LoadRule, load};
+use signorini::discrete::stiffness::energy as discrete_energy;
+use signorini::multigrid::square::multigrid;
+use signorini::multigrid::{Goal, MultigridParams};
+use signorini::problem::exact::Exact;
+use signorini::problem::source::Source;
+
+/// True energies to sixteen digits, from conformal maps.
+const ENERGIES: [(&str, f64); 8] = [
+    ("rect(0.25,0.5,0.25,0.5)=2; else=-1", -0.016602302753503897),
+    ("rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1", -0.005375455092882997),
+    ("quadrant(ll)=3; else=-1.1", -0.095051720753350786),
+    ("quadrant(ll)=3; else=-1.002", -0.100744189417478743),
+    ("quadrant(ll)=-6; else=1.998", -0.402452348899040672),
+    ("disc(0,0,0.25)=2; else=-1", -0.006911812402917770),
+    ("disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1", -0.060527282639588421),
+    ("disc(0.5,0.5,0.3)=4; else=-1", -0.025624898159882615),
+];
+
+const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
+
+fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) {
+    let grid = Grid::new(n).unwrap();
+    let params = MultigridParams { goal, ..MultigridParams::default() };
+    (grid, multigrid(n, &load(grid, f, rule), None, &params, |_| ()).unwrap().0)
+}
+
+fn holds(bounds: &Bounds, energy: f64) -> bool {
+    bounds.energy[0] <= energy && energy <= bounds.energy[1]
+}
+
+#[test]
+fn brackets_hold_the_reference_energies_whatever_the_load() {
+    for (text, energy) in ENERGIES {
+        let f: Source = text.parse().unwrap();
+        for n in [16, 32, 64, 128, 256, 512] {
+            for rule in [EXACT, LoadRule::LumpedAverage, LoadRule::default()] {
+                // The nodal load of a coarse grid may have no solution.
+                let sum: f64 = load(Grid::new(n).unwrap(), &f, rule).iter().sum();
+                if sum >= 0.0 {
+                    continue;
+                }
+                let (grid, y) = solved(n, &f, rule, Goal::RoundingFloor);
+                let bounds = bounds(grid, &f, &y).unwrap();
+                assert!(holds(&bounds, energy), "{text} 1/{n} {rule:?}: {bounds:?}");
+                let [low, high] = bounds.energy;
+                if n == 512 && rule == EXACT {
+                    assert!(high - low < -4e-7 * energy, "{text}: {}", high - low);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn brackets_shrink_like_the_third_power_of_the_width() {
+    for (text, _) in ENERGIES {
+        let f: Source = text.parse().unwrap();
+        let width = |n| {
+            let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
+            let [low, high] = bounds(grid, &f, &y).unwrap().energy;
+            high - low
+        };
+        let order = (width(64) / width(512)).log2() / 3.0;
+        assert!(order > 2.7, "{text}: {order}");
+    }
+}
+
+#[test]
+fn solutions_stopped_early_or_made_up_are_bounded_too() {
+    for (text, energy) in ENERGIES {
+        let f: Source = text.parse().unwrap();
+        let n = 64;
+        let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
+        let best = bounds(grid, &f, &y).unwrap();
+        // Waves of all lengths and sizes, also below zero on the boundary.
+        for k in 0..24u32 {
+            let size = 10f64.powi(-(k as i32 % 6));
+            let mut state = u64::from(k) + 1;
+            let mut wrong = y.clone();
+            for (node, value) in wrong.iter_mut().enumerate() {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                let noise = (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+                let wave = f64::sin(node as f64 * 0.37 * f64::from(k % 4));
+                *value += size * if k % 2 == 0 { noise } else { wave };
+            }
+            let bounds = bounds(grid, &f, &wrong).unwrap();
+            assert!(holds(&bounds, energy), "{text} {k}: {bounds:?}");
+            assert!(bounds.error[1] >= best.error[0]);
+        }
+        let (grid, y) = solved(n, &f, EXACT, Goal::DiscretisationError);
+        let early = bounds(grid, &f, &y).unwrap();
+        assert!(holds(&early, energy) && early.error[1] < 1.1 * best.error[1], "{text}: {early:?}");
+        let zero = bounds(grid, &f, &vec![0.0; grid.nodes()]).unwrap();
+        assert!(holds(&zero, energy) && zero.relative() > 0.9, "{text}: {zero:?}");
+    }
+}
+
+#[test]
+fn errors_of_known_solutions_lie_between_the_bounds() {
+    use signorini::discrete::norms::errors;
+    for problem in [Exact::FullContact, Exact::Torsion, Exact::FreeSegment, Exact::FreeCorner] {
+        let f: Source = format!("exact({})", problem.name()).parse().unwrap();
+        for n in [64, 128] {
+            let grid = Grid::new(n).unwrap();
+            let load = load(grid, &f, EXACT);
+            let y = multigrid(n, &load, None, &MultigridParams::default(), |_| ()).unwrap().0;
+            let error = errors(grid, problem, &y, &load).h1;
+            let [least, most] = bounds(grid, &f, &y).unwrap().error;
+            // The quadrature of the error is good to about 1e-4 of it.
+            assert!(
+                least <= 1.0002 * error && 0.9998 * error <= most,
+                "{problem:?} 1/{n}: {least} {error} {most}"
+            );
+            assert!(
+                most < 1.01 * error && least > 0.99 * error,
+                "{problem:?} 1/{n}: {least} {error} {most}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_bound_of_the_error_is_effective() {
+    for (text, energy) in ENERGIES {
+        let f: Source = text.parse().unwrap();
+        // Along arcs the load against piecewise linear hats differs from that against bilinear ones.
+        let slack = if text.contains("disc") { 0.03 } else { 0.01 };
+        for n in [64, 128, 256] {
+            let allowed = 1.0 + slack * 64.0 / n as f64;
+            let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
+            // With the exact load the energy of the discrete problem is that of v, and the reactions of the
+            // true solution do hardly any work on v.
+            let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
+            let error = (2.0 * (ours - energy)).sqrt();
+            let Bounds { error: [least, most], recovered, .. } = bounds(grid, &f, &y).unwrap();
+            assert!(error <= most && most < allowed * error, "{text} 1/{n}: {}", most / error);
+            assert!(least <= error && least > 0.985 * error, "{text} 1/{n}: {}", least / error);
+            assert!(recovered < 0.3 * error, "{text} 1/{n}: {recovered} {error}");
+        }
+    }
+}
+
+#[test]
+fn contact_is_reported_with_its_ends_and_its_whole_force() {
+    let f: Source = ENERGIES[0].0.parse().unwrap();
+    let (grid, y) = solved(256, &f, EXACT, Goal::RoundingFloor);
+    let contact = bounds(grid, &f, &y).unwrap().contact;
+    let [arc] = contact[..] else { panic!("{contact:?}") };
+    let end = 0.194250479506949330;
+    for (found, want) in [(arc.from, [end, 0.5]), (arc.to, [0.5, end])] {
+        assert!((0..2).all(|k| (found[k] - want[k]).abs() < 0.25 * grid.h()), "{arc:?}");
+    }
+    assert!((arc.force - 0.8125).abs() < 1e-12);
+}
+
+#[test]
+fn what_has_no_solution_has_no_bound() {
+    let grid = Grid::new(8).unwrap();
+    let zero = vec![0.0; grid.nodes()];
+    assert_eq!(bounds(grid, &Source::constant(1.0), &zero), Err(NoBound::NotCoercive));
+    let huge = vec![1e200; grid.nodes()];
+    assert_eq!(bounds(grid, &Source::constant(-1e200), &huge), Err(NoBound::NotFinite));
+    let mut nan = zero.clone();
+    nan[40] = f64::NAN;
+    assert_eq!(bounds(grid, &Source::constant(-1.0), &nan), Err(NoBound::NotFinite));
+}
