@@ -173,7 +173,9 @@ impl Check {
             .chain([("pipeline/paper.toml".to_owned(), hash(project.paper_text.as_bytes()))])
             .collect();
         let record = project.record_text.as_ref();
-        inputs.extend(record.map(|text| (crate::replication::record::PATH.to_owned(), hash(text))));
+        inputs.extend(
+            record.map(|text| (crate::replication::project::IDENTIFIED.to_owned(), hash(text))),
+        );
         let lock = LockFile::path(&project.root);
         let lock_file = summary.lock_file();
         Ok(Self {

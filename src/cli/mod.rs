@@ -14,7 +14,7 @@ mod status;
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::write_atomically;
-use crate::replication::project::CommandHelp;
+use crate::report::CommandHelp;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -21,6 +21,7 @@ mod identifiability;
 mod plan;
 pub(crate) mod random;
 mod rank;
+pub mod record;
 mod search;
 mod select;
 mod space;

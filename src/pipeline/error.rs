@@ -1,5 +1,6 @@
 //! The one error type above the mathematics: a line that names the remedy, and an exit code.
 
+use serde::de::DeserializeOwned;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -48,10 +49,16 @@ impl Error {
     }
 }
 
-/// Where a TOML text is wrong, and how, in one line.
-pub(crate) fn mistake(text: &str, error: &toml::de::Error) -> String {
-    let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-    format!("line {line}: {}", error.message().replace('\n', " "))
+/// Reads TOML; `what` names it in messages.
+///
+/// # Errors
+/// [`Error::Input`] with the line of the mistake.
+pub fn from_toml<T: DeserializeOwned>(what: &str, text: &str) -> Result<T> {
+    toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+        let message = error.message().replace('\n', " ");
+        Error::input(format!("{what}: line {line}: {message}"))
+    })
 }
 
 /// Turns an I/O result into ours, with the path and a remedy that fits the kind of failure.

@@ -2,7 +2,6 @@
 
 pub mod paper;
 pub mod project;
-pub mod record;
 pub mod scene;
 pub mod stages;
 pub mod table;

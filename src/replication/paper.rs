@@ -1,7 +1,7 @@
 //! The published tables, the tolerance we declare for them, and the comparison with ours.
 
 use crate::identify::Target;
-use crate::pipeline::error::{Error, Result, mistake};
+use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
@@ -98,17 +98,19 @@ impl Paper {
     /// Parses and validates `pipeline/paper.toml`.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake.
+    /// [`Error::Input`] with the line of the from_toml.
     pub fn parse(text: &str) -> Result<Self> {
-        let wrong = |what: String| Error::input(format!("pipeline/paper.toml: {what}"));
-        let paper: Self = toml::from_str(text).map_err(|e| wrong(mistake(text, &e)))?;
+        let paper: Self = from_toml("pipeline/paper.toml", text)?;
         for t in &paper.table {
             let width = t.counts.first().map_or(0, Vec::len);
             if t.counts.len() != paper.r.len()
                 || t.delta_a.len() != paper.r.len()
                 || t.counts.iter().any(|row| row.len() != width)
             {
-                return Err(wrong(format!("table {} does not have one full row per r", t.number)));
+                return Err(Error::input(format!(
+                    "pipeline/paper.toml: table {} does not have one full row per r",
+                    t.number
+                )));
             }
         }
         Ok(paper)

@@ -1,15 +1,18 @@
 //! A project folder: the scenes, published values and templates that a run reads, and where it writes.
 
+use crate::identify::record::Record;
 use crate::pipeline::Artifacts;
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result, from_toml};
 use crate::pipeline::files::read_tree;
 use crate::replication::paper::Paper;
-use crate::replication::record::{self, Record};
 use crate::replication::scene::Scene;
+use crate::report::CommandHelp;
 use crate::timing::recorded::{self, Timings};
-use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Path of the record of the searches for f in the project.
+pub const IDENTIFIED: &str = "pipeline/identified.toml";
 
 /// A folder with `pipeline/scenes/`, read and validated.
 #[derive(Debug)]
@@ -32,15 +35,6 @@ pub struct Project {
     pub templates: Artifacts,
     /// The commands of the program, for the book; a reader of the folder alone knows none.
     pub commands: Vec<CommandHelp>,
-}
-
-/// A command of the program.
-#[derive(Clone, Debug, Serialize)]
-pub struct CommandHelp {
-    /// Its name; empty for the program without a command.
-    pub name: String,
-    /// What it says with `--help`.
-    pub help: String,
 }
 
 impl Project {
@@ -69,7 +63,8 @@ impl Project {
         let path = root.join("pipeline").join("paper.toml");
         let paper_text = fs::read_to_string(&path).context("read", &path)?;
         let paper = Paper::parse(&paper_text)?;
-        let record_text = read_record(&root, record::PATH, |text| Record::parse(text).map(drop))?;
+        let record_text =
+            read_record(&root, IDENTIFIED, |text| from_toml::<Record>(IDENTIFIED, text).map(drop))?;
         let timings_text =
             read_record(&root, recorded::PATH, |text| Timings::parse(text).map(drop))?;
         let templates = read_tree(&root.join("report"), is_not_ours)

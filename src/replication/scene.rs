@@ -3,7 +3,7 @@
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, integral};
 use crate::discrete::transfer::Prolongation;
-use crate::pipeline::error::{Error, Result, mistake};
+use crate::pipeline::error::{Error, Result, from_toml};
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
@@ -112,10 +112,10 @@ impl Scene {
     /// Parses and validates the text of a scene file; `name` names the scene in messages.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
+    /// [`Error::Input`] with the line of the from_toml, or what makes the scene unsolvable.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let wrong = |what: String| Error::input(format!("scene `{name}`: {what}"));
-        let file: SceneFile = toml::from_str(text).map_err(|e| wrong(mistake(text, &e)))?;
+        let file: SceneFile = from_toml(&format!("scene `{name}`"), text)?;
         let f: Source = file.f.parse().map_err(|e| wrong(format!("{e}")))?;
         // A known solution is proof enough, and its integral takes milliseconds on every command.
         if f.exact().is_none() {
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn each_mistake_has_its_own_message() {
+    fn each_from_toml_has_its_own_message() {
         assert!(error(&GOOD.replace("title", "titel")).contains("line 1"));
         assert!(error(&format!("{GOOD}colour = 3\n")).contains("unknown field `colour`"));
         assert!(error(&GOOD.replace("-1", "1")).contains("(2) asks for a negative one"));

@@ -1,9 +1,8 @@
 //! What the templates are given: plain data, everything computed, nothing formatted.
 
 use crate::identify::Findings;
+use crate::identify::record::Record;
 use crate::pipeline::Graph;
-use crate::replication::project::CommandHelp;
-use crate::replication::record::Record;
 use crate::saddle::Outcome;
 use crate::timing::recorded::Timings;
 use serde::{Deserialize, Serialize};
@@ -227,4 +226,13 @@ pub struct Version {
     pub name: String,
     /// Version.
     pub version: String,
+}
+
+/// A command of the program.
+#[derive(Clone, Debug, Serialize)]
+pub struct CommandHelp {
+    /// Its name; empty for the program without a command.
+    pub name: String,
+    /// What it says with `--help`.
+    pub help: String,
 }

@@ -12,8 +12,8 @@ mod room;
 
 pub use build::build;
 pub use data::{
-    Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report, Row,
-    Scene, Solution, Version,
+    Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Piece, Problem, Provenance,
+    Report, Row, Scene, Solution, Version,
 };
 pub use pages::pages;
 

@@ -1,7 +1,7 @@
 //! What the chapter on the search says: how far f may move, which counts hold it, how much was searched.
 
+use crate::identify::record::{Record, VariantRecord};
 use crate::identify::{Breaks, COARSEST, Findings, Measure, Variant};
-use crate::replication::record::{Record, VariantRecord};
 use serde::Serialize;
 
 /// How sharply a table fixes f.

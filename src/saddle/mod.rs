@@ -2,11 +2,13 @@
 
 mod arrow_hurwicz;
 mod gradient;
+mod plain;
 mod stopping;
 mod sweep;
 mod uzawa;
 
 pub use arrow_hurwicz::{Iteration, Outcome, Params, arrow_hurwicz};
+pub use plain::Plain;
 pub use stopping::{StopReason, StopRule};
 pub use uzawa::{ProximalParams, UzawaOutcome, UzawaParams, uzawa, uzawa_proximal};
 

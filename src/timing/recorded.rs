@@ -1,7 +1,7 @@
 //! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
 
 use crate::experiments::law::ARRIVED;
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Path in the project.
@@ -201,11 +201,8 @@ impl Timings {
     /// [`Error::Input`] with the line of the mistake and the remedy.
     pub fn parse(text: &str) -> Result<Self> {
         const REMEDY: &str = "undo the edit, or measure again with `signorini bench --record`";
-        let timings: Self = toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            let message = e.message().replace('\n', " ");
-            Error::input(format!("{PATH}: line {line}: {message}; {REMEDY}"))
-        })?;
+        let timings: Self =
+            from_toml(PATH, text).map_err(|e| Error::input(format!("{e}; {REMEDY}")))?;
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(

@@ -7,12 +7,14 @@ use signorini::experiments::accuracy;
 use signorini::experiments::claims::{Plan, claims};
 use signorini::experiments::cube::{self, cube};
 use signorini::experiments::{rounding, stress};
+use signorini::identify::record::Record;
 use signorini::identify::{Findings, Questions, Variant, findings};
+use signorini::pipeline::error::from_toml;
 use signorini::pipeline::{Graph, Node, Stage};
 use signorini::problem::source::Source;
 use signorini::replication::paper::Paper;
-use signorini::replication::project::{CommandHelp, Project};
-use signorini::replication::record::Record;
+use signorini::replication::project::{IDENTIFIED, Project};
+use signorini::report::CommandHelp;
 use signorini::report::{
     Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
     ReportError, Row, Scene, Solution, Version, build, pages,
@@ -462,8 +464,8 @@ fn timings() -> Timings {
 
 /// The committed record.
 fn record() -> Record {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(signorini::replication::record::PATH);
-    Record::parse(&fs::read_to_string(path).unwrap()).unwrap()
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(IDENTIFIED);
+    from_toml(IDENTIFIED, &fs::read_to_string(path).unwrap()).unwrap()
 }
 
 /// What the stage `identify` finds about a published table, for a smaller search and map.

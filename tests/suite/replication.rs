@@ -6,7 +6,10 @@ use signorini::discrete::norms::max_error;
 use signorini::replication::paper::{Paper, Row};
 use signorini::replication::project::Project;
 use signorini::replication::scene::Scene;
-use signorini::saddle::{Monitor, Pair, Params, StopReason, StopRule, arrow_hurwicz, solve_nested};
+use signorini::saddle::{
+    Monitor, Pair, Params, Plain, StopReason, StopRule, arrow_hurwicz, on_nested, solve_nested,
+    tolerance,
+};
 use std::path::Path;
 
 fn project() -> Project {
@@ -39,6 +42,36 @@ fn every_published_count_comes_out_under_the_signed_rule() {
     for name in ["problem1", "problem2"] {
         let scene = project.scene(name).unwrap();
         assert_eq!(exact_counts(&project.paper, scene, StopRule::Signed), 25, "{name}");
+    }
+}
+
+#[test]
+fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() {
+    const CAP: usize = 100_000;
+    let project = project();
+    for (name, rule, r) in ["problem1", "problem2"].into_iter().flat_map(|name| {
+        let r = &project.scene(name).unwrap().r;
+        let of = move |rule| r.iter().map(move |&r| (name, rule, r));
+        [StopRule::Signed, StopRule::Printed].into_iter().flat_map(of)
+    }) {
+        let scene = project.scene(name).unwrap();
+        let load = |&grid: &Grid| load(grid, &scene.f, scene.load);
+        let (grids, loads) = (&scene.grids, scene.grids.iter().map(load).collect::<Vec<_>>());
+        let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
+        let (made, made_pair) = solve_nested(grids, &loads, &params, scene.prolongation, &mut ());
+        let (defined, pair) =
+            on_nested(grids, &loads, scene.prolongation, |level, grid, load, pair| {
+                let end = Plain { grid, load, r }.iterate(rule, tolerance(level), CAP, pair);
+                (end, StopReason::Converged)
+            });
+        let made: Vec<_> = made
+            .iter()
+            .map(|o| (o.iterations, o.stop == StopReason::Converged, o.delta_a))
+            .collect();
+        assert_eq!(defined, made, "{name} {rule} r = {r}");
+        let bits =
+            |pair: &Pair| pair.y.iter().chain(&pair.a).map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert!(bits(&pair) == bits(&made_pair), "{name} {rule} r = {r}");
     }
 }
 

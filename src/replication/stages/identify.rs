@@ -1,12 +1,12 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
 use super::{figures, to_json};
+use crate::identify::record::Record;
 use crate::identify::{Variant, findings};
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Stage, Task, parameters};
 use crate::replication::paper::Paper;
-use crate::replication::project::Project;
-use crate::replication::record::{self, Record};
+use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 
 /// Artifact with [`crate::identify::Findings`].
@@ -30,8 +30,7 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
     let (Some(table), Some(text)) = (scene.paper_table, &project.record_text) else {
         return Err(Error::input(format!(
             "scene `{}` asks for `identify`, which needs {}; restore it, or drop the output",
-            scene.name,
-            record::PATH
+            scene.name, IDENTIFIED
         )));
     };
     let variant =
@@ -44,14 +43,15 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
         parameters: parameters(&value),
         files: Artifacts::from([
             (PAPER.into(), project.paper_text.clone().into_bytes()),
-            (record::PATH.into(), text.clone()),
+            (IDENTIFIED.into(), text.clone()),
         ]),
         needs: Vec::new(),
         export: None,
         work: Box::new(move |inputs| {
             let text = |name: &str| String::from_utf8_lossy(&inputs.files[name]);
             let paper = Paper::parse(&text(PAPER)).map_err(|e| e.to_string())?;
-            let record = Record::parse(&text(record::PATH)).map_err(|e| e.to_string())?;
+            let record =
+                from_toml::<Record>(IDENTIFIED, &text(IDENTIFIED)).map_err(|e| e.to_string())?;
             let target = paper.target(table).map_err(|e| e.to_string())?;
             let alternatives = record.alternatives(table);
             let threads = rayon::current_num_threads();

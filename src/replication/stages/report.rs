@@ -5,16 +5,16 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
 use super::{artifact, bench, figures, from_json, to_json};
 use crate::discrete::load::{LoadRule, integral};
-use crate::pipeline::error::{Error, Result};
+use crate::identify::record::Record;
+use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
 use crate::problem::source::{Region, Source};
 use crate::replication::paper::TableComparison;
-use crate::replication::project::{CommandHelp, Project};
-use crate::replication::record::{self, Record};
+use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 use crate::report::{
-    self, Artifact, Column, Compared, Figure, Figures, Level, Piece, Problem, Provenance, Report,
-    Row, Solution, Version,
+    self, Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Piece, Problem,
+    Provenance, Report, Row, Solution, Version,
 };
 use crate::saddle::StopRule;
 use crate::timing::recorded;
@@ -57,7 +57,7 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
         .collect();
     let mut files = project.scene_files.clone();
     files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
-    files.extend(project.record_text.clone().map(|text| (record::PATH.to_owned(), text)));
+    files.extend(project.record_text.clone().map(|text| (IDENTIFIED.to_owned(), text)));
     files.extend(project.timings_text.clone().map(|text| (recorded::PATH.to_owned(), text)));
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
@@ -127,9 +127,9 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
         provenance: provenance(inputs, about),
         timings: super::timings::read(inputs)?,
         record: {
-            let text =
-                inputs.files.get(record::PATH).ok_or("the record of the search is missing")?;
-            Record::parse(&String::from_utf8_lossy(text)).map_err(|e| e.to_string())?
+            let text = inputs.files.get(IDENTIFIED).ok_or("the record of the search is missing")?;
+            from_toml::<Record>(IDENTIFIED, &String::from_utf8_lossy(text))
+                .map_err(|e| e.to_string())?
         },
     };
     let mut templates = BTreeMap::new();

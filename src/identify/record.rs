@@ -1,7 +1,6 @@
 //! `pipeline/identified.toml`: what the search for the lost Figure 1 has found, and how much was searched.
 
-use crate::identify::Questions;
-use crate::pipeline::error::{Error, Result, mistake};
+use super::Questions;
 use serde::{Deserialize, Serialize};
 
 /// The record: questions that every run answers again, and what longer searches said.
@@ -86,14 +85,6 @@ pub struct RunRecord {
 pub const PATH: &str = "pipeline/identified.toml";
 
 impl Record {
-    /// Parses the record.
-    ///
-    /// # Errors
-    /// [`Error::Input`] with the line of the mistake.
-    pub fn parse(text: &str) -> Result<Self> {
-        toml::from_str(text).map_err(|e| Error::input(format!("{PATH}: {}", mistake(text, &e))))
-    }
-
     /// The f that are compared for this table.
     pub fn alternatives(&self, table: u8) -> &[String] {
         self.problem.iter().find(|p| p.table == table).map_or(&[], |p| &p.alternatives)
