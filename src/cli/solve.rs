@@ -2,6 +2,7 @@
 
 mod cube;
 mod problem;
+mod spectral;
 
 use super::{current_folder, say, say_json};
 use crate::cli::formats;
@@ -102,6 +103,8 @@ pub(super) enum Solver {
     Multigrid,
     /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
     ActiveSet,
+    /// The true solution to rounding, by a conformal map and Newton's method on the ends of contact
+    Spectral,
 }
 
 impl Solver {
@@ -164,6 +167,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let tolerance = args.tolerance(solver)?;
     let problem = Problem { name, f: &f, rule, finest };
     let solved = match solver {
+        Solver::Spectral => return spectral::solve(args, &problem, integral),
         Solver::ArrowHurwicz | Solver::Uzawa | Solver::UzawaProximal => {
             let params = Params {
                 r: positive_r(args.r)?,

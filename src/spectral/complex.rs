@@ -14,6 +14,12 @@ impl Complex {
         Self { re, im }
     }
 
+    /// e^{i angle}.
+    pub fn unit(angle: f64) -> Self {
+        let (im, re) = libm::sincos(angle);
+        Self { re, im }
+    }
+
     pub fn scaled(self, factor: f64) -> Self {
         Self::new(factor * self.re, factor * self.im)
     }
@@ -43,6 +49,15 @@ impl Complex {
 
     pub fn norm(self) -> f64 {
         self.norm2().sqrt()
+    }
+
+    pub fn inverse(self) -> Self {
+        self.conj().scaled(1.0 / self.norm2())
+    }
+
+    /// The principal logarithm.
+    pub fn ln(self) -> Self {
+        Self::new(0.5 * libm::log(self.norm2()), self.arg())
     }
 
     pub fn arg(self) -> f64 {

@@ -61,6 +61,7 @@
 
 mod complex;
 mod contact;
+mod dilogarithm;
 mod jumps;
 mod map;
 mod newton;
@@ -73,7 +74,7 @@ mod trace;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::multigrid::square::{Goal, MultigridParams, multigrid};
-use crate::problem::source::{Region, Source};
+use crate::problem::source::Source;
 use complex::Complex;
 use map::{Angle, corner_angle, to_disc};
 use newton::Problem;
@@ -105,8 +106,8 @@ impl Default for Params {
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SpectralError {
-    /// f is not of constant pieces with straight borders.
-    #[error("f must consist of rectangles, quadrants and half-planes with constant values")]
+    /// f is not piecewise constant.
+    #[error("f must consist of constant pieces")]
     NotPieces,
     /// The energy has no minimiser, or not one alone.
     #[error(
@@ -192,11 +193,10 @@ pub struct BorderPoint {
 /// Solves the problem for a piecewise constant f.
 ///
 /// # Errors
-/// If f has other than straight jumps, its integral is not negative, no contact set is found, or the
+/// If f is not piecewise constant, its integral is not negative, no contact set is found, or the
 /// solution fails a check.
 pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
-    let Source::Pieces { pieces, .. } = f else { return Err(SpectralError::NotPieces) };
-    if pieces.iter().any(|(region, _)| matches!(region, Region::Disc { .. })) {
+    if f.exact().is_some() {
         return Err(SpectralError::NotPieces);
     }
     let problem = Problem::new(f);

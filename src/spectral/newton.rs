@@ -27,7 +27,7 @@ impl Problem {
     }
 
     pub fn panels(&self, ends: &Ends) -> Vec<Panel> {
-        panels(ends, &self.crossings, &self.jumps.vertices)
+        panels(ends, &self.crossings, &self.jumps)
     }
 
     pub fn target(&self, panel: &Panel, t: f64) -> Target {

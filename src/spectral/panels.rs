@@ -1,6 +1,7 @@
 //! Panels of the border: between ends of contact, corners and jumps, short where something is near.
 
 use super::complex::Complex;
+use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
 use super::potential::CORNERS;
 
@@ -205,7 +206,7 @@ impl Ends {
 }
 
 /// The panels, in order from the first end of contact on.
-pub(super) fn panels(ends: &Ends, crossings: &[Place], vertices: &[Complex]) -> Vec<Panel> {
+pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Panel> {
     let start = ends.start();
     let mut breaks: Vec<(Place, Special)> =
         ends.places.iter().enumerate().map(|(j, &place)| (place, Special::End(j))).collect();
@@ -226,7 +227,7 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], vertices: &[Complex]) -> 
     breaks.sort_by(|a, b| a.0.after(start).total_cmp(&b.0.after(start)));
     let mut cutter = Cutter {
         near: breaks.iter().map(|(place, _)| place.point()).collect(),
-        vertices,
+        jumps,
         panels: Vec::new(),
     };
     let (mut arcs, mut contact) = (0, ends.arcs() == 0);
@@ -252,7 +253,7 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], vertices: &[Complex]) -> 
 struct Cutter<'a> {
     /// The points where panels must begin.
     near: Vec<Complex>,
-    vertices: &'a [Complex],
+    jumps: &'a Jumps,
     panels: Vec<Panel>,
 }
 
@@ -276,7 +277,8 @@ impl Cutter<'_> {
                 cut = Some(if (0.0..0.5 * length).contains(&piece) { at } else { 0.5 * length });
             }
         }
-        if cut.is_none() && self.vertices.iter().any(|&v| length > distance(segment, v)) {
+        let middle = (segment[0] + segment[1]).scaled(0.5);
+        if cut.is_none() && self.jumps.singular(middle).any(|v| length > distance(segment, v)) {
             cut = Some(0.5 * length);
         }
         match cut {

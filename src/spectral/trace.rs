@@ -2,7 +2,7 @@
 
 use super::complex::Complex;
 use super::contact::UNRESOLVED;
-use super::jumps::{Jumps, PROBE};
+use super::jumps::{Curve, Edge, Jumps, PROBE};
 use super::newton::Problem;
 use super::panels::{Ends, Panel, Place, distance};
 use super::potential::CORNERS;
@@ -129,11 +129,9 @@ impl Trace {
                         - z.dot(normal) * gradient.dot(tangent));
             }
         }
-        for k in 0..jumps.edges.len() {
-            let edge = &jumps.edges[k];
-            let normal = -edge.tangent.turned();
+        for edge in &jumps.edges {
             let [left, right] = edge.values;
-            for (z, weight) in edge_nodes(jumps, k, rules) {
+            for (z, normal, weight) in edge_nodes(jumps, edge, rules) {
                 let (psi, gradient) = problem.psi.value_and_gradient(z);
                 let (psi, gradient) = bilinear.less(z, psi, gradient);
                 let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
@@ -151,7 +149,8 @@ impl Trace {
 
     /// The largest multiplier, and the size of v: in a short gap it is far smaller than inside.
     pub fn largest(&self) -> [f64; 2] {
-        let largest = |[l, v]: [f64; 2], p: &Point| [l.max(p.multiplier), v.max(p.value).max(p.psi.abs())];
+        let largest =
+            |[l, v]: [f64; 2], p: &Point| [l.max(p.multiplier), v.max(p.value).max(p.psi.abs())];
         self.points.iter().fold([0.0; 2], largest)
     }
 
@@ -233,28 +232,34 @@ impl Bilinear {
     }
 }
 
-/// Nodes and weights along an edge, short pieces near vertices.
-fn edge_nodes(jumps: &Jumps, k: usize, rules: &Rules) -> Vec<(Complex, f64)> {
-    let edge = &jumps.edges[k];
-    let mut pieces = vec![([edge.from, edge.to], edge.ends.map(|end| end.is_some()))];
+/// Nodes, right normals and weights along an edge, in short pieces where psi is singular.
+fn edge_nodes(jumps: &Jumps, edge: &Edge, rules: &Rules) -> Vec<(Complex, Complex, f64)> {
+    /// Longest piece of an arc, as an angle.
+    const WIDEST: f64 = 1.6;
+    let Edge { curve, span, ends, .. } = edge;
+    let speed = curve.speed();
+    let own = ends.map(|end| end.map(|v| jumps.vertices[v]));
+    let mut pieces = vec![(*span, own.map(|end| end.is_some()))];
     let mut nodes = Vec::new();
     while let Some(([a, b], [first, last])) = pieces.pop() {
-        let length = (b - a).norm();
-        let foreign = |i: &usize| !edge.ends.contains(&Some(*i));
-        let near = (0..jumps.vertices.len())
-            .filter(foreign)
-            .map(|i| distance([a, b], jumps.vertices[i]))
+        let length = (b - a) * speed;
+        let middle = 0.5 * (a + b);
+        let segment = [curve.at(a), curve.at(b)];
+        let near = jumps
+            .singular(curve.at(middle))
+            .filter(|&v| !own.contains(&Some(v)))
+            .map(|v| distance(segment, v))
             .fold(f64::INFINITY, f64::min);
-        if (first && last) || (length > near && length > 1e-9) {
-            let middle = (a + b).scaled(0.5);
+        let wide = matches!(curve, Curve::Circle { .. }) && b - a > WIDEST;
+        if (first && last) || wide || (length > near && length > 1e-9) {
             pieces.push(([a, middle], [first, false]));
             pieces.push(([middle, b], [false, last]));
             continue;
         }
         for &[x, w] in &rules.targets {
             let (s, slope) = if first || last { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
-            let z = if last { b - (b - a).scaled(s) } else { a + (b - a).scaled(s) };
-            nodes.push((z, length * slope * w));
+            let s = if last { b - (b - a) * s } else { a + (b - a) * s };
+            nodes.push((curve.at(s), curve.normal(s), length * slope * w));
         }
     }
     nodes
