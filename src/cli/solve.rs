@@ -33,7 +33,7 @@ pub(super) struct SolveArgs {
     /// Width of the finest grid, e.g. 1/256 [default: the scene's finest, or 1/64]
     #[arg(long, value_name = "1/N")]
     h: Option<String>,
-    /// Solver [default: arrow-hurwicz; on the cube, which has the last two, multigrid]
+    /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
     #[arg(long, value_enum)]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or nodal]
@@ -103,7 +103,7 @@ pub(super) enum Solver {
     Multigrid,
     /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
     ActiveSet,
-    /// The true solution to rounding, by a conformal map and Newton's method on the ends of contact
+    /// The true solution to rounding, for piecewise constant f
     Spectral,
 }
 

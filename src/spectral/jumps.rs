@@ -52,6 +52,20 @@ impl Curve {
         }
     }
 
+    /// The height of a horizontal line.
+    pub fn level(&self) -> Option<f64> {
+        match *self {
+            Self::Line { normal, offset } if normal.re == 0.0 => Some(offset),
+            _ => None,
+        }
+    }
+
+    /// Where it meets the horizontal line at height `y`.
+    pub fn at_level(self, y: f64) -> impl Iterator<Item = f64> {
+        let level = Self::Line { normal: Complex::new(0.0, 1.0), offset: y };
+        level.meets(self).into_iter().map(move |s| level.at(s).re)
+    }
+
     /// Parameters at which it meets another curve.
     fn meets(self, other: Self) -> Vec<f64> {
         match (self, other) {
@@ -138,6 +152,11 @@ pub(super) enum Continued {
 /// All jumps of f inside the square.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Jumps {
+    /// f, as regions with their values, in painting order.
+    painted: Vec<(Shape, f64)>,
+    background: f64,
+    /// The borders of all regions, in full.
+    pub curves: Vec<Curve>,
     pub edges: Vec<Edge>,
     pub continued: Vec<Continued>,
     /// Where edges meet, inside the square, and ends of continued arcs outside.
@@ -148,34 +167,70 @@ pub(super) struct Jumps {
 
 impl Jumps {
     pub fn of(f: &Source) -> Self {
-        let Source::Pieces { pieces, .. } = f else { return Self::default() };
-        let mut curves: Vec<Curve> = Vec::new();
-        for curve in pieces.iter().flat_map(|(region, _)| borders(region)) {
-            // Common borders of two regions are one curve.
-            if !curves.iter().any(|&other| other.same(curve)) {
-                curves.push(curve);
+        let Source::Pieces { pieces, background } = f else { return Self::default() };
+        let mut jumps = Self { background: *background, ..Self::default() };
+        for (region, value) in pieces {
+            let shape = Shape::of(region);
+            for curve in shape.borders() {
+                // Common borders of two regions are one curve.
+                if !jumps.curves.iter().any(|&other| other.same(curve)) {
+                    jumps.curves.push(curve);
+                }
             }
+            jumps.painted.push((shape, *value));
         }
-        let mut jumps = Self::default();
-        for &curve in &curves {
+        for curve in jumps.curves.clone() {
             match curve {
-                Curve::Line { .. } => jumps.add_line(f, curve, &curves),
-                Curve::Circle { .. } => jumps.add_circle(f, curve, &curves),
+                Curve::Line { .. } => jumps.add_line(curve),
+                Curve::Circle { .. } => jumps.add_circle(curve),
             }
         }
         jumps
     }
 
-    fn add_line(&mut self, f: &Source, line: Curve, curves: &[Curve]) {
+    /// f; the last region that covers a point wins.
+    pub fn value(&self, x: f64, y: f64) -> f64 {
+        let covering = self.painted.iter().rev().find(|(shape, _)| shape.contains(x, y));
+        covering.map_or(self.background, |&(_, value)| value)
+    }
+
+    /// The integral of f over the square, by Gauss's theorem for f times z / 2.
+    pub fn integral(&self) -> f64 {
+        let along = |edge: &Edge| {
+            let [a, b] = edge.span;
+            match edge.curve {
+                Curve::Line { offset, .. } => offset * (b - a),
+                Curve::Circle { centre, radius } => {
+                    let chord = Complex::unit(b) - Complex::unit(a);
+                    radius * (radius * (b - a) + centre.cross(chord))
+                }
+            }
+        };
+        let inside: f64 = self.edges.iter().map(|edge| edge.jump() * along(edge)).sum();
+        let border = |side: Curve| {
+            let mut cuts = vec![-0.5, 0.5];
+            cuts.extend(self.curves.iter().flat_map(|&curve| side.meets(curve)));
+            cuts.retain(|s| s.abs() <= 0.5);
+            cuts.sort_by(f64::total_cmp);
+            let piece = |cut: &[f64]| {
+                let z = side.at(0.5 * (cut[0] + cut[1])).scaled(1.0 - 2.0 * PROBE);
+                0.5 * (cut[1] - cut[0]) * self.value(z.re, z.im)
+            };
+            cuts.windows(2).map(piece).sum::<f64>()
+        };
+        0.5 * (inside + SIDES.into_iter().map(border).sum::<f64>())
+    }
+
+    fn add_line(&mut self, line: Curve) {
         let Some([low, high]) = in_square(line) else { return };
         let mut cuts = vec![low, high];
         cuts.extend(
-            curves
+            self.curves
                 .iter()
                 .flat_map(|&other| line.meets(other))
                 .filter(|s| (low + SAME..high - SAME).contains(s)),
         );
-        for (span, values) in pieces(f, line, cuts) {
+        for (span, values) in self.pieces(line, cuts) {
             let Some(values) = values.filter(|[left, right]| left != right) else { continue };
             let ends = span.map(|s| self.meet(line.at(s)));
             let tangent = line.normal(0.0).turned();
@@ -185,10 +240,15 @@ impl Jumps {
         }
     }
 
-    fn add_circle(&mut self, f: &Source, circle: Curve, curves: &[Curve]) {
+    fn add_circle(&mut self, circle: Curve) {
         let Curve::Circle { centre, radius } = circle else { return };
-        let mut cuts: Vec<f64> =
-            curves.iter().copied().chain(SIDES).flat_map(|other| circle.meets(other)).collect();
+        let mut cuts: Vec<f64> = self
+            .curves
+            .iter()
+            .copied()
+            .chain(SIDES)
+            .flat_map(|other| circle.meets(other))
+            .collect();
         cuts.sort_by(f64::total_cmp);
         // Once around, from the first cut.
         let first = cuts.first().copied().unwrap_or(0.0);
@@ -196,7 +256,7 @@ impl Jumps {
         if cuts.len() == 1 {
             cuts.insert(0, 0.0);
         }
-        let mut around = pieces(f, circle, cuts);
+        let mut around = self.pieces(circle, cuts);
         if around.iter().all(|(_, values)| values.is_none()) {
             return;
         }
@@ -271,6 +331,24 @@ impl Jumps {
         }
     }
 
+    /// The pieces of a curve between parameters; neighbours with the same values on both sides are one.
+    fn pieces(&self, curve: Curve, mut cuts: Vec<f64>) -> Vec<Piece> {
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|b, a| *b - *a < SAME);
+        let mut pieces: Vec<Piece> = Vec::new();
+        for cut in cuts.windows(2) {
+            let s = 0.5 * (cut[0] + cut[1]);
+            let (z, step) = (curve.at(s), curve.normal(s).scaled(PROBE));
+            let inside = z.re.abs().max(z.im.abs()) < 0.5 - SAME;
+            let values = inside.then(|| [z - step, z + step].map(|z| self.value(z.re, z.im)));
+            match pieces.last_mut() {
+                Some((span, last)) if *last == values => span[1] = cut[1],
+                _ => pieces.push(([cut[0], cut[1]], values)),
+            }
+        }
+        pieces
+    }
+
     /// The singular points of psi as it is near `z`: vertices, and centres of circles seen from outside.
     pub fn singular(&self, z: Complex) -> impl Iterator<Item = Complex> {
         let centres = self.edges.iter().filter_map(move |e| e.curve.singular_centre(z));
@@ -310,24 +388,6 @@ const SIDES: [Curve; 4] = [
 /// A piece of a curve and f on its left and right, none outside of the square.
 type Piece = ([f64; 2], Option<[f64; 2]>);
 
-/// The pieces of a curve between parameters; neighbours with the same values on both sides are one.
-fn pieces(f: &Source, curve: Curve, mut cuts: Vec<f64>) -> Vec<Piece> {
-    cuts.sort_by(f64::total_cmp);
-    cuts.dedup_by(|b, a| *b - *a < SAME);
-    let mut pieces: Vec<Piece> = Vec::new();
-    for cut in cuts.windows(2) {
-        let s = 0.5 * (cut[0] + cut[1]);
-        let (z, step) = (curve.at(s), curve.normal(s).scaled(PROBE));
-        let inside = z.re.abs().max(z.im.abs()) < 0.5 - SAME;
-        let values = inside.then(|| [z - step, z + step].map(|z| f.at(z.re, z.im)));
-        match pieces.last_mut() {
-            Some((span, last)) if *last == values => span[1] = cut[1],
-            _ => pieces.push(([cut[0], cut[1]], values)),
-        }
-    }
-    pieces
-}
-
 /// The parameters of the points of a line in the closed square, if it meets the inside.
 fn in_square(line: Curve) -> Option<[f64; 2]> {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -345,16 +405,48 @@ fn in_square(line: Curve) -> Option<[f64; 2]> {
     (high - low > SAME).then_some([low, high])
 }
 
-/// The curves that bound a region.
-fn borders(region: &Region) -> Vec<Curve> {
-    if let Region::Disc { centre: [x, y], radius } = *region {
-        return vec![Curve::Circle { centre: Complex::new(x, y), radius }];
+/// A region, ready to be asked often.
+#[derive(Clone, Debug)]
+enum Shape {
+    Disc {
+        centre: Complex,
+        radius: f64,
+    },
+    /// An intersection of half-planes `a x + b y <= c`.
+    Polygon(Vec<[f64; 3]>),
+}
+
+impl Shape {
+    fn of(region: &Region) -> Self {
+        match *region {
+            Region::Disc { centre: [x, y], radius } => {
+                Self::Disc { centre: Complex::new(x, y), radius }
+            }
+            _ => Self::Polygon(region.half_planes()),
+        }
     }
-    let line = |[a, b, c]: [f64; 3]| {
-        // One orientation for each line, so that common borders are found to be one.
-        let flip = if a < 0.0 || (a == 0.0 && b < 0.0) { -1.0 } else { 1.0 };
-        let scale = flip / (a * a + b * b).sqrt();
-        Curve::Line { normal: Complex::new(a, b).scaled(scale), offset: c * scale }
-    };
-    region.half_planes().into_iter().map(line).collect()
+
+    fn contains(&self, x: f64, y: f64) -> bool {
+        match self {
+            Self::Disc { centre, radius } => {
+                (Complex::new(x, y) - *centre).norm2() <= radius * radius
+            }
+            Self::Polygon(sides) => sides.iter().all(|&[a, b, c]| a * x + b * y <= c),
+        }
+    }
+
+    fn borders(&self) -> Vec<Curve> {
+        let line = |&[a, b, c]: &[f64; 3]| {
+            // One orientation for each line, so that common borders are found to be one.
+            let flip = if a < 0.0 || (a == 0.0 && b < 0.0) { -1.0 } else { 1.0 };
+            let scale = flip / (a * a + b * b).sqrt();
+            Curve::Line { normal: Complex::new(a, b).scaled(scale), offset: c * scale }
+        };
+        match self {
+            Self::Disc { centre, radius } => {
+                vec![Curve::Circle { centre: *centre, radius: *radius }]
+            }
+            Self::Polygon(sides) => sides.iter().map(line).collect(),
+        }
+    }
 }

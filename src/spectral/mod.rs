@@ -44,7 +44,7 @@
 //! *The contact set.* It starts from multigrid on a coarse grid; where l is negative a gap is opened, where
 //! v is negative an arc is inserted, until all signs hold (`contact.rs`): then, by convexity, it is the
 //! solution. Round a corner in contact where f > 0, there is always a gap, of a length exponentially small
-//! in 1 / f; below 2e-5 it is left out, at a cost of its fourth power.
+//! in 1 / f; below 1e-4 it is left out, at a cost of its fourth power.
 //!
 //! *The energy.* `J = -1/2 int f v` follows from Green's identity with psi, by integrals over the border
 //! and the edges; Rellich's identity gives it once more from other data (`trace.rs`).
@@ -69,25 +69,23 @@ mod panels;
 mod potential;
 mod rule;
 mod sources;
+mod start;
 mod trace;
 
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::multigrid::square::{Goal, MultigridParams, multigrid};
 use crate::problem::source::Source;
 use complex::Complex;
-use map::{Angle, corner_angle, to_disc};
 use newton::Problem;
 use panels::{Ends, Panel, Place};
 use sources::Rules;
-use trace::{Energies, Point, Trace};
+use trace::{Energies, Trace};
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Params {
     /// Gauss nodes of a panel.
     pub nodes: usize,
-    /// Panels that get shorter by factors of four towards corners and jumps of f.
+    /// Panels that get shorter by factors of eight towards corners and jumps of f.
     pub levels: u32,
 }
 
@@ -135,7 +133,7 @@ pub struct ContactArc {
 /// What must hold of a solution and was not used to find it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checks {
-    /// Least multiplier in contact over the largest; gaps of less than 2e-5 round corners are left out.
+    /// Least multiplier in contact over the largest; gaps of less than 1e-4 round corners are left out.
     pub least_multiplier: f64,
     /// Least v on the border elsewhere over the size of v and psi.
     pub least_value: f64,
@@ -180,6 +178,7 @@ pub struct Solution {
     problem: Problem,
     ends: Vec<Place>,
     trace: Trace,
+    rules: Rules,
 }
 
 /// v and the multiplier dv/dn at a point of the border.
@@ -200,18 +199,15 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
         return Err(SpectralError::NotPieces);
     }
     let problem = Problem::new(f);
-    let rules = Rules::new(params.nodes, params.levels);
+    let integral = problem.jumps.integral();
+    if integral >= 0.0 {
+        return Err(SpectralError::NotCoercive(integral));
+    }
     let mut error = SpectralError::NoContactSet;
     for n in [64, 256, 1024] {
         let grid = Grid::new(n).expect("not below the least");
-        let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::Rising });
-        let sum: f64 = load.iter().sum();
-        if sum >= 0.0 {
-            return Err(SpectralError::NotCoercive(sum));
-        }
-        let goal = MultigridParams { goal: Goal::DiscretisationError, ..Default::default() };
-        let Ok((y, _)) = multigrid(n, &load, None, &goal, |_| ()) else { continue };
-        match solve(&problem, contact::from_grid(grid, &y), &rules) {
+        let Some(y) = start::coarse(grid, &problem.jumps) else { continue };
+        match solve(&problem, contact::from_grid(grid, &y), params) {
             Err(SpectralError::NoContactSet) => {}
             Err(other) => error = other,
             solved => return solved,
@@ -221,19 +217,19 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
 }
 
 /// Newton's method and correction of the contact set in turn, until all signs are right.
-fn solve(problem: &Problem, start: Vec<Place>, rules: &Rules) -> Result<Solution, SpectralError> {
+fn solve(problem: &Problem, start: Vec<Place>, params: Params) -> Result<Solution, SpectralError> {
     const ROUNDS: usize = 12;
+    let rules = Rules::new(params.nodes, params.levels);
     let (mut places, mut steps) = (start, 0);
     for _ in 0..ROUNDS {
         let none = SpectralError::NoContactSet;
-        let (moved, more) = problem.newton(places, rules).ok_or(none.clone())?;
+        let (moved, more) = problem.newton(places, &rules).ok_or(none.clone())?;
         steps += more;
         let ends = Ends::new(contact::without_short(moved).ok_or(none.clone())?);
-        let trace = Trace::new(problem, &ends, rules);
+        let trace = Trace::new(problem, &ends, &rules);
         match contact::corrected(&trace, &ends) {
             None => {
-                let energies = trace.energies(problem, rules);
-                let solution = Solution::new(problem.clone(), ends.places, trace, &energies, steps);
+                let solution = Solution::new(problem, ends.places, trace, rules, steps);
                 let checks = solution.checks;
                 return if checks.pass() {
                     Ok(solution)
@@ -248,14 +244,8 @@ fn solve(problem: &Problem, start: Vec<Place>, rules: &Rules) -> Result<Solution
 }
 
 impl Solution {
-    fn new(
-        problem: Problem,
-        ends: Vec<Place>,
-        trace: Trace,
-        energies: &Energies,
-        steps: usize,
-    ) -> Self {
-        let Energies { energy, rellich, force, integral, .. } = *energies;
+    fn new(problem: &Problem, ends: Vec<Place>, trace: Trace, rules: Rules, steps: usize) -> Self {
+        let Energies { energy, rellich, force, integral, .. } = trace.energies(problem, &rules);
         let [least_multiplier, least_value] = trace.least();
         let checks = Checks {
             least_multiplier,
@@ -264,7 +254,8 @@ impl Solution {
             rellich: rellich / energy - 1.0,
         };
         let contact = arcs(&ends, &trace, force);
-        Self { energy, contact, checks, integral, steps, problem, ends, trace }
+        let problem = problem.clone();
+        Self { energy, contact, checks, integral, steps, problem, ends, trace, rules }
     }
 
     /// The same problem at another resolution, from the contact set of this solution.
@@ -272,7 +263,7 @@ impl Solution {
     /// # Errors
     /// If that is not reached.
     pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
-        solve(&self.problem, self.ends.clone(), &Rules::new(params.nodes, params.levels))
+        solve(&self.problem, self.ends.clone(), params)
     }
 
     /// v and dv/dn at the quadrature nodes of the border, anticlockwise.
@@ -288,37 +279,10 @@ impl Solution {
         [0, 1, 2, 3].map(|corner| self.trace.corner_value(corner))
     }
 
-    /// v at a point inside the square, by Poisson's integral on the disc; close to the border to fewer
-    /// digits.
+    /// v at a point inside the square.
     pub fn value(&self, x: f64, y: f64) -> f64 {
         let z = Complex::new(x, y);
-        let image = to_disc(z);
-        let points = &self.trace.points;
-        let distance = |p: &Point| (p.place.point() - z).norm2();
-        let nearest = points
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .expect("the border has points");
-        // A linear function less, the kernel meets a function that vanishes where it is large.
-        let tangent = self.trace.panels[nearest.panel].tangent;
-        let gradient = tangent.scaled(nearest.along)
-            - tangent.turned().scaled(nearest.multiplier)
-            - nearest.gradient;
-        let foot = nearest.place.point();
-        let plane = |z: Complex| nearest.value - nearest.psi + gradient.dot(z - foot);
-        let sum: f64 = points
-            .iter()
-            .map(|p| {
-                let angle = Angle::from_corner(p.place.t);
-                let (sin, cos) = libm::sincos(corner_angle(p.place.corner));
-                let half = Complex::new(angle.cos, angle.sin);
-                let to = Complex::new(cos, sin) * half * half - image;
-                let h = p.value - p.psi - plane(p.place.point());
-                p.weight * angle.slope * h / to.norm2()
-            })
-            .sum();
-        let (psi, _) = self.problem.psi.value_and_gradient(z);
-        psi + plane(z) + sum * (1.0 - image.norm2()) / std::f64::consts::TAU
+        self.problem.psi.value_and_gradient(z).0 + self.trace.harmonic(z, &self.rules)
     }
 }
 

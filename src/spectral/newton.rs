@@ -11,7 +11,6 @@ use crate::problem::source::Source;
 /// What does not change with the ends of contact.
 #[derive(Clone)]
 pub(super) struct Problem {
-    pub f: Source,
     pub jumps: Jumps,
     pub psi: Potential,
     /// Where jumps of f meet the border.
@@ -21,9 +20,9 @@ pub(super) struct Problem {
 impl Problem {
     pub fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
-        let psi = Potential::new(&jumps, |z| f.at(z.re, z.im));
+        let psi = Potential::new(&jumps);
         let crossings = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
-        Self { f: f.clone(), jumps, psi, crossings }
+        Self { jumps, psi, crossings }
     }
 
     pub fn panels(&self, ends: &Ends) -> Vec<Panel> {

@@ -8,7 +8,7 @@ use super::rule::{gauss, interpolation};
 use std::ops::Range;
 
 /// Ratio of neighbouring panels towards corners and crossings.
-const RATIO: f64 = 4.0;
+const RATIO: f64 = 8.0;
 
 /// The rules of one resolution.
 pub(super) struct Rules {

@@ -3,11 +3,13 @@
 use super::complex::Complex;
 use super::contact::UNRESOLVED;
 use super::jumps::{Curve, Edge, Jumps, PROBE};
+use super::map::{Angle, corner_angle, to_disc};
 use super::newton::Problem;
-use super::panels::{Ends, Panel, Place, distance};
+use super::panels::{Ends, Node, Panel, Place, Special, distance};
 use super::potential::CORNERS;
-use super::rule::integration;
+use super::rule::{integration, interpolation};
 use super::sources::{Field, Rules, Sources};
+use std::f64::consts::TAU;
 
 /// The solution at a point of the border.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +32,8 @@ pub(super) struct Point {
 pub(super) struct Trace {
     pub panels: Vec<Panel>,
     pub points: Vec<Point>,
+    /// v at the starts of the panels.
+    starts: Vec<f64>,
 }
 
 impl Trace {
@@ -42,8 +46,10 @@ impl Trace {
         let mut points: Vec<Point> = Vec::with_capacity(n * panels.len());
         // v at the start of the panel.
         let mut before = 0.0;
+        let mut starts = Vec::with_capacity(panels.len());
         for (p, panel) in panels.iter().enumerate() {
             let first = points.len();
+            starts.push(before);
             for node in panel.nodes(&rules.targets, panel.target_power()) {
                 let z = panel.point(node.t);
                 let mut target = problem.target(panel, node.t);
@@ -72,7 +78,7 @@ impl Trace {
                 points.reverse();
             }
         }
-        Self { panels, points }
+        Self { panels, points, starts }
     }
 
     /// The total of l over the border and the energy J = -1/2 int f v, by Green's identity with psi and
@@ -85,7 +91,7 @@ impl Trace {
             .iter()
             .map(|panel| {
                 let z = panel.middle() + panel.tangent.turned().scaled(PROBE);
-                problem.f.at(z.re, z.im)
+                jumps.value(z.re, z.im)
             })
             .collect();
         let mut e = Energies::default();
@@ -168,15 +174,59 @@ impl Trace {
         [least[0] / l, if least[1].is_finite() { least[1] / v } else { 0.0 }]
     }
 
+    /// The harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
+    /// are interpolated to parts that are no longer than their distance from `z`.
+    pub fn harmonic(&self, z: Complex, rules: &Rules) -> f64 {
+        let image = to_disc(z);
+        let n = rules.targets.len();
+        let mut sum = 0.0;
+        for (panel, points) in self.panels.iter().zip(self.points.chunks_exact(n)) {
+            let mut values: Vec<f64> = points.iter().map(|p| p.value - p.psi).collect();
+            if panel.reversed() {
+                values.reverse();
+            }
+            let (sin, cos) = libm::sincos(corner_angle(panel.corner));
+            let mut parts = vec![[0.0, 1.0]];
+            while let Some([from, to]) = parts.pop() {
+                let inside: Vec<[f64; 2]> = rules
+                    .targets
+                    .iter()
+                    .map(|&[x, w]| [from + (to - from) * x, (to - from) * w])
+                    .collect();
+                let nodes: Vec<Node> = panel.nodes(&inside, panel.target_power()).collect();
+                let segment = [nodes[0], nodes[n - 1]].map(|node| panel.point(node.t));
+                if (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12) {
+                    let middle = 0.5 * (from + to);
+                    parts.extend([[from, middle], [middle, to]]);
+                    continue;
+                }
+                let places: Vec<f64> = inside.iter().map(|&[x, _]| x).collect();
+                let matrix = if to - from == 1.0 {
+                    Vec::new()
+                } else {
+                    interpolation(&rules.targets, &places)
+                };
+                for (k, node) in nodes.iter().enumerate() {
+                    let h = match matrix.get(k * n..(k + 1) * n) {
+                        None => values[k],
+                        Some(row) => row.iter().zip(&values).map(|(m, h)| m * h).sum(),
+                    };
+                    let angle = Angle::from_corner(node.t);
+                    let half = Complex::new(angle.cos, angle.sin);
+                    let to = Complex::new(cos, sin) * half * half - image;
+                    sum += node.weight * angle.slope * h / to.norm2();
+                }
+            }
+        }
+        sum * (1.0 - image.norm2()) / TAU
+    }
+
     /// v in a corner.
     pub fn corner_value(&self, corner: i32) -> f64 {
-        // The next point is so near that v has not changed.
-        let nearest = self
-            .points
-            .iter()
-            .filter(|p| (p.place.corner - corner).rem_euclid(4) == 0)
-            .min_by(|a, b| a.place.t.abs().total_cmp(&b.place.t.abs()));
-        nearest.map_or(0.0, |p| p.value)
+        let begins = |panel: &Panel| {
+            panel.special[0] == Some(Special::Corner) && (panel.corner - corner).rem_euclid(4) == 0
+        };
+        self.panels.iter().position(begins).map_or(0.0, |p| self.starts[p])
     }
 }
 
