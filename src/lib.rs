@@ -4,7 +4,8 @@
 //! from one machine to the next, and artifacts are compared by hash.
 //!
 //! ```
-//! use signorini::multigrid::square::{MultigridParams, multigrid};
+//! use signorini::multigrid::square::multigrid;
+//! use signorini::multigrid::MultigridParams;
 //! use signorini::discrete::grid::Grid;
 //! use signorini::discrete::kkt::kkt;
 //! use signorini::discrete::load::{LoadRule, load};

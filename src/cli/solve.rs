@@ -7,7 +7,7 @@ mod spectral;
 use super::{current_folder, say, say_json};
 use crate::cli::formats;
 use crate::discrete::load::{Diagonal, LoadRule};
-use crate::multigrid::square::Goal;
+use crate::multigrid::Goal;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::problem::source::Source;
 use crate::replication::project::Project;

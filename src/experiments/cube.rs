@@ -2,8 +2,8 @@
 
 use super::accuracy::{GOALS, Spent};
 use crate::discrete::cube::{Errors, Grid, errors, load};
+use crate::multigrid::MultigridParams;
 use crate::multigrid::cube::Multigrid;
-use crate::multigrid::square::MultigridParams;
 use crate::problem::cube::Exact;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,8 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::multigrid;
-use crate::multigrid::square::{Goal, MultigridParams, multigrid};
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{Goal, MultigridParams};
 use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use serde::{Deserialize, Serialize};
 

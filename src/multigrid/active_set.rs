@@ -3,8 +3,10 @@
 //! # Idea
 //! Guess the contact set, solve the linear problem with `y = 0` there, then drop the nodes with a
 //! negative multiplier and add those with a negative value. This is the semismooth Newton method for
-//! `l = max(0, l - c y)`; the matrix being an M-matrix, it converges from every start in finitely many
-//! steps (Hintermüller, Ito and Kunisch 2002, theorem 3.2).
+//! `l = max(0, l - c y)`. For a nonsingular M-matrix and a bound at every node it converges from every start
+//! in finitely many steps (Hintermüller, Ito and Kunisch 2002, theorem 3.2). Here the matrix is singular and
+//! only the boundary is bounded: one node is kept in contact, so that every step has a solution, and that the
+//! contact set comes to rest is observed, not proved. Hence the limit on steps and the watch for a return.
 //!
 //! # Cost
 //! One sparse Cholesky factorisation per step, `O(n^3)` operations and `O(n^2 log n)` memory.

@@ -26,6 +26,16 @@ impl Banded {
         &mut self.lower[place]
     }
 
+    /// Multiplications that the factorisation takes.
+    pub(super) fn factor_work(&self) -> f64 {
+        (self.size * self.band * (self.band + 1) / 2) as f64
+    }
+
+    /// Multiplications that one solution takes.
+    pub(super) fn solve_work(&self) -> f64 {
+        (2 * self.size * self.band) as f64
+    }
+
     /// How many numbers are stored.
     pub(super) fn entries(&self) -> usize {
         self.lower.len()

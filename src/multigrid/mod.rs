@@ -2,12 +2,20 @@
 
 pub mod active_set;
 mod banded;
+mod blocks;
+mod coarsest;
 pub mod cube;
+mod hierarchy;
 mod input;
+mod layout;
+mod level;
 mod network;
+mod pass;
 mod rows;
 pub mod square;
+mod stencil;
 mod stopping;
+mod transfer;
 
 pub use input::InputError;
 
@@ -34,4 +42,51 @@ impl StopReason {
             Self::Diverged => "diverged",
         }
     }
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// Algebraic error well below the discretisation error: two cycles on the finest grid, more only
+    /// while the contact set is still moving.
+    DiscretisationError,
+    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)` at most this number (units of the
+    /// load, that is of f h^2; not relative).
+    Kkt(f64),
+    /// As far as double precision goes.
+    RoundingFloor,
+}
+
+/// Parameters of multigrid.
+#[derive(Clone, Debug)]
+pub struct MultigridParams {
+    pub goal: Goal,
+    /// Limit on the cycles on the finest grid.
+    pub max_cycles: usize,
+}
+
+impl Default for MultigridParams {
+    fn default() -> Self {
+        Self { goal: Goal::RoundingFloor, max_cycles: 60 }
+    }
+}
+
+/// What the monitor sees after each cycle on the finest grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    pub cycle: usize,
+    /// Natural residual, in units of the load.
+    pub kkt: f64,
+    pub work_units: f64,
+}
+
+/// Result without the solution itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    pub stop: StopReason,
+    /// Cycles on the finest grid.
+    pub cycles: usize,
+    /// Natural residual of the solution, in units of the load.
+    pub kkt: f64,
+    pub work_units: f64,
 }

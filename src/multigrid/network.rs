@@ -4,6 +4,8 @@
 //! stiffness matrix has `-weight` beside the diagonal and rows that sum to zero. That is all a direct
 //! method needs to know of a grid.
 
+use super::layout::Dimension;
+
 /// Couplings of all nodes.
 pub(super) struct Network {
     /// Where the couplings of each node begin, and the end.
@@ -22,6 +24,11 @@ impl Network {
     /// The seven-point stencil on `n` by `n` by `n` cells, x fastest, z slowest.
     pub(super) fn cube(n: usize) -> Self {
         Self::lattice([n, n, n], 1.0 / n as f64)
+    }
+
+    /// The mirrored stencil on `n` cells per side, each node's couplings times the part of its cell inside.
+    pub(super) fn unit<D: Dimension>(n: usize) -> Self {
+        Self::lattice([n, n, if D::AXES == 2 { 0 } else { n }], 1.0)
     }
 
     /// A box of cells, none along the axes that do not exist; `weight` couples neighbours inside.

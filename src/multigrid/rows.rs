@@ -1,23 +1,19 @@
-//! Rows of nodes with red and black ones stored apart, as both multigrid solvers keep them.
+//! Rows of nodes with red and black ones stored apart, as the grids of a hierarchy keep them.
 
 use std::ops::{Deref, DerefMut};
 
 use rayon::prelude::*;
 
-use super::input::InputError;
-
 /// Nodes with an even sum of indices are red, the others black.
 ///
 /// The corners are red because the number of cells per side is even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Colour {
+pub enum Colour {
     Red,
     Black,
 }
 
 impl Colour {
-    pub(super) const BOTH: [Colour; 2] = [Colour::Red, Colour::Black];
-
     pub(super) fn other(self) -> Self {
         match self {
             Colour::Red => Colour::Black,
@@ -76,7 +72,7 @@ impl DerefMut for Rows {
     }
 }
 
-/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows; returns what
+/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows. Returns what
 /// `of_row` makes of each row, in order.
 pub(super) fn split<T: Send>(
     n: usize,
@@ -98,28 +94,11 @@ pub(super) fn split<T: Send>(
         .collect()
 }
 
-/// Copies a start in natural order, divided by `divisor`.
-///
-/// # Errors
-/// If a quotient is not finite.
-pub(super) fn set_scaled(
-    n: usize,
-    start: &[f64],
-    divisor: f64,
-    colours: &mut [Rows; 2],
-) -> Result<(), InputError> {
-    if start.iter().any(|value| !(value / divisor).is_finite()) {
-        return Err(InputError::NotFinite("start"));
-    }
-    split(n, start, colours, |_| ());
-    if divisor != 1.0 {
-        scale(colours, 1.0 / divisor);
-    }
-    Ok(())
-}
-
 /// Multiplies an array of both colours by a number.
 pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
+    if factor == 1.0 {
+        return;
+    }
     for half in colours {
         half.par_iter_mut().with_min_len(1 << 14).for_each(|value| *value *= factor);
     }
@@ -128,14 +107,15 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 /// The inverse of [`split`], each number times `factor`.
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
     let stride = stride(n);
+    assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
     natural.par_chunks_exact_mut(n + 1).enumerate().with_min_len(MIN_ROWS).for_each(
         |(j, target)| {
             let row = j * stride..(j + 1) * stride;
             let [red, black] = [&colours[0][row.clone()], &colours[1][row]];
             let [long, short] = long_and_short(j, [red, black]);
             interleave(long, short, target);
-            for value in target {
-                *value *= factor;
+            if factor != 1.0 {
+                target.iter_mut().for_each(|value| *value *= factor);
             }
         },
     );

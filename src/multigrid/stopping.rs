@@ -1,7 +1,6 @@
 //! When multigrid stops, on the square and on the cube alike.
 
-use super::StopReason;
-use super::square::{Goal, MultigridParams, Outcome, Progress};
+use super::{Goal, MultigridParams, Outcome, Progress, StopReason};
 
 /// The discretisation error is reached after two cycles if the natural residual is this part of the load.
 const DISCRETISATION: f64 = 0.05;
@@ -10,7 +9,7 @@ const STAGNATION: f64 = 0.5;
 /// Natural residual of nodes that were minimised one by one, in roundings, generously.
 const FLOOR: f64 = 32.0;
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.
-const HOPELESS: f64 = 1e12;
+const DIVERGENCE: f64 = 1e12;
 
 /// A hierarchy of grids, as far as the stopping tests know it. Residuals are natural ones, those of the
 /// scaled load.
@@ -36,7 +35,7 @@ pub(super) fn iterate(
     params: &MultigridParams,
     mut monitor: impl FnMut(&Progress),
 ) -> Outcome {
-    let hopeless = HOPELESS * first.max(grids.load_scale());
+    let diverging = DIVERGENCE * first.max(grids.load_scale());
     let (mut kkt, mut cycles) = (first, 0);
     let stop = loop {
         if cycles == params.max_cycles {
@@ -48,7 +47,7 @@ pub(super) fn iterate(
         cycles += 1;
         let raw = kkt * grids.scale();
         monitor(&Progress { cycle: cycles, kkt: raw, work_units: grids.work_units() });
-        if !kkt.is_finite() || kkt > hopeless {
+        if !kkt.is_finite() || kkt > diverging {
             break StopReason::Diverged;
         }
         match params.goal {

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use signorini::discrete::cube::{Errors, Grid, energy, errors, kkt};
 use signorini::multigrid::active_set::ActiveSetParams;
 use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
-use signorini::multigrid::square::{Goal, MultigridParams, Outcome};
+use signorini::multigrid::{Goal, MultigridParams, Outcome};
 use signorini::multigrid::{InputError, StopReason};
 use signorini::problem::cube::Exact;
 

@@ -8,7 +8,8 @@ use signorini::discrete::load::{LoadRule, load};
 use signorini::discrete::norms::errors;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini::multigrid::active_set::{ActiveSetParams, active_set};
-use signorini::multigrid::square::{Goal, Multigrid, MultigridParams, Outcome, multigrid};
+use signorini::multigrid::square::{Multigrid, multigrid};
+use signorini::multigrid::{Goal, MultigridParams, Outcome};
 use signorini::multigrid::{InputError, StopReason};
 use signorini::problem::exact::Exact;
 use signorini::problem::source::{Source, Tie};
@@ -70,9 +71,9 @@ fn two_cycles_reach_the_discretisation_error() {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!(outcome.stop, StopReason::Converged);
+            assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 2));
             if n >= 64 {
-                assert!(outcome.work_units < 12.0, "{problem:?} {n} {outcome:?}");
+                assert!(outcome.work_units < 13.1, "{problem:?} {n} {outcome:?}");
             }
             let values = exact_values(problem, n);
             let norm = |a: &[f64], b: &[f64]| -> f64 {
@@ -131,7 +132,7 @@ fn multigrid_and_active_set_agree_to_rounding() {
 #[test]
 fn work_does_not_depend_on_the_grid() {
     let goals =
-        [(Goal::DiscretisationError, 12.0), (Goal::Kkt(1e-10), 26.0), (Goal::RoundingFloor, 55.0)];
+        [(Goal::DiscretisationError, 13.2), (Goal::Kkt(1e-10), 28.5), (Goal::RoundingFloor, 55.5)];
     for n in [64, 128, 256, 512] {
         let exact = Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n)));
         let usual = exact.into_iter().chain(paper_loads(n)).map(|load| (load, 1.0));
@@ -251,6 +252,14 @@ fn the_workspace_stays_small_and_can_be_used_again() {
     let first = solve(&load);
     solve(&exact_load(Exact::FullContact, n));
     assert!(first == solve(&load));
+}
+
+#[test]
+#[should_panic(expected = "one number for each node")]
+fn a_short_slice_does_not_hold_the_solution() {
+    let mut workspace = Multigrid::new(16).expect("valid size");
+    workspace.solve(&[-1.0; 289], None, &MultigridParams::default(), |_| {}).expect("valid load");
+    workspace.write_solution(&mut [0.0; 272]);
 }
 
 proptest! {

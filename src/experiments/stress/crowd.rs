@@ -4,7 +4,7 @@ use crate::discrete::grid::Grid;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::multi;
 use crate::identify::random::Random;
-use crate::multigrid::square::Goal;
+use crate::multigrid::Goal;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

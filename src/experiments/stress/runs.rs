@@ -12,7 +12,7 @@ use crate::experiments::problems::nodal_load;
 use crate::experiments::reference::{Number, Plain, Problem, nested_counts};
 use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
-use crate::multigrid::square::Goal;
+use crate::multigrid::Goal;
 use crate::problem::source::Source;
 use crate::saddle::{Pair, Params, StopRule};
 use rayon::prelude::*;

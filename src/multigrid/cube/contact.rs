@@ -25,70 +25,29 @@
 //! 0.3 where the set is scattered over single nodes. The springs affect the speed only, never the
 //! solution.
 
-use super::level::Level;
-use super::surface::{around, for_each_node, nodes, place};
+use super::surface::{around, for_each_node, nodes};
+use crate::multigrid::level::Level;
 
 /// Potential kernel of the cubic lattice at the origin, at the nearest and at the diagonal neighbours in
-/// a plane: 0.252731..., G(0) - 1/6, and 0.055149...
-const G: [f64; 3] = [0.252_731_009_8, 0.086_064_343_1, 0.055_149_142_1];
+/// a plane: 0.252731..., G(0) - 1/6, and 0.055191...
+const G: [f64; 3] = [0.252_731_009_8, 0.086_064_343_1, 0.055_191_433_7];
 /// Springs at least this stiff count as contact.
 const STIFFEST: f64 = 1e3;
 
-/// The contact set of a grid.
-#[derive(PartialEq, Eq)]
-pub(super) struct ContactSet {
-    n: usize,
-    in_contact: Vec<bool>,
-}
-
-impl ContactSet {
-    /// Reads the set off the values: nodes of the boundary with `y = 0` and `A y >= F`.
-    pub(super) fn of(level: &Level) -> Self {
-        let n = level.n;
-        let mut in_contact = vec![false; nodes(n)];
-        for_each_node(n, |place, node| {
-            in_contact[place] = level.value(node) == 0.0 && level.residual(node) <= 0.0;
-        });
-        Self { n, in_contact }
+/// Sets `1 / (6 + spring)` on all `levels`, coarsest first, for a contact set of a finer grid with `n` cells
+/// per side. Returns the work in visits of unknowns: one sum over neighbours on the finest grid, five on each
+/// coarser one.
+pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+    let area: Vec<_> = in_contact.iter().map(|&contact| f64::from(contact)).collect();
+    let mut finer = Draw { n, capacity: vec![0.0; area.len()], area };
+    finer.make_compact();
+    let mut work = nodes(n) as f64;
+    for level in levels.iter_mut().rev() {
+        finer = finer.coarsened();
+        level.inverse_diagonal = finer.inverse_diagonal();
+        work += 5.0 * nodes(level.n) as f64;
     }
-
-    /// The set that consists of one node.
-    pub(super) fn single(n: usize, node: [usize; 3]) -> Self {
-        let mut in_contact = vec![false; nodes(n)];
-        in_contact[place(n, node)] = true;
-        Self { n, in_contact }
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        !self.in_contact.contains(&true)
-    }
-
-    /// Sets `1 / (6 + spring)` on all `levels`, coarsest first, all coarser than the grid of the set.
-    pub(super) fn set_springs(&self, levels: &mut [Level]) {
-        let area: Vec<_> = self.in_contact.iter().map(|&contact| f64::from(contact)).collect();
-        let mut finer = Draw { n: self.n, capacity: vec![0.0; area.len()], area };
-        finer.make_compact();
-        for level in levels.iter_mut().rev() {
-            finer = finer.coarsened();
-            level.inverse_diagonal = finer.inverse_diagonal();
-        }
-    }
-
-    /// Memory held, in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        self.in_contact.len()
-    }
-
-    /// Visits of nodes that reading a set costs.
-    pub(super) fn reading_work(&self) -> f64 {
-        nodes(self.n) as f64
-    }
-
-    /// Visits of nodes that [`set_springs`](Self::set_springs) costs: one sum over neighbours on the
-    /// finest grid, five on each coarser one, of which each has a quarter of the nodes.
-    pub(super) fn spring_work(&self) -> f64 {
-        nodes(self.n) as f64 * (1.0 + 5.0 / 3.0)
-    }
+    work
 }
 
 /// How much current each boundary node of a grid takes up.
@@ -155,17 +114,34 @@ impl Draw {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Cube;
+    use super::super::surface::place;
     use super::*;
+    use std::f64::consts::PI;
 
     fn springs(n: usize, coarse_n: usize, contact: &[[usize; 3]]) -> Vec<f64> {
-        let mut set = ContactSet::single(n, contact[0]);
-        contact.iter().for_each(|&node| set.in_contact[place(n, node)] = true);
-        let mut levels = vec![Level::new(n / 2)];
+        let mut in_contact = vec![false; nodes(n)];
+        contact.iter().for_each(|&node| in_contact[place(n, node)] = true);
+        let mut levels = vec![Level::new::<Cube>(n / 2)];
         while levels[0].n > coarse_n {
-            levels.insert(0, Level::new(levels[0].n / 2));
+            levels.insert(0, Level::new::<Cube>(levels[0].n / 2));
         }
-        set.set_springs(&mut levels);
+        set_springs(n, &in_contact, &mut levels);
         levels[0].inverse_diagonal.iter().map(|inverse| 1.0 / inverse - 6.0).collect()
+    }
+
+    #[test]
+    fn the_kernel_is_that_of_the_cubic_lattice() {
+        // Watson's integral by Glasser and Zucker, the equation at the origin, and at (1, 1, 0) the identity
+        // 5 g / 12 - 1 / (2 pi^2 g), g = 2 G(0), for twice the kernel (Glasser and Boersma 2000).
+        let gammas: f64 = [1.0, 5.0, 7.0, 11.0].map(|k| libm::tgamma(k / 24.0)).iter().product();
+        let at_zero = 6.0_f64.sqrt() / (192.0 * PI.powi(3)) * gammas;
+        let g = 2.0 * at_zero;
+        let expected =
+            [at_zero, at_zero - 1.0 / 6.0, 0.5 * (5.0 / 12.0 * g - 1.0 / (2.0 * PI * PI * g))];
+        for (found, expected) in G.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+        }
     }
 
     #[test]

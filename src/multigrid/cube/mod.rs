@@ -14,27 +14,53 @@
 //! corrections per correction of the grid above, each costing an eighth of the one before.
 //!
 //! # Cost
-//! Values and loads of all grids and residuals of one colour, 22.3 bytes per unknown, plus rounding of
-//! rows to cache lines and the springs of the boundary. A *work unit* is one projected Gauss-Seidel sweep
+//! Values and loads of all grids, 18.3 bytes per unknown, plus rounding of rows to cache lines, three planes of
+//! residuals for each thread, and what is kept for the boundary. A *work unit* is one projected Gauss-Seidel sweep
 //! of the finest grid, counted by visits of unknowns on all grids: a half-sweep 1/2, residual and
 //! restriction of one colour 3/4, interpolation to one colour 1/4, restriction of a load 1/2, a check of
-//! all optimality conditions 1, boundary loops and coarsest solves by their size.
+//! all optimality conditions 1, boundary loops by their size, direct solutions by their multiplications,
+//! of which a visit has as many as its stencil.
 
-mod coarsest;
 mod contact;
-mod cycle;
-mod level;
-mod stencil;
 mod surface;
-mod sweep;
-
-pub use cycle::Multigrid;
+mod transfer;
 
 use super::active_set::{self, ActiveSetParams};
+use super::hierarchy::{self, Geometry};
 use super::input::InputError;
+use super::layout::Dimension;
+use super::level::Level;
 use super::network::Network;
-use super::square::{MultigridParams, Outcome, Progress};
+use super::{MultigridParams, Outcome, Progress};
 use crate::discrete::cube::{Grid, kkt};
+
+/// The unit cube.
+pub struct Cube;
+
+/// Preallocated grids on the cube.
+pub type Multigrid = hierarchy::Multigrid<Cube>;
+
+impl Dimension for Cube {
+    const AXES: usize = 3;
+}
+
+impl Geometry for Cube {
+    const CELLS: &str = "a power of two (at least 2), or three times one";
+    const RELAXATION: f64 = 1.25;
+    const COARSE_RELAXATION: f64 = 1.25;
+    const OVERCORRECTION: f64 = 1.0;
+    const TWICE_BELOW: usize = 1;
+    const W_CYCLE: bool = true;
+
+    fn coarsest(n: usize) -> Option<usize> {
+        let odd = n.checked_shr(n.trailing_zeros())?;
+        (n.is_multiple_of(2) && matches!(odd, 1 | 3)).then_some(2 * odd)
+    }
+
+    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+        contact::set_springs(n, in_contact, levels)
+    }
+}
 
 /// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary, `A` the seven-point stiffness matrix of the
 /// natural boundary condition on `n` by `n` by `n` cells (see [`cube`](crate::discrete::cube)).

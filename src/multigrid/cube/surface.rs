@@ -1,29 +1,17 @@
 //! Numbers for the boundary nodes of a grid of the cube, and sums over their neighbours on its faces.
 
-use super::level::mirrored;
+use super::Cube;
+use crate::multigrid::layout::{boundary_nodes, boundary_number, mirrored};
 
 /// How many nodes lie on the boundary.
 pub(super) fn nodes(n: usize) -> usize {
-    6 * n * n + 2
+    boundary_nodes::<Cube>(n)
 }
 
 /// Number of a boundary node: boundary nodes are counted in natural order.
 #[inline(always)]
-pub(super) fn place(n: usize, [i, j, k]: [usize; 3]) -> usize {
-    let side = n + 1;
-    if k == 0 {
-        return j * side + i;
-    }
-    let first = side * side + (k - 1) * 4 * n;
-    if k == n {
-        first + j * side + i
-    } else if j == 0 {
-        first + i
-    } else if j == n {
-        first + 3 * n - 1 + i
-    } else {
-        first + side + 2 * (j - 1) + usize::from(i == n)
-    }
+pub(super) fn place(n: usize, node: [usize; 3]) -> usize {
+    boundary_number::<Cube>(n, &node)
 }
 
 /// Calls `visit(place, node)` for every boundary node, by growing place.

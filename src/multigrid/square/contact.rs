@@ -17,15 +17,21 @@
 //!   contact up to [`CORNER_LEG`]; a spring `CORNER_SPRING t / (1 - t)` on that node instead of contact
 //!   like contact up to `CORNER_LEG sqrt(t)`.
 //!
-//! The first two were found numerically (to five digits, so the closed forms are a conjecture); the
-//! others follow from the potential kernel of the square lattice (Spitzer, *Principles of Random
+//! The first two follow by Wiener and Hopf's factorisation. Without the interior nodes, the boundary has the
+//! symbol `2 sqrt((1 - cos t)(3 - cos t)) = S(z) S(1/z) / sqrt(rho)`, `S = sqrt((1 - z)(1 - rho z))`,
+//! `rho = 3 - 2 sqrt(2)` (the half-plane mirrored, a spring counts twice). Values that grow like a root and
+//! solve all equations but that of node 1 are the coefficients of `U = C z (1 - t (1 - z)) / ((1 - z) S)`: they
+//! grow like `sqrt(k - e)` with `e = 1/4 + rho / (2 (1 - rho)) + t = TIP + t`, and in the equation of node 1
+//! `t / sqrt(rho)` is left, twice a spring times the value `1 - t` there.
+//! The others follow from the potential kernel of the square lattice (Spitzer, *Principles of Random
 //! Walk*, section 15) and the map `z^2` of the quadrant. They affect the speed of convergence only,
 //! never the solution.
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::level::Level;
-use super::stencil::perimeter;
+use super::Square;
+use crate::multigrid::layout::boundary_number;
+use crate::multigrid::level::Level;
 
 /// Where the interval of contact ends beyond its last node: sqrt(2) / 4.
 const TIP: f64 = SQRT_2 / 4.0;
@@ -45,8 +51,8 @@ const TWO_LEGS: f64 = 1.350_444;
 const CORNER_LEG: f64 = 1.323_608;
 /// Scale of the spring around a corner: 1 / g.
 const CORNER_SPRING: f64 = 1.375_969;
-/// Springs at least this stiff count as contact.
-const STIFFEST: f64 = 1e4;
+/// Springs at least this stiff, in the mirrored stencil, count as contact.
+const STIFFEST: f64 = 2e4;
 /// Slack when a node lies at the very end of an interval, in cells.
 const ROUNDING: f64 = 1e-9;
 
@@ -58,60 +64,47 @@ struct Interval {
     end: f64,
 }
 
-/// The contact set of a grid.
-pub(super) struct ContactSet {
-    n: usize,
-    in_contact: Vec<bool>,
-    intervals: Vec<Interval>,
+/// Sets `1 / (4 + spring)` on all `levels`, for a contact set of a finer grid with `n` cells per side; both
+/// by the numbers of boundary nodes. Returns the work in visits of unknowns.
+pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+    let around: Vec<_> = (0..4 * n).map(|p| in_contact[number(n, p)]).collect();
+    let intervals = intervals(n, &around);
+    let mut work = in_contact.len() as f64;
+    for level in levels {
+        let cells = level.n;
+        let springs = springs(n, &around, &intervals, cells);
+        for (p, spring) in springs.iter().enumerate() {
+            let inverse = if *spring < STIFFEST { 1.0 / (4.0 + *spring) } else { 0.0 };
+            level.inverse_diagonal[number(cells, p)] = inverse;
+        }
+        work += springs.len() as f64;
+    }
+    work
 }
 
-impl ContactSet {
-    /// Reads the set off the values: nodes of the boundary with `y = 0` and `A y >= F`.
-    pub(super) fn of(level: &Level) -> Self {
-        let n = level.n;
-        let mut in_contact = vec![false; 4 * n];
-        Level::for_each_boundary_node(n, |p, i, j| {
-            in_contact[p] = level.value(i, j) == 0.0 && level.boundary_residual(i, j).0 <= 0.0;
-        });
-        Self::from_flags(n, in_contact)
+/// Springs of the mirrored stencil on a grid with `cells` cells per side, counter-clockwise.
+fn springs(n: usize, around: &[bool], intervals: &[Interval], cells: usize) -> Vec<f64> {
+    let mut springs = vec![0.0; 4 * cells];
+    if intervals.is_empty() && around[0] {
+        // Without a free node there are no ends.
+        springs.fill(f64::INFINITY);
     }
+    let cell = n as f64 / cells as f64;
+    for interval in intervals {
+        add_springs(interval.scaled(1.0 / cell), cells, &mut springs);
+    }
+    springs
+}
 
-    /// The set that consists of one node.
-    pub(super) fn single(n: usize, i: usize, j: usize) -> Self {
-        let mut in_contact = vec![false; 4 * n];
-        in_contact[perimeter(n, i, j)] = true;
-        Self::from_flags(n, in_contact)
-    }
-
-    fn from_flags(n: usize, in_contact: Vec<bool>) -> Self {
-        let intervals = intervals(n, &in_contact);
-        Self { n, in_contact, intervals }
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        !self.in_contact.contains(&true)
-    }
-
-    /// `1 / (diagonal + spring)` on the perimeter of a grid with `coarse_n` cells per side.
-    pub(super) fn inverse_diagonal(&self, coarse_n: usize) -> Vec<f64> {
-        let nodes = 4 * coarse_n;
-        if self.intervals.is_empty() {
-            // Without a free node there are no ends: contact everywhere or nowhere.
-            let free = |p: usize| if p.is_multiple_of(coarse_n) { 1.0 } else { 0.5 };
-            let everywhere = self.in_contact[0];
-            return (0..nodes).map(|p| if everywhere { 0.0 } else { free(p) }).collect();
-        }
-        let cell = self.n as f64 / coarse_n as f64;
-        let mut springs = vec![0.0; nodes];
-        for interval in &self.intervals {
-            add_springs(interval.scaled(1.0 / cell), coarse_n, &mut springs);
-        }
-        for (p, spring) in springs.iter_mut().enumerate() {
-            let diagonal = if p.is_multiple_of(coarse_n) { 1.0 } else { 2.0 };
-            *spring = if *spring < STIFFEST { 1.0 / (diagonal + *spring) } else { 0.0 };
-        }
-        springs
-    }
+/// Number of the boundary node that is the `p`-th counter-clockwise from the corner (0, 0).
+fn number(n: usize, p: usize) -> usize {
+    let node = match (p / n, p % n) {
+        (0, k) => [k, 0],
+        (1, k) => [n, k],
+        (2, k) => [n - k, n],
+        (_, k) => [0, n - k],
+    };
+    boundary_number::<Square>(n, &node)
 }
 
 /// Runs of nodes in contact; none if there is no free node between them.
@@ -198,8 +191,8 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
     let nodes = springs.len() as i64;
     let mut add = |node: f64, spring: f64| {
         let p = (node.round() as i64).rem_euclid(nodes) as usize;
-        // A corner node has half the couplings of the others.
-        springs[p] += if p.is_multiple_of(n) { 0.5 * spring } else { spring };
+        // Springs of the half-plane count twice in the mirrored stencil.
+        springs[p] += 2.0 * spring;
     };
     let Interval { start, end } = interval;
     let middle = 0.5 * (start + end);
@@ -281,14 +274,20 @@ fn conductance(resistance: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::coarsest;
     use super::*;
-    use crate::multigrid::rows;
+    use crate::multigrid::coarsest::Coarsest;
 
-    fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> ContactSet {
+    /// Nodes in contact, counter-clockwise.
+    fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> Vec<bool> {
         let mut flags = vec![false; 4 * n];
         nodes.into_iter().for_each(|p| flags[p % (4 * n)] = true);
-        ContactSet::from_flags(n, flags)
+        flags
+    }
+
+    /// `1 / (4 + spring)` counter-clockwise.
+    fn inverse_diagonal(n: usize, set: &[bool], cells: usize) -> Vec<f64> {
+        let springs = springs(n, set, &intervals(n, set), cells);
+        springs.iter().map(|s| if *s < STIFFEST { 1.0 / (4.0 + s) } else { 0.0 }).collect()
     }
 
     #[test]
@@ -297,17 +296,13 @@ mod tests {
         for (first, last) in
             [(3, 3), (3, 4), (5, 14), (0, 0), (15, 17), (16, 16), (60, 70), (14, 35)]
         {
-            let inverse = set(n, first..=last).inverse_diagonal(n);
+            let inverse = inverse_diagonal(n, &set(n, first..=last), n);
             for p in 0..4 * n {
                 let inside = (first..=last).any(|q| q % (4 * n) == p);
-                let expected =
-                    if inside { 0.0 } else { [0.5, 1.0][usize::from(p.is_multiple_of(n))] };
+                let expected = if inside { 0.0 } else { 0.25 };
                 // A single node reaches a little further than the end of a run.
-                assert!(
-                    (inverse[p] - expected).abs() < 0.02,
-                    "{first}..={last} at {p}: {}",
-                    inverse[p]
-                );
+                let wrong = (inverse[p] - expected).abs();
+                assert!(wrong < 0.01, "{first}..={last} at {p}: {}", inverse[p]);
             }
         }
     }
@@ -316,11 +311,11 @@ mod tests {
     fn ends_between_coarse_nodes_become_springs() {
         // Contact on 4..=9 of the finest grid ends at 9 + TIP, 4.5 + TIP / 2 in coarse cells: node 4 is in
         // contact, and node 5 has a spring for the rest.
-        let inverse = set(32, 4..=9).inverse_diagonal(16);
+        let inverse = inverse_diagonal(32, &set(32, 4..=9), 16);
         let rest = 0.5 - 0.5 * TIP;
         assert_eq!((inverse[3], inverse[4]), (0.0, 0.0));
-        assert!((inverse[5] - 1.0 / (2.0 + SPRING * rest / (1.0 - rest))).abs() < 1e-12);
-        assert_eq!(inverse[6], 0.5);
+        assert!((0.5 / inverse[5] - (2.0 + SPRING * rest / (1.0 - rest))).abs() < 1e-12);
+        assert_eq!(inverse[6], 0.25);
     }
 
     #[test]
@@ -328,27 +323,32 @@ mod tests {
         // One node seen from grids 2, 4 and 8 times coarser: each adds ln 2 / pi to the resistance.
         let contact = set(64, [32]);
         for (coarse_n, halvings) in [(32, 1.0), (16, 2.0), (8, 3.0)] {
-            let spring = 1.0 / contact.inverse_diagonal(coarse_n)[coarse_n / 2] - 2.0;
+            let inverse = inverse_diagonal(64, &contact, coarse_n)[coarse_n / 2];
+            let spring = 0.5 / inverse - 2.0;
             assert!((1.0 / spring - halvings * 2.0_f64.ln() / PI).abs() < 1e-9, "{coarse_n}");
         }
     }
 
     #[test]
     fn contact_everywhere_and_nowhere_have_no_ends() {
-        assert!(set(8, 0..32).inverse_diagonal(4).iter().all(|&inverse| inverse == 0.0));
-        assert!(set(8, []).is_empty());
+        let inverses = |nodes| inverse_diagonal(8, &set(8, nodes), 4);
+        assert!(inverses(0..32).iter().all(|&inverse| inverse == 0.0));
+        assert!(inverses(0..0).iter().all(|&inverse| inverse == 0.25));
     }
 
     /// `F'y` for a constant load and the linear problem with these inverses on the boundary.
-    fn energy(n: usize, inverse_diagonal: Vec<f64>) -> f64 {
+    fn energy(n: usize, inverse_diagonal: &[f64]) -> f64 {
+        let mut level = Level::new::<Square>(n);
+        level.load.iter_mut().for_each(|half| half.fill((n as f64).powi(-2)));
+        for (p, inverse) in inverse_diagonal.iter().enumerate() {
+            level.inverse_diagonal[number(n, p)] = *inverse;
+        }
+        let mut coarsest = Coarsest::new::<Square>(n);
+        coarsest.factor(&level);
+        coarsest.solve_linear(&mut level);
         let share = |i: usize| if i.is_multiple_of(n) { 0.5 } else { 1.0 } / n as f64;
-        let nodes = || (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j)));
-        let load: Vec<_> = nodes().map(|(i, j)| share(i) * share(j)).collect();
-        let mut level = Level::new(n);
-        rows::split(n, &load, &mut level.load, |_| ());
-        level.inverse_diagonal = inverse_diagonal;
-        coarsest::solve_linear(&mut level);
-        nodes().map(|(i, j)| level.load_at(i, j) * level.value(i, j)).sum()
+        let part = |k: usize| share(k % (n + 1)) * share(k / (n + 1));
+        (0..level.nodes).map(|k| part(k) * level.value(k)).sum()
     }
 
     #[test]
@@ -361,12 +361,10 @@ mod tests {
         let around_corner = legs.map(|(before, after)| (n - before, n + after));
         for (first, last) in around_corner.chain(on_edges).chain(beside_corner) {
             let contact = set(n, first..=last);
-            let free = |p: usize| if p.is_multiple_of(n) { 1.0 } else { 0.5 };
-            let own =
-                (0..4 * n).map(|p| if contact.in_contact[p] { 0.0 } else { free(p) }).collect();
-            let exact = energy(n, own);
+            let own: Vec<_> = contact.iter().map(|&held| if held { 0.0 } else { 0.25 }).collect();
+            let exact = energy(n, &own);
             for coarse_n in [32, 16, 8] {
-                let ratio = energy(coarse_n, contact.inverse_diagonal(coarse_n)) / exact;
+                let ratio = energy(coarse_n, &inverse_diagonal(n, &contact, coarse_n)) / exact;
                 assert!((ratio - 1.0).abs() < 0.01, "{first}..={last} on {coarse_n}: {ratio}");
             }
         }
@@ -409,6 +407,39 @@ mod tests {
             reach = (middle * middle - v[0][N / 2] * v[0][N / 2]).sqrt();
         }
         reach
+    }
+
+    #[test]
+    fn ends_and_springs_are_those_of_the_lattice() {
+        // Values along the boundary by the series of U; their end by extrapolation of k - (u / C)^2.
+        let rho = 3.0 - 2.0 * SQRT_2;
+        for t in [0.0, 0.3, 0.9] {
+            let end = |count: usize| {
+                // Coefficients of (1 - z)^(-3/2) and (1 - rho z)^(-1/2), of their product, of U.
+                let series = |power: f64, ratio: f64| {
+                    let next = move |(k, c): (usize, f64)| {
+                        (k + 1, c * ratio * (power + k as f64) / (k + 1) as f64)
+                    };
+                    std::iter::successors(Some((0, 1.0)), move |&term| Some(next(term)))
+                };
+                let slow: Vec<_> = series(1.5, 1.0).map(|term| term.1).take(count).collect();
+                let product = |k: usize| -> f64 {
+                    series(0.5, rho).take(60).map(|(m, c)| c * slow[k - m]).sum()
+                };
+                let u = (1.0 - t) * product(count - 1) + t * product(count - 2);
+                let growth = 2.0 / PI.sqrt() / (1.0 - rho).sqrt();
+                count as f64 - (u / growth).powi(2)
+            };
+            let extrapolated = 2.0 * end(20_000) - end(10_000);
+            assert!((extrapolated - TIP - t).abs() < 1e-6, "{t}: {extrapolated}");
+        }
+        // The factorisation of the symbol.
+        for angle in [0.1, 1.0, 3.0_f64] {
+            let c = angle.cos();
+            let factors = ((2.0 - 2.0 * c) * (1.0 + rho * rho - 2.0 * rho * c) / rho).sqrt();
+            assert!((2.0 * ((1.0 - c) * (3.0 - c)).sqrt() / factors - 1.0).abs() < 1e-12);
+        }
+        assert!((end_spring(0.3) - 0.3 / 0.7 / (2.0 * rho.sqrt())).abs() < 1e-12);
     }
 
     #[test]

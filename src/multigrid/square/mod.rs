@@ -21,8 +21,9 @@
 //! Values and loads of all grids, 21.3 bytes per unknown, plus rounding of rows to cache lines: 21.5 in
 //! all at h = 1/4096, 22.4 at 1/512. A *work unit* is one projected Gauss-Seidel sweep of the finest
 //! grid, counted by visits of unknowns on all grids: a half-sweep 1/2, residual and restriction of one
-//! colour 1/2, interpolation to one colour 1/4, restriction of a load 1/2, a check of all optimality
-//! conditions 1, boundary loops and coarsest solves by their size. Reordering the input is not counted.
+//! colour 3/4, interpolation to one colour 1/4, restriction of a load 1/2, a check of all optimality
+//! conditions 1, boundary loops by their size, direct solutions by their multiplications, of which a
+//! visit has as many as its stencil. Reordering the input is not counted.
 //!
 //! # References
 //! - A. Brandt, C. W. Cryer, Multigrid algorithms for the solution of linear complementarity problems
@@ -36,64 +37,45 @@
 //!   problems, Domain Decomposition Methods XVIII (2009).
 //! - I. Yavneh, On red-black SOR smoothing in multigrid, SIAM J. Sci. Comput. 17 (1996).
 
-mod coarsest;
 mod contact;
-mod cycle;
-mod level;
-mod pass;
-mod stencil;
 mod transfer;
 
-pub use cycle::Multigrid;
-
-use super::StopReason;
+use super::hierarchy::{self, Geometry};
 use super::input::InputError;
+use super::layout::Dimension;
+use super::level::Level;
+pub use super::{Goal, MultigridParams, Outcome, Progress};
 
-/// When to stop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Goal {
-    /// Algebraic error well below the discretisation error: two cycles on the finest grid, more only
-    /// while the contact set is still moving.
-    DiscretisationError,
-    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)` at most this number (units of the
-    /// load, that is of f h^2; not relative).
-    Kkt(f64),
-    /// As far as double precision goes.
-    RoundingFloor,
+/// The unit square.
+pub struct Square;
+
+/// Preallocated grids on the square.
+pub type Multigrid = hierarchy::Multigrid<Square>;
+
+impl Dimension for Square {
+    const AXES: usize = 2;
 }
 
-/// Parameters of [`multigrid`].
-#[derive(Clone, Debug)]
-pub struct MultigridParams {
-    pub goal: Goal,
-    /// Limit on the cycles on the finest grid.
-    pub max_cycles: usize,
-}
+impl Geometry for Square {
+    const CELLS: &str = "a power of two (at least 2) times 1, 3, 5 or 7";
+    const RELAXATION: f64 = 1.15;
+    const COARSE_RELAXATION: f64 = 1.45;
+    /// Corrections from a V-cycle fall short by up to a tenth where the wavelength is a few cells of the
+    /// coarser grid; enlarged by this factor they err to both sides alike.
+    const OVERCORRECTION: f64 = 1.08;
+    const TWICE_BELOW: usize = 3;
+    const W_CYCLE: bool = false;
 
-impl Default for MultigridParams {
-    fn default() -> Self {
-        Self { goal: Goal::RoundingFloor, max_cycles: 60 }
+    fn coarsest(n: usize) -> Option<usize> {
+        let odd = n.checked_shr(n.trailing_zeros())?;
+        // Four cells per side are solved directly, which is cheaper than going down to two.
+        let coarsest = if odd == 1 { n.min(4) } else { 2 * odd };
+        (n.is_multiple_of(2) && matches!(odd, 1 | 3 | 5 | 7)).then_some(coarsest)
     }
-}
 
-/// What the monitor sees after each cycle on the finest grid.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    pub cycle: usize,
-    /// Natural residual, in units of the load.
-    pub kkt: f64,
-    pub work_units: f64,
-}
-
-/// Result without the solution itself.
-#[derive(Clone, Copy, Debug)]
-pub struct Outcome {
-    pub stop: StopReason,
-    /// Cycles on the finest grid.
-    pub cycles: usize,
-    /// Natural residual of the solution, in units of the load.
-    pub kkt: f64,
-    pub work_units: f64,
+    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+        contact::set_springs(n, in_contact, levels)
+    }
 }
 
 /// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary, `A` the five-point stiffness matrix of the

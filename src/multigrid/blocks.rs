@@ -1,0 +1,147 @@
+//! Blocks of slabs that threads work on independently.
+
+use std::ops::Range;
+
+use super::layout::{At, Dimension, boundary_before, slab};
+use super::rows::{Colour, Rows};
+use super::stencil::{Boundary, walk};
+use super::transfer::{Buffers, Weighting, slab_residual};
+
+/// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
+pub(super) const MIN_BLOCK: usize = 24;
+/// Places of one colour per block at least: less takes no longer than waking a thread.
+const MIN_PLACES: usize = 1 << 13;
+
+/// How many blocks a pass over `n + 1` slabs is cut into.
+pub(super) fn blocks<D: Dimension>(n: usize) -> usize {
+    let threads = rayon::current_num_threads();
+    let slabs = MIN_BLOCK.max(MIN_PLACES.div_ceil(slab::<D>(n)));
+    if threads == 1 { 1 } else { (4 * threads).min((n + 1) / slabs).max(1) }
+}
+
+/// Slabs at which the grid is cut: all even, except the last, `n + 1`.
+pub(super) struct Cuts(Vec<usize>);
+
+impl Cuts {
+    pub(super) fn new(n: usize, blocks: usize) -> Self {
+        Self((0..blocks).map(|block| (block * n / blocks) & !1).chain([n + 1]).collect())
+    }
+
+    /// The cuts between blocks.
+    pub(super) fn inner(&self) -> &[usize] {
+        &self.0[1..self.0.len() - 1]
+    }
+
+    /// Cuts in the middle of the blocks: one piece around every inner cut.
+    pub(super) fn middles(&self, n: usize) -> Self {
+        let between = self.inner().windows(2).map(|pair| ((pair[0] + pair[1]) / 2) & !1);
+        Self([0].into_iter().chain(between).chain([n + 1]).collect())
+    }
+}
+
+/// What a pass over a grid may write.
+pub(super) struct Target<'a> {
+    pub(super) n: usize,
+    pub(super) values: &'a mut [Rows; 2],
+    pub(super) in_contact: &'a mut [bool],
+    pub(super) coarse_load: &'a mut [Rows; 2],
+    pub(super) buffers: &'a mut [Buffers],
+}
+
+impl Target<'_> {
+    /// Everything, for one thread.
+    pub(super) fn whole(&mut self) -> Block<'_> {
+        let Self { n, values: [red, black], coarse_load: [coarse_red, coarse_black], .. } = self;
+        Block {
+            slabs: 0..*n + 1,
+            values: [red, black],
+            in_contact: self.in_contact,
+            first_edge: 0,
+            coarse_load: [coarse_red, coarse_black],
+            buffers: &mut self.buffers[0],
+        }
+    }
+
+    /// Hands each block its part.
+    pub(super) fn split<D: Dimension>(&mut self, cuts: &Cuts) -> Vec<Block<'_>> {
+        let Self { n, values: [red, black], coarse_load: [coarse_red, coarse_black], .. } = self;
+        let (n, mut in_contact) = (*n, &mut *self.in_contact);
+        let mut rest: [&mut [f64]; 4] = [red, black, coarse_red, coarse_black];
+        let mut take = |k: usize, len: usize| {
+            let (piece, left) = std::mem::take(&mut rest[k]).split_at_mut(len);
+            rest[k] = left;
+            piece
+        };
+        let mut block = |(pair, buffers): (&[usize], _)| {
+            let slabs = pair[0]..pair[1];
+            let fine = slabs.len() * slab::<D>(n);
+            let coarse = (slabs.end.div_ceil(2) - slabs.start.div_ceil(2)) * slab::<D>(n / 2);
+            let first_edge = boundary_before::<D>(n, slabs.start);
+            let edges = boundary_before::<D>(n, slabs.end) - first_edge;
+            let (contact, left) = std::mem::take(&mut in_contact).split_at_mut(edges);
+            in_contact = left;
+            Block {
+                slabs,
+                values: [take(0, fine), take(1, fine)],
+                in_contact: contact,
+                first_edge,
+                coarse_load: [take(2, coarse), take(3, coarse)],
+                buffers,
+            }
+        };
+        cuts.0.windows(2).zip(self.buffers.iter_mut()).map(&mut block).collect()
+    }
+}
+
+/// A run of slabs of both colours, with the coarse slabs it may write.
+pub(super) struct Block<'a> {
+    pub(super) slabs: Range<usize>,
+    pub(super) values: [&'a mut [f64]; 2],
+    in_contact: &'a mut [bool],
+    /// Number of the first boundary node.
+    first_edge: usize,
+    coarse_load: [&'a mut [f64]; 2],
+    pub(super) buffers: &'a mut Buffers,
+}
+
+impl Block<'_> {
+    /// Residual and restriction of red slab `s`; `first` is the first slab that is restricted.
+    #[inline(always)]
+    pub(super) fn restrict<D: Weighting>(
+        &mut self,
+        (n, s, first): (usize, usize, usize),
+        boundary: Boundary,
+        load: &[Rows; 2],
+    ) -> f64 {
+        let slab = slab::<D>(n);
+        let start = self.slabs.start;
+        let [red, black] = &self.values;
+        let own = (s - start) * slab..(s - start + 1) * slab;
+        let (in_contact, first_edge) = (&mut *self.in_contact, self.first_edge);
+        if let Boundary::Obstacle = boundary {
+            for at in At::of_slab::<D>(n, s) {
+                let black = &black[own.clone()][at.in_slab()];
+                let mut black = black;
+                walk::<D, _>(
+                    at,
+                    Colour::Black,
+                    &mut black,
+                    |_, _| (),
+                    |black, m, edge| {
+                        in_contact[edge.number - first_edge] = black[m] == 0.0;
+                    },
+                );
+            }
+        }
+        let natural_of = |target: &mut [f64]| {
+            target.copy_from_slice(&red[own]);
+            let other = (&**black, start);
+            let see = |number: usize, contact| in_contact[number - first_edge] = contact;
+            let load = &load[Colour::Red as usize];
+            slab_residual::<D>((n, s), Colour::Red, boundary, load, other, target, see)
+        };
+        let [coarse_red, coarse_black] = &mut self.coarse_load;
+        let coarse_load = (start.div_ceil(2), [&mut **coarse_red, &mut **coarse_black]);
+        self.buffers.restrict::<D>((n, s, first), natural_of, coarse_load)
+    }
+}

@@ -1,0 +1,271 @@
+//! The five- or seven-point stencil on one row of one colour, and what the boundary does to it.
+
+use std::ops::Range;
+
+use super::layout::{At, Dimension, mirrored, rows_per_slab, share};
+use super::rows::{Colour, max_abs, stride, worse};
+
+/// What holds on the boundary of a level.
+#[derive(Clone, Copy)]
+pub(super) enum Boundary<'a> {
+    /// `y >= 0`: the Signorini problem itself.
+    Obstacle,
+    /// A linear correction problem; `1 / (2 d + spring)` for each boundary node, 0 in contact.
+    Springs(&'a [f64]),
+}
+
+/// A boundary node as the stencil meets it.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) number: usize,
+    /// Part of the cell around it that lies inside.
+    share: f64,
+}
+
+impl Boundary<'_> {
+    /// Exact minimiser in one boundary unknown; `sum` is its load plus its neighbours.
+    #[inline(always)]
+    pub(super) fn relax<D: Dimension>(self, edge: Edge, sum: f64) -> f64 {
+        match self {
+            Boundary::Obstacle => (sum * inverse::<D>()).max(0.0),
+            Boundary::Springs(inverse) => sum * inverse[edge.number],
+        }
+    }
+
+    /// Residual that the coarser grid may see, natural residual, and whether the node is in contact.
+    ///
+    /// Nodes in contact are truncated: no coarser correction moves them.
+    #[inline(always)]
+    fn residual<D: Dimension>(
+        self,
+        edge: Edge,
+        coupling: f64,
+        value: f64,
+        sum: f64,
+    ) -> (f64, f64, bool) {
+        match self {
+            Boundary::Obstacle => {
+                let residual = sum - diagonal::<D>() * value;
+                let natural = value.min(-residual * (edge.share * coupling)).abs();
+                let in_contact = value == 0.0 && residual <= 0.0;
+                (if in_contact { 0.0 } else { residual }, natural, in_contact)
+            }
+            Boundary::Springs(inverse) => match inverse[edge.number] {
+                0.0 => (0.0, 0.0, true),
+                inverse => (sum - value / inverse, 0.0, false),
+            },
+        }
+    }
+
+    /// A value that a correction has moved, if it may.
+    #[inline(always)]
+    pub(super) fn corrected(self, edge: Edge, value: f64, correction: f64) -> f64 {
+        match self {
+            Boundary::Obstacle if value > 0.0 => (value + correction).max(0.0),
+            Boundary::Springs(inverse) if inverse[edge.number] > 0.0 => value + correction,
+            _ => value,
+        }
+    }
+}
+
+/// The diagonal of the stencil.
+#[inline(always)]
+pub(super) fn diagonal<D: Dimension>() -> f64 {
+    2.0 * D::AXES as f64
+}
+
+#[inline(always)]
+fn inverse<D: Dimension>() -> f64 {
+    1.0 / diagonal::<D>()
+}
+
+/// The coupling of neighbours inside, `h^(d - 2)`.
+pub(super) fn coupling<D: Dimension>(n: usize) -> f64 {
+    if D::AXES == 2 { 1.0 } else { 1.0 / n as f64 }
+}
+
+/// Walks along a row of one colour: `inner` gets the range of places inside, `edge` each place on the
+/// boundary with its node.
+#[inline(always)]
+pub(super) fn walk<D: Dimension, T: ?Sized>(
+    at: At,
+    colour: Colour,
+    target: &mut T,
+    inner: impl FnOnce(&mut T, Range<usize>),
+    mut edge: impl FnMut(&mut T, usize, Edge),
+) {
+    let half = at.n / 2;
+    let long = at.is_long(colour);
+    let (across, first) = (at.share::<D>(), at.first_boundary::<D>());
+    if across < 1.0 {
+        let (len, column) = if long { (half + 1, 0) } else { (half, 1) };
+        for m in 0..len {
+            let i = 2 * m + column;
+            edge(target, m, Edge { number: first + i, share: across * share(at.n, i) });
+        }
+    } else if long {
+        edge(target, 0, Edge { number: first, share: 0.5 });
+        inner(target, 1..half);
+        edge(target, half, Edge { number: first + 1, share: 0.5 });
+    } else {
+        inner(target, 0..half);
+    }
+}
+
+/// Calls `visit(number, k)` for every boundary node, by growing number; `k` counts all nodes in natural order.
+pub(super) fn for_each_boundary_node<D: Dimension>(n: usize, mut visit: impl FnMut(usize, usize)) {
+    let mut number = 0;
+    for s in 0..=n {
+        for at in At::of_slab::<D>(n, s) {
+            let step = if at.share::<D>() < 1.0 { 1 } else { n };
+            let row = s * rows_per_slab::<D>(n) + at.r;
+            for i in (0..=n).step_by(step) {
+                visit(number, row * (n + 1) + i);
+                number += 1;
+            }
+        }
+    }
+}
+
+/// The load and the neighbours of one row of one colour.
+///
+/// `along` is the same row of the other colour, `across` are its rows in the slabs before and after and, on
+/// the cube, those beside it in its slab.
+#[derive(Clone, Copy)]
+pub(super) struct Row<'a> {
+    at: At,
+    colour: Colour,
+    load: &'a [f64],
+    along: &'a [f64],
+    across: [&'a [f64]; 4],
+}
+
+impl<'a> Row<'a> {
+    /// `load` is that of the colour on the whole grid; `other` holds the other colour from slab `first` on.
+    #[inline(always)]
+    pub(super) fn new<D: Dimension>(
+        at: At,
+        colour: Colour,
+        load: &'a [f64],
+        other: &'a [f64],
+        first: usize,
+    ) -> Self {
+        let At { n, r, s } = at;
+        let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
+        let row = |r: usize, s: usize| {
+            let number = (s - first) * rows + r;
+            &other[number * stride..(number + 1) * stride]
+        };
+        let [below, above] = mirrored(n, s);
+        let [south, north] = if D::AXES == 2 { [r, r] } else { mirrored(n, r) };
+        let number = s * rows + r;
+        Self {
+            at,
+            colour,
+            load: &load[number * stride..(number + 1) * stride],
+            along: row(r, s),
+            across: [row(south, s), row(north, s), row(r, below), row(r, above)],
+        }
+    }
+
+    /// Half a sweep; the factor acts inside, boundary unknowns are minimised exactly.
+    #[inline(always)]
+    pub(super) fn relax<D: Dimension>(self, boundary: Boundary, factor: f64, target: &mut [f64]) {
+        let edge = |edge, _, sum| boundary.relax::<D>(edge, sum);
+        if factor == 1.0 {
+            self.update::<D>(target, |_, sum| inverse::<D>() * sum, edge);
+        } else {
+            let (keep, take) = (1.0 - factor, inverse::<D>() * factor);
+            self.update::<D>(target, |value, sum| keep * value + take * sum, edge);
+        }
+    }
+
+    /// Replaces the values of the row by their residuals, zero where truncated; returns the largest
+    /// natural residual of an obstacle problem, in units of the load; `see` is told of each of its boundary nodes
+    /// whether it is in contact.
+    #[inline(always)]
+    pub(super) fn replace_by_residual<D: Dimension>(
+        self,
+        boundary: Boundary,
+        target: &mut [f64],
+        mut see: impl FnMut(usize, bool),
+    ) -> f64 {
+        let coupling = coupling::<D>(self.at.n);
+        let mut largest = 0.0_f64;
+        self.update::<D>(
+            target,
+            |value, sum| sum - diagonal::<D>() * value,
+            |edge, value, sum| {
+                let (residual, natural, in_contact) =
+                    boundary.residual::<D>(edge, coupling, value, sum);
+                largest = worse(largest, natural);
+                if let Boundary::Obstacle = boundary {
+                    see(edge.number, in_contact);
+                }
+                residual
+            },
+        );
+        if let Boundary::Obstacle = boundary {
+            let inside = |target: &mut [f64], range: Range<usize>| {
+                largest = worse(largest, coupling * max_abs(&target[range]));
+            };
+            walk::<D, _>(self.at, self.colour, target, inside, |_, _, _| ());
+        }
+        largest
+    }
+
+    /// Replaces each `t` of `target` by `inner(t, sum)` inside and `edge(node, t, sum)` on the boundary,
+    /// where `sum` is the load plus the neighbours.
+    #[inline(always)]
+    fn update<D: Dimension>(
+        self,
+        target: &mut [f64],
+        inner: impl Fn(f64, f64) -> f64,
+        mut edge: impl FnMut(Edge, f64, f64) -> f64,
+    ) {
+        let Self { at, colour, load, along, across: [south, north, below, above] } = self;
+        // Place of the western neighbour of place 0; a long row begins where the other one has none.
+        let offset = usize::from(at.is_long(colour));
+        let last = if offset == 1 { at.n / 2 - 1 } else { at.n / 2 };
+        let at_edge = |target: &mut [f64], m: usize, node: Edge| {
+            let west = along[m.saturating_sub(offset)];
+            let east = along[(m + 1 - offset).min(last)];
+            let mut across = below[m] + above[m];
+            if D::AXES == 3 {
+                across = (south[m] + north[m]) + across;
+            }
+            target[m] = edge(node, target[m], load[m] + ((west + east) + across));
+        };
+        let inside = |target: &mut [f64], range: Range<usize>| {
+            let (start, len) = (range.start, range.len());
+            let west = &along[start - offset..][..len];
+            let east = &along[start + 1 - offset..][..len];
+            let target = &mut target[range.clone()];
+            let cut = |row: &'a [f64]| &row[range.clone()];
+            let across = [south, north, below, above].map(cut);
+            update_inner::<D>(target, cut(load), [west, east], across, inner);
+        };
+        walk::<D, _>(at, colour, target, inside, at_edge);
+    }
+}
+
+/// The hot loop: every slice has the length of `target`.
+#[inline(always)]
+fn update_inner<D: Dimension>(
+    target: &mut [f64],
+    load: &[f64],
+    [west, east]: [&[f64]; 2],
+    [south, north, below, above]: [&[f64]; 4],
+    inner: impl Fn(f64, f64) -> f64,
+) {
+    let len = target.len();
+    let (west, east, load) = (&west[..len], &east[..len], &load[..len]);
+    let (south, north, below, above) = (&south[..len], &north[..len], &below[..len], &above[..len]);
+    for m in 0..len {
+        let mut across = below[m] + above[m];
+        if D::AXES == 3 {
+            across = (south[m] + north[m]) + across;
+        }
+        target[m] = inner(target[m], load[m] + ((west[m] + east[m]) + across));
+    }
+}
