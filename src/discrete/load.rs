@@ -1,7 +1,11 @@
 //! Load vectors (6): F_i, the integral of f times the i-th hat function, by one of several rules.
 
-use crate::discrete::grid::{Grid, MIN_CELLS};
+use super::cells::{Cells, Moments};
+use super::grid::{Grid, MIN_CELLS};
+use crate::problem::exact::Exact;
+use crate::problem::region::Convex;
 use crate::problem::source::{Source, Tie};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Quadrature of the load vector.
@@ -25,7 +29,8 @@ pub enum LoadRule {
         #[serde(default)]
         diagonal: Diagonal,
     },
-    /// `w_i h^2` times the mean of f over the cell of width h around the node, inside the square.
+    /// The integral of f over the cell of width h around the node, inside the square: exact for
+    /// constant pieces, degree 3 quadrature for smooth f.
     LumpedAverage,
 }
 
@@ -46,42 +51,49 @@ impl Default for LoadRule {
     }
 }
 
-/// The load vector of `f` on `grid`, a nodal vector.
+/// The load vector of `f` on `grid`, a nodal vector, the same whatever the number of threads.
 pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
     match rule {
-        LoadRule::Nodal { tie, diagonal } => lumped(grid, diagonal, |x, y| f.sample(x, y, tie)),
-        LoadRule::LumpedAverage => {
-            let q = 0.25 * grid.h();
-            lumped(grid, None, |x, y| {
-                let (mut sum, mut count) = (0.0, 0.0);
-                for (px, py) in [(x - q, y - q), (x + q, y - q), (x - q, y + q), (x + q, y + q)] {
-                    if px.abs() < 0.5 && py.abs() < 0.5 {
-                        sum += f.at(px, py);
-                        count += 1.0;
-                    }
-                }
-                sum / count
-            })
-        }
-        LoadRule::Exact { diagonal } => integrated(grid, f, diagonal),
+        LoadRule::Nodal { tie, diagonal } => nodal(grid, f, tie, diagonal),
+        LoadRule::Exact { diagonal } => exact(grid, f, diagonal),
+        LoadRule::LumpedAverage => averaged(grid, f),
     }
 }
 
 /// The integral of f over the square: exact for constant pieces, to quadrature error for smooth f.
 pub fn integral(f: &Source) -> f64 {
-    // Polygons are cut exactly whatever the grid; only smooth f needs a fine one.
-    let cells = match f {
-        Source::Pieces { .. } => MIN_CELLS,
-        Source::Exact(_) => 64,
-    };
-    let grid = Grid::new(cells).expect("not below the least");
-    integrated(grid, f, Diagonal::Rising).iter().sum()
+    let grid = |cells| Grid::new(cells).expect("not below the least");
+    match f {
+        // Any grid will do, best one with few pieces in each cell.
+        Source::Pieces { pieces, .. } => {
+            let grid = grid(pieces.len().clamp(MIN_CELLS, 256).next_power_of_two());
+            let (mut means, mut row) = (Means::new(grid, f), vec![0.0; grid.cells()]);
+            let rows = (0..grid.cells()).map(|j| {
+                means.row(j, &mut row);
+                row.iter().sum::<f64>()
+            });
+            rows.sum::<f64>() * grid.h() * grid.h()
+        }
+        Source::Exact(_) => exact(grid(64), f, Diagonal::Rising).iter().sum(),
+    }
 }
 
-fn lumped(grid: Grid, diagonal: Option<Diagonal>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let (n, h) = (grid.cells(), grid.h());
-    let on_border = |i: usize| i == 0 || i == n;
-    let weight = |i: usize, j: usize| match (on_border(i), on_border(j)) {
+/// Fills a nodal vector in blocks of rows, which are worked on in parallel; `fill` gets the number of the
+/// first row and the block.
+fn by_rows(grid: Grid, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    let mut vector = vec![0.0; grid.nodes()];
+    let rows = (BLOCK / grid.side()).max(8);
+    let blocks = vector.par_chunks_mut(rows * grid.side()).enumerate();
+    blocks.for_each(|(block, values)| fill(block * rows, values));
+    vector
+}
+
+/// Nodes in a block of rows: enough to be worth a thread's while.
+const BLOCK: usize = 16_384;
+
+fn weight(grid: Grid, diagonal: Option<Diagonal>, i: usize, j: usize) -> f64 {
+    let on_border = |i: usize| i == 0 || i == grid.cells();
+    match (on_border(i), on_border(j)) {
         (false, false) => 1.0,
         (true, true) => match diagonal {
             None => 0.25,
@@ -90,150 +102,249 @@ fn lumped(grid: Grid, diagonal: Option<Diagonal>, f: impl Fn(f64, f64) -> f64) -
             Some(_) => 1.0 / 6.0,
         },
         _ => 0.5,
-    };
-    let mut load = Vec::with_capacity(grid.nodes());
-    for j in 0..=n {
-        for i in 0..=n {
-            load.push(weight(i, j) * h * h * f(grid.coordinate(i), grid.coordinate(j)));
-        }
     }
-    load
 }
 
-type Point = [f64; 2];
-type Triangle = [Point; 3];
+/// Multiplies the values of f at, or around, the nodes of row j by the integrals of the hats.
+fn weigh(grid: Grid, diagonal: Option<Diagonal>, j: usize, row: &mut [f64]) {
+    let (n, h) = (grid.cells(), grid.h());
+    let inner = weight(grid, diagonal, 1, j) * h * h;
+    let ends = [0, n].map(|i| weight(grid, diagonal, i, j) * h * h * row[i]);
+    row.iter_mut().for_each(|f| *f *= inner);
+    (row[0], row[n]) = (ends[0], ends[1]);
+}
 
-fn integrated(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
-    let mut load = vec![0.0; grid.nodes()];
-    // The last piece wins: it takes its share first, and leaves the rest.
-    let layers: Vec<(Vec<[f64; 3]>, f64)> = match f {
-        Source::Pieces { pieces, .. } => {
-            pieces.iter().rev().map(|(region, value)| (region.half_planes(), *value)).collect()
-        }
-        Source::Exact(_) => Vec::new(),
-    };
-    for j in 0..grid.cells() {
-        for i in 0..grid.cells() {
-            let (ll, lr, ul, ur) = ((i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1));
-            let triangles = match diagonal {
-                Diagonal::Rising => [[ll, lr, ur], [ll, ur, ul]],
-                Diagonal::Falling => [[ll, lr, ul], [lr, ur, ul]],
-            };
-            for nodes in triangles {
-                let triangle = nodes.map(|(i, j)| [grid.coordinate(i), grid.coordinate(j)]);
-                let parts = match f {
-                    Source::Pieces { background, .. } => {
-                        let mut parts = [0.0; 3];
-                        let mut rest = vec![triangle.to_vec()];
-                        for (planes, value) in &layers {
-                            rest = rest
-                                .into_iter()
-                                .flat_map(|polygon| {
-                                    let (inside, outside) = split(polygon, planes);
-                                    add_hats(&triangle, &inside, *value, &mut parts);
-                                    outside
-                                })
-                                .collect();
-                        }
-                        for polygon in &rest {
-                            add_hats(&triangle, polygon, *background, &mut parts);
-                        }
-                        parts
+fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f64> {
+    let side = grid.side();
+    let moved =
+        |axis: usize| (0..side).map(|i| tie.step_off(grid.coordinate(i), axis)).collect::<Vec<_>>();
+    let (xs, ys) = (moved(0), moved(1));
+    by_rows(grid, |first, block| {
+        for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
+            match f {
+                Source::Pieces { background, pieces } => {
+                    row.fill(*background);
+                    for (region, value) in pieces {
+                        row[region.along(&xs, [ys[j]])].fill(*value);
                     }
-                    Source::Exact(exact) => radon(&triangle, |x, y| exact.source(x, y)),
+                }
+                Source::Exact(exact) => {
+                    let y = grid.coordinate(j);
+                    for (i, value) in row.iter_mut().enumerate() {
+                        *value = exact.source(grid.coordinate(i), y);
+                    }
+                }
+            }
+            weigh(grid, diagonal, j, row);
+        }
+    })
+}
+
+/// Means of f over the cells of a grid, row by row.
+enum Means<'a> {
+    Pieces(Cells<'a>),
+    Exact(Exact, Grid),
+}
+
+impl<'a> Means<'a> {
+    fn new(grid: Grid, f: &'a Source) -> Self {
+        match f {
+            Source::Pieces { background, pieces } => {
+                Self::Pieces(Cells::new(grid, *background, pieces))
+            }
+            Source::Exact(exact) => Self::Exact(*exact, grid),
+        }
+    }
+
+    fn row(&mut self, j: usize, row: &mut [f64]) {
+        match self {
+            Self::Pieces(cells) => {
+                let mut cut = Vec::new();
+                cells.row(j, row, |i, cell| cut.push((i, cell.moments().f[0])));
+                cut.iter().for_each(|&(i, mean)| row[i] = mean);
+            }
+            Self::Exact(exact, grid) => {
+                // Gauss' rule with two points along each axis.
+                let step = grid.h() / 12f64.sqrt();
+                let points = |k: usize| {
+                    let middle = 0.5 * (grid.coordinate(k) + grid.coordinate(k + 1));
+                    [middle - step, middle + step]
                 };
-                for ((i, j), part) in nodes.into_iter().zip(parts) {
-                    load[grid.index(i, j)] += part;
+                for (i, mean) in row.iter_mut().enumerate() {
+                    let at = |y: f64| points(i).map(|x| exact.source(x, y)).iter().sum::<f64>();
+                    *mean = points(j).map(at).iter().sum::<f64>() / 4.0;
                 }
             }
         }
     }
-    load
 }
 
-/// Splits a convex polygon into its part in all half-planes and the convex remainders.
-fn split(mut polygon: Vec<Point>, planes: &[[f64; 3]]) -> (Vec<Point>, Vec<Vec<Point>>) {
-    let mut outside = Vec::new();
-    for &[a, b, c] in planes {
-        let cut = clip(&polygon, [-a, -b, -c]);
-        if area(&cut) > 0.0 {
-            outside.push(cut);
-            polygon = clip(&polygon, [a, b, c]);
+fn averaged(grid: Grid, f: &Source) -> Vec<f64> {
+    // The cell around a node consists of four, or at the border fewer, cells half as wide.
+    let (n, side) = (grid.cells(), grid.side());
+    let halved = Grid::new(2 * n).expect("finer than a grid");
+    by_rows(grid, |first, block| {
+        let mut means = Means::new(halved, f);
+        let mut below = vec![0.0; 2 * n];
+        let mut above = vec![0.0; 2 * n];
+        for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
+            let mut rows: [&[f64]; 2] = [&[], &[]];
+            if j > 0 {
+                means.row(2 * j - 1, &mut below);
+                rows[0] = &below;
+            }
+            if j < n {
+                means.row(2 * j, &mut above);
+                rows[1] = &above;
+            }
+            for (i, value) in row.iter_mut().enumerate() {
+                let around = (2 * i).saturating_sub(1)..(2 * i + 1).min(2 * n);
+                let near =
+                    rows.iter().filter(|row| !row.is_empty()).flat_map(|row| &row[around.clone()]);
+                let (sum, count) =
+                    near.fold((0.0, 0.0), |(sum, count), mean| (sum + mean, count + 1.0));
+                *value = sum / count;
+            }
+            weigh(grid, None, j, row);
         }
-        if polygon.is_empty() {
-            break;
-        }
-    }
-    (polygon, outside)
+    })
 }
 
-/// Sutherland and Hodgman's clipping of a convex polygon by `a x + b y <= c`.
-pub(crate) fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
-    let excess = |p: Point| a * p[0] + b * p[1] - c;
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (k, &p) in polygon.iter().enumerate() {
-        let q = polygon[(k + 1) % polygon.len()];
-        let (ep, eq) = (excess(p), excess(q));
-        if ep <= 0.0 {
-            kept.push(p);
-        }
-        if (ep < 0.0 && eq > 0.0) || (ep > 0.0 && eq < 0.0) {
-            let t = ep / (ep - eq);
-            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
-        }
-    }
-    kept
+/// What a row of cells adds to the load: the value of f on each cell, and for those where it is not
+/// constant 0, and apart from that the integrals of f times the hats of the corners, over h^2.
+#[derive(Clone, Default)]
+struct HatRow {
+    values: Vec<f64>,
+    cut: Vec<(usize, Corners)>,
 }
 
-fn area(polygon: &[Point]) -> f64 {
-    let Some((&origin, rest)) = polygon.split_first() else {
-        return 0.0;
+/// One number for the lower left, lower right, upper left and upper right corner of a cell.
+type Corners = [f64; 4];
+
+fn exact(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
+    let (n, side, h) = (grid.cells(), grid.side(), grid.h());
+    by_rows(grid, |first, block| {
+        let mut cells = match f {
+            Source::Pieces { background, pieces } => Some(Cells::new(grid, *background, pieces)),
+            Source::Exact(_) => None,
+        };
+        let mut read = |j: usize, row: &mut HatRow| {
+            row.values.resize(n, 0.0);
+            row.cut.clear();
+            match (&mut cells, f) {
+                (None, Source::Exact(exact)) => row
+                    .cut
+                    .extend((0..n).map(|i| (i, smooth_corners(grid, *exact, diagonal, i, j)))),
+                (Some(cells), _) => {
+                    let HatRow { values, cut } = row;
+                    cells.row(j, values, |i, cell| {
+                        let rising = diagonal == Diagonal::Rising;
+                        cut.push((i, corners(cell.triangles(rising), diagonal)));
+                    });
+                }
+                _ => unreachable!("only pieces have cells"),
+            }
+        };
+        let (mut below, mut above) = (HatRow::default(), HatRow::default());
+        if first > 0 {
+            read(first - 1, &mut above);
+        }
+        for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
+            std::mem::swap(&mut below, &mut above);
+            if j < n {
+                read(j, &mut above);
+            }
+            let rows = [(j > 0).then_some(&below), (j < n).then_some(&above)];
+            add_constant(rows.map(|row| row.map(|row| &row.values[..])), diagonal, row);
+            for (row_of_cells, at) in rows.iter().zip([[2, 3], [0, 1]]) {
+                for &(i, corners) in row_of_cells.iter().flat_map(|row| &row.cut) {
+                    row[i] += corners[at[0]];
+                    row[i + 1] += corners[at[1]];
+                }
+            }
+            row.iter_mut().for_each(|value| *value *= h * h);
+        }
+    })
+}
+
+/// Writes to a row of nodes what cells below and above it with constant f give them, over h^2.
+fn add_constant(rows: [Option<&[f64]>; 2], diagonal: Diagonal, out: &mut [f64]) {
+    // Integrals of the hats of a cell's corners where the diagonal ends, and of the other two.
+    let (ending, other) = match diagonal {
+        Diagonal::Rising => (1.0 / 3.0, 1.0 / 6.0),
+        Diagonal::Falling => (1.0 / 6.0, 1.0 / 3.0),
     };
-    rest.windows(2).map(|pair| triangle_area([origin, pair[0], pair[1]])).sum()
+    let n = out.len() - 1;
+    // Differences, so that a constant f gives the value of f itself times the weight.
+    match rows {
+        [Some(s), Some(north)] => {
+            for i in 1..n {
+                let (sw, se, nw, ne) = (s[i - 1], s[i], north[i - 1], north[i]);
+                out[i] = ne + ending * (sw - ne) + other * ((nw - ne) + (se - ne));
+            }
+            out[0] = 0.5 * north[0] + other * (s[0] - north[0]);
+            out[n] = 0.5 * s[n - 1] + other * (north[n - 1] - s[n - 1]);
+        }
+        [None, Some(north)] => {
+            for i in 1..n {
+                out[i] = 0.5 * north[i] + other * (north[i - 1] - north[i]);
+            }
+            (out[0], out[n]) = (ending * north[0], other * north[n - 1]);
+        }
+        [Some(s), None] => {
+            for i in 1..n {
+                out[i] = 0.5 * s[i] + ending * (s[i - 1] - s[i]);
+            }
+            (out[0], out[n]) = (other * s[0], ending * s[n - 1]);
+        }
+        [None, None] => unreachable!("every row of nodes has cells beside it"),
+    }
 }
 
-fn triangle_area([p, q, r]: Triangle) -> f64 {
-    0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]))
-}
-
-/// Barycentric coordinates of `p`: the values there of the three hat functions.
-fn hats(triangle: &Triangle, p: Point) -> [f64; 3] {
-    let [a, b, c] = *triangle;
-    let whole = triangle_area(*triangle);
-    [[p, b, c], [a, p, c], [a, b, p]].map(|part| triangle_area(part) / whole)
-}
-
-/// Adds to `parts` the integrals of `value` times each hat over a convex polygon in the triangle.
-fn add_hats(triangle: &Triangle, polygon: &[Point], value: f64, parts: &mut [f64; 3]) {
-    let Some((&origin, rest)) = polygon.split_first() else {
-        return;
-    };
-    for pair in rest.windows(2) {
-        let fan = [origin, pair[0], pair[1]];
-        // Hats are linear: their integral is the area times the value at the centroid.
-        let centroid = [0, 1].map(|d| (fan[0][d] + fan[1][d] + fan[2][d]) / 3.0);
-        let mass = value * triangle_area(fan);
-        for (part, hat) in parts.iter_mut().zip(hats(triangle, centroid)) {
-            *part += mass * hat;
+/// The corners' shares of f on the triangles below and above a diagonal.
+fn corners([below, above]: [Moments; 2], diagonal: Diagonal) -> Corners {
+    let ([bf, bx, by, ..], [af, ax, ay, ..]) = (below.f, above.f);
+    match diagonal {
+        Diagonal::Rising => {
+            [0.5 * bf - bx + (0.5 * af - ay), bx - by, ay - ax, 0.5 * bf + by + (0.5 * af + ax)]
+        }
+        Diagonal::Falling => {
+            [-bx - by, 0.5 * bf + bx + (0.5 * af - ay), 0.5 * bf + by + (0.5 * af - ax), ax + ay]
         }
     }
 }
 
-/// Radon's seven-point rule, exact for degree 5 (Stroud, T2:5-1): integrals of f times each hat.
-fn radon(triangle: &Triangle, f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
+/// The same for a smooth f, by quadrature.
+fn smooth_corners(grid: Grid, f: Exact, diagonal: Diagonal, i: usize, j: usize) -> Corners {
+    let at = |k: usize| [grid.coordinate(i + (k & 1)), grid.coordinate(j + (k >> 1))];
+    let triangles = match diagonal {
+        Diagonal::Rising => [[0, 1, 3], [0, 3, 2]],
+        Diagonal::Falling => [[0, 1, 2], [1, 3, 2]],
+    };
+    let mut corners = [0.0; 4];
+    for triangle in triangles {
+        let parts = radon(triangle.map(at), |x, y| f.source(x, y));
+        for (k, part) in triangle.into_iter().zip(parts) {
+            corners[k] += 0.5 * part;
+        }
+    }
+    corners
+}
+
+/// Means over a triangle of f times each hat by Radon's seven-point rule, exact for degree 5 (Stroud, T2:5-1).
+fn radon(triangle: [[f64; 2]; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
     let root = 15f64.sqrt();
     let (near, far) = ((6.0 - root) / 21.0, (6.0 + root) / 21.0);
     let (w_near, w_far) = ((155.0 - root) / 1200.0, (155.0 + root) / 1200.0);
-    let mut points = vec![([1.0 / 3.0; 3], 9.0 / 40.0)];
-    for (s, w) in [(near, w_near), (far, w_far)] {
+    let mut points = [([1.0 / 3.0; 3], 9.0 / 40.0); 7];
+    for (k, (s, w)) in [(near, w_near), (far, w_far)].into_iter().enumerate() {
         let t = 1.0 - 2.0 * s;
-        points.extend([([t, s, s], w), ([s, t, s], w), ([s, s, t], w)]);
+        points[1 + 3 * k..][..3].copy_from_slice(&[([t, s, s], w), ([s, t, s], w), ([s, s, t], w)]);
     }
-    let whole = triangle_area(*triangle);
     let mut parts = [0.0; 3];
     for (hat, weight) in points {
         let [x, y] = [0, 1].map(|d| (0..3).map(|k| hat[k] * triangle[k][d]).sum());
-        let mass = whole * weight * f(x, y);
+        let mass = weight * f(x, y);
         for (part, hat) in parts.iter_mut().zip(hat) {
             *part += mass * hat;
         }

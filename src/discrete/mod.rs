@@ -1,5 +1,6 @@
 //! The discrete problem: grid, stiffness matrix, load vector, transfer between grids, optimality conditions, norms.
 
+pub mod cells;
 pub mod cube;
 pub mod grid;
 pub mod kkt;

@@ -7,7 +7,6 @@ use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
 use super::{Caption, FMap, FigureError, finite, some};
-use crate::discrete::load::clip;
 use crate::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
@@ -105,6 +104,24 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
 fn inside_square(planes: &[[f64; 3]]) -> Vec<Point> {
     let square = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
     planes.iter().fold(square, |polygon, &plane| clip(&polygon, plane))
+}
+
+/// Sutherland and Hodgman's clipping of a convex polygon by `a x + b y <= c`.
+fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
+    let excess = |p: Point| a * p[0] + b * p[1] - c;
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (k, &p) in polygon.iter().enumerate() {
+        let q = polygon[(k + 1) % polygon.len()];
+        let (ep, eq) = (excess(p), excess(q));
+        if ep <= 0.0 {
+            kept.push(p);
+        }
+        if (ep < 0.0 && eq > 0.0) || (ep > 0.0 && eq < 0.0) {
+            let t = ep / (ep - eq);
+            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+        }
+    }
+    kept
 }
 
 /// The parts of the border of a piece that f really jumps across, inside the square.

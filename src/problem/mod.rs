@@ -2,4 +2,5 @@
 
 pub mod cube;
 pub mod exact;
+pub mod region;
 pub mod source;

@@ -1,6 +1,7 @@
 //! Right-hand sides f: piecewise constants written as `rect(x0,x1,y0,y1)=v; else=v`, or a named exact problem.
 
 use crate::problem::exact::Exact;
+pub use crate::problem::region::Region;
 use std::fmt;
 use std::str::FromStr;
 
@@ -16,19 +17,6 @@ pub enum Source {
     },
     /// The right-hand side that belongs to a known solution.
     Exact(Exact),
-}
-
-/// A closed region of the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Region {
-    /// `rect(x0,x1,y0,y1)`.
-    Rect { x: [f64; 2], y: [f64; 2] },
-    /// `quadrant(ll|lr|ul|ur)`: a quarter of the plane, axes through the centre of the square.
-    Quadrant { right: bool, upper: bool },
-    /// `halfplane(a,b,c)`: all points with `a x + b y <= c`.
-    HalfPlane { a: f64, b: f64, c: f64 },
-    /// `disc(x,y,radius)`.
-    Disc { centre: [f64; 2], radius: f64 },
 }
 
 /// Side from which f is taken at a point that lies on a jump: a limit along that diagonal.
@@ -90,6 +78,17 @@ impl Source {
         }
     }
 
+    /// |f| for constant pieces; a named problem, whose integral is far from zero, is left as it is.
+    pub fn absolute(&self) -> Self {
+        match self {
+            Self::Pieces { background, pieces } => Self::Pieces {
+                background: background.abs(),
+                pieces: pieces.iter().map(|(region, value)| (*region, value.abs())).collect(),
+            },
+            Self::Exact(_) => self.clone(),
+        }
+    }
+
     /// Value at (x, y); on the border of a piece, the piece's.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         match self {
@@ -107,81 +106,23 @@ impl Source {
         if let Self::Exact(exact) = self {
             return exact.source(x, y);
         }
-        let (dx, dy) = match tie {
-            Tie::LowerLeft => (-STEP_OFF, -STEP_OFF),
-            Tie::LowerRight => (STEP_OFF, -STEP_OFF),
-            Tie::UpperLeft => (-STEP_OFF, STEP_OFF),
-            Tie::UpperRight => (STEP_OFF, STEP_OFF),
-        };
-        let inside = |t: f64, d: f64| {
-            let moved = t + d;
-            if moved.abs() <= 0.5 { moved } else { t - d }
-        };
-        self.at(inside(x, dx), inside(y, dy))
+        self.at(tie.step_off(x, 0), tie.step_off(y, 1))
     }
 }
 
-impl Region {
-    /// Whether the closed region holds (x, y).
-    pub fn contains(&self, x: f64, y: f64) -> bool {
-        match *self {
-            Self::Disc { centre: [cx, cy], radius } => {
-                let (dx, dy) = (x - cx, y - cy);
-                dx * dx + dy * dy <= radius * radius
-            }
-            _ => self.half_planes().iter().all(|&[a, b, c]| a * x + b * y <= c),
-        }
-    }
-
-    /// The region as an intersection of half-planes `a x + b y <= c`, `[a, b, c]` each.
-    ///
-    /// A disc is given as the regular polygon of the same area with [`DISC_SIDES`] sides, whose
-    /// border is within 2e-5 radii of the circle.
-    pub fn half_planes(&self) -> Vec<[f64; 3]> {
-        match *self {
-            Self::Rect { x, y } => {
-                vec![[-1.0, 0.0, -x[0]], [1.0, 0.0, x[1]], [0.0, -1.0, -y[0]], [0.0, 1.0, y[1]]]
-            }
-            Self::Quadrant { right, upper } => {
-                let side = |plus: bool| if plus { -1.0 } else { 1.0 };
-                vec![[side(right), 0.0, 0.0], [0.0, side(upper), 0.0]]
-            }
-            Self::HalfPlane { a, b, c } => vec![[a, b, c]],
-            Self::Disc { centre: [cx, cy], radius } => {
-                let angle = std::f64::consts::PI / DISC_SIDES as f64;
-                let apothem = radius * (angle / libm::tan(angle)).sqrt();
-                (0..DISC_SIDES)
-                    .map(|k| {
-                        let (b, a) = libm::sincos(2.0 * angle * k as f64);
-                        [a, b, a * cx + b * cy + apothem]
-                    })
-                    .collect()
-            }
-        }
-    }
-}
-
-/// Sides of the polygon that stands for a disc where f is integrated exactly.
-pub const DISC_SIDES: usize = 360;
-
-impl fmt::Display for Region {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Rect { x, y } => write!(out, "rect({},{},{},{})", x[0], x[1], y[0], y[1]),
-            Self::Quadrant { right, upper } => {
-                let name = match (upper, right) {
-                    (false, false) => "ll",
-                    (false, true) => "lr",
-                    (true, false) => "ul",
-                    (true, true) => "ur",
-                };
-                write!(out, "quadrant({name})")
-            }
-            Self::HalfPlane { a, b, c } => write!(out, "halfplane({a},{b},{c})"),
-            Self::Disc { centre, radius } => {
-                write!(out, "disc({},{},{radius})", centre[0], centre[1])
-            }
-        }
+impl Tie {
+    /// The coordinate `t` along axis 0 or 1, moved off any jump there to the side that this rule takes,
+    /// or to the other one if that lies outside the square.
+    pub fn step_off(self, t: f64, axis: usize) -> f64 {
+        let upward = match self {
+            Self::LowerLeft => [false, false],
+            Self::LowerRight => [true, false],
+            Self::UpperLeft => [false, true],
+            Self::UpperRight => [true, true],
+        };
+        let step = if upward[axis] { STEP_OFF } else { -STEP_OFF };
+        let moved = t + step;
+        if moved.abs() <= 0.5 { moved } else { t - step }
     }
 }
 

@@ -1,9 +1,11 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
+use crate::discrete;
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, integral};
 use crate::discrete::transfer::Prolongation;
 use crate::pipeline::error::{Error, Result, from_toml};
+use crate::problem::cube;
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
@@ -193,19 +195,36 @@ fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
-/// Checks the condition (2) for solvability: the integral of f must be negative.
+/// Checks the condition (2) for solvability: the integral of f must be negative, by more than rounding.
 ///
 /// # Errors
 /// [`Error::Input`] with the integral.
 pub fn solvable(f: &Source) -> Result<f64> {
-    let integral = integral(f);
-    if integral < 0.0 {
+    negative(integral(f), integral(&f.absolute()))
+}
+
+/// The same on the cube.
+///
+/// # Errors
+/// [`Error::Input`] with the integral.
+pub fn solvable_on_cube(f: &cube::Source) -> Result<f64> {
+    negative(discrete::cube::integral(f), discrete::cube::integral(&f.absolute()))
+}
+
+/// The integral of f if it is negative, beside that of |f|.
+fn negative(integral: f64, of_size: f64) -> Result<f64> {
+    if integral < -ROUNDING * of_size.abs() {
         return Ok(integral);
     }
+    let exactly =
+        if integral.abs() <= ROUNDING * of_size.abs() { "0" } else { &format!("{integral:.3e}") };
     Err(Error::input(format!(
-        "the integral of f is {integral:.3e}, but (2) asks for a negative one; lower f somewhere"
+        "the integral of f is {exactly}, but (2) asks for a negative one; lower f somewhere"
     )))
 }
+
+/// What rounding may leave of an integral that is zero, over the integral of |f|.
+const ROUNDING: f64 = 1e-12;
 
 /// Checks that r is a positive number, and one that can be written out as the name of a cell.
 ///

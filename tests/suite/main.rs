@@ -15,6 +15,7 @@ mod fuzz;
 mod identify;
 mod identify_cli;
 mod interruption;
+mod loads;
 mod multigrid;
 mod readme;
 mod records;

@@ -4,13 +4,14 @@ use super::problem::Level;
 use super::{SolveArgs, Solver, cells, cost, goal, table};
 use crate::cli::formats;
 use crate::cli::{say, say_json};
-use crate::discrete::cube::{Grid, energy, errors, kkt};
+use crate::discrete::cube::{Grid, energy, errors, exact_load, kkt};
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::ActiveSetParams;
 use crate::multigrid::cube::{active_set, multigrid};
 use crate::multigrid::{InputError, StopReason};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::problem::cube::Source;
+use crate::replication::scene::solvable_on_cube;
 use std::time::Instant;
 
 /// Finest grid: it has 135 million nodes, for which multigrid takes three gigabytes.
@@ -21,6 +22,7 @@ const DEFAULT_CELLS: usize = 64;
 
 pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
     let f: Source = f.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
+    let integral = solvable_on_cube(&f)?;
     let solver = args.solver.unwrap_or(Solver::Multigrid);
     let n = args.h.as_deref().map_or(Ok(DEFAULT_CELLS), cells)?;
     let finest = match solver {
@@ -46,7 +48,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
     let tolerance = args.tolerance(solver)?;
 
     let start = Instant::now();
-    let load = f.load(grid);
+    let load = exact_load(grid, &f);
     let setup = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let solved = if solver == Solver::Multigrid {
@@ -96,7 +98,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
             "iterations_per_grid": [iterations],
             "stop": level.stop,
             "energy": level.energy,
-            "integral_f": level.sum_load,
+            "integral_f": integral,
             "sum_load": level.sum_load,
             "kkt": level.kkt,
             "seconds": { "setup": setup, "solve": seconds },
@@ -109,7 +111,7 @@ pub(super) fn solve(args: &SolveArgs, f: &str) -> Result<u8> {
         }
         return say_json(&json);
     }
-    let mut text = format!("cube: f = {f}, integral {:.4}\n", level.sum_load);
+    let mut text = format!("cube: f = {f}, integral {integral:.4}\n");
     text += &table(&[level]);
     text += &cost(seconds, work_units);
     if let Some(e) = errors {

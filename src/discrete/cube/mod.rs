@@ -3,8 +3,10 @@
 //! Everything here is a plain loop over nodes, written apart from the solvers in
 //! [`multigrid::cube`](crate::multigrid::cube), so that it can judge them.
 
+mod load;
 mod norms;
 
+pub use load::{exact_load, integral};
 pub use norms::{Errors, errors};
 
 use crate::discrete::grid::{GridError, MIN_CELLS};

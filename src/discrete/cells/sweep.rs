@@ -1,0 +1,272 @@
+//! Integrals in closed form of a piecewise constant f over a cell or triangle that borders of its pieces cross.
+//!
+//! The cell is swept along x. Between neighbouring abscissas at which a border ends, turns back or meets
+//! another one, the borders are graphs in a fixed order with f constant from one to the next, so that the
+//! integral of f p is a sum over the graphs: the jump of f there times the integral of p below the graph.
+//! Below a straight graph that is a polynomial; a circular one adds the segment between chord and arc.
+
+use super::monomials::{below_chord, beside_chord, half_chord};
+use crate::problem::region::Region;
+
+/// Integrals of f times monomials over the unit cell [-1/2, 1/2]^2, or a part of it, in the coordinates X and Y there.
+///
+/// Over a cell of width h the integral is `h^2` times as large.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Of f times 1, X, Y, XY, X^2, Y^2, X^2 Y and X Y^2.
+    pub f: [f64; 8],
+    /// Of f^2.
+    pub square: f64,
+}
+
+/// A straight line `a x + b y = c`.
+#[derive(Clone, Copy)]
+struct Line {
+    a: f64,
+    b: f64,
+    c: f64,
+}
+
+/// A border of a piece, in the coordinates of the cell.
+#[derive(Clone, Copy)]
+enum Border {
+    /// A line over these x; a vertical one ends at its only x, and is no graph.
+    Straight(Line, [f64; 2]),
+    Circle {
+        centre: [f64; 2],
+        radius: f64,
+    },
+}
+
+/// Part of a cell: the points between two lines, given by their heights at X = -1/2 and X = 1/2.
+#[derive(Clone, Copy)]
+struct Part {
+    bottom: [f64; 2],
+    top: [f64; 2],
+}
+
+const WHOLE: Part = Part { bottom: [-0.5, -0.5], top: [0.5, 0.5] };
+
+/// The pieces that share one cell, with room for the work on them.
+#[derive(Default)]
+pub struct Cut {
+    /// Value where none of the pieces is.
+    background: f64,
+    /// Regions in the coordinates of the cell, the last first: it wins.
+    pieces: Vec<(Region, f64)>,
+    borders: Vec<Border>,
+    stops: Vec<f64>,
+    graphs: Vec<Graph>,
+}
+
+/// A border over one interval of the sweep: a straight one, or the upper or lower half of a circle.
+#[derive(Clone, Copy)]
+struct Graph {
+    border: Border,
+    upper: bool,
+    /// Height in the middle of the interval.
+    middle: f64,
+}
+
+impl Cut {
+    /// Takes another cell, f there being `background` but for the pieces, of which the first wins.
+    pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Region, f64)>) {
+        self.background = background;
+        self.pieces.clear();
+        self.pieces.extend(pieces);
+        self.borders.clear();
+        for (region, _) in &self.pieces {
+            add_borders(region, &mut self.borders);
+        }
+    }
+
+    /// Integrals over the cell.
+    pub fn moments(&mut self) -> Moments {
+        self.integrate(WHOLE)
+    }
+
+    /// Integrals over the triangles below and above the diagonal that rises or falls.
+    pub fn triangles(&mut self, rising: bool) -> [Moments; 2] {
+        let diagonal = if rising { [-0.5, 0.5] } else { [0.5, -0.5] };
+        let below = Part { top: diagonal, ..WHOLE };
+        let above = Part { bottom: diagonal, ..WHOLE };
+        [self.integrate(below), self.integrate(above)]
+    }
+
+    fn value(&self, x: f64, y: f64) -> f64 {
+        let covering = self.pieces.iter().find(|(region, _)| region.contains(x, y));
+        covering.map_or(self.background, |&(_, value)| value)
+    }
+
+    fn integrate(&mut self, part: Part) -> Moments {
+        self.find_stops(part);
+        let mut total = Moments::default();
+        for k in 1..self.stops.len() {
+            let (left, right) = (self.stops[k - 1], self.stops[k]);
+            if left < right {
+                self.interval(part, left, right, &mut total);
+            }
+        }
+        total
+    }
+
+    /// The abscissas between which no graph begins, ends or meets another one.
+    fn find_stops(&mut self, part: Part) {
+        self.stops.clear();
+        let bounds =
+            [part.bottom, part.top].map(|[l, r]| Line { a: l - r, b: 1.0, c: 0.5 * (l + r) });
+        for (k, border) in self.borders.iter().enumerate() {
+            match *border {
+                Border::Straight(_, span) => self.stops.extend(span),
+                Border::Circle { centre: [x, _], radius } => {
+                    self.stops.extend([x - radius, x + radius]);
+                }
+            }
+            for bound in bounds {
+                meet(border, &Border::Straight(bound, [-0.5, 0.5]), &mut self.stops);
+            }
+            for other in &self.borders[..k] {
+                meet(border, other, &mut self.stops);
+            }
+        }
+        self.stops.retain(|x| x.abs() < 0.5);
+        self.stops.extend([-0.5, 0.5]);
+        self.stops.sort_unstable_by(f64::total_cmp);
+    }
+
+    /// Adds the integrals over the part of the cell between two neighbouring stops.
+    fn interval(&mut self, part: Part, left: f64, right: f64, total: &mut Moments) {
+        let middle = 0.5 * (left + right);
+        let bounds = [part.bottom, part.top];
+        let on = |[l, r]: [f64; 2], x: f64| 0.5 * (l + r) + (r - l) * x;
+        let [floor, ceiling] = bounds.map(|bound| on(bound, middle));
+        self.graphs.clear();
+        for &border in &self.borders {
+            let mut add = |upper: bool, height: f64| {
+                if floor < height && height < ceiling {
+                    self.graphs.push(Graph { border, upper, middle: height });
+                }
+            };
+            match border {
+                Border::Straight(line, [start, end]) if start < middle && middle < end => {
+                    add(true, (line.c - line.a * middle) / line.b);
+                }
+                Border::Circle { centre: [x, y], radius } if (middle - x).abs() < radius => {
+                    let half = half_chord(radius, middle - x);
+                    add(false, y - half);
+                    add(true, y + half);
+                }
+                _ => (),
+            }
+        }
+        self.graphs.sort_unstable_by(|p, q| p.middle.total_cmp(&q.middle));
+        let straight = |bound| below_chord([left, right], [on(bound, left), on(bound, right)]);
+        let above = self.graphs.first().map_or(ceiling, |graph| graph.middle);
+        let mut value = self.value(middle, 0.5 * (floor + above));
+        total.add(-value, -value * value, straight(bounds[0]));
+        for (k, graph) in self.graphs.iter().enumerate() {
+            let above = self.graphs.get(k + 1).map_or(ceiling, |graph| graph.middle);
+            let next = self.value(middle, 0.5 * (graph.middle + above));
+            if next != value {
+                total.add(value - next, value * value - next * next, graph.below(left, right));
+                value = next;
+            }
+        }
+        total.add(value, value * value, straight(bounds[1]));
+    }
+}
+
+impl Moments {
+    /// Those of a constant over the whole cell.
+    pub fn constant(f: f64) -> Self {
+        let twelfth = f / 12.0;
+        Self { f: [f, 0.0, 0.0, 0.0, twelfth, twelfth, 0.0, 0.0], square: f * f }
+    }
+
+    fn add(&mut self, jump: f64, jump_of_square: f64, monomials: [f64; 8]) {
+        for (sum, term) in self.f.iter_mut().zip(monomials) {
+            *sum += jump * term;
+        }
+        self.square += jump_of_square * monomials[0];
+    }
+}
+
+fn add_borders(region: &Region, borders: &mut Vec<Border>) {
+    match *region {
+        Region::Rect { x, y } => {
+            borders.extend(
+                y.iter()
+                    .filter(|y| y.abs() < 0.5)
+                    .map(|&y| Border::Straight(Line { a: 0.0, b: 1.0, c: y }, x)),
+            );
+            borders.extend(
+                x.iter()
+                    .filter(|x| x.abs() < 0.5)
+                    .map(|&x| Border::Straight(Line { a: 1.0, b: 0.0, c: x }, [x, x])),
+            );
+        }
+        // A line as steep as this is vertical to rounding.
+        Region::HalfPlane { a, b, c } if b.abs() < 1e-15 * a.abs() => {
+            borders.push(Border::Straight(Line { a, b: 0.0, c }, [c / a, c / a]));
+        }
+        Region::HalfPlane { a, b, c } => {
+            borders.push(Border::Straight(Line { a, b, c }, [-0.5, 0.5]));
+        }
+        Region::Disc { centre, radius } => borders.push(Border::Circle { centre, radius }),
+        Region::Quadrant { .. } => unreachable!("a region seen from a cell is no quadrant"),
+    }
+}
+
+/// Adds the abscissas at which two borders meet, were they as long as they can be.
+fn meet(p: &Border, q: &Border, stops: &mut Vec<f64>) {
+    match (*p, *q) {
+        (Border::Straight(p, _), Border::Straight(q, _)) => {
+            stops.push((p.c * q.b - q.c * p.b) / (p.a * q.b - q.a * p.b));
+        }
+        (Border::Straight(line, _), Border::Circle { centre, radius })
+        | (Border::Circle { centre, radius }, Border::Straight(line, _)) => {
+            let away = line.c - line.a * centre[0] - line.b * centre[1];
+            meet_circle([line.a, line.b], away, centre, radius, stops);
+        }
+        (Border::Circle { centre: p, radius }, Border::Circle { centre: q, radius: other }) => {
+            // Both points lie on the radical line.
+            let to = [q[0] - p[0], q[1] - p[1]];
+            let square = to[0] * to[0] + to[1] * to[1];
+            let away = 0.5 * (square + (radius - other) * (radius + other));
+            meet_circle(to, away, p, radius, stops);
+        }
+    }
+}
+
+/// Adds the abscissas of the points of a circle where `normal . (p - centre) = away`.
+fn meet_circle(normal: [f64; 2], away: f64, centre: [f64; 2], radius: f64, stops: &mut Vec<f64>) {
+    let [a, b] = normal;
+    let length = (a * a + b * b).sqrt();
+    let distance = away / length;
+    if distance.abs() <= radius {
+        let foot = centre[0] + a / length * distance;
+        let half = b / length * half_chord(radius, distance);
+        stops.extend([foot - half, foot + half]);
+    }
+}
+
+impl Graph {
+    /// Integrals of the monomials between the x axis and this graph.
+    fn below(&self, left: f64, right: f64) -> [f64; 8] {
+        match self.border {
+            Border::Straight(line, _) => {
+                let on = |x: f64| (line.c - line.a * x) / line.b;
+                below_chord([left, right], [on(left), on(right)])
+            }
+            Border::Circle { centre: [x, y], radius } => {
+                let side = if self.upper { 1.0 } else { -1.0 };
+                let on = |s: f64| y + side * half_chord(radius, s - x);
+                let (ends, heights) = ([left, right], [on(left), on(right)]);
+                let mut sums = below_chord(ends, heights);
+                let arc = beside_chord(ends, heights, [x, y], radius, side);
+                sums.iter_mut().zip(arc).for_each(|(sum, term)| *sum += side * term);
+                sums
+            }
+        }
+    }
+}
