@@ -1,7 +1,8 @@
 //! The curves inside the square across which f jumps.
 
 use super::complex::Complex;
-use crate::problem::source::{Region, Source};
+use crate::problem::region::Region;
+use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
 /// Points closer than this count as one.
@@ -153,7 +154,7 @@ pub(super) enum Continued {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Jumps {
     /// f, as regions with their values, in painting order.
-    painted: Vec<(Shape, f64)>,
+    painted: Vec<(Region, f64)>,
     background: f64,
     /// The borders of all regions, in full.
     pub curves: Vec<Curve>,
@@ -170,14 +171,13 @@ impl Jumps {
         let Source::Pieces { pieces, background } = f else { return Self::default() };
         let mut jumps = Self { background: *background, ..Self::default() };
         for (region, value) in pieces {
-            let shape = Shape::of(region);
-            for curve in shape.borders() {
+            for curve in borders(region) {
                 // Common borders of two regions are one curve.
                 if !jumps.curves.iter().any(|&other| other.same(curve)) {
                     jumps.curves.push(curve);
                 }
             }
-            jumps.painted.push((shape, *value));
+            jumps.painted.push((*region, *value));
         }
         for curve in jumps.curves.clone() {
             match curve {
@@ -190,7 +190,7 @@ impl Jumps {
 
     /// f; the last region that covers a point wins.
     pub fn value(&self, x: f64, y: f64) -> f64 {
-        let covering = self.painted.iter().rev().find(|(shape, _)| shape.contains(x, y));
+        let covering = self.painted.iter().rev().find(|(region, _)| region.contains(x, y));
         covering.map_or(self.background, |&(_, value)| value)
     }
 
@@ -405,48 +405,16 @@ fn in_square(line: Curve) -> Option<[f64; 2]> {
     (high - low > SAME).then_some([low, high])
 }
 
-/// A region, ready to be asked often.
-#[derive(Clone, Debug)]
-enum Shape {
-    Disc {
-        centre: Complex,
-        radius: f64,
-    },
-    /// An intersection of half-planes `a x + b y <= c`.
-    Polygon(Vec<[f64; 3]>),
-}
-
-impl Shape {
-    fn of(region: &Region) -> Self {
-        match *region {
-            Region::Disc { centre: [x, y], radius } => {
-                Self::Disc { centre: Complex::new(x, y), radius }
-            }
-            _ => Self::Polygon(region.half_planes()),
-        }
+/// The curves that bound a region.
+fn borders(region: &Region) -> Vec<Curve> {
+    if let Region::Disc { centre: [x, y], radius } = *region {
+        return vec![Curve::Circle { centre: Complex::new(x, y), radius }];
     }
-
-    fn contains(&self, x: f64, y: f64) -> bool {
-        match self {
-            Self::Disc { centre, radius } => {
-                (Complex::new(x, y) - *centre).norm2() <= radius * radius
-            }
-            Self::Polygon(sides) => sides.iter().all(|&[a, b, c]| a * x + b * y <= c),
-        }
-    }
-
-    fn borders(&self) -> Vec<Curve> {
-        let line = |&[a, b, c]: &[f64; 3]| {
-            // One orientation for each line, so that common borders are found to be one.
-            let flip = if a < 0.0 || (a == 0.0 && b < 0.0) { -1.0 } else { 1.0 };
-            let scale = flip / (a * a + b * b).sqrt();
-            Curve::Line { normal: Complex::new(a, b).scaled(scale), offset: c * scale }
-        };
-        match self {
-            Self::Disc { centre, radius } => {
-                vec![Curve::Circle { centre: *centre, radius: *radius }]
-            }
-            Self::Polygon(sides) => sides.iter().map(line).collect(),
-        }
-    }
+    let line = |[a, b, c]: [f64; 3]| {
+        // One orientation for each line, so that common borders are found to be one.
+        let flip = if a < 0.0 || (a == 0.0 && b < 0.0) { -1.0 } else { 1.0 };
+        let scale = flip / (a * a + b * b).sqrt();
+        Curve::Line { normal: Complex::new(a, b).scaled(scale), offset: c * scale }
+    };
+    region.half_planes().into_iter().map(line).collect()
 }

@@ -2,7 +2,8 @@
 
 use super::jumps::{Curve, Jumps};
 use crate::discrete::grid::Grid;
-use crate::multigrid::square::{Goal, MultigridParams, multigrid};
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{Goal, MultigridParams};
 
 /// Nodal values on a grid, up to discretisation error; `None` if the load has no negative sum.
 pub(super) fn coarse(grid: Grid, jumps: &Jumps) -> Option<Vec<f64>> {
