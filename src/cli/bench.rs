@@ -1,6 +1,7 @@
 //! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
 
-use super::{current_folder, say, say_json};
+use super::current_folder;
+use super::output::{OutputFile, say, say_json, talk};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
 use crate::timing::measure::{Plan, SOLVERS, measure};
@@ -8,8 +9,6 @@ use crate::timing::recorded::{self, Timings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::fs;
-use std::io::Write;
-use std::path::PathBuf;
 
 /// Arguments of `bench`.
 #[derive(Args)]
@@ -53,17 +52,20 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     let plan = Plan { repeats, quick: args.quick, solvers: solvers.collect(), finest };
     let record = if args.record { Some(Record::open()?) } else { None };
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
+    if let Some(record) = &record {
+        timings.peer.clone_from(&record.peer);
+    }
+    if args.json { say_json(&timings) } else { say(&text(&timings)) }?;
     if let Some(record) = record {
-        timings.peer = record.peer;
-        fs::write(&record.path, timings.to_toml()).context("write", &record.path)?;
+        record.file.write(timings.to_toml().as_bytes())?;
         talk(&format!("wrote {}; `signorini` now builds the book with it", recorded::PATH));
     }
-    if args.json { say_json(&timings) } else { say(&text(&timings)) }
+    Ok(0)
 }
 
 /// Where the record goes, and what of the old one is kept.
 struct Record {
-    path: PathBuf,
+    file: OutputFile,
     peer: Vec<recorded::Peer>,
 }
 
@@ -75,13 +77,8 @@ impl Record {
             true => Timings::parse(&fs::read_to_string(&path).context("read", &path)?)?.peer,
             false => Vec::new(),
         };
-        Ok(Self { path, peer })
+        Ok(Self { file: OutputFile::check(&path)?, peer })
     }
-}
-
-/// Progress, for which nobody has to listen.
-fn talk(what: &str) {
-    let _ = writeln!(anstream::stderr(), "{what}");
 }
 
 fn text(timings: &Timings) -> String {

@@ -1,13 +1,11 @@
 //! `certificate`: what a reviewer attaches to a review, as a CODECHECK bundle and on one page.
 
-mod codecheck;
 mod machine;
-mod page;
-mod yaml;
 
+use super::CacheArgs;
 use super::diff::comparison;
+use super::output::{OutputFile, say, talk};
 use super::pipeline::Workplace;
-use super::{CacheArgs, say, write_file};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
 use crate::replication::paper::TableComparison;
@@ -17,8 +15,11 @@ use crate::replication::stages::{report, tabulate};
 use crate::saddle::StopRule;
 use crate::timing::machine::COMPILER;
 use clap::Args;
+use serde::Serialize;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use tera::{Context, Kwargs, State, Tera};
 
 const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
 const TITLE: &str = "The study of the semicoercive Signorini problem by the Arrow-Hurwicz method \
@@ -55,8 +56,16 @@ pub(super) struct CertificateArgs {
     cache: CacheArgs,
 }
 
-/// Everything that the two files say.
+/// Everything that the two templates say.
+#[derive(Serialize)]
 struct Check {
+    author: &'static str,
+    title: &'static str,
+    reference: &'static str,
+    version: &'static str,
+    compiler: &'static str,
+    program: &'static str,
+    commands: [(&'static str, &'static str); 4],
     codechecker: String,
     orcid: Option<String>,
     repository: String,
@@ -64,7 +73,9 @@ struct Check {
     commit: Option<String>,
     machine: Vec<(&'static str, String)>,
     libraries: Vec<(String, String)>,
+    summary: String,
     tables: Vec<TableComparison>,
+    differing: Vec<Differing>,
     /// What a reader of the numbers has to know, in sentences.
     reservations: Vec<&'static str>,
     files: Vec<File>,
@@ -73,14 +84,33 @@ struct Check {
     hashes: usize,
     lock_hash: String,
     lock_is_committed: Option<bool>,
+    /// Of the page, for the manifest.
+    page_hash: String,
 }
 
 /// A file of the bundle.
+#[derive(Serialize)]
 struct File {
     path: String,
     comment: String,
     hash: String,
+    #[serde(skip)]
     bytes: Vec<u8>,
+}
+
+impl File {
+    fn new(path: impl Into<String>, comment: impl Into<String>, bytes: Vec<u8>) -> Self {
+        Self { path: path.into(), comment: comment.into(), hash: hash(&bytes), bytes }
+    }
+}
+
+/// A cell that is not as printed.
+#[derive(Serialize)]
+struct Differing {
+    place: String,
+    paper: String,
+    ours: String,
+    verdict: String,
 }
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
@@ -93,21 +123,44 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
         )));
     }
     let summary = up_to_date(&workplace)?;
-    let check = Check::new(args, &workplace, &summary)?;
-    fs::create_dir_all(&folder).context("create", &folder)?;
-    for file in &check.files {
+    let mut check = Check::new(args, &workplace, &summary)?;
+    let page = check.render(include_str!("certificate/certificate.md.tera"));
+    check.page_hash = hash(page.as_bytes());
+    let manifest = check.render(include_str!("certificate/codecheck.yml.tera"));
+    let count = check.files.len();
+    let mut files = check.files;
+    files.push(File::new(PAGE, "", page.into_bytes()));
+    files.push(File::new(MANIFEST, "", manifest.into_bytes()));
+    write(&folder, &files)?;
+    say(&[PAGE, MANIFEST].map(|name| format!("{}\n", folder.join(name).display())).concat())?;
+    talk(&format!("{count} files with their hashes; {}", check.summary));
+    Ok(0)
+}
+
+/// Writes the bundle, all of it or, where a file is in the way, nothing.
+fn write(folder: &Path, files: &[File]) -> Result<()> {
+    let before = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
+    let mut checked = Vec::new();
+    for file in files {
         let path = folder.join(&file.path);
+        match fs::read(&path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            Ok(found)
+                if found == file.bytes
+                    || file.path == MANIFEST
+                    || before.contains(&hash(&found)) => {}
+            _ => {
+                return Err(Error::input(format!(
+                    "{} is there already and not as a certificate wrote it; move it away, or name another folder with --output",
+                    path.display()
+                )));
+            }
+        }
         let parent = path.parent().expect("a file lies in a folder");
         fs::create_dir_all(parent).context("create", parent)?;
-        write_file(&path, &file.bytes)?;
+        checked.push(OutputFile::check(&path)?);
     }
-    write_file(&folder.join(PAGE), page::page(&check).as_bytes())?;
-    write_file(&folder.join(MANIFEST), codecheck::manifest(&check).as_bytes())?;
-    let shown = |name: &str| format!("{}\n", folder.join(name).display());
-    say(&(shown(PAGE) + &shown(MANIFEST)))?;
-    let talk = format!("{} files with their hashes; {}", check.files.len(), page::summary(&check));
-    super::talk(&talk);
-    Ok(0)
+    checked.iter().zip(files).try_for_each(|(checked, file)| checked.write(&file.bytes))
 }
 
 const MANIFEST: &str = "codecheck.yml";
@@ -127,7 +180,7 @@ fn folder(asked: Option<&Path>, project: &Path) -> Result<PathBuf> {
 
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
-    let summary = workplace.judge(&workplace.tasks(&[], None)?)?;
+    let summary = workplace.judge(&workplace.tasks(&[], None)?, true)?;
     let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
     let refused = if let Some(first) = stale.clone().next() {
         let of = summary.verdicts.len();
@@ -138,7 +191,7 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
             first.verdict
         )
     } else if let Some(edited) = summary.edited.first() {
-        return Err(Error::input(edited.clone()));
+        return Err(Error::input(super::pipeline::edited(edited)));
     } else if !summary.nothing_to_do() {
         "files in figures/ or report/ are missing or old".into()
     } else {
@@ -185,6 +238,16 @@ impl Check {
             time: machine::check_time()?,
             commit: machine::commit(&project.root),
             machine: machine::description(),
+            author: AUTHOR,
+            title: TITLE,
+            reference: REFERENCE,
+            version: env!("CARGO_PKG_VERSION"),
+            compiler: COMPILER,
+            program: option_env!("SIGNORINI_PROGRAM").unwrap_or("unknown"),
+            commands: COMMANDS,
+            summary: tables.iter().map(sentence).collect::<Vec<_>>().join(" "),
+            differing: tables.iter().flat_map(differing).collect(),
+            page_hash: String::new(),
             libraries: report::versions().into_iter().map(|v| (v.name, v.version)).collect(),
             reservations: reservations(project),
             files: files(workplace, summary, &tables)?,
@@ -196,6 +259,71 @@ impl Check {
             lock_hash: hash(&fs::read(&lock).context("read", &lock)?),
         })
     }
+
+    fn render(&self, template: &str) -> String {
+        let mut tera = Tera::new();
+        let json = |text: String, _: Kwargs, _: &State| serde_json::json!(text).to_string();
+        tera.register_filter("json", json);
+        tera.register_filter("cell", |text: String, _: Kwargs, _: &State| {
+            text.replace('|', "\\|").replace('\n', " ")
+        });
+        let context = Context::from_serialize(self).expect("plain data");
+        tera.render_str(template, &context, false).expect("the template is tested")
+    }
+}
+
+/// What matched of a table, in a sentence.
+fn sentence(table: &TableComparison) -> String {
+    format!(
+        "Table {}: {} of {} iteration counts come out exactly, {} of {} values of Delta a to the printed digits, and {}.",
+        table.table,
+        table.exact,
+        table.cells,
+        table.delta_a_exact,
+        table.rows.len(),
+        match table.cells - table.within_tolerance + table.rows.len() - table.delta_a_within {
+            0 => "every value within the declared tolerance".to_owned(),
+            1 => "one value is outside the declared tolerance".to_owned(),
+            n => format!("{n} values are outside the declared tolerance"),
+        }
+    )
+}
+
+/// The cells of a table that are not as printed.
+fn differing(table: &TableComparison) -> Vec<Differing> {
+    let mut cells = Vec::new();
+    let tolerance =
+        |within: bool| if within { "within tolerance" } else { "**outside** tolerance" };
+    for row in &table.rows {
+        let place = format!("Table {}, r = {}", table.table, row.r);
+        for level in (0..row.ours.len()).filter(|&level| !row.count_exact(level)) {
+            let (ours, paper) = (row.ours[level], row.paper[level]);
+            let verdict = match row.is_capped(level) {
+                true => "cut off by max_iterations".to_owned(),
+                false => {
+                    format!("{}: off by {}", tolerance(row.within[level]), ours.abs_diff(paper))
+                }
+            };
+            let place = format!("{place}, grid {}", level + 1);
+            cells.push(Differing {
+                place,
+                paper: paper.to_string(),
+                ours: ours.to_string(),
+                verdict,
+            });
+        }
+        if !row.delta_a_exact() {
+            let ratio = row.delta_a_ours / row.delta_a_paper;
+            let factor = ratio.max(1.0 / ratio);
+            cells.push(Differing {
+                place: format!("{place}, Δa"),
+                paper: format!("{:.1e}", row.delta_a_paper),
+                ours: format!("{:.2e}", row.delta_a_ours),
+                verdict: format!("{}: a factor of {factor:.2}", tolerance(row.delta_a_within)),
+            });
+        }
+    }
+    cells
 }
 
 /// What the project itself says about its right-hand sides and stopping rules.
@@ -224,12 +352,6 @@ fn files(
     tables: &[TableComparison],
 ) -> Result<Vec<File>> {
     let mut files = Vec::new();
-    let file = |path: String, comment: String, bytes: Vec<u8>| File {
-        path,
-        comment,
-        hash: hash(&bytes),
-        bytes,
-    };
     for table in tables {
         let scene: &Scene = workplace.project.scene(&table.scene)?;
         let task = tabulate::id(scene, scene.stop[0]);
@@ -240,12 +362,12 @@ fn files(
             "Table {} of the paper: {} of {} counts exact",
             table.table, table.exact, table.cells
         );
-        files.push(file(format!("tables/table{}.csv", table.table), comment, bytes));
+        files.push(File::new(format!("tables/table{}.csv", table.table), comment, bytes));
     }
     for path in summary.exports.keys().filter(|path| path.starts_with("figures/")) {
         let on_disk = workplace.project.root.join(path);
         let bytes = fs::read(&on_disk).context("read", &on_disk)?;
-        files.push(file(path.clone(), title(&bytes), bytes));
+        files.push(File::new(path, title(&bytes), bytes));
     }
     Ok(files)
 }

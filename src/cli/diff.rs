@@ -1,10 +1,12 @@
 //! `diff`: our tables beside the published ones.
 
+use super::CacheArgs;
+use super::output::{say, say_json, styled};
 use super::pipeline::{Workplace, bring_up_to_date};
-use super::{CacheArgs, say, say_json, styled};
+use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Manifest, Stage};
 use crate::replication::paper::{Comparison, RowComparison, TableComparison};
+use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
 use anstyle::AnsiColor;
 use clap::Args;
@@ -26,7 +28,7 @@ pub(super) struct DiffArgs {
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    if tasks.is_empty() {
+    if tasks.tasks().is_empty() {
         return Err(Error::input(
             "no scene has a `paper_table`; add one to compare with the paper",
         ));
@@ -57,12 +59,13 @@ pub(super) fn comparison(
     Ok(Comparison { schema: 1, tables })
 }
 
-/// Iterations with their mark: `=` exact, `~` within tolerance, `!` outside.
+/// Iterations with their mark: `=` exact, `~` within tolerance, `!` outside, `>` cut off.
 fn mark(row: &RowComparison, level: usize) -> char {
-    match (row.ours[level] == row.paper[level], row.within[level]) {
-        (true, _) => '=',
-        (false, true) => '~',
-        (false, false) => '!',
+    match (row.count_exact(level), row.within[level], row.is_capped(level)) {
+        (true, ..) => '=',
+        (false, true, _) => '~',
+        (false, false, false) => '!',
+        (false, false, true) => '>',
     }
 }
 
@@ -103,7 +106,9 @@ fn text(table: &TableComparison) -> String {
             format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper)
         );
     }
-    out + &format!("{}\n= exact, ~ within tolerance, ! outside\n", summary(table))
+    out += &format!("{}\n= exact, ~ within tolerance, ! outside", summary(table));
+    let any_capped = table.rows.iter().any(|row| row.capped.contains(&true));
+    out + if any_capped { ", > cut off by max_iterations\n" } else { "\n" }
 }
 
 fn markdown(table: &TableComparison) -> String {

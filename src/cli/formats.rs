@@ -5,77 +5,75 @@ use crate::discrete::grid::Grid;
 use crate::figures::{Caption, Surface, View, surfaces};
 use crate::pipeline::error::{Error, Result};
 use crate::saddle::Pair;
+use clap::ValueEnum;
 use std::path::Path;
 
-/// Endings of the files that can be written.
-pub const ENDINGS: [&str; 3] = ["vti", "npy", "svg"];
-
-/// Checks that the ending of `path` names a format, before anything is computed.
-///
-/// # Errors
-/// [`Error::Input`] with the known endings.
-pub fn check_ending(path: &Path) -> Result<&str> {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    if ENDINGS.contains(&ending) {
-        return Ok(ending);
-    }
-    Err(Error::input(format!(
-        "--out {}: unknown ending; use one of .{}",
-        path.display(),
-        ENDINGS.join(", .")
-    )))
+/// A kind of file, by its ending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// VTK XML image data.
+    Vti,
+    /// A NumPy array.
+    Npy,
+    /// A picture.
+    Svg,
 }
 
-/// The bytes of a file with the solution, in the format of the path's ending.
-///
-/// # Errors
-/// [`Error::Input`] if the ending is unknown or the solution cannot be drawn.
-pub fn write(path: &Path, grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
-    Ok(match check_ending(path)? {
-        "npy" => npy(grid, &pair.y),
-        "vti" => vti(grid, &pair.y, name),
-        _ => {
-            let view = View::uphill(grid, &pair.y);
-            let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view };
-            let caption = Caption { title: name, description: "Made by `signorini solve`." };
-            let svg = surfaces(caption, &[surface]);
-            svg.map_err(|e| Error::input(e.to_string()))?.into_bytes()
+impl Format {
+    /// The format that the ending of `path` names.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the known endings.
+    pub fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        Self::from_str(ending, false).map_err(|_| {
+            let path = path.display();
+            Error::input(format!("--out {path}: unknown ending; use one of .vti, .npy, .svg"))
+        })
+    }
+
+    /// The bytes of a file with a solution on the square.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the solution cannot be drawn.
+    pub fn square(self, grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
+        Ok(match self {
+            Self::Npy => npy(&[grid.side(); 2], &pair.y),
+            Self::Vti => vti([grid.cells(), grid.cells(), 0], grid.h(), &pair.y, name),
+            Self::Svg => {
+                let view = View::uphill(grid, &pair.y);
+                let surface =
+                    Surface { title: name, grid, y: &pair.y, a: &pair.a, view, range: None };
+                let caption = Caption { title: name, description: "Made by `signorini solve`." };
+                let svg = surfaces(caption, 2, &[surface]);
+                svg.map_err(|e| Error::input(e.to_string()))?.into_bytes()
+            }
+        })
+    }
+
+    /// The same for a solution on the cube, of which there is no picture.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for [`Format::Svg`].
+    pub fn cube(self, grid: cube::Grid, y: &[f64], name: &str) -> Result<Vec<u8>> {
+        let n = grid.cells();
+        match self {
+            Self::Npy => Ok(npy(&[n + 1; 3], y)),
+            Self::Vti => Ok(vti([n; 3], grid.h(), y, name)),
+            Self::Svg => Err(Self::no_picture()),
         }
-    })
-}
+    }
 
-/// The same for a solution on the cube, which has no picture.
-///
-/// # Errors
-/// [`Error::Input`] if the ending is unknown or means a picture.
-pub fn write_cube(path: &Path, grid: cube::Grid, y: &[f64], name: &str) -> Result<Vec<u8>> {
-    let n = grid.cells();
-    Ok(match check_cube_ending(path)? {
-        "npy" => npy_array(&[n + 1; 3], y),
-        _ => image([n, n, n], grid.h(), y, name),
-    })
-}
-
-/// Checks that the ending of `path` names a format for solutions on the cube.
-///
-/// # Errors
-/// [`Error::Input`] with what to use instead.
-pub fn check_cube_ending(path: &Path) -> Result<&str> {
-    match check_ending(path)? {
-        "svg" => Err(Error::input(format!(
-            "--out {}: a solution on the cube has no picture; use .vti and open it in ParaView, or .npy",
-            path.display()
-        ))),
-        ending => Ok(ending),
+    /// Why a solution on the cube is not drawn.
+    pub fn no_picture() -> Error {
+        Error::input(
+            "--out: a solution on the cube has no picture; use .vti and open it in ParaView, or .npy",
+        )
     }
 }
 
-/// NPY version 1.0: an array of shape (n + 1, n + 1), first index y, second x, little-endian doubles.
-pub fn npy(grid: Grid, y: &[f64]) -> Vec<u8> {
-    npy_array(&[grid.side(); 2], y)
-}
-
-fn npy_array(shape: &[usize], y: &[f64]) -> Vec<u8> {
+/// NPY version 1.0: an array of little-endian doubles, the last index along x.
+fn npy(shape: &[usize], y: &[f64]) -> Vec<u8> {
     let shape: Vec<_> = shape.iter().map(usize::to_string).collect();
     let shape = shape.join(", ");
     let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
@@ -90,13 +88,9 @@ fn npy_array(shape: &[usize], y: &[f64]) -> Vec<u8> {
 }
 
 /// VTK XML image data with point data `v`, appended raw little-endian doubles.
-pub fn vti(grid: Grid, y: &[f64], name: &str) -> Vec<u8> {
-    let n = grid.cells();
-    image([n, n, 0], grid.h(), y, name)
-}
-
+///
 /// Axes without cells are at 0, the others centred there.
-fn image(cells: [usize; 3], h: f64, y: &[f64], name: &str) -> Vec<u8> {
+fn vti(cells: [usize; 3], h: f64, y: &[f64], name: &str) -> Vec<u8> {
     let along = |of_axis: &dyn Fn(usize) -> String| cells.map(of_axis).join(" ");
     let extent = along(&|n| format!("0 {n}"));
     let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });
@@ -122,9 +116,8 @@ mod tests {
 
     #[test]
     fn npy_header_is_aligned_and_data_follow() {
-        let grid = Grid::new(2).unwrap();
         let y: Vec<f64> = (0..9).map(f64::from).collect();
-        let bytes = npy(grid, &y);
+        let bytes = npy(&[3, 3], &y);
         let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
         assert_eq!((header % 64, bytes[header - 1], bytes.len()), (0, b'\n', header + 72));
         assert_eq!(bytes[header + 8..header + 16], 1f64.to_le_bytes());
@@ -132,8 +125,8 @@ mod tests {
 
     #[test]
     fn unknown_endings_are_refused() {
-        assert!(check_ending(Path::new("v.vti")).is_ok());
-        assert!(check_ending(Path::new("v.doc")).unwrap_err().to_string().contains(".npy"));
-        assert!(check_ending(Path::new("v")).is_err());
+        assert_eq!(Format::of(Path::new("v.vti")).unwrap(), Format::Vti);
+        assert!(Format::of(Path::new("v.doc")).unwrap_err().to_string().contains(".npy"));
+        assert!(Format::of(Path::new("v")).is_err());
     }
 }

@@ -4,7 +4,8 @@ mod table;
 mod watch;
 
 use super::interrupt::interrupted;
-use super::{current_folder, say, say_json};
+use super::output::{OutputFile, say, say_json, talk};
+use super::{current_folder, threads};
 use crate::identify::{
     Budget, Checkpoint, IdentifyError, Lattice, Method, Progress, Report, Request, Selection,
     Space, Target, Variant, search, select,
@@ -153,10 +154,13 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     let targets =
         numbers.iter().map(|&number| project.paper.target(number)).collect::<Result<Vec<_>>>()?;
     let request = request(args)?;
-    let budget = args.budget.map(seconds).transpose()?;
     if args.threads == Some(0) {
         return Err(Error::input("--threads must be at least 1; leave it out for one per core"));
     }
+    let budget = Budget {
+        time: args.budget.map(seconds).transpose()?,
+        threads: args.threads.map(|count| threads("--threads", count)),
+    };
     if args.variants {
         compare(args, &numbers, &targets, &request, budget)
     } else {
@@ -170,10 +174,12 @@ fn find(
     numbers: &[u8],
     targets: &[Target],
     request: &Request,
-    budget: Option<Duration>,
+    budget: Budget,
 ) -> Result<u8> {
     let mut states = args.checkpoint.as_deref().map(read_states).transpose()?.unwrap_or_default();
     states.schema = 1;
+    let file = args.checkpoint.as_deref().map(OutputFile::check).transpose()?;
+    let mut failure = None;
     let stop = interrupted();
     let began = Instant::now();
     let mut answers = Vec::new();
@@ -182,37 +188,26 @@ fn find(
             break;
         }
         let left = (numbers.len() - k) as u32;
-        let time = budget.map(|all| all.saturating_sub(began.elapsed()) / left);
+        let time = budget.time.map(|all| all.saturating_sub(began.elapsed()) / left);
         let from = states.problems.get(&number).cloned();
         let mut watch = Watch::new(&format!("problem {number}"));
         let mut saved = Instant::now();
-        let mut failure = None;
         let mut last = None;
         let mut observe = |progress: &Progress, state: Option<&Checkpoint>| {
             watch.show(progress);
             last = Some(progress.clone());
-            let (Some(state), Some(path)) = (state, &args.checkpoint) else { return };
+            let (Some(state), Some(file)) = (state, &file) else { return };
             states.problems.insert(number, state.clone());
             if saved.elapsed() > SAVE && failure.is_none() {
-                failure = write_states(path, &states).err();
+                failure = write_states(file, &states).err();
                 saved = Instant::now();
             }
         };
-        let report = search(
-            request,
-            target,
-            Budget { time, threads: args.threads },
-            from,
-            stop,
-            &mut observe,
-        )
-        .map_err(refused)?;
+        let report = search(request, target, Budget { time, ..budget }, from, stop, &mut observe)
+            .map_err(refused)?;
         watch.end();
-        if let (None, Some(path)) = (&failure, &args.checkpoint) {
-            failure = write_states(path, &states).err();
-        }
-        if let Some(failure) = failure {
-            return Err(failure);
+        if let (None, Some(file)) = (&failure, &file) {
+            failure = write_states(file, &states).err();
         }
         let (seconds, rates) = last.map_or((0.0, Vec::new()), |progress| {
             let seconds = progress.elapsed.as_secs_f64();
@@ -227,7 +222,8 @@ fn find(
             answers.iter().zip(targets).map(|(answer, t)| table::found(answer, t)).collect();
         say(&(parts.join("\n") + table::LEGEND))?;
     }
-    ended(args)
+    // What was found is shown first: it was not to be had for nothing.
+    failure.map_or_else(|| ended(args), Err)
 }
 
 /// The model selection: every variant against every table.
@@ -236,18 +232,18 @@ fn compare(
     numbers: &[u8],
     targets: &[Target],
     request: &Request,
-    budget: Option<Duration>,
+    budget: Budget,
 ) -> Result<u8> {
     let variants = Variant::neighbours();
     let tables: Vec<_> = targets.iter().map(|t| (t.clone(), request.clone())).collect();
-    let each = budget.map(|all| all / (variants.len() * tables.len()).max(1) as u32);
+    let each = budget.time.map(|all| all / (variants.len() * tables.len()).max(1) as u32);
     let mut watch = Watch::new("variants");
     let mut done = 0;
     let mut observe = |selection: &Selection| {
         done += 1;
         watch.line(&format!("{done}/{}: {}", variants.len(), table::one_line(selection)));
     };
-    let budget = Budget { time: each, threads: args.threads };
+    let budget = Budget { time: each, ..budget };
     let all = select(&variants, &tables, budget, interrupted(), &mut observe).map_err(refused)?;
     watch.end();
     if args.json {
@@ -266,7 +262,7 @@ fn ended(args: &IdentifyArgs) -> Result<u8> {
         (false, _) => Ok(0),
         (true, Some(_)) => Err(Error::Interrupted),
         (true, None) => {
-            watch::say("interrupted; with --checkpoint FILE the search could be resumed");
+            talk("interrupted; with --checkpoint FILE the search could be resumed");
             Ok(Error::Interrupted.exit_code())
         }
     }
@@ -306,10 +302,14 @@ fn refused(e: IdentifyError) -> Error {
     Error::input(e.to_string())
 }
 
+/// A century: more is a slip of the pen, and beyond what clocks can add.
+const LONGEST: f64 = 3.2e9;
+
 fn seconds(budget: f64) -> Result<Duration> {
-    Duration::try_from_secs_f64(budget).map_err(|_| {
-        Error::input(format!("--budget {budget} is no time; give seconds, such as 60"))
-    })
+    if (0.0..=LONGEST).contains(&budget) {
+        return Ok(Duration::from_secs_f64(budget));
+    }
+    Err(Error::input(format!("--budget {budget} is no time; give seconds, such as 60")))
 }
 
 fn read_states(path: &Path) -> Result<States> {
@@ -323,10 +323,6 @@ fn read_states(path: &Path) -> Result<States> {
     })
 }
 
-/// Writes beside the file and renames: whenever the program ends, a whole checkpoint is there.
-fn write_states(path: &Path, states: &States) -> Result<()> {
-    let new = path.with_added_extension("new");
-    let bytes = serde_json::to_vec(states).expect("plain data");
-    fs::write(&new, bytes).context("write", &new)?;
-    fs::rename(&new, path).context("write", path)
+fn write_states(file: &OutputFile, states: &States) -> Result<()> {
+    file.write(&serde_json::to_vec(states).expect("plain data"))
 }

@@ -1,5 +1,6 @@
 //! Ctrl-C as a flag that long work looks at.
 
+use super::output::talk;
 use crate::pipeline::error::Error;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,6 +15,7 @@ pub(super) fn interrupted() -> &'static AtomicBool {
             if FLAG.swap(true, Ordering::Relaxed) {
                 std::process::exit(i32::from(Error::Interrupted.exit_code()));
             }
+            talk("finishing what has begun; Ctrl-C again to stop at once");
         });
     });
     &FLAG

@@ -1,6 +1,7 @@
 //! `man`: manual pages, made from the same words as `--help`.
 
-use super::{Cli, say, talk, write_file};
+use super::Cli;
+use super::output::{OutputFile, say, talk};
 use crate::pipeline::error::{Error, Result};
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
@@ -22,7 +23,7 @@ pub(super) fn man(output: Option<&Path>) -> Result<u8> {
     let pages: Vec<_> =
         std::iter::once(&command).chain(command.get_subcommands()).map(page).collect();
     for (name, text) in &pages {
-        write_file(&folder.join(name), text.as_bytes())?;
+        OutputFile::check(&folder.join(name))?.write(text.as_bytes())?;
     }
     talk(&format!("{} pages written to {}", pages.len(), folder.display()));
     Ok(0)

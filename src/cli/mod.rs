@@ -7,17 +7,20 @@ pub mod formats;
 mod identify;
 mod interrupt;
 mod man;
+mod output;
 mod pipeline;
 mod run;
 mod solve;
 mod status;
 
-use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::write_atomically;
+use crate::pipeline::error::{Error, Result};
 use crate::report::CommandHelp;
+use crate::timing::machine;
 use clap::{Args, CommandFactory, Parser, Subcommand};
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use output::{say, styled, talk};
+use std::io;
+use std::panic::PanicHookInfo;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Columns of help, in a terminal as wide or wider and in the book.
@@ -142,15 +145,62 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
         }
     };
-    match dispatch(cli) {
+    std::panic::set_hook(Box::new(|panic| fail(&panicked(panic))));
+    let Ok(ended) = std::panic::catch_unwind(|| start_threads().and_then(|()| dispatch(cli)))
+    else {
+        return ExitCode::from(Error::Stage(Vec::new()).exit_code());
+    };
+    match ended {
         Ok(code) => ExitCode::from(code),
         Err(e) => {
-            // The exit code still tells if nobody reads this.
-            let _ =
-                writeln!(anstream::stderr(), "{}: {e}", styled("error", anstyle::AnsiColor::Red));
+            fail(&e.to_string());
             ExitCode::from(e.exit_code())
         }
     }
+}
+
+/// The line that says why the program ends.
+fn fail(why: &str) {
+    talk(&format!("{}: {why}", styled("error", anstyle::AnsiColor::Red)));
+}
+
+/// A panic in one line.
+fn panicked(panic: &PanicHookInfo) -> String {
+    let what = panic.payload_as_str().unwrap_or("a panic without words").replace('\n', " ");
+    // The libraries that start threads of their own know no other way to say it.
+    if what.contains("Resource temporarily unavailable") {
+        return format!("cannot start threads; raise the limit on processes (`ulimit -u`): {what}");
+    }
+    let at = panic.location().map(|at| format!(" at {}:{}", at.file(), at.line()));
+    format!("this is a bug, please report it: {what}{}", at.unwrap_or_default())
+}
+
+/// Threads per core beyond which more would only wait for each other.
+const THREADS_PER_CORE: usize = 4;
+
+/// The number of threads `asked` for by `option`, or what is sensible, which is said.
+fn threads(option: &str, asked: usize) -> usize {
+    let most = THREADS_PER_CORE * machine::cores();
+    if asked > most {
+        talk(&format!("note: {option} {asked} is more than helps; {most} threads are started"));
+    }
+    asked.min(most)
+}
+
+/// Starts the threads of everything that runs in parallel, by RAYON_NUM_THREADS or one per core.
+fn start_threads() -> Result<()> {
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
+    let count = match asked.filter(|&count| count > 0) {
+        Some(count) => threads("RAYON_NUM_THREADS", count),
+        None => machine::cores(),
+    };
+    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(count);
+    if count == 1 {
+        pool = pool.use_current_thread();
+    }
+    pool.build_global().map_err(|e| {
+        Error::input(format!("cannot start {count} threads: {e}; set RAYON_NUM_THREADS=1"))
+    })
 }
 
 fn dispatch(cli: Cli) -> Result<u8> {
@@ -189,52 +239,6 @@ fn commands() -> Vec<CommandHelp> {
         CommandHelp { name, help }
     };
     [String::new()].into_iter().chain(names).map(help).collect()
-}
-
-/// Writes data to standard output; a reader that has gone away is no error.
-fn say(text: &str) -> Result<u8> {
-    let mut out = anstream::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => Ok(0),
-        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(0),
-        Err(e) => Err(Error::input(format!(
-            "cannot write to standard output: {e}; redirect it elsewhere"
-        ))),
-    }
-}
-
-fn say_json(value: &impl serde::Serialize) -> Result<u8> {
-    let text = serde_json::to_string_pretty(value).expect("answers are plain data");
-    say(&(text + "\n"))
-}
-
-/// A line of talk on standard error; a reader that has gone away is no reason to stop.
-fn talk(line: &str) {
-    let _ = writeln!(anstream::stderr(), "{line}");
-}
-
-/// Refuses a file that the user named in a folder that is not there: a slip of the pen makes no folders.
-fn check_folder(path: &Path) -> Result<()> {
-    if path.parent().is_none_or(|folder| folder == Path::new("") || folder.is_dir()) {
-        return Ok(());
-    }
-    let path = path.display();
-    Err(Error::input(format!("cannot write {path}: no such folder; make it, or name another file")))
-}
-
-/// Writes a file that the user named: whole or not at all.
-fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
-    check_folder(path)?;
-    // A pipe or a device can only be written in place.
-    if path.exists() && !path.is_file() {
-        return std::fs::write(path, bytes).context("write", path);
-    }
-    write_atomically(path, bytes)
-}
-
-fn styled(text: &str, color: anstyle::AnsiColor) -> String {
-    let style = anstyle::Style::new().fg_color(Some(color.into())).bold();
-    format!("{style}{text}{style:#}")
 }
 
 fn current_folder() -> Result<PathBuf> {

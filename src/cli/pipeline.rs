@@ -1,17 +1,19 @@
 //! The project as the commands work on it, and `dag`, `report`, `gc`.
 
 use super::interrupt::interrupted;
-use super::{CacheArgs, current_folder, say};
-use crate::pipeline::error::{Error, IoContext, Result};
+use super::output::say;
+use super::{CacheArgs, current_folder, threads};
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    CacheLock, Graph, LockFile, Manifest, Node, Options, Progress, Stage, Store, Summary, Task,
-    Times, execute,
+    Exports, Graph, Lock, LockFile, Manifest, Node, Options, Plan, Progress, Store, Summary, Times,
+    execute,
 };
 use crate::replication::project::Project;
-use crate::replication::stages::plan;
+use crate::replication::stages::{Stage, plan};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Arguments of `dag`.
@@ -56,69 +58,177 @@ pub(super) struct Workplace {
 
 impl Workplace {
     pub fn open(cache: &CacheArgs) -> Result<Self> {
-        let mut project = Project::read(Project::find(&current_folder()?)?)?;
-        project.commands = super::commands();
-        let folder = cache.cache_dir.clone().unwrap_or_else(|| project.root.join(".signorini"));
+        let root = Project::find(&current_folder()?)?;
+        let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(".signorini"));
+        outside_report(&root, &folder, "the cache")?;
+        let mut project = Project::read(root)?;
+        project.commands = super::commands;
         Ok(Self { store: Store::new(&folder)?, project })
     }
 
-    pub fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Vec<Task>> {
+    pub fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
-    /// What a run would do; needs no lock and writes nothing.
-    pub fn judge(&self, tasks: &[Task]) -> Result<Summary> {
-        let options = Options { dry_run: true, ..Options::default() };
-        self.walk(tasks, options, &Progress::new(false, true))
+    /// What [`Workplace::run`] would do; needs no lock and writes nothing.
+    pub fn judge(&self, plan: &Plan, whole: bool) -> Result<Summary> {
+        let known = LockFile::read(&self.project.root)?;
+        Ok(self.look(plan, whole, &known, &Progress::new(false, true))?.0)
     }
 
-    /// Walks the tasks under the lock of the cache, and brings the lock file up to date.
-    pub fn run(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
-        let _lock = CacheLock::take(self.store.folder())?;
-        let summary = self.walk(tasks, options, progress)?;
+    /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to
+    /// date. If `whole`, the plan is all there is.
+    pub fn run(
+        &self,
+        plan: &Plan,
+        whole: bool,
+        options: Options,
+        progress: &Progress,
+    ) -> Result<Summary> {
+        let root = &self.project.root;
+        let lock_file = |summary: &Summary, known: &LockFile| {
+            let ours = summary.lock_file();
+            if whole { ours } else { known.clone().updated(ours) }
+        };
+        // Looking needs no lock and no writing, and is enough when nothing is to do.
+        if !options.force && progress.trace().is_none() {
+            let known = LockFile::read(root)?;
+            let (summary, exports) = self.look(plan, whole, &known, progress)?;
+            if summary.nothing_to_do()
+                && lock_file(&summary, &known) == known
+                && self.leftovers(&exports).is_empty()
+            {
+                return Ok(summary);
+            }
+        }
+        let _locks = self.lock()?;
+        let known = LockFile::read(root)?;
+        let (mut summary, exports) = self.walk(plan, whole, &known, options, progress)?;
+        remove(&self.leftovers(&exports));
+        exports.perform(root, &self.store)?;
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let root = &self.project.root;
-        let ours = summary.lock_file();
-        let whole = plan(&self.project, &self.project.select(&[])?, None)?.len() == tasks.len();
-        if whole { ours } else { LockFile::read(root)?.updated(ours) }.write(root)?;
+        let lock_file = lock_file(&summary, &known);
+        if lock_file != known {
+            lock_file.write(root)?;
+            summary.lock_file_changed = true;
+        }
+        refuse_edited(&summary)?;
         Ok(summary)
     }
 
-    /// The same without touching the lock file; returns in which hashes the run differs from it.
+    /// The same, but if the results differ from the lock file, nothing outside the cache is written,
+    /// and it is told in which hashes they differ.
     pub fn run_locked(
         &self,
-        tasks: &[Task],
+        plan: &Plan,
         options: Options,
         progress: &Progress,
     ) -> Result<(Summary, Vec<String>)> {
-        let _lock = CacheLock::take(self.store.folder())?;
-        let found = LockFile::read(&self.project.root)?;
-        let summary = self.walk(tasks, options, progress)?;
+        let _locks = self.lock()?;
+        let known = LockFile::read(&self.project.root)?;
+        let (summary, exports) = self.walk(plan, true, &known, options, progress)?;
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let differences = found.differences(&summary.lock_file());
+        let differences = known.differences(&summary.lock_file());
+        if differences.is_empty() {
+            exports.perform(&self.project.root, &self.store)?;
+            refuse_edited(&summary)?;
+        }
         Ok((summary, differences))
     }
 
-    fn walk(&self, tasks: &[Task], options: Options, progress: &Progress) -> Result<Summary> {
-        execute(tasks, &self.store, &self.project.root, options, progress, interrupted())
+    /// The right to write to project and cache.
+    fn lock(&self) -> Result<[Lock; 2]> {
+        Ok([Exports::lock(&self.project.root)?, self.store.lock()?])
     }
+
+    /// What killed runs left behind, in the cache and where exports go.
+    fn leftovers(&self, exports: &Exports) -> Vec<PathBuf> {
+        [self.store.leftovers(), exports.leftovers(&self.project.root)].concat()
+    }
+
+    fn look(
+        &self,
+        plan: &Plan,
+        whole: bool,
+        known: &LockFile,
+        progress: &Progress,
+    ) -> Result<(Summary, Exports)> {
+        self.walk(plan, whole, known, Options { dry_run: true, ..Options::default() }, progress)
+    }
+
+    fn walk(
+        &self,
+        plan: &Plan,
+        whole: bool,
+        known: &LockFile,
+        options: Options,
+        progress: &Progress,
+    ) -> Result<(Summary, Exports)> {
+        // Zero would ask the environment, without a bound.
+        let jobs = match options.jobs {
+            0 => rayon::current_num_threads(),
+            jobs => threads("-j", jobs),
+        };
+        let options = Options { jobs, ..options };
+        let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
+        let root = &self.project.root;
+        let made = &summary.manifests;
+        let exports = {
+            let may = [options.force, whole];
+            Exports::plan(root, plan, made, &self.store, &known.exports, may)?
+        };
+        summary.exported = exports.len();
+        summary.exports = exports.files.clone();
+        summary.edited = exports.edited.clone();
+        Ok((summary, exports))
+    }
+}
+
+/// Refuses a place for files of ours in a folder whose files are inputs or exports.
+pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()> {
+    let (root, path) = (real(root), real(path));
+    let inside = ["report", "figures", "pipeline"];
+    match inside.into_iter().find(|folder| path.starts_with(root.join(folder))) {
+        Some(folder) => Err(Error::input(format!(
+            "{what} would lie in {folder}/, which a run reads and writes; choose another place"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Names the files that were not written because somebody edited them.
+fn refuse_edited(summary: &Summary) -> Result<()> {
+    match &summary.edited[..] {
+        [] => Ok(()),
+        [one] => Err(Error::input(edited(one))),
+        all => Err(Error::input(format!(
+            "{} files were edited by hand: {}; move them away, or overwrite them with --force",
+            all.len(),
+            all.join(", ")
+        ))),
+    }
+}
+
+/// What is to be said about a file that somebody edited.
+pub(super) fn edited(path: &str) -> String {
+    format!("{path} was edited by hand; move it away, or overwrite it with --force")
 }
 
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let project = Project::read(Project::find(&current_folder()?)?)?;
     let tasks = plan(&project, &project.select(&[])?, None)?;
-    let graph = || Graph::new(tasks.iter().map(Node::of).collect());
+    let graph = || Graph { nodes: tasks.tasks().iter().map(Node::of).collect() };
     let mut text = String::new();
     if args.mermaid {
         text = graph().mermaid();
     } else if args.dot {
         text = graph().dot();
     } else {
-        for task in &tasks {
+        for task in tasks.tasks() {
             let needs = if task.needs.is_empty() {
                 String::new()
             } else {
@@ -133,7 +243,7 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Report))?;
-    workplace.run(&tasks, Options::default(), &Progress::new(false, false))?;
+    workplace.run(&tasks, false, Options::default(), &Progress::new(false, false))?;
     let book = workplace.project.root.join("report/book/index.html");
     if args.open {
         open(&book)?;
@@ -143,11 +253,12 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
 
 fn open(page: &Path) -> Result<()> {
     let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let status = Command::new(opener).arg(page).status().context("open", page)?;
-    if status.success() {
-        return Ok(());
-    }
-    Err(Error::input(format!("`{opener}` did not open {0}; open it by hand", page.display())))
+    let why = match Command::new(opener).arg(page).status() {
+        Ok(status) if status.success() => return Ok(()),
+        Ok(status) => format!("`{opener}` failed ({status})"),
+        Err(e) => format!("`{opener}` cannot be started ({e})"),
+    };
+    Err(Error::input(format!("{why}; open {} by hand", page.display())))
 }
 
 pub(super) fn gc(args: &GcArgs) -> Result<u8> {
@@ -157,8 +268,11 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
         ));
     }
     let workplace = Workplace::open(&args.cache)?;
-    let wanted: BTreeSet<String> = workplace.tasks(&[], None)?.into_iter().map(|t| t.id).collect();
-    let _lock = CacheLock::take(workplace.store.folder())?;
+    let plan = workplace.tasks(&[], None)?;
+    let wanted: BTreeSet<String> = plan.tasks().iter().map(|task| task.id.clone()).collect();
+    // To count needs no lock, and no cache: a folder that was misspelt is not made.
+    let there = workplace.store.folder().is_dir();
+    let _lock = if args.dry_run || !there { None } else { Some(workplace.store.lock()?) };
     let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;
     if !args.dry_run && garbage.files > 0 {
         let mut times = Times::read(workplace.store.folder());
@@ -186,12 +300,8 @@ fn size(bytes: u64) -> String {
 /// The manifests of tasks, run if need be.
 pub(super) fn bring_up_to_date(
     workplace: &Workplace,
-    tasks: &[Task],
+    plan: &Plan,
 ) -> Result<BTreeMap<String, Manifest>> {
-    // Looking needs no lock and no writing, and is enough when nothing is stale.
-    let mut summary = workplace.judge(tasks)?;
-    if !summary.nothing_to_do() {
-        summary = workplace.run(tasks, Options::default(), &Progress::new(false, false))?;
-    }
-    Ok(summary.manifests)
+    let progress = Progress::new(false, false);
+    Ok(workplace.run(plan, false, Options::default(), &progress)?.manifests)
 }

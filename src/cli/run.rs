@@ -1,9 +1,11 @@
 //! `run`: brings everything up to date, and says what that took.
 
-use super::pipeline::Workplace;
-use super::{CacheArgs, check_folder, say, talk, write_file};
+use super::CacheArgs;
+use super::output::{OutputFile, say, talk};
+use super::pipeline::{Workplace, edited, outside_report};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Options, Progress, Stage, Summary, Times, Verdict, brief, why};
+use crate::pipeline::{Options, Progress, Summary, Times, Verdict, brief, why};
+use crate::replication::stages::{Stage, report};
 use crate::timing::machine;
 use clap::Args;
 use std::path::PathBuf;
@@ -49,21 +51,29 @@ pub(super) struct RunArgs {
 pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&args.scenes, args.only)?;
-    if tasks.is_empty() {
-        return Err(Error::input(
-            "the scenes ask for nothing here; see `outputs` in the scene, or drop --only",
-        ));
+    if tasks.tasks().is_empty() {
+        let remedy = match args.scenes.is_empty() {
+            true => "see `outputs` in the scenes, or drop --only",
+            false => {
+                "figures show all published problems together, and the book all scenes: name none, or see `outputs`"
+            }
+        };
+        return Err(Error::input(format!("there is nothing of this kind to make; {remedy}")));
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
+    let whole = args.scenes.is_empty() && args.only.is_none();
     if args.dry_run {
-        let summary = workplace.judge(&tasks)?;
+        let summary = workplace.judge(&tasks, whole)?;
         if let Some(time) = expected(&workplace, &summary, args.jobs) {
             talk(&format!("about {}, if all that waits has to run", brief(time)));
         }
         return say(&verdicts(&summary));
     }
-    args.trace.as_deref().map_or(Ok(()), check_folder)?;
+    let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
+    if let Some(file) = &trace_file {
+        outside_report(&workplace.project.root, file.path(), "the trace")?;
+    }
     let mut progress = Progress::new(args.verbose, args.quiet);
     if args.trace.is_some() {
         progress = progress.traced();
@@ -72,55 +82,50 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let ran = if args.locked {
         workplace.run_locked(&tasks, options, &progress)
     } else {
-        workplace.run(&tasks, options, &progress).map(|summary| (summary, Vec::new()))
+        workplace.run(&tasks, whole, options, &progress).map(|summary| (summary, Vec::new()))
     };
     // A run that failed is worth looking at too.
-    if let (Some(path), Some(trace)) = (&args.trace, progress.trace()) {
-        write_file(path, trace.to_json().as_bytes())?;
+    if let (Some(file), Some(trace)) = (&trace_file, progress.trace()) {
+        file.write(trace.to_json().as_bytes())?;
     }
     let (summary, differences) = ran?;
-    if !args.quiet && !summary.stages.is_empty() {
-        talk(&clock(&summary, start.elapsed()));
+    if !args.quiet && !summary.ran.is_empty() {
+        let expected = summary.expected.map(|time| format!(" ({} expected)", brief(time)));
+        talk(&format!("took {}{}", brief(start.elapsed()), expected.unwrap_or_default()));
     }
     if !differences.is_empty() {
         let lines = differences.join("\n  ");
         say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
         return Ok(1);
     }
-    if summary.nothing_to_do() {
+    if summary.nothing_to_do() && !summary.lock_file_changed {
         return say("nothing to do\n");
+    }
+    let left_out = report::left_out(&workplace.project);
+    if let Some(reason) = left_out.filter(|_| summary.exports.contains_key(BOOK)) {
+        talk(&format!("the book leaves out its chapters on the paper: {reason}"));
     }
     say(&account(&summary))
 }
+
+/// The first page of the book.
+const BOOK: &str = "report/book/index.html";
 
 /// How long a run of what is stale, or waits for what is, may take.
 fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Duration> {
     let threads = if jobs > 0 { jobs } else { machine::cores() };
     let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
-    let tasks: Vec<_> = stale.map(|j| (j.stage, j.task.as_str())).collect();
-    let times = Times::read(workplace.store.folder());
-    times.expect(tasks.iter().copied(), threads).filter(|_| !tasks.is_empty())
-}
-
-/// By the clock: the whole run, and each stage, which may keep several threads busy.
-fn clock(summary: &Summary, whole: Duration) -> String {
-    let expected = summary.expected.map(|time| format!(" ({} expected)", brief(time)));
-    let stages =
-        summary.stages.iter().map(|(stage, time)| format!("{} {}", stage.name(), brief(*time)));
-    format!(
-        "took {}{}: {}",
-        brief(whole),
-        expected.unwrap_or_default(),
-        stages.collect::<Vec<_>>().join(", ")
-    )
+    let mut tasks = stale.map(|judged| judged.task.as_str()).peekable();
+    tasks.peek()?;
+    Times::read(workplace.store.folder()).ahead(tasks, threads).left()
 }
 
 /// One line per stage that ran: how many tasks, how long, why.
 fn account(summary: &Summary) -> String {
     let mut text = String::new();
     for stage in Stage::ALL {
-        let ran: Vec<_> = summary.ran.iter().filter(|ran| ran.stage == stage).collect();
-        let all = summary.verdicts.iter().filter(|judged| judged.stage == stage).count();
+        let ran: Vec<_> = summary.ran.iter().filter(|ran| stage.has(&ran.task)).collect();
+        let all = summary.verdicts.iter().filter(|judged| stage.has(&judged.task)).count();
         if ran.is_empty() {
             continue;
         }
@@ -137,8 +142,11 @@ fn account(summary: &Summary) -> String {
     if summary.exported > 0 {
         text += &format!("{} files written to figures/ and report/\n", summary.exported);
     }
-    if summary.exports.contains_key("report/book/index.html") {
-        text += "the book: report/book/index.html\n";
+    if summary.lock_file_changed && summary.ran.is_empty() {
+        text += "pipeline/lock.toml brought up to date\n";
+    }
+    if summary.exports.contains_key(BOOK) {
+        text += &format!("the book: {BOOK}\n");
     }
     text
 }
@@ -159,6 +167,6 @@ pub(super) fn exports(summary: &Summary) -> String {
     if summary.exported > 0 {
         text += "files in figures/ or report/ are missing or old\n";
     }
-    summary.edited.iter().for_each(|edited| text += &format!("{edited}\n"));
+    summary.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
     text
 }

@@ -1,10 +1,12 @@
 //! `status` and `explain`: what is stale, and why.
 
+use super::CacheArgs;
+use super::output::{say, say_json, styled};
 use super::pipeline::Workplace;
 use super::run::exports;
-use super::{CacheArgs, say, say_json, styled};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Judged, Reason, Stage, Summary, Verdict};
+use crate::pipeline::{Judged, Reason, Summary, Verdict};
+use crate::replication::stages::Stage;
 use anstyle::AnsiColor;
 use clap::Args;
 use std::collections::BTreeMap;
@@ -39,7 +41,7 @@ pub(super) struct ExplainArgs {
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
-    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?)?;
+    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, args.scenes.is_empty())?;
     let stale = !summary.nothing_to_do();
     if args.json {
         let tasks: BTreeMap<_, _> =
@@ -63,7 +65,7 @@ fn width() -> usize {
 fn table(summary: &Summary, width: usize) -> String {
     let mut lines = Vec::new();
     for stage in Stage::ALL {
-        let of: Vec<_> = summary.verdicts.iter().filter(|j| j.stage == stage).collect();
+        let of: Vec<_> = summary.verdicts.iter().filter(|j| stage.has(&j.task)).collect();
         let is_stale = |judged: &&&Judged| matches!(judged.verdict, Verdict::Stale(_));
         let late: Vec<_> = of.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
         let Some(any) = late.first() else {
@@ -119,12 +121,12 @@ fn cut(text: &str, width: usize) -> String {
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
-    let summary = workplace.judge(&tasks)?;
-    let prefix = format!("{}/", args.stage);
+    let summary = workplace.judge(&tasks, true)?;
+    let (prefix, part_of_id) = (format!("{}/", args.stage), args.stage.contains('/'));
     let asked: Vec<_> = summary
         .verdicts
         .iter()
-        .filter(|j| j.task == args.stage || j.task.starts_with(&prefix))
+        .filter(|j| j.task.starts_with(&prefix) || part_of_id && j.task.starts_with(&args.stage))
         .collect();
     if asked.is_empty() {
         let names = Stage::ALL.map(Stage::name).join(", ");
@@ -148,9 +150,9 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
         }
         // Of what waits, more may have changed than what it waits for.
         if matches!(judged.verdict, Verdict::Waits(_)) {
-            let task = tasks.iter().find(|task| task.id == judged.task);
+            let task = tasks.task(&judged.task);
             let last = workplace.store.manifests(&judged.task).into_iter().next();
-            let changes = task.zip(last).map(|(task, last)| task.own_changes(&last));
+            let changes = task.zip(last).map(|(task, last)| tasks.own_changes(task, &last));
             let changes = changes.into_iter().flatten();
             changes.for_each(|change| text += &format!("  {change}\n"));
         }

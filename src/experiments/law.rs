@@ -1,7 +1,7 @@
 //! The price of the paper's method: sweeps against the width of the grid, and a race against multigrid.
 
 use super::exponent;
-use super::saddle::{Looks, Method, sweeps_until};
+use super::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
@@ -11,7 +11,7 @@ use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::saddle::Pair;
+use crate::saddle::{Method, Pair};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -60,8 +60,8 @@ pub const R: f64 = 10.0;
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
 /// The discretisation error is reached when the error is at most this many times as large.
 pub const ARRIVED: f64 = 1.1;
-/// Two per cent of the sweeps between looks.
-const LOOKS: Looks = Looks { share: 50, cap: 1_000_000 };
+/// Two per cent of the sweeps between checks.
+const CHECKS: Checks = Checks { share: 50, cap: 1_000_000 };
 
 /// Counts sweeps of Arrow-Hurwicz for each f, in the notation of scenes, on the grids with these cells per side.
 ///
@@ -93,7 +93,7 @@ fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[Law; 2], String> {
         for (target, sweeps) in TARGETS.iter().zip(&mut sweeps) {
             let done = |_, pair: &Pair| kkt(grid, &pair.y, &load).relative <= *target;
             let case = (grid, &load[..]);
-            total += sweeps_until(Method::ArrowHurwicz, case, R, LOOKS, &mut pair, done)
+            total += sweeps_until(Method::ArrowHurwicz, case, R, CHECKS, &mut pair, done)
                 .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
             sweeps.push((grid.cells(), total));
         }
@@ -118,7 +118,7 @@ pub fn race(cells: &[usize]) -> Result<Race, String> {
         grids.iter().map(|&grid| Track::new(exact, grid)).collect::<Result<Vec<_>, _>>()?;
     let finest = &tracks[tracks.len() - 1];
     let mut runs = vec![with_multigrid(&tracks)?];
-    for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", Method::Uzawa)] {
+    for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", loose_uzawa(0.0))] {
         runs.push(with_saddle(name, method, &tracks)?);
     }
     let (cells, discretisation) = (finest.grid.cells(), finest.discretisation);
@@ -208,7 +208,7 @@ fn with_saddle(name: &str, method: Method, tracks: &[Track]) -> Result<Run, Stri
             arrival.is_some() && (!last || residual <= TARGETS[1])
         };
         let case = (track.grid, &track.load[..]);
-        let sweeps = sweeps_until(method, case, R, LOOKS, &mut pair, done);
+        let sweeps = sweeps_until(method, case, R, CHECKS, &mut pair, done);
         let missed = || format!("{name} does not arrive on grid 1/{}", track.grid.cells());
         visits += sweeps.ok_or_else(missed)? as f64 * unknowns;
         run.arrivals.push(arrival.ok_or_else(missed)?);

@@ -6,13 +6,12 @@
 pub mod accuracy;
 pub mod claims;
 pub mod cube;
-pub mod lanes;
 pub mod law;
 pub mod problems;
-pub mod reference;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;
+pub mod targets;
 pub mod trial;
 
 /// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.

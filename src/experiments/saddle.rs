@@ -1,29 +1,18 @@
 //! Saddle-point methods run until a goal is reached that the methods themselves do not see.
 
 use crate::discrete::grid::Grid;
-use crate::saddle::{
-    Pair, Params, ProximalParams, StopReason, StopRule, UzawaOutcome, UzawaParams, arrow_hurwicz,
-    uzawa, uzawa_proximal,
-};
-use serde::{Deserialize, Serialize};
+use crate::saddle::{Method, Pair, Steps};
 
-/// A saddle-point method. Uzawa's inner minimisations reduce the gradient tenfold: carried further
-/// they cost more and gain nothing (see [`claims`](super::claims)).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// One sweep before each step of the multiplier.
-    ArrowHurwicz,
-    /// A minimisation before each step of the multiplier.
-    Uzawa,
-    /// The same with the proximal term of weight 1.
-    UzawaProximal,
+/// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
+pub const fn loose_uzawa(weight: f64) -> Method {
+    Method::Uzawa { weight, inner: 0.0, loose: true }
 }
 
-/// How often to look, and when to give up.
+/// How often to check for the goal, and when to give up.
 #[derive(Clone, Copy, Debug)]
-pub struct Looks {
-    /// Sweeps between looks are the sweeps made so far over this number, and at least one.
+pub struct Checks {
+    /// Sweeps of Arrow-Hurwicz between checks are the sweeps made so far over this number, and at least
+    /// one; Uzawa's algorithm is checked after each step of the multiplier.
     pub share: usize,
     /// Sweeps after which the method has failed.
     pub cap: usize,
@@ -39,44 +28,19 @@ pub fn sweeps_until(
     method: Method,
     (grid, load): (Grid, &[f64]),
     r: f64,
-    looks: Looks,
+    checks: Checks,
     pair: &mut Pair,
     mut done: impl FnMut(usize, &Pair) -> bool,
 ) -> Option<usize> {
-    let scale = load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
-    let (mut sweeps, mut gradient) = (0, scale);
-    loop {
-        if done(sweeps, pair) {
-            return Some(sweeps);
-        }
-        let rest = looks.cap.checked_sub(sweeps).filter(|rest| *rest > 0)?;
-        let outcome = if method == Method::ArrowHurwicz {
-            let some = (sweeps / looks.share).clamp(1, rest);
-            let params =
-                Params { r, tolerance: 0.0, rule: StopRule::Printed, max_iterations: some };
-            let end = arrow_hurwicz(grid, load, &params, pair, None);
-            UzawaOutcome { end, sweeps: end.iterations }
-        } else {
-            let params = UzawaParams {
-                r,
-                tolerance: 0.1 * gradient,
-                rule: StopRule::Printed,
-                inner: 1.0,
-                max_iterations: 1,
-                max_sweeps: rest,
-            };
-            match method {
-                Method::Uzawa => uzawa(grid, load, &params, pair, None),
-                _ => {
-                    let params = ProximalParams { uzawa: params, ..ProximalParams::default() };
-                    uzawa_proximal(grid, load, &params, pair, None)
-                }
-            }
+    let mut steps = Steps::new(grid, load, method, r);
+    while !done(steps.sweeps(), pair) {
+        let many = match method {
+            Method::ArrowHurwicz => (steps.sweeps() / checks.share).max(1),
+            Method::Uzawa { .. } => 1,
         };
-        if outcome.end.stop == StopReason::Diverged {
-            return None;
+        for _ in 0..many {
+            steps.step(pair, checks.cap).ok()?;
         }
-        sweeps += outcome.sweeps;
-        gradient = outcome.end.gradient_abs;
     }
+    Some(steps.sweeps())
 }

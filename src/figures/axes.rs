@@ -111,9 +111,17 @@ pub(super) fn colour_bar(
 /// Height of one row of a legend.
 pub(super) const LEGEND_ROW: f64 = 19.0;
 
+/// What a legend explains: a name, and the colour of its stroke, which may be dashed.
+#[derive(Clone, Copy)]
+pub(super) struct Entry<'a> {
+    pub(super) label: &'a str,
+    pub(super) color: RGBColor,
+    pub(super) dashed: bool,
+}
+
 /// A legend of coloured strokes: where each entry begins, in rows no wider than `width`.
 pub(super) struct Legend<'a> {
-    entries: Vec<(&'a str, Place)>,
+    entries: Vec<(Entry<'a>, Place)>,
     /// Rows needed.
     pub(super) rows: usize,
 }
@@ -123,14 +131,20 @@ const STROKE: f64 = 22.0;
 impl<'a> Legend<'a> {
     /// Lays out `labels`, in the order of the colours of [`series`].
     pub(super) fn new(labels: impl IntoIterator<Item = &'a str>, width: f64) -> Self {
+        let solid = |(k, label)| Entry { label, color: series(k), dashed: false };
+        Self::of(labels.into_iter().enumerate().map(solid), width)
+    }
+
+    /// Lays out `entries`.
+    pub(super) fn of(given: impl IntoIterator<Item = Entry<'a>>, width: f64) -> Self {
         let (mut x, mut row) = (0.0, 0);
         let mut entries = Vec::new();
-        for label in labels {
-            let wide = STROKE + 6.0 + text_width(label, SMALL) + 16.0;
+        for entry in given {
+            let wide = STROKE + 6.0 + text_width(entry.label, SMALL) + 16.0;
             if x > 0.0 && x + wide > width {
                 (x, row) = (0.0, row + 1);
             }
-            entries.push((label, (x, LEGEND_ROW * row as f64)));
+            entries.push((entry, (x, LEGEND_ROW * row as f64)));
             x += wide;
         }
         Self { entries, rows: row + 1 }
@@ -138,9 +152,13 @@ impl<'a> Legend<'a> {
 
     /// Draws it with the first entry's middle height at `at`.
     pub(super) fn draw(&self, pen: &mut Pen, (left, top): Place) {
-        for (k, &(label, (x, y))) in self.entries.iter().enumerate() {
+        for &(Entry { label, color, dashed }, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);
-            pen.path([(x, y), (x + STROKE, y)], series(k), 2.5);
+            let parts: &[(f64, f64)] =
+                if dashed { &[(0.0, 0.4), (0.6, 1.0)] } else { &[(0.0, 1.0)] };
+            for (from, to) in parts {
+                pen.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);
+            }
             pen.text(label, (x + STROKE + 6.0, y), Type::size(SMALL).left());
         }
     }

@@ -5,8 +5,8 @@ use crate::discrete::grid::Grid;
 
 /// Height of the box, its sides being 1.
 const BOX_HEIGHT: f64 = 0.66;
-/// Display pixels per unit of length.
-const UNIT: f64 = 205.0;
+/// Display pixels per unit of length, where two panels are in a row.
+pub(super) const UNIT: f64 = 205.0;
 /// Light that falls on every side alike; the rest comes from the lamp.
 const AMBIENT: f64 = 0.62;
 
@@ -103,6 +103,8 @@ pub(super) struct Scene {
     pub(super) camera: Camera,
     /// Where the middle of the box is, in display pixels.
     pub(super) origin: Place,
+    /// Display pixels per unit of length.
+    pub(super) unit: f64,
     /// Values at the floor and the ceiling of the box.
     pub(super) heights: (f64, f64),
 }
@@ -118,8 +120,8 @@ impl Scene {
     pub(super) fn place(&self, x: f64, y: f64, v: f64) -> Place {
         let point = self.point(x, y, v);
         (
-            self.origin.0 + UNIT * dot(point, self.camera.right),
-            self.origin.1 - UNIT * dot(point, self.camera.up),
+            self.origin.0 + self.unit * dot(point, self.camera.right),
+            self.origin.1 - self.unit * dot(point, self.camera.up),
         )
     }
 

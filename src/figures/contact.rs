@@ -4,8 +4,9 @@ use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
 use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
 use super::text::Ticks;
-use super::{Caption, ContactLine, ContactPanel, FigureError, range_with_zero, some, vector};
+use super::{Caption, ContactPanel, FigureError, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
+use crate::saddle::Pair;
 
 /// Width of the picture in display pixels.
 const WIDTH: f64 = 800.0;
@@ -25,10 +26,10 @@ const ROW: f64 = 9.0;
 /// # Errors
 /// [`FigureError`] without panels or lines, on a vector of a wrong length, or on NaN and infinities.
 pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<String, FigureError> {
-    for panel in some("panels", panels)? {
-        for line in some("lines", panel.lines)? {
-            vector(panel.title, "y", line.y, panel.grid.nodes())?;
-            vector(panel.title, "a", line.a, panel.grid.boundary_nodes())?;
+    for panel in not_empty("panels", panels)? {
+        for (_, Pair { y, a }) in not_empty("lines", &panel.lines)? {
+            vector(panel.title, "y", y, panel.grid.nodes())?;
+            vector(panel.title, "a", a, panel.grid.boundary_nodes())?;
         }
     }
     let heights: Vec<f64> = panels
@@ -58,8 +59,8 @@ pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<String, Figu
     Ok(picture.finish(caption))
 }
 
-fn legend<'a>(panel: &ContactPanel<'a>) -> Legend<'a> {
-    Legend::new(panel.lines.iter().map(|line| line.label), WIDTH - 100.0)
+fn legend<'a>(panel: &'a ContactPanel) -> Legend<'a> {
+    Legend::new(panel.lines.iter().map(|(label, _)| &**label), WIDTH - 100.0)
 }
 
 fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
@@ -69,10 +70,12 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
     let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
     let band = ROW * panel.lines.len() as f64 + 16.0;
     let boundary: Vec<usize> = grid.boundary().collect();
-    let y_of = |line: &ContactLine| boundary.iter().map(|&k| line.y[k]).collect::<Vec<f64>>();
-    let a_of = |line: &ContactLine| line.a.to_vec();
-    let frame = |down: (f64, f64), data: &dyn Fn(&ContactLine) -> Vec<f64>| {
-        let (low, high) = range_with_zero(panel.lines.iter().flat_map(data));
+    let lines = || panel.lines.iter().map(|(_, pair)| pair);
+    let ys: Vec<Vec<f64>> =
+        lines().map(|pair| boundary.iter().map(|&k| pair.y[k]).collect()).collect();
+    let multipliers: Vec<Vec<f64>> = lines().map(|pair| pair.a.clone()).collect();
+    let frame = |down: (f64, f64), data: &[Vec<f64>]| {
+        let (low, high) = range_with_zero(data.iter().flatten().copied());
         let high = if high > low { high } else { low + 1.0 };
         let ticks = Ticks::inside(low, high, 5);
         // A margin, so that a curve at zero is not lost in the frame.
@@ -80,27 +83,24 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
         let frame = Frame { across: ACROSS, down, x: (0.0, 4.0), y: (low - pad, high + pad) };
         (frame, ticks)
     };
-    let upper = frame((top, top + PLOT), &y_of);
+    let upper = frame((top, top + PLOT), &ys);
     let lower_top = top + PLOT + band;
-    let lower = frame((lower_top, lower_top + PLOT), &a_of);
+    let lower = frame((lower_top, lower_top + PLOT), &multipliers);
 
     let touching: Vec<Vec<bool>> =
-        panel.lines.iter().map(|line| line.a.iter().map(|&a| a > 0.0).collect()).collect();
+        lines().map(|pair| pair.a.iter().map(|&a| a > 0.0).collect()).collect();
     let all: Vec<bool> = (0..boundary.len()).map(|b| touching.iter().all(|line| line[b])).collect();
     let whole = Frame { down: (top, lower_top + PLOT), ..upper.0 };
     for run in contact_runs(grid, &all) {
         whole.band(pen, run, SHADE);
     }
-    for (name, (frame, ticks), data) in
-        [("y", &upper, &y_of as &dyn Fn(&ContactLine) -> Vec<f64>), ("a", &lower, &a_of)]
-    {
+    for (name, (frame, ticks), data) in [("y", &upper, &ys), ("a", &lower, &multipliers)] {
         frame.rules(pen, ticks.values());
         frame.label_left(pen, ticks.labelled());
         let middle = 0.5 * (frame.down.0 + frame.down.1);
         pen.text(name, (26.0, middle), Type::size(NORMAL).italic());
         corner_lines(pen, frame);
-        for (k, line) in panel.lines.iter().enumerate() {
-            let values = data(line);
+        for (k, values) in data.iter().enumerate() {
             // Closed: s = 4 is the corner s = 0 again.
             let places = (0..=values.len()).map(|b| {
                 let s = b as f64 * grid.h();

@@ -4,7 +4,7 @@ use super::axes::Frame;
 use super::palette::{INK, MUTED, RULE, WHITE, legible_on, viridis};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
 use super::text::power_of_ten;
-use super::{Caption, FigureError, FragilityPanel, finite, some};
+use super::{Caption, FigureError, FragilityPanel, finite, not_empty};
 use plotters::style::RGBColor;
 
 /// Width and height of a cell in display pixels.
@@ -34,17 +34,17 @@ pub fn fragility(
     sizes: &[f64],
     panels: &[FragilityPanel],
 ) -> Result<String, FigureError> {
-    some("sizes", sizes)?;
+    not_empty("sizes", sizes)?;
     finite("scale", "sizes", sizes.iter().map(|size| decade(*size)))?;
     let mut wide = 0;
-    for panel in some("panels", panels)? {
-        for row in some("rows", panel.cells)? {
+    for panel in not_empty("panels", panels)? {
+        for row in not_empty("rows", &panel.cells)? {
             let (got, want) = (row.len(), panel.columns.len());
             if got != want {
-                let panel = panel.title.into();
+                let panel = panel.title.clone();
                 return Err(FigureError::Length { panel, what: "counts", got, want });
             }
-            finite(panel.title, "sizes", row.iter().filter_map(|(_, at)| at.map(decade)))?;
+            finite(&panel.title, "sizes", row.iter().filter_map(|(_, at)| at.map(decade)))?;
         }
         wide = wide.max(panel.columns.len());
     }
@@ -82,11 +82,11 @@ fn draw_panel(
 ) {
     let at = |i: usize, j: usize| (left + CELL.0 * i as f64, top + CELL.1 * j as f64);
     let across = CELL.0 * panel.columns.len() as f64;
-    pen.text(panel.title, (left + 0.5 * across, top - 42.0), Type::size(LARGE).bold());
+    pen.text(&panel.title, (left + 0.5 * across, top - 42.0), Type::size(LARGE).bold());
     for (i, name) in panel.columns.iter().enumerate() {
         pen.text(name, (at(i, 0).0 + 0.5 * CELL.0, top - 14.0), Type::size(SMALL));
     }
-    for (j, (name, row)) in panel.rows.iter().zip(panel.cells).enumerate() {
+    for (j, (name, row)) in panel.rows.iter().zip(&panel.cells).enumerate() {
         pen.text(name, (left - 8.0, top + CELL.1 * (j as f64 + 0.5)), Type::size(SMALL).right());
         for (i, (count, size)) in row.iter().enumerate() {
             let ground = size.map_or(WHITE, &color);

@@ -4,7 +4,7 @@ use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, RULE, series};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
 use super::text::{Ticks, power_of_ten};
-use super::{Caption, FigureError, History, HistoryPanel, Span, finite, some};
+use super::{Caption, FigureError, History, HistoryPanel, finite, not_empty};
 use crate::saddle::{Iteration, tolerance};
 
 /// Width of the picture in display pixels.
@@ -18,24 +18,20 @@ const ACROSS: (f64, f64) = (66.0, 690.0);
 ///
 /// Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
 /// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
-/// which a run left a grid; dotted lines are the tolerances 10^-N of the grids shown.
+/// which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
 ///
 /// # Errors
 /// [`FigureError`] without panels, grids, curves or iterations, or on NaN and infinities.
-pub fn histories(
-    caption: Caption,
-    span: Span,
-    panels: &[HistoryPanel],
-) -> Result<String, FigureError> {
-    for panel in some("panels", panels)? {
-        some("grids", panel.grids)?;
-        for curve in some("curves", panel.curves)? {
+pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<String, FigureError> {
+    for panel in not_empty("panels", panels)? {
+        not_empty("grids", panel.grids)?;
+        for curve in not_empty("curves", &panel.curves)? {
             let shown = || curve.levels.iter().flatten();
             finite(panel.title, "max dM/dy", shown().map(|i| i.gradient_signed))?;
             finite(panel.title, "max |dM/dy|", shown().map(|i| i.gradient_abs))?;
         }
     }
-    let plans = panels.iter().map(|panel| Plan::new(span, panel)).collect::<Result<Vec<_>, _>>()?;
+    let plans = panels.iter().map(Plan::new).collect::<Result<Vec<_>, _>>()?;
     let height = plans.iter().map(Plan::height).sum::<f64>() + 40.0;
     let mut picture = Picture::new(WIDTH, height);
     let mut top = 8.0;
@@ -60,11 +56,7 @@ pub fn histories(
         key(pen, (x + 35.0, y), "max \u{2202}M/\u{2202}y, signed");
         key(pen, (x + 227.0, y), "max |\u{2202}M/\u{2202}y|, as printed");
         pen.ring((x + 410.0, y), 4.0, MUTED);
-        let end = match span {
-            Span::AllGrids => "end of a grid",
-            Span::FinestGrid => "end of the run",
-        };
-        key(pen, (x + 421.0, y), end);
+        key(pen, (x + 421.0, y), "end of a grid");
         key(pen, (x + 557.0, y), "tolerance 10\u{207b}\u{1d3a}");
     })?;
     picture.layer("stroke-dasharray=\"18 10\"", |pen| {
@@ -80,21 +72,15 @@ pub fn histories(
 struct Plan<'a> {
     panel: &'a HistoryPanel<'a>,
     legend: Legend<'a>,
-    /// Index of the first grid shown.
-    first: usize,
     longest: usize,
     /// Powers of ten at the lower and upper edge.
     decades: (i32, i32),
 }
 
 impl<'a> Plan<'a> {
-    fn new(span: Span, panel: &'a HistoryPanel<'a>) -> Result<Self, FigureError> {
-        let finest = panel.grids.len() - 1;
-        let first = match span {
-            Span::AllGrids => 0,
-            Span::FinestGrid => finest,
-        };
-        let shown = |curve: &'a History<'a>| curve.levels.iter().take(finest + 1).skip(first);
+    fn new(panel: &'a HistoryPanel<'a>) -> Result<Self, FigureError> {
+        let grids = panel.grids.len();
+        let shown = |curve: &'a History| curve.levels.iter().take(grids);
         let longest =
             panel.curves.iter().map(|curve| shown(curve).map(Vec::len).sum()).max().unwrap_or(0);
         if longest == 0 {
@@ -105,13 +91,12 @@ impl<'a> Plan<'a> {
             .iter()
             .flat_map(|curve| shown(curve).flatten())
             .map(|i| i.gradient_abs.max(i.gradient_signed))
-            .fold(tolerance(first + 1), f64::max);
+            .fold(tolerance(1), f64::max);
         let bottom = -(panel.grids.len() as i32) - 1;
         let top = libm::ceil(libm::log10(largest) + 0.05) as i32;
         Ok(Self {
             panel,
-            legend: Legend::new(panel.curves.iter().map(|curve| curve.label), WIDTH - 90.0),
-            first,
+            legend: Legend::new(panel.curves.iter().map(|curve| &*curve.label), WIDTH - 90.0),
             longest,
             decades: (bottom, top.max(bottom + 1)),
         })
@@ -151,10 +136,8 @@ impl<'a> Plan<'a> {
         }
         // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
         frame.label_below(pen, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
-        let name =
-            if self.first == 0 { "iterations, all grids" } else { "iterations on the finest grid" };
         let middle = 0.5 * (ACROSS.0 + ACROSS.1);
-        pen.text(name, (middle, frame.down.1 + 31.0), Type::size(NORMAL));
+        pen.text("iterations, all grids", (middle, frame.down.1 + 31.0), Type::size(NORMAL));
         let middle = 0.5 * (frame.down.0 + frame.down.1);
         pen.text("residual", (17.0, middle), Type::size(NORMAL).upwards());
         for (k, grid) in self.shown_grids() {
@@ -167,7 +150,7 @@ impl<'a> Plan<'a> {
     /// Grids shown, with their numbers from 1.
     fn shown_grids(&self) -> impl Iterator<Item = (usize, &'a crate::discrete::grid::Grid)> {
         let grids: &'a [_] = self.panel.grids;
-        (1..).zip(grids).skip(self.first)
+        (1..).zip(grids)
     }
 
     fn tolerances(&self, pen: &mut Pen, frame: &Frame) {
@@ -178,8 +161,8 @@ impl<'a> Plan<'a> {
     }
 
     /// Iterations shown of a run: number from 1, whether it is the last on its grid, and data.
-    fn shown(&self, curve: &'a History<'a>) -> impl Iterator<Item = (usize, bool, &'a Iteration)> {
-        let levels = curve.levels.iter().take(self.panel.grids.len()).skip(self.first);
+    fn shown(&self, curve: &'a History) -> impl Iterator<Item = (usize, bool, &'a Iteration)> {
+        let levels = curve.levels.iter().take(self.panel.grids.len());
         levels
             .flat_map(|level| level.iter().enumerate().map(|(k, i)| (k + 1 == level.len(), i)))
             .enumerate()

@@ -5,7 +5,7 @@ use super::palette::{CONTACT, INK, WHITE, viridis};
 use super::panels::{Panels, centre, title};
 use super::picture::{NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
 use super::text::Ticks;
-use super::{Caption, FigureError, IdentifiabilityPanel, finite, some};
+use super::{Caption, FigureError, IdentifiabilityPanel, finite, not_empty};
 use plotters::style::RGBColor;
 
 /// Side of a panel in display pixels.
@@ -23,9 +23,9 @@ pub fn identifiability(
     panels: &[IdentifiabilityPanel],
 ) -> Result<String, FigureError> {
     let mut least = usize::MAX;
-    for panel in some("panels", panels)? {
+    for panel in not_empty("panels", panels)? {
         let slice = panel.slice;
-        some("points", &slice.x)?;
+        not_empty("points", &slice.x)?;
         finite(panel.title, "values", slice.x.iter().chain(&slice.y).copied())?;
         let rows = slice.exact.iter().map(|row| (row.len(), slice.x.len()));
         let lengths = rows.chain([(slice.exact.len(), slice.y.len())]);

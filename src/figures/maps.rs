@@ -6,7 +6,7 @@ use super::panels::{Panels, centre, title};
 use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
-use super::{Caption, FMap, FigureError, finite, some};
+use super::{Caption, FMap, FigureError, finite, not_empty};
 use crate::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
@@ -30,7 +30,7 @@ type Point = [f64; 2];
 /// # Errors
 /// [`FigureError::Empty`] without panels, [`FigureError::NotFinite`] if a value of f is not finite.
 pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureError> {
-    some("panels", panels)?;
+    not_empty("panels", panels)?;
     let mut limit = 0.0f64;
     let mut rasters = Vec::new();
     for panel in panels {

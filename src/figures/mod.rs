@@ -1,7 +1,7 @@
 //! Drawing functions of the figures: from data to SVG text, deterministic to the byte, no files.
 //!
-//! Every picture is at most 800 display pixels wide, on a white ground of its own so that it reads on
-//! dark pages too, and carries its title and description for readers who cannot see it.
+//! Every picture is at most 800 display pixels wide, takes light or dark colours as the page that shows
+//! it asks for, and carries its title and description for readers who cannot see it.
 
 mod axes;
 mod camera;
@@ -30,7 +30,7 @@ pub use surface::surfaces;
 use crate::discrete::grid::Grid;
 use crate::identify::Slice;
 use crate::problem::source::Source;
-use crate::saddle::Iteration;
+use crate::saddle::{Iteration, Pair};
 
 /// What a picture says about itself to readers who cannot see it.
 #[derive(Clone, Copy, Debug)]
@@ -63,62 +63,43 @@ pub struct Surface<'a> {
     pub a: &'a [f64],
     /// From where it is seen; [`View::uphill`] hides least.
     pub view: View,
-}
-
-/// Which iterations [`histories`] shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Span {
-    /// All grids, iterations counted through.
-    #[default]
-    AllGrids,
-    /// The last grid only.
-    FinestGrid,
+    /// The range of heights and colours; without one, that of the data and zero.
+    pub range: Option<(f64, f64)>,
 }
 
 /// One panel of [`histories`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct HistoryPanel<'a> {
     /// Text above the panel.
     pub title: &'a str,
     /// The nested grids of every curve; the k-th, from 1, has tolerance 10^-k.
     pub grids: &'a [Grid],
     /// The runs compared.
-    pub curves: &'a [History<'a>],
+    pub curves: Vec<History>,
 }
 
 /// The residuals of one run over nested grids.
-#[derive(Clone, Copy, Debug)]
-pub struct History<'a> {
+#[derive(Clone, Debug)]
+pub struct History {
     /// Name in the legend, such as `r = 10`.
-    pub label: &'a str,
+    pub label: String,
     /// Iterations on each grid of the panel, coarsest first; fewer entries if the run ended early.
-    pub levels: &'a [Vec<Iteration>],
+    pub levels: Vec<Vec<Iteration>>,
 }
 
 /// One panel of [`contact`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ContactPanel<'a> {
     /// Text above the panel.
     pub title: &'a str,
     /// Grid of all lines.
     pub grid: Grid,
-    /// The solutions compared.
-    pub lines: &'a [ContactLine<'a>],
-}
-
-/// One solution on the boundary.
-#[derive(Clone, Copy, Debug)]
-pub struct ContactLine<'a> {
-    /// Name in the legend.
-    pub label: &'a str,
-    /// Nodal vector: y.
-    pub y: &'a [f64],
-    /// Boundary vector: the multiplier a, or the flux dy/dn.
-    pub a: &'a [f64],
+    /// The solutions compared: name in the legend, y, and the multiplier a or the flux dy/dn.
+    pub lines: Vec<(String, Pair)>,
 }
 
 /// One panel of [`identifiability`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct IdentifiabilityPanel<'a> {
     /// Text above the panel.
     pub title: &'a str,
@@ -127,64 +108,54 @@ pub struct IdentifiabilityPanel<'a> {
     /// Number of counts in the table.
     pub cells: usize,
     /// Other f to mark, as points of the plane.
-    pub others: &'a [[f64; 2]],
+    pub others: Vec<[f64; 2]>,
 }
 
 /// One panel of [`fragility`].
-#[derive(Clone, Copy, Debug)]
-pub struct FragilityPanel<'a> {
+#[derive(Clone, Debug)]
+pub struct FragilityPanel {
     /// Text above the panel.
-    pub title: &'a str,
+    pub title: String,
     /// Names of the columns.
-    pub columns: &'a [String],
+    pub columns: Vec<String>,
     /// Names of the rows.
-    pub rows: &'a [String],
+    pub rows: Vec<String>,
     /// Row by row, each count with the least disturbance that changes it.
-    pub cells: &'a [Vec<(usize, Option<f64>)>],
+    pub cells: Vec<Vec<(usize, Option<f64>)>>,
 }
 
-/// One panel of [`charts`].
-#[derive(Clone, Copy, Debug)]
-pub struct Chart<'a> {
+/// One panel of [`charts`], with logarithmic axes.
+#[derive(Clone, Debug)]
+pub struct Chart {
     /// Text above the panel.
-    pub title: &'a str,
-    /// The horizontal axis.
-    pub x: Axis<'a>,
-    /// The vertical axis.
-    pub y: Axis<'a>,
-    /// What is plotted.
-    pub curves: &'a [Curve<'a>],
-}
-
-/// An axis of a [`Chart`].
-#[derive(Clone, Copy, Debug)]
-pub struct Axis<'a> {
-    /// Its name, with the unit.
-    pub name: &'a str,
-    /// How values are placed along it.
-    pub scale: Scale,
-    /// The range shown at least.
-    pub range: Option<(f64, f64)>,
-}
-
-/// How values are placed along an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// By value, ticks at round numbers.
-    Linear,
-    /// By logarithm, ticks at powers of ten.
-    Log,
+    pub title: String,
+    /// Names of the axes, with their units: across, up.
+    pub axes: [&'static str; 2],
+    /// What is plotted; a curve without points is left out.
+    pub curves: Vec<Curve>,
 }
 
 /// A curve of a [`Chart`].
-#[derive(Clone, Copy, Debug)]
-pub struct Curve<'a> {
-    /// Name in the legend; equal names share a colour across panels.
-    pub label: &'a str,
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Name in the legend; equal names share a colour across panels, and solvers across pictures.
+    pub label: String,
     /// Points in the order in which they are joined.
-    pub points: &'a [(f64, f64)],
+    pub points: Vec<(f64, f64)>,
     /// How it is drawn.
     pub stroke: Stroke,
+}
+
+impl Curve {
+    /// A curve with a ring at each point.
+    pub fn marked(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), points, stroke: Stroke::Marked }
+    }
+
+    /// A curve to compare others with.
+    pub fn reference(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), points, stroke: Stroke::Reference }
+    }
 }
 
 /// How a [`Curve`] is drawn.
@@ -194,8 +165,6 @@ pub enum Stroke {
     Marked,
     /// A line only.
     Line,
-    /// Rings only.
-    Rings,
     /// A thin dashed line in secondary ink, named at its right end and not in the legend: a bound, a slope.
     Reference,
 }
@@ -236,7 +205,7 @@ pub enum FigureError {
 }
 
 /// Refuses an empty slice.
-fn some<'a, T>(what: &'static str, items: &'a [T]) -> Result<&'a [T], FigureError> {
+fn not_empty<'a, T>(what: &'static str, items: &'a [T]) -> Result<&'a [T], FigureError> {
     if items.is_empty() {
         return Err(FigureError::Empty(what));
     }

@@ -15,6 +15,38 @@ pub(super) const WHITE: RGBColor = RGBColor(0xff, 0xff, 0xff);
 /// The part of the boundary in contact: the one hue viridis does not hold.
 pub(super) const CONTACT: RGBColor = RGBColor(0xd5, 0x2b, 0x00);
 
+/// What the colours of text, rules, grounds and series become on a dark page.
+///
+/// [`legible_on`] has an ink and a white of its own, which stay: they stand on coloured ground.
+pub(super) const DARK: [(u32, u32); 13] = [
+    (0x222222, 0xe6e6e6),
+    (0x595959, 0xb0b4bd),
+    (0xdddddd, 0x464c5c),
+    (0xeeeeee, 0x2a3040),
+    (0xffffff, 0x161a22),
+    (0xd52b00, 0xff6a45),
+    (0x0072b2, 0x4fa8e8),
+    (0xd55e00, 0xff8a3d),
+    (0x009e73, 0x35c495),
+    (0xcc79a7, 0xe79cc6),
+    (0xe69f00, 0xf5c04a),
+    (0x56b4e9, 0x9fdcff),
+    (0x000000, 0xfefefe),
+];
+
+/// The colour that a solver has in every picture, as a place in [`series`], by how its name begins.
+pub(super) fn solver(label: &str) -> Option<usize> {
+    const SOLVERS: [(&str, usize); 6] = [
+        ("multigrid", 0),
+        ("Arrow-Hurwicz", 1),
+        ("Uzawa", 2),
+        ("proximal", 3),
+        ("active set", 6),
+        ("best of", 4),
+    ];
+    SOLVERS.iter().find(|(name, _)| label.starts_with(name)).map(|(_, place)| *place)
+}
+
 /// The palette of Okabe and Ito without its yellow, which is lost on white; then it repeats.
 pub(super) fn series(k: usize) -> RGBColor {
     const OKABE_ITO: [RGBColor; 7] = [
@@ -64,11 +96,11 @@ pub(super) fn lit(color: RGBColor, factor: f64) -> RGBColor {
     RGBColor(scale(color.0), scale(color.1), scale(color.2))
 }
 
-/// White or ink, whichever contrasts more with `ground`.
+/// White or ink, nearly, whichever contrasts more with `ground`.
 pub(super) fn legible_on(ground: RGBColor) -> RGBColor {
     let luma =
         0.299 * f64::from(ground.0) + 0.587 * f64::from(ground.1) + 0.114 * f64::from(ground.2);
-    if luma < 140.0 { WHITE } else { INK }
+    if luma < 140.0 { RGBColor(0xfe, 0xfe, 0xfe) } else { RGBColor(0x21, 0x21, 0x21) }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The canvas: layers of shapes drawn by plotters on a finer raster, put together into one SVG.
 
-use super::palette::{INK, WHITE};
+use super::palette::{DARK, INK, WHITE};
 use super::{Caption, FigureError};
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -92,15 +92,30 @@ impl Picture {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\">\n\
-             <title>{}</title>\n<desc>{}</desc>\n\
+             <title>{}</title>\n<desc>{}</desc>\n<style>{}</style>\n\
              <rect width=\"{width}\" height=\"{height}\" rx=\"32\" fill=\"#FFFFFF\"/>\n{}</svg>\n",
             self.width,
             self.height,
             escaped(caption.title),
             escaped(caption.description),
+            dark(),
             self.body
         )
     }
+}
+
+/// Style rules by which a picture on a dark page shows other neutral colours and lighter series.
+///
+/// An image has the colour scheme of the page around it, so that a book's theme decides.
+fn dark() -> String {
+    let mut rules = String::from("@media (prefers-color-scheme:dark){");
+    for (light, dark) in DARK {
+        for property in ["fill", "stroke"] {
+            let _ = write!(rules, "[{property}=\"#{light:06X}\"]{{{property}:#{dark:06X}}}");
+        }
+    }
+    rules.push('}');
+    rules
 }
 
 fn escaped(text: &str) -> String {

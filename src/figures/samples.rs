@@ -53,40 +53,43 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
             y: &runs[k][1].2.y,
             a: &runs[k][1].2.a,
             view: View::uphill(grid, &runs[k][1].2.y),
+            range: None,
         })
         .collect();
-    let curves: Vec<Vec<History>> = runs
+    let histories_of: Vec<_> = runs
         .iter()
-        .map(|runs| {
-            runs.iter().zip(labels).map(|(run, label)| History { label, levels: &run.1 }).collect()
+        .zip(titles)
+        .map(|(runs, title)| HistoryPanel {
+            title,
+            grids: &runs[0].0,
+            curves: runs
+                .iter()
+                .zip(labels)
+                .map(|(run, label)| History { label: label.into(), levels: run.1.clone() })
+                .collect(),
         })
         .collect();
-    let histories_of: Vec<_> = (0..2)
-        .map(|k| HistoryPanel { title: titles[k], grids: &runs[k][0].0, curves: &curves[k] })
-        .collect();
-    let lines: Vec<Vec<ContactLine>> = runs
+    let contacts: Vec<_> = runs
         .iter()
-        .map(|runs| {
-            let line =
-                |(label, k): (_, usize)| ContactLine { label, y: &runs[k].2.y, a: &runs[k].2.a };
-            labels.into_iter().zip(0..).map(line).collect()
+        .zip(titles)
+        .map(|(runs, title)| ContactPanel {
+            title,
+            grid,
+            lines: runs.iter().zip(labels).map(|(run, l)| (l.into(), run.2.clone())).collect(),
         })
         .collect();
-    let contacts: Vec<_> =
-        (0..2).map(|k| ContactPanel { title: titles[k], grid, lines: &lines[k] }).collect();
     let slices = [(3.0, -1.002), (-6.0, 1.998)].map(slice_around);
-    let others: &[[f64; 2]] = &[[2.99, -1.0], [-6.0, 2.0]];
+    let others = [[2.99, -1.0], [-6.0, 2.0]];
     let around = [0, 1].map(|k| IdentifiabilityPanel {
         title: titles[k],
         slice: &slices[k],
         cells: 25,
-        others,
+        others: others.into(),
     });
     vec![
         ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
-        ("figure2", surfaces(CAPTION, &shapes).unwrap()),
-        ("histories", histories(CAPTION, Span::AllGrids, &histories_of).unwrap()),
-        ("finest", histories(CAPTION, Span::FinestGrid, &histories_of).unwrap()),
+        ("figure2", surfaces(CAPTION, 2, &shapes).unwrap()),
+        ("histories", histories(CAPTION, &histories_of).unwrap()),
         ("contact", contact(CAPTION, &contacts).unwrap()),
         ("identifiability", identifiability(CAPTION, &around).unwrap()),
     ]
@@ -124,14 +127,13 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     let (title, grid, y, a) = ("one", grids[1], &pair.y, &pair.a);
     for azimuth in [0.0, 52.5, 90.0] {
         let view = View { azimuth, ..View::default() };
-        let panel = Surface { title, grid, y, a, view };
-        figures.push((format!("view{azimuth}"), surfaces(CAPTION, &[panel]).unwrap()));
+        let panel = Surface { title, grid, y, a, view, range: None };
+        figures.push((format!("view{azimuth}"), surfaces(CAPTION, 2, &[panel]).unwrap()));
     }
-    let line = |label| ContactLine { label, y, a };
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
-            .map(line);
-    let panel = ContactPanel { title, grid, lines: &lines };
+            .map(|label| (label.into(), pair.clone()));
+    let panel = ContactPanel { title, grid, lines: lines.into() };
     figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap()));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {
@@ -140,36 +142,41 @@ pub(super) fn unusual() -> Vec<(String, String)> {
             Iteration { number, gradient_signed, gradient_abs: size, delta_a: 0.0 }
         })
         .collect();
-    let labels: Vec<String> = (1..=9).map(|k| format!("curve number {k}")).collect();
-    let levels = [vec![long[0]; 7], long];
-    let curves: Vec<_> = labels.iter().map(|label| History { label, levels: &levels }).collect();
-    let panel = HistoryPanel { title, grids: &grids, curves: &curves };
-    figures.push(("long".into(), histories(CAPTION, Span::AllGrids, &[panel]).unwrap()));
+    let levels = vec![vec![long[0]; 7], long];
+    let curve = |k| History { label: format!("curve number {k}"), levels: levels.clone() };
+    let panel = HistoryPanel { title, grids: &grids, curves: (1..=9).map(curve).collect() };
+    figures.push(("long".into(), histories(CAPTION, &[panel]).unwrap()));
     let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
-    let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
-    let curve = |label, points, stroke| Curve { label, points, stroke };
-    let curves = [
-        curve("L2 error", &falling[..], Stroke::Marked),
-        curve("maximum error", &falling[3..6], Stroke::Line),
-        curve("one", &falling[..1], Stroke::Rings),
-        curve("order 2", &slope, Stroke::Reference),
+    let slope = vec![(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
+    let line = |label: &str, stroke| Curve { stroke, ..Curve::marked(label, falling[3..6].into()) };
+    let curves = vec![
+        Curve::marked("multigrid", falling.clone()),
+        line("multigrid, again", Stroke::Marked),
+        line("maximum error", Stroke::Line),
+        Curve::marked("one", falling[..1].into()),
+        Curve::marked("none", Vec::new()),
+        Curve::reference("order 2", slope),
     ];
-    let log = |name| Axis { name, scale: Scale::Log, range: None };
-    let linear = |name| Axis { name, scale: Scale::Linear, range: Some((0.0, 1e-3)) };
-    let panels = [
-        Chart { title: "both logarithmic", x: log("1/h"), y: log("error"), curves: &curves },
-        Chart { title: "both linear", x: linear("1/h"), y: linear("error"), curves: &curves[..3] },
-        Chart { title: "alone", x: log("1/h"), y: linear("error"), curves: &curves[..2] },
-    ];
+    let panels = ["first", "second", "alone"].map(|title| Chart {
+        title: title.into(),
+        axes: ["1/h", "error"],
+        curves: curves.clone(),
+    });
     let names = |names: [&str; 3]| names.map(String::from);
     let (columns, rows) = (names(["h = 1/4", "1/8", "1/16"]), names(["r = 10", "5", "0.5"]));
     let cells = [-15.0, -6.0, -2.0]
         .map(|k| vec![(1, None), (1234, Some(libm::pow(10.0, k))), (56, Some(1e-8))]);
-    let panel = FragilityPanel { title, columns: &columns, rows: &rows, cells: &cells };
+    let panel = FragilityPanel {
+        title: title.into(),
+        columns: columns.into(),
+        rows: rows.into(),
+        cells: cells.into(),
+    };
     let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
-    figures.push(("fragility".into(), fragility(CAPTION, &sizes, &[panel; 2]).unwrap()));
-    figures.push(("charts".into(), charts(CAPTION, 2, &panels).unwrap()));
-    figures.push(("chart".into(), charts(CAPTION, 1, &panels[..1]).unwrap()));
+    figures
+        .push(("fragility".into(), fragility(CAPTION, &sizes, &[panel.clone(), panel]).unwrap()));
+    figures.push(("charts".into(), charts(CAPTION, 2, false, &panels).unwrap()));
+    figures.push(("chart".into(), charts(CAPTION, 1, true, &panels[..1]).unwrap()));
     figures
 }
 

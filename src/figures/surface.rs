@@ -1,58 +1,68 @@
 //! Figure 2: solutions as shaded surfaces, painted from the far corner to the near one.
 
 use super::axes::{colour_bar, key};
-use super::camera::{Camera, Scene};
+use super::camera::{Camera, Scene, UNIT};
 use super::palette::{CONTACT, INK, MUTED, RULE, SHADE, lit, viridis};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
 use super::text::Ticks;
-use super::{Caption, FigureError, Surface, range_with_zero, some, vector};
+use super::{Caption, FigureError, Surface, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
 
 /// Most cells per side that are drawn; finer grids are thinned, or the file would grow too large.
 const MOST_CELLS: usize = 32;
-/// Size of a panel in display pixels.
+/// Size of a panel in display pixels, where two are in a row.
 const PANEL: (f64, f64) = (390.0, 392.0);
+/// Height of what in a panel does not shrink with it: title and colour bar.
+const TEXT: f64 = 80.0;
 /// Height of a row of the key below the panels.
 const KEY: f64 = 22.0;
 /// Room below the surface, so that its lowest part is seen above the floor, and above it; in spans.
 const FLOOR_GAP: f64 = 0.18;
 const CEILING_GAP: f64 = 0.04;
-/// Draws one surface per panel, two in a row, each with its own scale and colour bar.
+
+/// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
 ///
 /// Heights are shaded by Lambert's law and coloured by value; the parts of the boundary in contact
 /// (positive multiplier) are marked on the surface. Grids finer than 32 cells per side are thinned.
 ///
 /// # Errors
 /// [`FigureError`] without panels, on a vector of a wrong length, or on NaN and infinities.
-pub fn surfaces(caption: Caption, panels: &[Surface]) -> Result<String, FigureError> {
-    for panel in some("panels", panels)? {
+pub fn surfaces(
+    caption: Caption,
+    columns: usize,
+    panels: &[Surface],
+) -> Result<String, FigureError> {
+    for panel in not_empty("panels", panels)? {
         vector(panel.title, "y", panel.y, panel.grid.nodes())?;
         vector(panel.title, "a", panel.a, panel.grid.boundary_nodes())?;
     }
-    let columns = panels.len().min(2);
-    let rows = panels.len().div_ceil(2);
+    let columns = columns.clamp(1, panels.len());
+    let rows = panels.len().div_ceil(columns);
+    let scale = (2.0 / columns as f64).min(1.0);
+    let (wide, high) = (scale * PANEL.0, scale * (PANEL.1 - TEXT) + TEXT);
     let margin = 10.0;
     let key_rows = if columns > 1 { 1.0 } else { 2.0 };
     let mut picture = Picture::new(
-        2.0 * margin + columns as f64 * PANEL.0,
-        2.0 * margin + rows as f64 * PANEL.1 + KEY * key_rows,
+        2.0 * margin + columns as f64 * wide,
+        2.0 * margin + rows as f64 * high + KEY * key_rows,
     );
     for (k, panel) in panels.iter().enumerate() {
-        let left = margin + (k % 2) as f64 * PANEL.0;
-        let top = margin + (k / 2) as f64 * PANEL.1;
-        let data = range_with_zero(panel.y.iter().copied());
+        let left = margin + (k % columns) as f64 * wide;
+        let top = margin + (k / columns) as f64 * high;
+        let data = panel.range.unwrap_or_else(|| range_with_zero(panel.y.iter().copied()));
         let data = if data.0 < data.1 { data } else { (-1.0, 1.0) };
         let span = data.1 - data.0;
         let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
         let ticks = Ticks::inside(heights.0, heights.1, 5);
         let scene = Scene {
             camera: Camera::new(panel.view),
-            origin: (left + 0.5 * PANEL.0 + 12.0, top + 184.0),
+            origin: (left + 0.5 * wide + 12.0, top + 24.0 + 160.0 * scale),
+            unit: UNIT * scale,
             heights,
         };
         let color = |v: f64| viridis((v - data.0) / (data.1 - data.0));
         picture.layer("", |pen| {
-            pen.text(panel.title, (left + 0.5 * PANEL.0, top + 16.0), Type::size(LARGE).bold());
+            pen.text(panel.title, (left + 0.5 * wide, top + 16.0), Type::size(LARGE).bold());
             walls(pen, &scene, &ticks);
         })?;
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
@@ -61,13 +71,13 @@ pub fn surfaces(caption: Caption, panels: &[Surface]) -> Result<String, FigureEr
         picture.layer("stroke-linecap=\"round\"", |pen| near_contact(pen, &scene, panel))?;
         picture.layer("", |pen| {
             axes(pen, &scene, &ticks);
-            let bar = (left + 76.0, left + PANEL.0 - 36.0);
-            let bottom = top + PANEL.1 - 44.0;
+            let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
+            let bottom = top + high - 44.0;
             colour_bar(pen, bar, bottom, data, color, "v");
         })?;
     }
     picture.layer("stroke-linecap=\"round\"", |pen| {
-        let y = margin + rows as f64 * PANEL.1 + 12.0;
+        let y = margin + rows as f64 * high + 12.0;
         let x = margin + 76.0;
         pen.path([(x, y), (x + 28.0, y)], CONTACT, 2.75);
         key(pen, (x + 38.0, y), "boundary in contact (multiplier a > 0)");

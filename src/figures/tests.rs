@@ -47,12 +47,23 @@ fn figures_are_deterministic_well_formed_labelled_and_small() {
         assert!(svg("figure2").contains(&format!(">{name}</text>")));
     }
     assert!(svg("histories").contains("h = 1/4</text>"));
-    assert!(!svg("finest").contains("h = 1/4</text>"));
     assert!(svg("contact").contains(">upper left</text>"));
     for label in ["counts that come out", "all 25 counts come out", "f elsewhere", "\u{2212}1.005"]
     {
         assert!(svg("identifiability").contains(&format!(">{label}</text>")), "{label}");
     }
+}
+
+#[test]
+fn a_solver_has_one_colour_and_a_second_line_of_it_is_dashed() {
+    let figures = unusual();
+    let svg = &figures.iter().find(|(name, _)| name == "charts").unwrap().1;
+    // In the legend: one stroke of the first, two of the second, in the same colour.
+    let legend: Vec<_> = svg.lines().filter(|l| l.starts_with("<polyline")).take(4).collect();
+    assert!(legend[..3].iter().all(|line| line.contains("#0072B2")), "{legend:?}");
+    assert!(!legend[3].contains("#0072B2"), "{legend:?}");
+    assert!(!svg.contains(">none</text>"), "a curve without points has no name");
+    assert!(svg.contains("prefers-color-scheme:dark"));
 }
 
 #[test]
@@ -90,27 +101,26 @@ fn bad_data_is_refused_with_its_place() {
     assert!(matches!(maps_of_f(CAPTION, &[]), Err(FigureError::Empty("panels"))));
     let surface = |y: &[f64], a: &[f64]| {
         let view = View::default();
-        surfaces(CAPTION, &[Surface { title: "t", grid, y, a, view }])
+        surfaces(CAPTION, 2, &[Surface { title: "t", grid, y, a, view, range: None }])
     };
     assert!(surface(&y, &a).is_ok(), "a flat surface is a picture");
     assert!(matches!(surface(&y[1..], &a), Err(FigureError::Length { got: 24, want: 25, .. })));
     y[7] = f64::NAN;
     let message = surface(&y, &a).unwrap_err().to_string();
     assert!(message.contains("entry 7 of y"), "{message}");
-    let lines = [ContactLine { label: "l", y: &y, a: &a }];
-    assert!(contact(CAPTION, &[ContactPanel { title: "t", grid, lines: &lines }]).is_err());
+    let lines = vec![("l".into(), Pair { y: y.clone(), a: a.clone() })];
+    assert!(contact(CAPTION, &[ContactPanel { title: "t", grid, lines }]).is_err());
     let bad =
         Iteration { number: 1, gradient_signed: 1.0, gradient_abs: f64::INFINITY, delta_a: 0.0 };
-    let levels = [vec![bad]];
-    let curves = [History { label: "l", levels: &levels }];
-    let panel = HistoryPanel { title: "t", grids: &[grid], curves: &curves };
-    assert!(histories(CAPTION, Span::AllGrids, &[panel]).is_err());
-    let curves = [History { label: "l", levels: &[] }];
-    let panel = HistoryPanel { curves: &curves, ..panel };
-    assert_eq!(histories(CAPTION, Span::AllGrids, &[panel]), Err(FigureError::Empty("iterations")));
+    let panel = |levels| {
+        let curves = vec![History { label: "l".into(), levels }];
+        histories(CAPTION, &[HistoryPanel { title: "t", grids: &[grid], curves }])
+    };
+    assert!(panel(vec![vec![bad]]).is_err());
+    assert_eq!(panel(Vec::new()), Err(FigureError::Empty("iterations")));
     let slice = |x: f64| Slice { pieces: [0, 1], x: vec![x], y: vec![0.0], exact: vec![vec![3]] };
     let map = |slice: &Slice| {
-        let panel = IdentifiabilityPanel { title: "t", slice, cells: 3, others: &[] };
+        let panel = IdentifiabilityPanel { title: "t", slice, cells: 3, others: Vec::new() };
         identifiability(CAPTION, &[panel])
     };
     assert!(map(&slice(1.0)).is_ok(), "a single point is a map");

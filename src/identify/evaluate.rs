@@ -1,16 +1,17 @@
 //! One candidate against one table: forced and free runs, grid by grid.
 
-use super::engine::{LANES, Lane, Level};
 use super::space::Geometry;
-use super::variant::Variant;
+use super::variant::{ResidualTime, Variant};
 use super::{COARSEST, IdentifyError, Target};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
-use crate::saddle::tolerance;
+use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure};
+use crate::saddle::{Pair, tolerance};
+use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Misfit of a stop that comes too early, beyond what the measure lacks: a stop is a stop.
+/// Misfit of a stop that comes too early, beyond what the measure lacks.
 const EARLY: f64 = 0.02;
 /// Largest misfit of one cell; beyond it the size says nothing.
 const CELL_CAP: f64 = 3.0;
@@ -65,7 +66,7 @@ pub struct Table {
     pub delta_a: Vec<f64>,
 }
 
-/// Runs candidates of some geometries under one variant against one table.
+/// Runs candidates of some geometries under one variant against one table, in the lanes of [`Lanes`].
 ///
 /// Everything that does not depend on the values of f is prepared once: the load vectors of the
 /// pieces, of which that of f is the combination, and all buffers. Clone it for another thread.
@@ -73,12 +74,26 @@ pub struct Evaluator<'a> {
     target: &'a Target,
     variant: Variant,
     prolongation: Prolongation,
-    r: Lane,
     /// `basis[geometry][level][p]`: load vector of the indicator of piece p.
     basis: Arc<Vec<Vec<Vec<Vec<f64>>>>>,
     levels: Vec<Level>,
-    loads: Vec<Vec<f64>>,
     entered: Vec<u64>,
+}
+
+/// A grid with the iterates on it.
+struct Level {
+    grid: Grid,
+    lanes: Lanes<f64>,
+    /// In each lane, the node that last failed the comparison: the likeliest to fail next.
+    witness: [usize; LANES],
+    load: Vec<f64>,
+}
+
+/// What a lane runs: values of f, one per piece, and a row of the table.
+#[derive(Clone, Copy)]
+struct Entry<'v> {
+    values: &'v [f64],
+    row: usize,
 }
 
 impl<'a> Evaluator<'a> {
@@ -92,7 +107,6 @@ impl<'a> Evaluator<'a> {
         geometries: &[Geometry],
     ) -> Result<Self, IdentifyError> {
         target.validate()?;
-        let grid = |level: usize| Grid::new(COARSEST << level).expect("fine enough");
         let (against_x, against_y) = variant.mirrored();
         let basis = |geometry: &Geometry, level: usize| -> Vec<Vec<f64>> {
             let grid = grid(level);
@@ -117,20 +131,13 @@ impl<'a> Evaluator<'a> {
             Prolongation::FallingDiagonal if against_x != against_y => Prolongation::RisingDiagonal,
             rule => rule,
         };
-        let mut r = [1.0; LANES];
-        r[..target.r.len()].copy_from_slice(&target.r);
-        let grids =
-            (0..target.levels()).map(|level| Grid::new(COARSEST << level).expect("fine enough"));
-        Self {
-            target,
-            variant,
-            prolongation,
-            r,
-            levels: grids.clone().map(|grid| Level::new(grid, &variant)).collect(),
-            loads: grids.map(|grid| vec![0.0; grid.nodes()]).collect(),
-            basis,
-            entered: vec![0; target.levels()],
-        }
+        let level = |level| {
+            let grid = grid(level);
+            let lanes = Lanes::new(grid, variant.order, variant.corner_weight());
+            Level { grid, lanes, witness: [0; LANES], load: vec![0.0; grid.nodes()] }
+        };
+        let levels = (0..target.levels()).map(level).collect();
+        Self { target, variant, prolongation, levels, basis, entered: vec![0; target.levels()] }
     }
 
     /// How many runs have entered each grid so far.
@@ -145,68 +152,126 @@ impl<'a> Evaluator<'a> {
     /// # Panics
     /// If there is no such geometry, or not one value per piece.
     pub fn forced(&mut self, geometry: usize, values: &[f64], limit: Limit) -> Forced {
-        let (rows, grids) = (self.target.r.len(), self.target.levels());
+        let entries: Vec<_> = (0..self.target.r.len()).map(|row| Entry { values, row }).collect();
+        self.force(geometry, &entries, limit)
+    }
+
+    /// [`Forced::misfit`] of many values of f, the lanes filled with equal rows, which take equally long.
+    ///
+    /// # Panics
+    /// As [`Self::forced`].
+    pub fn misfits(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+        let rows = self.target.r.len();
+        let batches: Vec<(usize, &[Vec<f64>])> =
+            all.chunks(LANES).flat_map(|some| (0..rows).map(move |row| (row, some))).collect();
+        let run = |evaluator: &mut Self, &(row, some): &(usize, &[Vec<f64>])| {
+            let entries: Vec<_> = some.iter().map(|values| Entry { values, row }).collect();
+            evaluator.force(geometry, &entries, Limit::NONE).misfit
+        };
+        let done: Vec<_> = batches.par_iter().map_init(|| self.clone(), run).collect();
+        let of = |k: usize| (0..rows).map(move |row| (k / LANES * rows + row, k % LANES));
+        (0..all.len())
+            .map(|k| of(k).map(|(batch, lane)| done[batch][lane].clone()).collect())
+            .collect()
+    }
+
+    /// A forced run in each lane; entries of the result are those of `entries`.
+    fn force(&mut self, geometry: usize, entries: &[Entry], limit: Limit) -> Forced {
+        let (lanes, grids) = (entries.len(), self.target.levels());
         let mut forced = Forced {
-            misfit: vec![vec![0.0; grids]; rows],
+            misfit: vec![vec![0.0; grids]; lanes],
             delta_a: Vec::new(),
             levels: 0,
             total: 0.0,
         };
-        self.levels[0].reset();
+        let mut pairs = vec![Pair::zero(grid(0)); lanes];
         for level in 0..grids {
-            self.combine(geometry, level, values);
-            let mut delta_a = vec![0.0; rows];
-            let last: Vec<usize> =
-                (0..rows).map(|k| self.target.counts[k][level] + self.variant.uncounted).collect();
-            let end = last.iter().copied().max().unwrap_or(0);
+            self.enter(geometry, level, entries, &pairs);
+            let mut delta_a = vec![0.0; lanes];
+            let last = entries.iter().map(|entry| self.last(entry.row, level)).collect::<Vec<_>>();
             let tolerance = tolerance(level + 1);
             let most = if level < limit.exact_grids { 0.0 } else { limit.misfit };
-            for n in 1..=end {
-                let (change, early) =
-                    self.levels[level].iterate(&self.loads[level], &self.r, &self.variant);
-                let ends = |k: usize| n == last[k];
-                let mut running = [false; LANES];
-                (0..rows).for_each(|k| running[k] = n <= last[k] && n > self.variant.uncounted);
-                // Before its last iteration a lane only has to be above the tolerance.
-                let settled = early.is_none()
-                    && !(0..rows).any(ends)
-                    && self.levels[level].surely_above(
-                        &self.loads[level],
-                        &self.r,
-                        self.variant.measure,
-                        &running,
-                        tolerance,
-                    );
-                if !settled {
-                    let measure = early.unwrap_or_else(|| {
-                        self.levels[level].gradient_noting(
-                            &self.loads[level],
-                            &self.r,
-                            self.variant.measure,
-                        )
-                    });
-                    for k in (0..rows).filter(|&k| running[k]) {
-                        let cell = &mut forced.misfit[k][level];
-                        *cell = (*cell + misfit(measure[k], tolerance, ends(k))).min(CELL_CAP);
+            for n in 1..=last.iter().copied().max().unwrap_or(0) {
+                let first = self.variant.uncounted + 1;
+                let running = |k: usize| (first..=last[k]).contains(&n);
+                let mut failed = false;
+                let change = self.iterate(level, |at, measure| {
+                    for k in (0..lanes).filter(|&k| running(k)) {
+                        let ends = n == last[k];
+                        // Before its last iteration a lane only has to be above the tolerance.
+                        if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
+                            let misfit = misfit(at.lanes.worst(k, measure), tolerance, ends);
+                            let cell = &mut forced.misfit[k][level];
+                            *cell = (*cell + misfit).min(CELL_CAP);
+                            failed |= misfit > 0.0;
+                        }
                     }
-                    let so_far: f64 = forced.misfit.iter().map(|row| row[level]).sum();
+                });
+                if failed {
+                    let so_far: f64 = forced.misfit.iter().map(|lane| lane[level]).sum();
                     if forced.total + so_far > most {
                         forced.total += so_far;
                         return forced;
                     }
                 }
-                for k in (0..rows).filter(|&k| ends(k)) {
+                for k in (0..lanes).filter(|&k| n == last[k]) {
                     delta_a[k] = change[k];
-                    self.pass_on(level, k);
+                    pairs[k] = self.passed_on(level, k);
                 }
             }
             forced.levels = level + 1;
-            forced.total += forced.misfit.iter().map(|row| row[level]).sum::<f64>();
+            forced.total += forced.misfit.iter().map(|lane| lane[level]).sum::<f64>();
             if level + 1 == grids {
                 forced.delta_a = delta_a;
             }
         }
         forced
+    }
+
+    /// Which of many values of f, with their geometries, give all counts on the coarsest grid.
+    ///
+    /// Row by row, each lane with the next values as soon as it is free: nearly all fail soon.
+    ///
+    /// # Panics
+    /// As [`Self::forced`].
+    pub(super) fn screened(&mut self, all: &[(usize, Vec<f64>)]) -> Vec<bool> {
+        let mut passed = vec![true; all.len()];
+        for row in 0..self.target.r.len() {
+            let candidates: Vec<usize> = (0..all.len()).filter(|&k| passed[k]).collect();
+            let (last, mut waiting) = (self.last(row, 0), candidates.into_iter());
+            // Per lane, which values it runs, and the iterations it has made.
+            let mut runs: [Option<(usize, usize)>; LANES] = [None; LANES];
+            let zero = Pair::zero(grid(0));
+            loop {
+                for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
+                    if let Some(k) = waiting.next() {
+                        let (geometry, values) = &all[k];
+                        self.levels[0].combine(&self.basis[*geometry][0], values);
+                        let Level { lanes, load, .. } = &mut self.levels[0];
+                        lanes.enter(lane, self.target.r[row], load, 0.0, &zero);
+                        *run = Some((k, 0));
+                    }
+                }
+                if runs.iter().all(Option::is_none) {
+                    break;
+                }
+                let first = self.variant.uncounted + 1;
+                self.iterate(0, |at, measure| {
+                    for (lane, run) in runs.iter_mut().enumerate() {
+                        let Some((k, n)) = run else { continue };
+                        *n += 1;
+                        let stops = *n >= first
+                            && at.lanes.within(lane, measure, tolerance(1), &mut at.witness[lane]);
+                        if stops || *n == last {
+                            passed[*k] = stops && *n == last;
+                            *run = None;
+                        }
+                    }
+                });
+            }
+        }
+        self.entered[0] += passed.iter().filter(|passed| !**passed).count() as u64;
+        passed
     }
 
     /// The table of counts as the stopping rule gives it.
@@ -216,69 +281,102 @@ impl<'a> Evaluator<'a> {
     pub fn free(&mut self, geometry: usize, values: &[f64]) -> Table {
         let (rows, grids) = (self.target.r.len(), self.target.levels());
         let mut table = Table { counts: vec![vec![None; grids]; rows], delta_a: vec![0.0; rows] };
-        self.levels[0].reset();
+        let entries: Vec<_> = (0..rows).map(|row| Entry { values, row }).collect();
+        let mut pairs = vec![Pair::zero(grid(0)); rows];
         for level in 0..grids {
-            self.combine(geometry, level, values);
-            let tolerance = tolerance(level + 1);
+            self.enter(geometry, level, &entries, &pairs);
             let most = (0..rows).map(|k| self.target.counts[k][level]).max().unwrap_or(0);
-            let mut done = [true; LANES];
-            done[..rows].fill(false);
+            let mut done = vec![false; rows];
             for n in 1..=FREE_FACTOR * most + FREE_EXTRA {
-                let (change, early) =
-                    self.levels[level].iterate(&self.loads[level], &self.r, &self.variant);
+                let mut stops = vec![false; rows];
+                let change = self.iterate(level, |at, measure| {
+                    for k in (0..rows).filter(|&k| !done[k]) {
+                        let tolerance = tolerance(level + 1);
+                        stops[k] = at.lanes.within(k, measure, tolerance, &mut at.witness[k]);
+                    }
+                });
                 (0..rows).filter(|&k| !done[k]).for_each(|k| table.delta_a[k] = change[k]);
                 let Some(counted) = n.checked_sub(self.variant.uncounted).filter(|&c| c > 0) else {
                     continue;
                 };
-                let running = done.map(|done| !done);
-                let load = &self.loads[level];
-                if early.is_none()
-                    && self.levels[level].surely_above(
-                        load,
-                        &self.r,
-                        self.variant.measure,
-                        &running,
-                        tolerance,
-                    )
-                {
-                    continue;
-                }
-                let measure = early.unwrap_or_else(|| {
-                    self.levels[level].gradient_noting(load, &self.r, self.variant.measure)
-                });
-                for k in 0..rows {
-                    if !done[k] && measure[k] <= tolerance {
-                        done[k] = true;
-                        table.counts[k][level] = Some(counted);
-                        self.pass_on(level, k);
-                    }
+                for k in (0..rows).filter(|&k| stops[k]) {
+                    done[k] = true;
+                    table.counts[k][level] = Some(counted);
+                    pairs[k] = self.passed_on(level, k);
                 }
                 if done.iter().all(|&done| done) {
                     break;
                 }
             }
-            (0..rows).filter(|&k| !done[k]).for_each(|k| self.pass_on(level, k));
+            for k in (0..rows).filter(|&k| !done[k]) {
+                pairs[k] = self.passed_on(level, k);
+            }
         }
         table
     }
 
-    fn pass_on(&mut self, level: usize, k: usize) {
-        if let [coarse, fine, ..] = &mut self.levels[level..] {
-            fine.start_from(coarse, k, self.prolongation, self.variant.prolong_multiplier);
+    /// Sweep and dual step; `judge` is called when the variant evaluates the gradient.
+    fn iterate(
+        &mut self,
+        level: usize,
+        mut judge: impl FnMut(&mut Level, Measure),
+    ) -> [f64; LANES] {
+        let (at, measure) = (&mut self.levels[level], self.variant.measure.in_lanes());
+        at.lanes.sweep(&mut AsDefined);
+        let early = self.variant.residual == ResidualTime::BeforeDual;
+        if early {
+            judge(at, measure);
+        }
+        let change = at.lanes.step([true; LANES], &mut AsDefined);
+        if !early {
+            judge(at, measure);
+        }
+        change
+    }
+
+    /// Iterations of a forced run of a row.
+    fn last(&self, row: usize, level: usize) -> usize {
+        self.target.counts[row][level] + self.variant.uncounted
+    }
+
+    fn enter(&mut self, geometry: usize, level: usize, entries: &[Entry], starts: &[Pair]) {
+        self.entered[level] += 1;
+        let at = &mut self.levels[level];
+        for (lane, (entry, start)) in entries.iter().zip(starts).enumerate() {
+            if lane == 0 || entry.values != entries[lane - 1].values {
+                at.combine(&self.basis[geometry][level], entry.values);
+            }
+            at.lanes.enter(lane, self.target.r[entry.row], &at.load, 0.0, start);
         }
     }
 
-    fn combine(&mut self, geometry: usize, level: usize, values: &[f64]) {
-        self.entered[level] += 1;
-        let (basis, load) = (&self.basis[geometry][level], &mut self.loads[level]);
+    /// Where lane `k` starts on the next grid.
+    fn passed_on(&self, level: usize, k: usize) -> Pair {
+        let Level { grid, lanes, .. } = &self.levels[level];
+        let mut pair = lanes.pair(k).prolonged(*grid, self.prolongation);
+        if !self.variant.prolong_multiplier {
+            pair.a.fill(0.0);
+        }
+        pair
+    }
+}
+
+impl Level {
+    /// Sets the load of the f with these values on the pieces.
+    fn combine(&mut self, basis: &[Vec<f64>], values: &[f64]) {
         assert_eq!(values.len(), basis.len());
-        load.fill(0.0);
+        self.load.fill(0.0);
         for (piece, &value) in basis.iter().zip(values) {
-            for (f, p) in load.iter_mut().zip(piece) {
+            for (f, p) in self.load.iter_mut().zip(piece) {
                 *f += value * p;
             }
         }
     }
+}
+
+/// The grid of a column of the table.
+fn grid(level: usize) -> Grid {
+    Grid::new(COARSEST << level).expect("fine enough")
 }
 
 impl Clone for Evaluator<'_> {

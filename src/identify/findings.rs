@@ -1,8 +1,11 @@
 //! What there is to know about a recovered f: who else explains its table, how far it may move, and that a blind search finds it.
 
+use super::evaluate::Evaluator;
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
-use super::search::{Budget, Method, Report, Request, search};
-use super::space::{Geometry, Lattice, Space};
+use super::rank::explain;
+use super::request::{Method, Request};
+use super::search::{Budget, Report, search};
+use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Variant;
 use super::{COARSEST, Found, IdentifyError, Target};
 use crate::discrete::grid::Grid;
@@ -73,7 +76,8 @@ pub fn findings(
 ) -> Result<Findings, IdentifyError> {
     let (own, values) =
         Geometry::of_quadrants(f).ok_or_else(|| IdentifyError::Pieces(f.to_string()))?;
-    let quadrants = &Space::Quadrants.geometries()[0];
+    let space = Space::Quadrants.geometries();
+    let quadrants = &space[0];
     let on_quadrants = quadrant_values(f);
     let blind = Request {
         space: questions.space.parse()?,
@@ -85,25 +89,20 @@ pub fn findings(
         seed: 0,
         top: questions.top,
     };
-    let run = |request: &Request| {
-        let budget = Budget { threads: Some(threads), ..Budget::default() };
-        search(request, target, budget, None, &AtomicBool::new(false), &mut |_, _| ())
-    };
+    let mut evaluator = Evaluator::new(target, variant, &space)?;
     let alternative = |text: &String| {
-        // A space of one point: its search only scores it.
-        let request = Request {
-            space: Space::Quadrants,
-            values: Lattice::parse_all(text)?,
-            negative_integral: false,
-            exact_grids: 0,
-            top: 1,
-            ..blind.clone()
-        };
-        let one = request.values.len() == 4 && request.values.iter().all(|v| v.ticks().len() == 1);
-        let wrong = || IdentifyError::Values(text.clone());
-        let found = if one { run(&request)?.found.pop() } else { None }.ok_or_else(wrong)?;
-        let values = found.candidate.values();
+        let lattices = Lattice::parse_all(text)?;
+        let places = lattices.iter().map(Lattice::places).max().unwrap_or(0);
+        let ticks: Vec<i64> =
+            lattices.iter().flat_map(|l| l.refined(places).ticks().to_vec()).collect();
+        if lattices.len() != 4 || ticks.len() != 4 {
+            return Err(IdentifyError::Values(text.clone()));
+        }
+        let candidate = Candidate { geometry: 0, ticks, places };
+        let values = candidate.values();
         let source = quadrants.source(&values);
+        let integral = quadrants.areas().iter().zip(&values).map(|(a, v)| a * v).sum();
+        let found = explain(target, &mut evaluator, &candidate, source.to_string(), integral)?;
         let sum = |level: usize| {
             let grid = Grid::new(COARSEST << level).expect("fine enough");
             load(grid, &source, variant.load).iter().sum()
@@ -120,7 +119,10 @@ pub fn findings(
             let pieces = [0, values.len() - 1];
             slice(target, variant, &own, &values, pieces, questions.reach, questions.points)?
         },
-        search: run(&blind)?,
+        search: {
+            let budget = Budget { threads: Some(threads), ..Budget::default() };
+            search(&blind, target, budget, None, &AtomicBool::new(false), &mut |_, _| ())?
+        },
     })
 }
 

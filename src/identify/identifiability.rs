@@ -2,10 +2,13 @@
 
 use super::IdentifyError;
 use super::Target;
-use super::evaluate::{Evaluator, Limit};
+use super::evaluate::Evaluator;
 use super::space::Geometry;
 use super::variant::Variant;
 use serde::{Deserialize, Serialize};
+
+/// Per row and grid, how far a published count is from coming out.
+type Misfit = Vec<Vec<f64>>;
 
 /// Smallest and largest move tried, relative to the largest value of f.
 const REACH: [f64; 2] = [1e-5, 1.0];
@@ -69,71 +72,108 @@ pub fn identifiability(
     geometry: &Geometry,
     values: &[f64],
 ) -> Result<Identifiability, IdentifyError> {
-    let mut evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
-    let here = evaluator.forced(0, values, Limit::NONE).misfit;
+    let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
+    let misfits = |all: &[Vec<f64>]| evaluator.misfits(0, all);
+    let here = misfits(&[values.to_vec()]).remove(0);
     let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let pieces = (0..values.len()).map(Some).chain([None]);
-    let directions = pieces
-        .map(|piece| {
-            let unit = if piece.is_some() { size } else { 1.0 };
-            let mut misfit = |by: f64| {
-                let mut moved = values.to_vec();
-                match piece {
-                    Some(p) => moved[p] += by,
-                    None => moved.iter_mut().for_each(|v| *v *= 1.0 + by),
-                }
-                evaluator.forced(0, &moved, Limit::NONE).misfit
-            };
-            along(piece, unit, &here, &mut misfit)
-        })
-        .collect();
+    let directions = pieces.map(|piece| Direction { piece, values, size }).collect::<Vec<_>>();
     let exact = here.iter().flatten().filter(|&&m| m == 0.0).count();
+    let directions = along(&directions, &here, &misfits);
     Ok(Identifiability { values: values.to_vec(), exact, directions })
 }
 
-fn along(
+/// One value, or the factor of all, that moves.
+struct Direction<'a> {
     piece: Option<usize>,
-    unit: f64,
+    values: &'a [f64],
+    /// The largest value of f.
+    size: f64,
+}
+
+impl Direction<'_> {
+    /// What a relative move of one is.
+    fn unit(&self) -> f64 {
+        if self.piece.is_some() { self.size } else { 1.0 }
+    }
+
+    fn moved(&self, by: f64) -> Vec<f64> {
+        let mut moved = self.values.to_vec();
+        match self.piece {
+            Some(p) => moved[p] += by,
+            None => moved.iter_mut().for_each(|v| *v *= 1.0 + by),
+        }
+        moved
+    }
+}
+
+/// All directions at once, down and up: first the same moves in all, then the halvings, step by step.
+fn along(
+    directions: &[Direction],
     here: &[Vec<f64>],
-    misfit: &mut dyn FnMut(f64) -> Vec<Vec<f64>>,
-) -> Breaks {
-    let rows = here.len();
+    misfits: &dyn Fn(&[Vec<f64>]) -> Vec<Misfit>,
+) -> Vec<Breaks> {
     let held = |m: &[Vec<f64>], (k, level): Cell| m[k][level] == 0.0;
-    let all: Vec<Cell> = (0..rows)
+    let all: Vec<Cell> = (0..here.len())
         .flat_map(|k| (0..here[k].len()).map(move |level| (k, level)))
         .filter(|&cell| held(here, cell))
         .collect();
-    let mut breaks = Breaks {
-        piece,
-        room: [REACH[1] * unit; 2],
-        first: [None; 2],
-        cells: here.iter().map(|row| vec![[None; 2]; row.len()]).collect(),
+    let broken = |m: &[Vec<f64>]| all.iter().copied().find(|&cell| !held(m, cell));
+    let sides = || directions.iter().enumerate().flat_map(|(d, _)| [(d, 0, -1.0), (d, 1, 1.0)]);
+    let moves = || {
+        std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
+            .take_while(|step| *step <= REACH[1])
     };
-    for (side, sign) in [(0, -1.0), (1, 1.0)] {
-        let (mut before, mut step) = (0.0, REACH[0]);
-        while step <= REACH[1] {
-            let now = misfit(sign * step * unit);
-            let broken = |m: &[Vec<f64>]| all.iter().copied().find(|&cell| !held(m, cell));
-            if let (None, Some(mut cell)) = (breaks.first[side], broken(&now)) {
-                let (mut low, mut high) = (before, step);
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (low + high);
-                    match broken(&misfit(sign * middle * unit)) {
-                        Some(first) => (high, cell) = (middle, first),
-                        None => low = middle,
-                    }
-                }
+    let moved =
+        |d: usize, sign: f64, step: f64| directions[d].moved(sign * step * directions[d].unit());
+    let tried: Vec<_> =
+        sides().flat_map(|(d, _, sign)| moves().map(move |step| (d, sign, step))).collect();
+    let tried: Vec<_> = tried.into_iter().map(|(d, sign, step)| moved(d, sign, step)).collect();
+    let found = misfits(&tried);
+    let mut breaks: Vec<Breaks> = directions
+        .iter()
+        .map(|direction| Breaks {
+            piece: direction.piece,
+            room: [REACH[1] * direction.unit(); 2],
+            first: [None; 2],
+            cells: here.iter().map(|row| vec![[None; 2]; row.len()]).collect(),
+        })
+        .collect();
+    // The sides on which a count changes, each with the last move before and the first one after.
+    let mut open = Vec::new();
+    for ((d, side, sign), found) in sides().zip(found.chunks(moves().count())) {
+        let (breaks, mut before) = (&mut breaks[d], 0.0);
+        for (now, step) in found.iter().zip(moves()) {
+            if breaks.first[side].is_none()
+                && let Some(cell) = broken(now)
+            {
                 breaks.first[side] = Some(cell);
-                breaks.room[side] = low * unit;
+                open.push((d, side, sign, before, step));
             }
             for &(k, level) in &all {
                 let room = &mut breaks.cells[k][level][side];
-                if room.is_none() && !held(&now, (k, level)) {
-                    *room = Some(before * unit);
+                if room.is_none() && !held(now, (k, level)) {
+                    *room = Some(before * directions[d].unit());
                 }
             }
-            (before, step) = (step, step * RATIO);
+            before = step;
         }
+    }
+    for _ in 0..HALVINGS {
+        let middles: Vec<_> = open
+            .iter()
+            .map(|&(d, _, sign, low, high)| moved(d, sign, 0.5 * (low + high)))
+            .collect();
+        for ((d, side, _, low, high), found) in open.iter_mut().zip(misfits(&middles)) {
+            let middle = 0.5 * (*low + *high);
+            match broken(&found) {
+                Some(cell) => (*high, breaks[*d].first[*side]) = (middle, Some(cell)),
+                None => *low = middle,
+            }
+        }
+    }
+    for (d, side, _, low, _) in open {
+        breaks[d].room[side] = low * directions[d].unit();
     }
     breaks
 }
@@ -154,7 +194,6 @@ pub fn slice(
     reach: [f64; 2],
     points: usize,
 ) -> Result<Slice, IdentifyError> {
-    use rayon::prelude::*;
     let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
     let axis = |k: usize| -> Vec<f64> {
         let (middle, reach) = (values[pieces[k]], reach[k]);
@@ -162,16 +201,16 @@ pub fn slice(
         (0..points).map(|i| middle - reach + step * i as f64).collect()
     };
     let (x, y) = (axis(0), axis(1));
-    let row = |evaluator: &mut Evaluator<'_>, &v: &f64| -> Vec<usize> {
+    let moved = |v: f64, u: f64| {
         let mut moved = values.to_vec();
         moved[pieces[1]] = v;
-        let mut count = |&u: &f64| {
-            moved[pieces[0]] = u;
-            let misfit = evaluator.forced(0, &moved, Limit::NONE).misfit;
-            misfit.iter().flatten().filter(|&&m| m == 0.0).count()
-        };
-        x.iter().map(&mut count).collect()
+        moved[pieces[0]] = u;
+        moved
     };
-    let exact = y.par_iter().map_init(|| evaluator.clone(), row).collect();
+    let all: Vec<_> = y.iter().flat_map(|&v| x.iter().map(move |&u| (v, u))).collect();
+    let all: Vec<_> = all.into_iter().map(|(v, u)| moved(v, u)).collect();
+    let count = |misfit: &Vec<Vec<f64>>| misfit.iter().flatten().filter(|&&m| m == 0.0).count();
+    let counts: Vec<usize> = evaluator.misfits(0, &all).iter().map(count).collect();
+    let exact = counts.chunks(points.max(1)).map(<[usize]>::to_vec).collect();
     Ok(Slice { pieces, x, y, exact })
 }

@@ -14,7 +14,6 @@
 //! [`search`] looks through a space, [`select`] compares variants, [`identifiability`] tells how
 //! sharply the tables fix what was found.
 
-mod engine;
 mod evaluate;
 mod findings;
 mod identifiability;
@@ -22,6 +21,7 @@ mod plan;
 pub(crate) mod random;
 mod rank;
 pub mod record;
+mod request;
 mod search;
 mod select;
 mod space;
@@ -31,11 +31,13 @@ pub use evaluate::{Evaluator, Forced, Limit, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
 pub use rank::{Found, Score};
-pub use search::{Budget, Checkpoint, Method, Progress, Report, Request, search};
+pub use request::{Method, Request};
+pub use search::{Budget, Checkpoint, Progress, Report, search};
 pub use select::{Selection, select};
 pub use space::{Candidate, Geometry, Lattice, Space};
 pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
 
+use crate::saddle::batch::LANES;
 use serde::{Deserialize, Serialize};
 
 /// Cells per side of the coarsest grid of the tables; every further column halves the width.
@@ -61,7 +63,7 @@ pub enum IdentifyError {
     )]
     Ragged,
     /// No row, or more than a run carries at once.
-    #[error("a table of {0} rows does not fit: give between 1 and {max}", max = engine::LANES)]
+    #[error("a table of {0} rows does not fit: give between 1 and {max}", max = LANES)]
     Rows(usize),
     /// A count of zero, or a parameter or Delta a that is not positive and finite.
     #[error("counts, r and Delta a must be positive; row {0} (counted from 1) is not")]
@@ -71,6 +73,9 @@ pub enum IdentifyError {
         "the values {0} hold no decimal; write MIN:MAX:STEP with MIN <= MAX and STEP > 0, e.g. -4:4:0.5"
     )]
     EmptyLattice(String),
+    /// A range of more values than a search can try.
+    #[error("the values {0} are too many; take a larger step or a smaller range")]
+    LargeLattice(String),
     /// A text that is neither a list nor a range of decimals.
     #[error(
         "cannot read the values `{0}`; write a range such as -4:4:0.5 or a list such as -6,2,1.99"
@@ -109,7 +114,7 @@ impl Target {
     /// [`IdentifyError`] naming what is wrong.
     pub fn validate(&self) -> Result<(), IdentifyError> {
         let rows = self.r.len();
-        if rows == 0 || rows > engine::LANES {
+        if rows == 0 || rows > LANES {
             return Err(IdentifyError::Rows(rows));
         }
         let levels = self.levels();

@@ -3,7 +3,7 @@
 use super::evaluate::Evaluator;
 use super::random::Random;
 use super::rank::{Best, Found, Ranked, evaluate, explain};
-use super::search::{Method, Request};
+use super::request::{Method, Request};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Order;
 use super::{IdentifyError, Target};
@@ -14,8 +14,6 @@ use std::time::Instant;
 
 /// Candidates in one item of an enumeration.
 const ITEM: u64 = 4096;
-/// Candidates between two looks at the clock.
-const CLOCK: u64 = 64;
 /// Largest number of candidates that is surely counted without rounding.
 const MOST: f64 = 9_007_199_254_740_992.0;
 
@@ -30,11 +28,11 @@ pub(super) struct Live<'a> {
 }
 
 impl Live<'_> {
-    /// Counts one candidate; whether to go on.
-    fn go_on(&self, local: u64) -> bool {
-        self.tried.fetch_add(1, Ordering::Relaxed);
-        let late = || self.deadline.is_some_and(|at| Instant::now() >= at);
-        !(self.stop.load(Ordering::Relaxed) || local.is_multiple_of(CLOCK) && late())
+    /// Counts candidates; whether to go on.
+    fn go_on(&self, tried: u64) -> bool {
+        self.tried.fetch_add(tried, Ordering::Relaxed);
+        let late = self.deadline.is_some_and(|at| Instant::now() >= at);
+        !self.stop.load(Ordering::Relaxed) && !late
     }
 
     fn note(&self, objective: f64) {
@@ -119,7 +117,7 @@ impl<'a> Plan<'a> {
         live: &Live<'_>,
     ) -> Item {
         let before = evaluator.entered().to_vec();
-        // What the batches before this one found is the same on every machine: a fair bar.
+        // What the batches before this one found is the same on every machine.
         let mut best = so_far.successor();
         let (tried, whole) = match self.request.method {
             Method::Enumerate => self.enumerate(item, evaluator, &mut best, live),
@@ -137,7 +135,8 @@ impl<'a> Plan<'a> {
         live: &Live<'_>,
     ) -> (u64, bool) {
         let all = self.per_geometry * self.geometries.len() as u64;
-        let (mut tried, exact) = (0, self.request.exact_grids);
+        let exact = self.request.exact_grids;
+        let mut candidates = Vec::new();
         for index in item * ITEM..((item + 1) * ITEM).min(all) {
             let mut rest = index % self.per_geometry;
             let mut digit = |lattice: &Lattice| {
@@ -150,16 +149,44 @@ impl<'a> Plan<'a> {
             let geometry = (index / self.per_geometry) as usize;
             let candidate = Candidate { geometry, ticks, places: self.lattices[0].places() };
             if self.admits(&candidate) && !self.has_preferred_twin(&candidate) {
-                if !live.go_on(tried) {
-                    return (tried, false);
-                }
-                tried += 1;
-                if let Some(objective) =
-                    evaluate(self.target, evaluator, &candidate, best.bar(), exact)
-                {
-                    live.note(objective);
-                    best.offer(Ranked { objective, candidate });
-                }
+                candidates.push(candidate);
+            }
+        }
+        if exact > 0 {
+            let values = |c: &Candidate| (c.geometry, c.values());
+            let passed = evaluator.screened(&candidates.iter().map(values).collect::<Vec<_>>());
+            if !live.go_on(passed.iter().filter(|passed| !**passed).count() as u64) {
+                return (0, false);
+            }
+            let mut passed = passed.into_iter();
+            let mut tried = candidates.len() as u64;
+            candidates.retain(|_| passed.next().unwrap_or(false));
+            tried -= candidates.len() as u64;
+            let (more, whole) = self.run_each(candidates, exact, evaluator, best, live);
+            return (tried + more, whole);
+        }
+        self.run_each(candidates, exact, evaluator, best, live)
+    }
+
+    /// Runs candidates one after the other, each only as far as the best so far allow.
+    fn run_each(
+        &self,
+        candidates: Vec<Candidate>,
+        exact: usize,
+        evaluator: &mut Evaluator<'a>,
+        best: &mut Best,
+        live: &Live<'_>,
+    ) -> (u64, bool) {
+        let mut tried = 0;
+        for candidate in candidates {
+            if !live.go_on(1) {
+                return (tried, false);
+            }
+            tried += 1;
+            if let Some(objective) = evaluate(self.target, evaluator, &candidate, best.bar(), exact)
+            {
+                live.note(objective);
+                best.offer(Ranked { objective, candidate });
             }
         }
         (tried, true)
@@ -210,7 +237,7 @@ impl<'a> Plan<'a> {
                 }
             }
             let candidate = build(&next);
-            if !live.go_on(step) {
+            if !live.go_on(1) {
                 return (step, false);
             }
             if !self.admits(&candidate) {

@@ -1,6 +1,7 @@
 //! Random numbers that depend on the seed and the item of work alone.
 
 /// Steele, Lea and Flood's SplitMix64: a stream per item, whoever runs it.
+#[derive(Clone, Copy)]
 pub struct Random(u64);
 
 impl Random {
@@ -11,6 +12,7 @@ impl Random {
         random
     }
 
+    #[inline(always)]
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -19,6 +21,7 @@ impl Random {
     }
 
     /// Uniform in (0, 1).
+    #[inline(always)]
     pub(crate) fn unit(&mut self) -> f64 {
         ((self.next() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }

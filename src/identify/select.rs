@@ -1,7 +1,8 @@
 //! Model selection: the same search under every reading of the method, for every table.
 
 use super::rank::Found;
-use super::search::{Budget, Report, Request, search};
+use super::request::Request;
+use super::search::{Budget, Report, search};
 use super::variant::Variant;
 use super::{IdentifyError, Target};
 use serde::{Deserialize, Serialize};

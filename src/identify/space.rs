@@ -132,6 +132,10 @@ pub struct Lattice {
 
 /// Decimal places beyond which a lattice is refused: doubles could not tell its points apart.
 const MAX_PLACES: u32 = 9;
+/// Largest value of a point.
+const LARGEST: i64 = 1_000_000_000;
+/// Points beyond which a lattice is refused: no search could go through them.
+const MAX_POINTS: i64 = 10_000_000;
 
 impl Lattice {
     /// Reads `MIN:MAX:STEP` or a comma-separated list of decimals.
@@ -143,13 +147,22 @@ impl Lattice {
         let range = text.contains(':');
         let parsed = decimals(text.split(if range { ':' } else { ',' }))?;
         let places = parsed.iter().map(|&(_, places)| places).max().unwrap_or(0);
-        let mut ticks: Vec<i64> = parsed.iter().map(|&(t, p)| t * 10i64.pow(places - p)).collect();
+        // Small enough for any number of places in 64 bits, and for the difference of two.
+        let most = LARGEST * 10i64.pow(places);
+        let scaled =
+            |&(t, p): &(i64, u32)| t.checked_mul(10i64.pow(places - p)).filter(|t| t.abs() <= most);
+        let mut ticks: Vec<i64> =
+            parsed.iter().map(scaled).collect::<Option<_>>().ok_or_else(wrong)?;
         if range {
             let [min, max, step] = ticks[..] else { return Err(wrong()) };
             if step <= 0 || min > max {
                 return Err(IdentifyError::EmptyLattice(text.into()));
             }
-            ticks = (0..=(max - min) / step).map(|k| min + k * step).collect();
+            let steps = (max - min) / step;
+            if steps >= MAX_POINTS {
+                return Err(IdentifyError::LargeLattice(text.into()));
+            }
+            ticks = (0..=steps).map(|k| min + k * step).collect();
         }
         ticks.sort_unstable();
         ticks.dedup();

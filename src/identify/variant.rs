@@ -3,21 +3,10 @@
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::transfer::Prolongation;
 use crate::problem::source::Tie;
+use crate::saddle::batch;
+pub use crate::saddle::batch::Order;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-/// Order in which one sweep (9)-(11) visits the nodes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Order {
-    /// Row by row, x fastest; y fastest gives the same iterates, only the transposed f.
-    #[default]
-    Lexicographic,
-    /// All boundary nodes row by row, then all interior ones.
-    BoundaryFirst,
-    /// All interior nodes row by row, then all boundary ones.
-    InteriorFirst,
-}
 
 /// Corner of the square from which the sweep starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +32,15 @@ pub enum Measure {
     Signed,
     /// `max_i |dM/dy_i|`, as printed.
     Printed,
+}
+
+impl Measure {
+    pub(super) fn in_lanes(self) -> batch::Measure {
+        match self {
+            Self::Signed => batch::Measure::Signed,
+            Self::Printed => batch::Measure::Printed,
+        }
+    }
 }
 
 /// Multiplier at which the gradient in (13) is evaluated.

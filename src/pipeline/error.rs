@@ -81,13 +81,15 @@ impl<T> IoContext<T> for io::Result<T> {
                     "raise the limit on file sizes (`ulimit -f`) and run again: finished cells are kept"
                 }
                 io::ErrorKind::InvalidData => "save it as UTF-8",
+                io::ErrorKind::InvalidFilename => "rename it",
+                io::ErrorKind::IsADirectory | io::ErrorKind::Unsupported => "move it away",
                 io::ErrorKind::PermissionDenied
                 | io::ErrorKind::ReadOnlyFilesystem
                 | io::ErrorKind::NotADirectory => {
                     "make it accessible, or give a cache elsewhere with --cache-dir"
                 }
                 io::ErrorKind::NotFound => "check the path",
-                _ => "run again; if it persists, remove the cache with `rm -r .signorini`",
+                _ => "run again; if it persists, look after the disk",
             };
             Error::Io { verb, path: path.to_path_buf(), source, remedy }
         })

@@ -1,305 +1,333 @@
-//! Walks the plan stage by stage: looks each task up, runs what is stale in parallel, exports the results.
+//! Walks the plan: looks each task up, and runs what is stale as soon as all it needs is there.
 
-use super::export::Exports;
-use super::manifest::{Manifest, Reason, Verdict};
+use super::manifest::{Manifest, PROGRAM, Reason, Verdict};
 use super::store::Store;
 use super::times::Times;
-use super::{Artifacts, Hashes, Inputs, LockFile, Progress, Stage, Task, hash, why};
+use super::{
+    Artifacts, Hashes, Inputs, Judged, Options, Plan, Progress, Ran, Summary, Task, hash, why,
+};
 use crate::pipeline::error::{Error, Result};
-use rayon::prelude::*;
+use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use serde_json::json;
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-use std::sync::Mutex;
+use std::collections::{BTreeMap, VecDeque};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Sender, channel};
 use std::time::{Duration, Instant};
 
-/// How to walk the plan.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
-    /// Run everything, and overwrite edited exports.
-    pub force: bool,
-    /// After a failure go on with what does not depend on it.
-    pub keep_going: bool,
-    /// Threads; 0 means one per core. Results do not depend on it.
-    pub jobs: usize,
-    /// Judge only; write nothing.
-    pub dry_run: bool,
-}
-
-/// A task that ran.
-#[derive(Clone, Debug)]
-pub struct Ran {
-    /// Task id.
-    pub task: String,
-    /// Its stage.
-    pub stage: Stage,
-    /// Why it ran.
-    pub reason: Reason,
-    /// How long its work took.
-    pub time: Duration,
-}
-
-/// A task with its verdict.
-#[derive(Clone, Debug)]
-pub struct Judged {
-    /// Task id.
-    pub task: String,
-    /// Its stage.
-    pub stage: Stage,
-    /// What is to become of it.
-    pub verdict: Verdict,
-}
-
-/// What a walk found and did.
-#[derive(Debug, Default)]
-pub struct Summary {
-    /// Verdict on every task as it was before the walk, in the plan's order.
-    pub verdicts: Vec<Judged>,
-    /// Tasks that ran, in the plan's order.
-    pub ran: Vec<Ran>,
-    /// Stages in which something ran, each with the time from its first task to its last.
-    pub stages: Vec<(Stage, Duration)>,
-    /// What the tasks were expected to take, before the first one ran; `None` if that is not known.
-    pub expected: Option<Duration>,
-    /// Threads that ran tasks.
-    pub threads: usize,
-    /// Files written to or removed from the project folder.
-    pub exported: usize,
-    /// Exports that were edited by hand, one message each; in a walk that writes they are an error.
-    pub edited: Vec<String>,
-    /// Tasks that failed or could not run because of one that did, each with its reason.
-    pub failed: Vec<String>,
-    /// Manifests of all tasks that are up to date now.
-    pub manifests: BTreeMap<String, Manifest>,
-    /// What is exported where, by hash.
-    pub exports: Hashes,
-}
-
-impl Summary {
-    /// Whether nothing was, or in a dry run would be, run or exported.
-    pub fn nothing_to_do(&self) -> bool {
-        self.exported == 0
-            && self.edited.is_empty()
-            && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
-    }
-
-    /// The lock file that this walk supports.
-    pub fn lock_file(&self) -> LockFile {
-        LockFile {
-            tasks: self.manifests.iter().map(|(id, m)| (id.clone(), m.digest())).collect(),
-            exports: self.exports.clone(),
-        }
-    }
-}
-
-/// Walks `tasks`, which are in an order that respects their needs.
+/// Walks the plan; what it writes goes to the cache only, whose lock the caller holds.
 ///
 /// `interrupted` is looked at before each task starts; what has started is finished.
 ///
 /// # Errors
-/// [`Error::Input`] or [`Error::Io`] if the cache or the project folder refuses; [`Error::Interrupted`].
+/// [`Error::Input`] or [`Error::Io`] if the cache refuses; [`Error::Interrupted`].
 /// Tasks that fail are in the summary, not errors.
 pub fn execute(
-    tasks: &[Task],
+    plan: &Plan,
     store: &Store,
-    project: &Path,
     options: Options,
     progress: &Progress,
     interrupted: &AtomicBool,
 ) -> Result<Summary> {
-    let known = LockFile::read(project)?.exports;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.jobs)
-        .build()
-        .map_err(|e| Error::input(format!("cannot start threads: {e}; use fewer with -j")))?;
-    let mut summary = Summary { threads: pool.current_num_threads(), ..Summary::default() };
-    let mut outputs: BTreeMap<String, Hashes> = BTreeMap::new();
-    // Tasks whose artifacts are not to be had: stale in a dry run, failed otherwise.
-    let mut missing: BTreeSet<String> = BTreeSet::new();
-    for stage in Stage::ALL {
-        let started = Instant::now();
-        let mut stale = Vec::new();
-        let mut judge = |task: &Task, verdict| {
-            summary.verdicts.push(Judged { task: task.id.clone(), stage, verdict });
-        };
-        for task in tasks.iter().filter(|task| task.stage == stage) {
-            if let Some(on) = task.needs.iter().find(|need| missing.contains(*need)) {
-                missing.insert(task.id.clone());
-                judge(task, Verdict::Waits(on.clone()));
-                if !options.dry_run {
-                    summary.failed.push(format!("{}: not run, because {on} failed", task.id));
-                }
-                continue;
-            }
-            let start = Instant::now();
-            let inputs = task.inputs(&outputs);
-            let found = match store.lookup(&task.id, &inputs) {
-                Ok(_) if options.force => Err(Reason::Forced),
-                found => found,
-            };
-            progress.span("lookup", &task.id, start, || match &found {
-                Ok(hit) => json!({ "verdict": "hit", "bytes": hit.bytes }),
-                Err(reason) => json!({ "verdict": "miss", "reason": reason.to_string() }),
-            });
-            let verdict = match found {
-                Ok(hit) => {
-                    let manifest = if options.dry_run { hit.manifest } else { store.renew(hit)? };
-                    outputs.insert(task.id.clone(), manifest.outputs.clone());
-                    summary.manifests.insert(task.id.clone(), manifest);
-                    Verdict::Fresh
-                }
-                Err(reason) => {
-                    if options.dry_run {
-                        missing.insert(task.id.clone());
-                    }
-                    stale.push((task, inputs, reason.clone()));
-                    Verdict::Stale(reason)
-                }
-            };
-            judge(task, verdict);
-        }
-        if !options.dry_run && !stale.is_empty() {
-            let mut times = Times::read(store.folder());
-            let ids = || stale.iter().map(|(task, ..)| task.id.as_str());
-            let later = likely(tasks, stage, ids(), &outputs, store, options.force);
-            let ahead = times.ahead(stage, ids(), later.into_iter(), summary.threads);
-            if summary.stages.is_empty() {
-                summary.expected = ahead.left();
-            }
-            let reasons: Vec<&Reason> = stale.iter().map(|(.., reason)| reason).collect();
-            progress.begin(stage, stale.len(), &why(&reasons), ahead);
-            let running = Instant::now();
-            let failed = AtomicBool::new(false);
-            let results = Mutex::new(Vec::new());
-            pool.install(|| {
-                stale.into_par_iter().enumerate().for_each(|(k, (task, inputs, reason))| {
-                    let give_up = failed.load(Ordering::Relaxed) && !options.keep_going;
-                    if give_up || interrupted.load(Ordering::Relaxed) {
-                        return;
-                    }
-                    progress.start(&task.id);
-                    let start = Instant::now();
-                    let result = run(task, inputs, &outputs, store, progress);
-                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
-                    progress.span("task", &task.id, start, || match &result {
-                        Ok((_, bytes)) => {
-                            json!({ "verdict": "ran", "reason": reason.to_string(), "bytes": bytes })
-                        }
-                        Err(e) => json!({ "verdict": "failed", "reason": e.to_string() }),
-                    });
-                    let ran = Ran { task: task.id.clone(), stage, reason, time: start.elapsed() };
-                    progress.done(&ran, result.is_ok());
-                    results.lock().expect("no panic above").push((k, ran, result));
-                });
-            });
-            progress.end();
-            summary.stages.push((stage, running.elapsed()));
-            let mut results = results.into_inner().expect("no panic above");
-            results.sort_by_key(|(k, ..)| *k);
-            for (_, ran, result) in results {
-                match result {
-                    Ok((manifest, _)) => {
-                        times.learn(&ran);
-                        outputs.insert(ran.task.clone(), manifest.outputs.clone());
-                        summary.manifests.insert(ran.task.clone(), manifest);
-                        summary.ran.push(ran);
-                    }
-                    Err(Error::Stage(reasons)) => {
-                        missing.insert(ran.task.clone());
-                        summary.failed.extend(reasons);
-                    }
-                    Err(other) => return Err(other),
-                }
-            }
-            times.save();
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
-            if !summary.failed.is_empty() && !options.keep_going {
-                return Ok(summary);
-            }
-        }
-        for task in tasks.iter().filter(|task| task.stage == stage) {
-            let Some(manifest) = summary.manifests.get(&task.id) else { continue };
-            let exports = match Exports::plan(project, store, task, manifest, &known, options.force)
-            {
-                Err(edited @ Error::Input(_)) if options.dry_run => {
-                    summary.edited.push(edited.to_string());
-                    continue;
-                }
-                planned => planned?,
-            };
-            if let Some(folder) = task.export {
-                let path =
-                    |(name, hash): (&String, &String)| (format!("{folder}/{name}"), hash.clone());
-                summary.exports.extend(manifest.outputs.iter().map(path));
-            }
-            if options.dry_run {
-                summary.exported += usize::from(!exports.is_empty());
-            } else if !exports.is_empty() {
-                let start = Instant::now();
-                let files = exports.perform(project, store)?;
-                progress.span("export", &task.id, start, || json!({ "files": files }));
-                summary.exported += files;
-            }
-        }
-        progress.span("stage", stage.name(), started, || {
-            let ran = summary.ran.iter().filter(|ran| ran.stage == stage).count();
-            let tasks = tasks.iter().filter(|task| task.stage == stage).count();
-            json!({ "tasks": tasks, "ran": ran })
-        });
+    let mut walk = Walk {
+        plan,
+        store,
+        options,
+        progress,
+        interrupted,
+        states: plan.tasks().iter().map(|_| State::Waiting).collect(),
+        summary: Summary::default(),
+    };
+    let mut stale = VecDeque::new();
+    for k in 0..plan.tasks().len() {
+        stale.extend(walk.judge(k)?);
     }
-    Ok(summary)
+    if !options.dry_run && !stale.is_empty() {
+        walk.run(stale)?;
+    }
+    Ok(walk.finish())
 }
 
-/// The tasks of later stages that are likely to run when the tasks `running` of this stage do.
-fn likely<'a>(
-    tasks: &'a [Task],
-    stage: Stage,
-    running: impl Iterator<Item = &'a str>,
-    outputs: &BTreeMap<String, Hashes>,
-    store: &Store,
-    force: bool,
-) -> Vec<(Stage, &'a str)> {
-    let mut running: BTreeSet<&str> = running.collect();
-    let mut later = Vec::new();
-    for task in tasks.iter().filter(|task| task.stage > stage) {
-        let stirred = task.needs.iter().any(|need| running.contains(need.as_str()));
-        let stale = || {
-            task.needs.iter().all(|need| outputs.contains_key(need))
-                && store.lookup(&task.id, &task.inputs(outputs)).is_err()
+/// How far a task is.
+enum State {
+    /// For a task that it needs.
+    Waiting,
+    /// Up to date, from the start or since it ran.
+    Done(Manifest),
+    /// To be run, for this reason, or running.
+    Stale(Reason),
+    /// It failed, or the run ended before it.
+    Lost(Reason),
+}
+
+/// A stale task that can run.
+struct Job {
+    task: usize,
+    inputs: BTreeMap<String, String>,
+}
+
+/// What came of a job.
+struct Done {
+    job: usize,
+    time: Duration,
+    result: Result<Manifest>,
+}
+
+struct Walk<'a> {
+    plan: &'a Plan,
+    store: &'a Store,
+    options: Options,
+    progress: &'a Progress,
+    interrupted: &'a AtomicBool,
+    states: Vec<State>,
+    summary: Summary,
+}
+
+impl<'a> Walk<'a> {
+    /// Looks a task up once all it needs is up to date; returns it if it has to run.
+    fn judge(&mut self, k: usize) -> Result<Option<Job>> {
+        let task = &self.plan.tasks()[k];
+        if self.waits_for(task).is_some() {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs);
+        let found = if self.options.force {
+            Err(Reason::Forced)
+        } else {
+            self.store.lookup(&task.id, &inputs)
         };
-        if force || stirred || stale() {
-            running.insert(&task.id);
-            later.push((task.stage, task.id.as_str()));
+        self.progress.span("lookup", &task.id, start, || match &found {
+            Ok(hit) => json!({ "verdict": "hit", "bytes": hit.bytes }),
+            Err(reason) => json!({ "verdict": "miss", "reason": reason.to_string() }),
+        });
+        let (state, job) = match found {
+            Ok(hit) => {
+                self.summary.reverted |= hit.is_reverted();
+                let write = hit.is_reverted() && !self.options.dry_run;
+                let manifest = if write { self.store.renew(hit)? } else { hit.manifest };
+                (State::Done(manifest), None)
+            }
+            Err(reason) => (State::Stale(reason), Some(Job { task: k, inputs })),
+        };
+        self.states[k] = state;
+        Ok(job)
+    }
+
+    /// The first task that this one needs and that is not up to date.
+    fn waits_for(&self, task: &Task) -> Option<&'a str> {
+        let done = |need: &&String| matches!(self.states[self.index(need)], State::Done(_));
+        let need = task.needs.iter().find(|need| !done(need))?;
+        Some(&self.plan.tasks()[self.index(need)].id)
+    }
+
+    fn index(&self, id: &str) -> usize {
+        self.plan.index(id).expect("a plan has all that its tasks need")
+    }
+
+    fn manifest(&self, id: &str) -> &Manifest {
+        match &self.states[self.index(id)] {
+            State::Done(manifest) => manifest,
+            _ => unreachable!("{id} is not up to date"),
         }
     }
-    later
+
+    /// Runs stale tasks, and after them those that waited and turn out stale.
+    fn run(&mut self, mut queue: VecDeque<Job>) -> Result<()> {
+        let pool = threads(self.options.jobs)?;
+        let mut times = Times::read(self.store.folder());
+        self.announce(&queue, &times, pool.current_num_threads());
+        let (send, receive) = channel();
+        let mut broken = None;
+        pool.in_place_scope(|scope| {
+            let mut running = 0;
+            loop {
+                // No more than there are threads, so that an interrupt finds nothing else started.
+                while running < pool.current_num_threads() && !self.stops() && broken.is_none() {
+                    let Some(job) = queue.pop_front() else { break };
+                    self.start(job, scope, &send);
+                    running += 1;
+                }
+                if running == 0 {
+                    break;
+                }
+                let done = receive.recv().expect("a job reports, or its panic ends the run");
+                running -= 1;
+                match self.settle(done, &mut times) {
+                    Ok(jobs) => queue.extend(jobs),
+                    Err(e) => broken = broken.take().or(Some(e)),
+                }
+            }
+        });
+        self.progress.end();
+        times.save();
+        match broken {
+            Some(e) => Err(e),
+            None if self.interrupted.load(Ordering::Relaxed) => Err(Error::Interrupted),
+            None => Ok(()),
+        }
+    }
+
+    /// Says how much is to be done, and why.
+    fn announce(&mut self, queue: &VecDeque<Job>, times: &Times, threads: usize) {
+        let done = |k: &usize| matches!(self.states[*k], State::Done(_));
+        let left = (0..self.states.len()).filter(|k| !done(k)).map(|k| &*self.plan.tasks()[k].id);
+        let ahead = times.ahead(left, threads);
+        let reasons: Vec<&Reason> = queue
+            .iter()
+            .filter_map(|job| match &self.states[job.task] {
+                State::Stale(reason) => Some(reason),
+                _ => None,
+            })
+            .collect();
+        self.summary.expected = ahead.left();
+        self.progress.begin(ahead, &why(&reasons));
+    }
+
+    /// Whether no further task may start.
+    fn stops(&self) -> bool {
+        let failed = !self.summary.failed.is_empty() && !self.options.keep_going;
+        failed || self.interrupted.load(Ordering::Relaxed)
+    }
+
+    /// Hands a job with what it reads to a thread, which reports to `send`.
+    fn start<'s>(&self, job: Job, scope: &Scope<'s>, send: &Sender<Done>)
+    where
+        'a: 's,
+    {
+        let (send, store, progress) = (send.clone(), self.store, self.progress);
+        let task = &self.plan.tasks()[job.task];
+        let needed = |need: &String| (need.clone(), self.manifest(need).outputs.clone());
+        let needed: Vec<(String, Hashes)> = task.needs.iter().map(needed).collect();
+        let State::Stale(reason) = &self.states[job.task] else {
+            unreachable!("only stale tasks run")
+        };
+        let reason = reason.to_string();
+        scope.spawn(move |_| {
+            let start = Instant::now();
+            let result = run(task, job.inputs, needed, store, progress);
+            progress.span("task", &task.id, start, || match &result {
+                Ok((_, bytes)) => json!({ "verdict": "ran", "reason": reason, "bytes": bytes }),
+                Err(e) => json!({ "verdict": "failed", "reason": e.to_string() }),
+            });
+            let result = result.map(|(manifest, _)| manifest);
+            // The receiver lives as long as the scope.
+            let _ = send.send(Done { job: job.task, time: start.elapsed(), result });
+        });
+    }
+
+    /// Notes what came of a task; returns those that waited and now have to run.
+    fn settle(&mut self, done: Done, times: &mut Times) -> Result<Vec<Job>> {
+        let id = &self.plan.tasks()[done.job].id;
+        let state = std::mem::replace(&mut self.states[done.job], State::Waiting);
+        let State::Stale(reason) = state else { unreachable!("only stale tasks run") };
+        let ran = Ran { task: id.clone(), reason, time: done.time };
+        self.progress.done(&ran, done.result.is_ok());
+        match done.result {
+            Ok(manifest) => {
+                times.learn(&ran);
+                self.states[done.job] = State::Done(manifest);
+                self.summary.ran.push(ran);
+            }
+            Err(e) => {
+                self.states[done.job] = State::Lost(ran.reason);
+                match e {
+                    Error::Stage(reasons) => self.summary.failed.extend(reasons),
+                    other => return Err(other),
+                }
+            }
+        }
+        // Also those for which it was the last thing missing at a remove: what turns out up to date
+        // frees what waits for it.
+        let mut jobs = Vec::new();
+        for k in done.job + 1..self.states.len() {
+            if matches!(self.states[k], State::Waiting) {
+                jobs.extend(self.judge(k)?);
+                if matches!(self.states[k], State::Done(_)) {
+                    self.progress.skip(&self.plan.tasks()[k].id);
+                }
+            }
+        }
+        Ok(jobs)
+    }
+
+    /// The summary, when nothing runs any more.
+    fn finish(mut self) -> Summary {
+        let mut ran: BTreeMap<String, Ran> =
+            self.summary.ran.drain(..).map(|ran| (ran.task.clone(), ran)).collect();
+        for (k, task) in self.plan.tasks().iter().enumerate() {
+            let id = &task.id;
+            let verdict = match &self.states[k] {
+                State::Done(_) => {
+                    ran.get(id).map_or(Verdict::Fresh, |ran| Verdict::Stale(ran.reason.clone()))
+                }
+                State::Stale(reason) | State::Lost(reason) => Verdict::Stale(reason.clone()),
+                State::Waiting => Verdict::Waits(self.waits_for(task).unwrap_or_default().into()),
+            };
+            if let (Verdict::Waits(on), true) = (&verdict, self.options.keep_going) {
+                self.summary.failed.push(format!("{id}: not run, because {on} failed"));
+            }
+            self.summary.verdicts.push(Judged { task: id.clone(), verdict });
+            self.summary.ran.extend(ran.remove(id));
+        }
+        let states = self.plan.tasks().iter().zip(self.states);
+        self.summary.manifests = states
+            .filter_map(|(task, state)| match state {
+                State::Done(manifest) => Some((task.id.clone(), manifest)),
+                _ => None,
+            })
+            .collect();
+        self.summary
+    }
+}
+
+fn threads(jobs: usize) -> Result<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .num_threads(jobs)
+        .build()
+        .map_err(|e| Error::input(format!("cannot start threads: {e}; use fewer with -j")))
 }
 
 /// Runs a task; returns its record and the size of what it made.
 fn run(
     task: &Task,
     inputs: BTreeMap<String, String>,
-    outputs: &BTreeMap<String, Hashes>,
+    needed: Vec<(String, Hashes)>,
     store: &Store,
     progress: &Progress,
 ) -> Result<(Manifest, usize)> {
     let start = Instant::now();
     let mut artifacts = BTreeMap::<String, Artifacts>::new();
-    for need in &task.needs {
-        artifacts.insert(need.clone(), store.artifacts(need, &outputs[need])?);
+    for (need, outputs) in &needed {
+        artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
     }
-    progress.span("step", "read", start, || json!({ "artifacts": task.needs.len() }));
-    let digest = hash(&serde_json::to_vec(&inputs).expect("inputs are plain data"));
+    progress.span("step", "read", start, || json!({ "artifacts": needed.len() }));
+    let digest = shown_digest(&inputs);
     let start = Instant::now();
-    let made = (task.work)(&Inputs { files: &task.files, artifacts: &artifacts, digest: &digest });
+    let given = Inputs {
+        files: &task.files,
+        artifacts: &artifacts,
+        digest: &digest,
+        scratch: store.scratch(),
+    };
+    let failed = |reason: String| Error::Stage(vec![format!("{}: {reason}", task.id)]);
+    // A panic must not take the other tasks with it; its own message has been printed.
+    let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
+        .map_err(|_| failed("panicked, which is a fault of the program".into()))?;
     progress.span("step", "work", start, || json!({}));
-    let made = made.map_err(|reason| Error::Stage(vec![format!("{}: {reason}", task.id)]))?;
+    let made = made.map_err(failed)?;
     let bytes = made.values().map(Vec::len).sum();
     let start = Instant::now();
     let manifest = store.record(&task.id, inputs, &made)?;
     progress.span("step", "store", start, || json!({ "bytes": bytes }));
     Ok((manifest, bytes))
 }
+
+/// Hash of the inputs without the program: with it, every change of code would redraw what shows it.
+fn shown_digest(inputs: &BTreeMap<String, String>) -> String {
+    let shown: BTreeMap<_, _> = inputs.iter().filter(|(input, _)| *input != PROGRAM).collect();
+    hash(&serde_json::to_vec(&shown).expect("inputs are plain data"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,35 +1,162 @@
-//! Folders as bytes by path.
+//! Files as bytes: read whole if they are files, written whole or not at all.
 
+use crate::pipeline::error::{IoContext, Result};
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Component, Path, PathBuf};
+
+/// How the names of temporary files begin and end; what is between is random.
+const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
+
+/// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
+///
+/// # Errors
+/// [`Error::Io`](super::error::Error::Io).
+pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).context("create", folder)?;
+    let write = || {
+        let mut temporary = tempfile::Builder::new();
+        temporary.prefix(TEMPORARY[0]).suffix(TEMPORARY[1]);
+        // As for any new file; temporary ones are private otherwise.
+        #[cfg(unix)]
+        temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = temporary.tempfile_in(folder)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(path)?;
+        Ok(())
+    };
+    write().context("write", path)
+}
+
+/// A new folder in this one, which goes when the value does; [`leftovers`] knows its name.
+///
+/// # Errors
+/// Those of the system.
+pub(crate) fn temporary_folder(folder: &Path) -> io::Result<tempfile::TempDir> {
+    fs::create_dir_all(folder)?;
+    tempfile::Builder::new().prefix(TEMPORARY[0]).suffix(TEMPORARY[1]).tempdir_in(folder)
+}
+
+/// Whether [`write_atomically`] gives such names to files that are not yet whole.
+pub(super) fn is_temporary(name: &OsStr) -> bool {
+    let name = name.to_string_lossy();
+    name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1])
+}
+
+/// The temporary files and folders in these folders and below, as far as they can be read.
+///
+/// If no run is at work, killed ones left them.
+pub(super) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let (mut folders, mut found) = (Vec::from_iter(folders), Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            if is_temporary(&entry.file_name()) {
+                found.push(entry.path());
+            } else if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                folders.push(entry.path());
+            }
+        }
+    }
+    found
+}
+
+/// Removes what [`leftovers`] found; only for whoever holds the lock.
+pub(crate) fn remove(leftovers: &[PathBuf]) {
+    for path in leftovers {
+        // What is left behind is a nuisance, not a reason to stop.
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    }
+}
+
+/// The contents of a file, or of what a link to a file points to.
+///
+/// # Errors
+/// Those of the system; what is neither file nor folder, such as a pipe, is refused: it may never end.
+pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let kind = fs::metadata(path)?.file_type();
+    if !kind.is_file() && !kind.is_dir() {
+        return Err(io::Error::new(ErrorKind::Unsupported, "it is neither a file nor a folder"));
+    }
+    fs::read(path)
+}
+
+/// The contents of a file that need not be there.
+///
+/// # Errors
+/// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
+pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
+    match read(path) {
+        Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        found => found.map(Some).context("read", path),
+    }
+}
+
+/// The text in a file.
+///
+/// # Errors
+/// [`Error::Io`](super::error::Error::Io), also if it is not UTF-8.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    let text = read(path).and_then(|bytes| {
+        String::from_utf8(bytes)
+            .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8"))
+    });
+    text.context("read", path)
+}
+
+/// Whether a path with `/` leads downwards from where it starts, on every system.
+pub(super) fn is_plain(path: &str) -> bool {
+    !path.is_empty()
+        && !path.contains('\\')
+        && Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
+}
+
+/// The path without links, `.` and `..`; its last parts need not exist.
+pub(crate) fn real(path: &Path) -> PathBuf {
+    if let Ok(real) = path.canonicalize() {
+        return real;
+    }
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    match (path.parent(), path.file_name()) {
+        (Some(parent), Some(name)) => real(parent).join(name),
+        _ => path,
+    }
+}
 
 /// Every file below `folder` by its path from there, with `/` on every system.
 ///
-/// Files and folders whose path `skip` names are left out.
+/// Files and folders whose path `skip` names are left out. Links to folders are refused, since they
+/// may lead round in a circle or to the whole disk.
 ///
 /// # Errors
 /// What could not be read, and why.
 pub(crate) fn read_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,
-) -> Result<BTreeMap<String, Vec<u8>>, (PathBuf, io::Error)> {
+) -> std::result::Result<BTreeMap<String, Vec<u8>>, (PathBuf, io::Error)> {
     let mut files = BTreeMap::new();
     let mut folders = vec![String::new()];
     while let Some(prefix) = folders.pop() {
         let here = folder.join(&prefix);
         for entry in fs::read_dir(&here).map_err(|e| (here.clone(), e))? {
             let entry = entry.map_err(|e| (here.clone(), e))?;
-            let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
             let path = entry.path();
+            let unnamed = || io::Error::new(ErrorKind::InvalidFilename, "its name is not UTF-8");
+            let name = entry.file_name().into_string().map_err(|_| (path.clone(), unnamed()))?;
+            let name = format!("{prefix}{name}");
             if skip(&name) {
                 continue;
             }
-            if path.is_dir() {
+            let kind = entry.file_type().map_err(|e| (path.clone(), e))?;
+            if kind.is_dir() {
                 folders.push(name + "/");
+            } else if kind.is_symlink() && path.is_dir() {
+                return Err((path, io::Error::new(ErrorKind::Unsupported, "it links to a folder")));
             } else {
-                files.insert(name, fs::read(&path).map_err(|e| (path, e))?);
+                files.insert(name, read(&path).map_err(|e| (path, e))?);
             }
         }
     }
@@ -54,5 +181,40 @@ mod tests {
         assert!(files.iter().all(|(name, bytes)| name.as_bytes() == bytes));
         let (path, _) = read_tree(&folder.path().join("none"), |_| false).unwrap_err();
         assert!(path.ends_with("none"));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_to_files_are_followed_and_links_to_folders_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, folder.path().join(name));
+        fs::write(folder.path().join("one"), "one").unwrap();
+        link("one", "two").unwrap();
+        assert_eq!(read_tree(folder.path(), |_| false).unwrap()["two"], b"one");
+        link(".", "three").unwrap();
+        let (path, why) = read_tree(folder.path(), |_| false).unwrap_err();
+        assert!(path.ends_with("three") && why.to_string().contains("links to a folder"), "{why}");
+        assert!(read(Path::new("/dev/null")).is_err());
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_a_leftover_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/file");
+        for text in ["one", "two"] {
+            write_atomically(&path, text.as_bytes()).unwrap();
+            assert_eq!(read_text(&path).unwrap(), text);
+        }
+        let leftover = path.with_file_name(".signorini-0a1b2c.tmp");
+        fs::write(&leftover, "half").unwrap();
+        remove(&leftovers([folder.path().to_path_buf()]));
+        assert!(path.exists() && !leftover.exists());
+        assert_eq!(read_if_there(&leftover).unwrap(), None);
+    }
+
+    #[test]
+    fn paths_that_lead_upwards_are_not_plain() {
+        assert!(["a", "a/b", "a/r=1.5"].into_iter().all(is_plain));
+        assert!(!["", "/a", "../a", "a/../b", ".", "a\\..\\b"].into_iter().any(is_plain));
     }
 }

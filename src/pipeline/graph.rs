@@ -1,6 +1,6 @@
 //! The graph of tasks: who needs whom, without the work, as text for programs that draw graphs.
 
-use super::{Stage, Task};
+use super::{Task, stage};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -16,8 +16,6 @@ pub struct Graph {
 pub struct Node {
     /// Id of the task.
     pub id: String,
-    /// Its stage.
-    pub stage: Stage,
     /// Ids of the tasks it needs.
     pub needs: Vec<String>,
 }
@@ -25,17 +23,16 @@ pub struct Node {
 impl Node {
     /// The node of a task.
     pub fn of(task: &Task) -> Self {
-        Self { id: task.id.clone(), stage: task.stage, needs: task.needs.clone() }
+        Self { id: task.id.clone(), needs: task.needs.clone() }
+    }
+
+    /// Its stage.
+    pub fn stage(&self) -> &str {
+        stage(&self.id)
     }
 }
 
 impl Graph {
-    /// The graph of these nodes, in the order in which they run.
-    pub fn new(mut nodes: Vec<Node>) -> Self {
-        nodes.sort_by_key(|node| node.stage);
-        Self { nodes }
-    }
-
     /// Edges as (needed, needing).
     pub fn edges(&self) -> impl Iterator<Item = (&str, &str)> {
         self.nodes

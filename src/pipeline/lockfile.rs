@@ -1,12 +1,10 @@
 //! `pipeline/lock.toml`: the hashes that everyone's run must reproduce, committed with the scenes.
 
 use super::Hashes;
-use super::store::write_atomically;
-use crate::pipeline::error::{Error, IoContext, Result};
+use super::files::{read_if_there, write_atomically};
+use crate::pipeline::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the committed figures.\n\
@@ -34,10 +32,7 @@ impl LockFile {
     /// [`Error::Input`] if it is damaged.
     pub fn read(project: &Path) -> Result<Self> {
         let path = Self::path(project);
-        let bytes = match fs::read(&path) {
-            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Self::default()),
-            read => read.context("read", &path)?,
-        };
+        let Some(bytes) = read_if_there(&path)? else { return Ok(Self::default()) };
         toml::from_str(&String::from_utf8_lossy(&bytes)).map_err(|_| {
             Error::input(format!(
                 "{} is damaged; restore it with `git checkout`, or delete it and run again",
@@ -46,17 +41,13 @@ impl LockFile {
         })
     }
 
-    /// Writes the lock file if that changes it.
+    /// Writes the lock file.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn write(&self, project: &Path) -> Result<()> {
-        let path = Self::path(project);
         let text = HEADER.to_owned() + &toml::to_string(self).expect("hashes are plain data");
-        if fs::read_to_string(&path).is_ok_and(|old| old == text) {
-            return Ok(());
-        }
-        write_atomically(&path, text.as_bytes())
+        write_atomically(&Self::path(project), text.as_bytes())
     }
 
     /// This record with the entries of a later, partial run.

@@ -1,6 +1,7 @@
 //! Manifests: what a task read and wrote, whole, so that a change can be explained and not only noticed.
 
-use super::{Hashes, Task, hash};
+use super::files::is_plain;
+use super::{Hashes, Plan, Task, hash};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -12,7 +13,7 @@ pub struct Manifest {
     pub task: String,
     /// Counts the runs of the task; the highest is the latest, whatever the clock says.
     pub generation: u64,
-    /// `signorini`, `stage version`, `parameter ...`, `file ...`, `artifact ...` -> value or hash.
+    /// `program`, `parameter ...`, `file ...`, `artifact ...` -> value or hash.
     pub inputs: BTreeMap<String, String>,
     /// Artifact name -> hash.
     pub outputs: Hashes,
@@ -36,11 +37,15 @@ impl Manifest {
         serde_json::to_string_pretty(&sealed).expect("a manifest is plain data")
     }
 
-    /// The manifest in a stored text; `None` if it was truncated, edited, or is of another schema.
+    /// The manifest in a stored text; `None` if it was truncated, edited, or is of another schema, or
+    /// names what lies outside the cache or an export's folder.
     pub(super) fn from_json(text: &str) -> Option<Self> {
         let sealed: Sealed = serde_json::from_str(text).ok()?;
-        (sealed.schema == SCHEMA && sealed.seal == sealed.manifest.seal())
-            .then_some(sealed.manifest)
+        let safe = |(name, hash): (&String, &String)| is_plain(name) && is_hash(hash);
+        (sealed.schema == SCHEMA
+            && sealed.seal == sealed.manifest.seal()
+            && sealed.manifest.outputs.iter().all(safe))
+        .then_some(sealed.manifest)
     }
 
     fn seal(&self) -> String {
@@ -53,12 +58,16 @@ impl Manifest {
     }
 }
 
-impl Task {
-    /// Today's inputs; `upstream` holds the outputs of every task that this one needs.
-    pub(super) fn inputs(&self, upstream: &BTreeMap<String, Hashes>) -> BTreeMap<String, String> {
-        let mut inputs = self.own_inputs();
-        for need in &self.needs {
-            for (name, hash) in &upstream[need] {
+impl Plan {
+    /// A task's inputs today, given the outputs of every task that it needs.
+    pub(super) fn inputs<'a>(
+        &self,
+        task: &Task,
+        outputs: impl Fn(&str) -> &'a Hashes,
+    ) -> BTreeMap<String, String> {
+        let mut inputs = self.own_inputs(task);
+        for need in &task.needs {
+            for (name, hash) in outputs(need) {
                 inputs.insert(format!("{ARTIFACT}{need}/{name}"), hash.clone());
             }
         }
@@ -66,23 +75,23 @@ impl Task {
     }
 
     /// The inputs that no other task makes.
-    fn own_inputs(&self) -> BTreeMap<String, String> {
-        let mut inputs = BTreeMap::from([
-            ("signorini".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("stage version".to_owned(), self.stage.version().to_string()),
-        ]);
-        inputs.extend(self.parameters.iter().map(|(k, v)| (format!("parameter {k}"), v.clone())));
-        inputs.extend(self.files.iter().map(|(path, bytes)| (format!("file {path}"), hash(bytes))));
+    fn own_inputs(&self, task: &Task) -> BTreeMap<String, String> {
+        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.clone())]);
+        inputs.extend(task.parameters.iter().map(|(k, v)| (format!("parameter {k}"), v.clone())));
+        inputs.extend(task.files.iter().map(|(path, bytes)| (format!("file {path}"), hash(bytes))));
         inputs
     }
 
-    /// What has changed since this run among the inputs that no other task makes.
-    pub fn own_changes(&self, since: &Manifest) -> Vec<Change> {
+    /// What has changed since this run among the task's inputs that no other task makes.
+    pub fn own_changes(&self, task: &Task, since: &Manifest) -> Vec<Change> {
         let mut old = since.inputs.clone();
         old.retain(|input, _| !input.starts_with(ARTIFACT));
-        changes(&old, &self.own_inputs())
+        changes(&old, &self.own_inputs(task))
     }
 }
+
+/// The input that stands for the code: what it is built from, with which compiler and options.
+pub(super) const PROGRAM: &str = "program";
 
 /// How the inputs begin that other tasks make.
 const ARTIFACT: &str = "artifact ";
@@ -119,11 +128,20 @@ impl fmt::Display for Change {
         // Hashes are for machines; twelve digits tell two of them apart.
         let brief = |value: &Option<String>| match value {
             None => "absent".to_owned(),
-            Some(v) if v.len() == 64 && v.bytes().all(|b| b.is_ascii_hexdigit()) => v[..12].into(),
+            Some(v) if is_hash(v) => v[..12].into(),
             Some(v) => v.clone(),
         };
-        write!(out, "{}: {} -> {}", self.input, brief(&self.old), brief(&self.new))
+        let subject = match self.input.as_str() {
+            PROGRAM => "the program changed",
+            input => input,
+        };
+        write!(out, "{subject}: {} -> {}", brief(&self.old), brief(&self.new))
     }
+}
+
+/// Whether a text is a hash as this program writes them.
+pub(super) fn is_hash(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
 }
 
 /// Why a task has to run.
@@ -206,6 +224,12 @@ mod tests {
         assert_eq!(Manifest::from_json(&text), Some(sample()));
         assert_eq!(Manifest::from_json(&text.replace("\"10\"", "\"11\"")), None);
         assert_eq!(Manifest::from_json(&text[..text.len() - 2]), None);
+        // Sealed again, but its artifact would be written outside the project.
+        for name in ["../../thesis.txt", "/tmp/thesis.txt"] {
+            let mut forged = sample();
+            forged.outputs.insert(name.into(), hash(b"x"));
+            assert_eq!(Manifest::from_json(&forged.to_json()), None);
+        }
     }
 
     #[test]

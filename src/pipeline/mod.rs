@@ -2,9 +2,9 @@
 //!
 //! A [`Task`] names its inputs (parameters, files, artifacts of other tasks) and computes its
 //! artifacts from them alone. The [`Store`] keeps artifacts by content and, per task, a [`Manifest`]
-//! of every run: inputs and outputs by hash. A task is up to date if some manifest has today's inputs
-//! and its artifacts are intact; since artifacts are inputs by content, a task that reproduces them
-//! bit for bit does not disturb those that depend on it.
+//! of every run: inputs and outputs by hash. The program itself is an input of every task. A task is
+//! up to date if some manifest has today's inputs and its artifacts are intact; since artifacts are
+//! inputs by content, a task that reproduces them bit for bit does not disturb those that depend on it.
 
 pub mod error;
 mod execute;
@@ -16,22 +16,27 @@ mod lockfile;
 mod manifest;
 mod progress;
 mod store;
+mod summary;
 mod times;
 mod trace;
 
-pub use execute::{Judged, Options, Ran, Summary, execute};
+pub use execute::execute;
+pub use export::Exports;
 pub use graph::{Graph, Node};
-pub use lock::CacheLock;
+pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict, why};
 pub use progress::Progress;
-pub(crate) use store::write_atomically;
+pub(crate) use progress::{bar, talk};
 pub use store::{Garbage, Hit, Store};
+pub use summary::{Judged, Options, Ran, Summary};
 pub use times::{Times, brief};
 pub use trace::Trace;
 
+use error::{Error, Result};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Named byte strings: what a task computes.
 pub type Artifacts = BTreeMap<String, Vec<u8>>;
@@ -39,94 +44,91 @@ pub type Artifacts = BTreeMap<String, Vec<u8>>;
 /// Hashes by name, as hexadecimal blake3.
 pub type Hashes = BTreeMap<String, String>;
 
-/// The kinds of task, in the order in which they run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
-    /// One (problem, stopping rule, r) column over all grids.
-    Solve,
-    /// One table per scene and stopping rule.
-    Tabulate,
-    /// Tables against the published ones.
-    Diff,
-    /// How sharply a published table fixes f, and a search for it.
-    Identify,
-    /// Numerical experiments past the paper: accuracy, claims, stability.
-    Bench,
-    /// SVG pictures.
-    Figures,
-    /// Markdown pages and the book.
-    Report,
-}
-
-impl Stage {
-    /// All stages, in order.
-    pub const ALL: [Self; 7] = [
-        Self::Solve,
-        Self::Tabulate,
-        Self::Diff,
-        Self::Identify,
-        Self::Bench,
-        Self::Figures,
-        Self::Report,
-    ];
-
-    /// The name on the command line and in task ids.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Solve => "solve",
-            Self::Tabulate => "tabulate",
-            Self::Diff => "diff",
-            Self::Identify => "identify",
-            Self::Bench => "bench",
-            Self::Figures => "figures",
-            Self::Report => "report",
-        }
-    }
-
-    /// Raise when a change of code changes what a stage writes for the same inputs.
-    ///
-    /// The committed lock file fails a `--locked` run when this was forgotten.
-    pub fn version(self) -> u32 {
-        match self {
-            // 2: the torsion function is summed in another way.
-            Self::Solve => 2,
-            // 2: multigrid with enlarged corrections, and exact springs beside a corner.
-            Self::Bench => 2,
-            Self::Tabulate | Self::Diff | Self::Identify | Self::Figures | Self::Report => 1,
-        }
-    }
-}
-
-/// What a task may read when it runs.
+/// What a task may read when it runs, and where it may write.
 pub struct Inputs<'a> {
     /// Contents of the files named by the task.
     pub files: &'a Artifacts,
     /// Artifacts of the tasks it needs, by task id.
     pub artifacts: &'a BTreeMap<String, Artifacts>,
-    /// Hash of everything the task depends on, to be shown in what it makes.
+    /// Hash of everything the task depends on but the program, to be shown in what it makes.
     pub digest: &'a str,
+    /// A folder for temporary files, in no hash; a run that is killed leaves it to the next to empty.
+    pub scratch: &'a Path,
 }
 
 /// Computes a task's artifacts from its inputs; an error text ends the task, not the run's siblings.
-pub type Work = Box<dyn Fn(&Inputs) -> Result<Artifacts, String> + Send + Sync>;
+pub type Work = Box<dyn Fn(&Inputs) -> std::result::Result<Artifacts, String> + Send + Sync>;
 
 /// One node of the dependency graph.
 pub struct Task {
-    /// `stage/...`, unique.
+    /// `stage/...`, unique, a relative path.
     pub id: String,
-    /// Its stage.
-    pub stage: Stage,
     /// Everything that determines the work besides files and artifacts; see [`parameters`].
     pub parameters: BTreeMap<String, String>,
     /// Project files by path, read when the plan was made: what is hashed is what is used.
     pub files: Artifacts,
-    /// Ids of the tasks whose artifacts it reads, of earlier stages.
+    /// Ids of the tasks whose artifacts it reads.
     pub needs: Vec<String>,
     /// Project folder that gets a copy of every artifact.
     pub export: Option<&'static str>,
     /// The work.
     pub work: Work,
+}
+
+/// The stage of a task: the part of its id before the first slash.
+pub fn stage(id: &str) -> &str {
+    id.split('/').next().unwrap_or(id)
+}
+
+/// Tasks in an order that respects their needs, and the program that is to run them.
+pub struct Plan {
+    program: String,
+    tasks: Vec<Task>,
+    /// Position of each task.
+    index: BTreeMap<String, usize>,
+}
+
+impl Plan {
+    /// The plan of these tasks, carried out by the program with this digest of its code.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if two tasks have one id, an id is no relative path, or a task needs one that
+    /// does not come before it.
+    pub fn new(program: &str, tasks: Vec<Task>) -> Result<Self> {
+        let mut index = BTreeMap::new();
+        for (k, task) in tasks.iter().enumerate() {
+            if !files::is_plain(&task.id) {
+                return Err(Error::input(format!("`{}` cannot name a task", task.id)));
+            }
+            if let Some(need) = task.needs.iter().find(|need| !index.contains_key(*need)) {
+                let id = &task.id;
+                return Err(Error::input(format!(
+                    "{id} needs {need}, which does not come before it"
+                )));
+            }
+            if index.insert(task.id.clone(), k).is_some() {
+                return Err(Error::input(format!(
+                    "two tasks are called {}; rename a scene",
+                    task.id
+                )));
+            }
+        }
+        Ok(Self { program: program.into(), tasks, index })
+    }
+
+    /// The tasks, each after all it needs.
+    pub fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    /// The task with this id.
+    pub fn task(&self, id: &str) -> Option<&Task> {
+        self.index(id).map(|k| &self.tasks[k])
+    }
+
+    fn index(&self, id: &str) -> Option<usize> {
+        self.index.get(id).copied()
+    }
 }
 
 /// Flattens a serialisable value to dotted keys and JSON values: the hashed parameters of a task.
@@ -179,5 +181,29 @@ mod tests {
         let flat = parameters(&Outer { f: "else=-1", grids: [4, 8], inner: Inner { r: 0.1 } });
         let want = [("f", "else=-1"), ("grids", "[4,8]"), ("inner.r", "0.1")];
         assert!(flat.iter().map(|(k, v)| (k.as_str(), v.as_str())).eq(want));
+    }
+
+    #[test]
+    fn a_plan_without_order_is_refused() {
+        let task = |id: &str, needs: &[&str]| Task {
+            id: id.into(),
+            parameters: BTreeMap::new(),
+            files: Artifacts::new(),
+            needs: needs.iter().map(|need| (*need).to_owned()).collect(),
+            export: None,
+            work: Box::new(|_| Ok(Artifacts::new())),
+        };
+        let refusal = |tasks| Plan::new("program", tasks).err().map(|e| e.to_string());
+        assert_eq!(refusal(vec![task("a/1", &[]), task("b/1", &["a/1"])]), None);
+        let cases = [
+            (vec![task("b/1", &["a/1"]), task("a/1", &[])], "does not come before"),
+            (vec![task("a/1", &["a/1"])], "does not come before"),
+            (vec![task("a/1", &[]), task("a/1", &[])], "two tasks"),
+            (vec![task("a/../../b", &[])], "cannot name"),
+            (vec![task("/a", &[])], "cannot name"),
+        ];
+        for (tasks, why) in cases {
+            assert!(refusal(tasks).is_some_and(|text| text.contains(why)), "{why}");
+        }
     }
 }

@@ -1,18 +1,17 @@
 //! What a person sees while tasks run: a bar on a terminal, plain lines elsewhere, on standard error.
 
-use super::times::{Ahead, brief};
-use super::{Ran, Stage, Trace};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use super::times::Ahead;
+use super::{Ran, Trace, brief};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
-use std::fmt;
 use std::io::{IsTerminal, Write};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::sync::{Mutex, MutexGuard};
+use std::time::Instant;
 
 /// Reports the walk of the plan.
 pub struct Progress {
     bar: Option<ProgressBar>,
-    ahead: Arc<Mutex<Ahead>>,
+    ahead: Mutex<Ahead>,
     trace: Option<Trace>,
     verbose: bool,
     quiet: bool,
@@ -21,23 +20,8 @@ pub struct Progress {
 impl Progress {
     /// A bar if standard error is a terminal. `verbose` adds a line per task; `quiet` silences all.
     pub fn new(verbose: bool, quiet: bool) -> Self {
-        let ahead = Arc::<Mutex<Ahead>>::default();
-        let bar = (moves() && !quiet).then(|| {
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            let ahead = Arc::clone(&ahead);
-            let left = move |_: &ProgressState, out: &mut dyn fmt::Write| {
-                let left = ahead.lock().expect("no panic while it is held").left();
-                // A bar that cannot be drawn is not worth an error.
-                let _ = left.map_or(Ok(()), |left| write!(out, "about {} left", brief(left)));
-            };
-            let style = ProgressStyle::with_template(
-                "{prefix:>9} [{bar:30}] {pos}/{len}  {left}  {wide_msg}",
-            );
-            let style = style.expect("a valid template").with_key("left", left);
-            bar.set_style(style.progress_chars("=> "));
-            bar
-        });
-        Self { bar, ahead, trace: None, verbose: verbose && !quiet, quiet }
+        let bar = if quiet { None } else { bar("[{bar:30}] {pos}/{len}  {prefix}  {wide_msg}") };
+        Self { bar, ahead: Mutex::default(), trace: None, verbose: verbose && !quiet, quiet }
     }
 
     /// The same, recording what happens when.
@@ -63,56 +47,57 @@ impl Progress {
         }
     }
 
-    /// A stage starts with this many tasks to run, for this reason.
-    pub(super) fn begin(&self, stage: Stage, tasks: usize, why: &str, ahead: Ahead) {
-        let left = ahead.left();
-        *self.ahead.lock().expect("no panic while it is held") = ahead;
+    fn ahead(&self) -> MutexGuard<'_, Ahead> {
+        self.ahead.lock().expect("no panic while it is held")
+    }
+
+    /// These tasks are to run, the first of them for this reason.
+    pub(super) fn begin(&self, ahead: Ahead, why: &str) {
+        let (tasks, left) = (ahead.len(), left(&ahead));
+        *self.ahead() = ahead;
         match &self.bar {
             Some(bar) => {
                 bar.reset();
                 bar.set_length(tasks as u64);
-                bar.set_prefix(stage.name());
+                bar.set_prefix(left);
                 bar.set_message(why.to_owned());
-                // The time left goes down while nothing else happens.
-                bar.enable_steady_tick(Duration::from_millis(250));
             }
             None if !self.quiet => {
-                let left = left.map(|left| format!(", about {} left", brief(left)));
-                let left = left.unwrap_or_default();
-                say(&format!("{}: {tasks} to run{left} ({why})", stage.name()));
+                let left = if left.is_empty() { left } else { format!(", {left}") };
+                let plural = if tasks == 1 { "" } else { "s" };
+                talk(&format!("{tasks} task{plural} to run{left} ({why})"));
             }
             None => {}
         }
     }
 
-    /// A task starts.
-    pub(super) fn start(&self, task: &str) {
-        self.ahead.lock().expect("no panic while it is held").started(task);
-    }
-
-    /// A task ended.
-    pub(super) fn done(&self, ran: &Ran, succeeded: bool) {
-        self.ahead.lock().expect("no panic while it is held").ended(&ran.task);
-        if self.verbose {
-            let verdict = if succeeded { "ran" } else { "FAILED" };
-            let line = format!(
-                "{verdict} {} ({:.1} ms): {}",
-                ran.task,
-                ran.time.as_secs_f64() * 1e3,
-                ran.reason
-            );
-            match &self.bar {
-                Some(bar) => bar.println(line),
-                None => say(&line),
-            }
-        }
+    /// A task that waited need not run.
+    pub(super) fn skip(&self, task: &str) {
+        self.ahead().ended(task);
         if let Some(bar) = &self.bar {
-            bar.set_message(ran.task.clone());
+            bar.set_prefix(left(&self.ahead()));
             bar.inc(1);
         }
     }
 
-    /// The stage that began last has ended.
+    /// A task ended.
+    pub(super) fn done(&self, ran: &Ran, succeeded: bool) {
+        if self.verbose {
+            let verdict = if succeeded { "ran" } else { "FAILED" };
+            let time = ran.time.as_secs_f64() * 1e3;
+            let line = format!("{verdict} {} ({time:.1} ms): {}", ran.task, ran.reason);
+            match &self.bar {
+                Some(bar) => bar.println(line),
+                None => talk(&line),
+            }
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_message(ran.task.clone());
+        }
+        self.skip(&ran.task);
+    }
+
+    /// The last task has ended.
     pub(super) fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
@@ -120,14 +105,24 @@ impl Progress {
     }
 }
 
-/// Whether standard error is a terminal on which a line can be drawn over, with a person before it.
-fn moves() -> bool {
-    let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
-    let logged = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
-    std::io::stderr().is_terminal() && !dumb && !logged
+fn left(ahead: &Ahead) -> String {
+    ahead.left().map_or(String::new(), |left| format!("about {} left", brief(left)))
 }
 
-/// A plain line; a reader that has gone away is no reason to stop.
-fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+/// A bar of this style, if standard error is a terminal on which a line can be drawn over, with a
+/// person before it.
+pub(crate) fn bar(template: &str) -> Option<ProgressBar> {
+    let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+    let logged = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
+    (std::io::stderr().is_terminal() && !dumb && !logged).then(|| {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template(template).expect("a valid template");
+        bar.set_style(style.progress_chars("=> "));
+        bar
+    })
+}
+
+/// A line of talk on standard error; a reader that has gone away is no reason to stop.
+pub(crate) fn talk(line: &str) {
+    let _ = writeln!(anstream::stderr(), "{line}");
 }

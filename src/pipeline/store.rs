@@ -1,11 +1,12 @@
 //! The cache on disk: artifacts by content under `objects/`, manifests by task under `tasks/`.
 
-use super::manifest::{Manifest, Reason, changes};
-use super::{Artifacts, Hashes, hash};
+use super::files::{is_temporary, leftovers, write_atomically};
+use super::manifest::{Manifest, Reason, changes, is_hash};
+use super::{Artifacts, Hashes, Lock, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Layout of the cache; another layout lives in another folder, so that versions do not collide.
@@ -27,6 +28,13 @@ pub struct Hit {
     pub(super) bytes: usize,
     /// Latest generation of the task; higher if an edit was reverted.
     latest: u64,
+}
+
+impl Hit {
+    /// Whether later runs had other inputs: it has to become the latest generation.
+    pub(super) fn is_reverted(&self) -> bool {
+        self.manifest.generation < self.latest
+    }
 }
 
 /// What `gc` found that nothing refers to.
@@ -62,9 +70,29 @@ impl Store {
         &self.cache
     }
 
+    /// Takes the lock of the cache, which is created if need be.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
+    pub fn lock(&self) -> Result<Lock> {
+        Lock::take(&self.cache.join("lock"))
+    }
+
+    /// What killed runs left behind, if none is at work.
+    pub fn leftovers(&self) -> Vec<PathBuf> {
+        leftovers([self.root.clone()])
+    }
+
+    /// Where tasks may write temporary files.
+    pub(super) fn scratch(&self) -> &Path {
+        &self.root
+    }
+
     /// All believable manifests of a task, latest first.
     pub fn manifests(&self, task: &str) -> Vec<Manifest> {
+        // Unreadable is as good as absent: the task runs, and writing reports what is wrong.
         let mut found: Vec<Manifest> = list(&self.task_folder(task))
+            .unwrap_or_default()
             .iter()
             .filter_map(|path| {
                 let manifest = Manifest::from_json(&fs::read_to_string(path).ok()?)?;
@@ -98,18 +126,16 @@ impl Store {
         Ok(Hit { manifest: same.clone(), bytes, latest: latest.generation })
     }
 
-    /// Makes a hit the latest generation of its task, so that `gc` keeps what is in use.
+    /// Makes a reverted hit the latest generation of its task, so that `gc` keeps what is in use.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn renew(&self, hit: Hit) -> Result<Manifest> {
         let Hit { mut manifest, latest, .. } = hit;
-        if manifest.generation < latest {
-            let old = self.manifest_file(&manifest);
-            manifest.generation = latest + 1;
-            write_atomically(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
-            fs::remove_file(&old).context("remove", &old)?;
-        }
+        let old = self.manifest_file(&manifest);
+        manifest.generation = latest + 1;
+        write_atomically(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
+        fs::remove_file(&old).context("remove", &old)?;
         Ok(manifest)
     }
 
@@ -170,7 +196,7 @@ impl Store {
     /// files that are none of ours stay, whatever folder was named as the cache.
     ///
     /// # Errors
-    /// [`Error::Io`].
+    /// [`Error::Io`], also if a folder cannot be listed: what is needed may be in it.
     pub fn collect_garbage(
         &self,
         wanted: &BTreeSet<String>,
@@ -179,13 +205,15 @@ impl Store {
     ) -> Result<Garbage> {
         let mut needed = BTreeSet::new();
         for task in wanted {
+            let folder = self.task_folder(task);
+            list(&folder).context("list", &folder)?;
             for manifest in self.manifests(task).into_iter().take(keep) {
                 needed.insert(self.manifest_file(&manifest));
                 needed.extend(manifest.outputs.values().map(|hash| self.object(hash)));
             }
         }
         let mut garbage = Garbage::default();
-        for path in self.layouts().iter().flat_map(|folder| walk(folder)) {
+        for path in self.ours()? {
             let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
             if needed.contains(&path) {
                 garbage.kept_files += 1;
@@ -216,55 +244,50 @@ impl Store {
         self.task_folder(&manifest.task).join(format!("{:06}.json", manifest.generation))
     }
 
-    /// The folders of this layout and of all others.
-    fn layouts(&self) -> Vec<PathBuf> {
-        let ours = |path: &PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let version = name.strip_prefix('v').unwrap_or_default();
+    /// The files of this layout and of all others: what lies and is called as this program does it.
+    fn ours(&self) -> Result<Vec<PathBuf>> {
+        let is_layout = |path: &PathBuf| {
+            let version = name(path).strip_prefix('v').unwrap_or_default();
             !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
         };
-        let versions = list(&self.cache).into_iter().filter(ours);
-        versions.flat_map(|version| ["objects", "tasks"].map(|part| version.join(part))).collect()
+        let mut ours = Vec::new();
+        let layouts = list(&self.cache).context("list", &self.cache)?;
+        for layout in layouts.into_iter().filter(is_layout) {
+            walk(&layout.join("objects"), &mut ours, &|path| {
+                is_hash(name(path))
+                    && path.parent().is_some_and(|two| name(path).starts_with(name(two)))
+            })?;
+            walk(&layout.join("tasks"), &mut ours, &|path| {
+                let generation = name(path).strip_suffix(".json").unwrap_or_default();
+                generation.len() >= 6 && generation.bytes().all(|b| b.is_ascii_digit())
+            })?;
+        }
+        Ok(ours)
     }
 }
 
-/// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
-///
-/// # Errors
-/// [`Error::Io`].
-pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().expect("a file lies in a folder");
-    fs::create_dir_all(folder).context("create", folder)?;
-    // Unique among threads, the same in every process: what a killed run leaves behind is
-    // overwritten and renamed by the next.
-    let thread = rayon::current_thread_index().map_or(0, |index| index + 1);
-    let name = path.file_name().expect("a file has a name").to_string_lossy();
-    let temporary = folder.join(format!(".{name}.tmp{thread}"));
-    let written = (|| {
-        let mut file = File::create(&temporary)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&temporary, path)
-    })();
-    if written.is_err() {
-        // Best effort: the error that matters is the one above.
-        let _ = fs::remove_file(&temporary);
-    }
-    written.context("write", path)
+/// The last part of a path; empty if it is not UTF-8, as no name of ours is.
+fn name(path: &Path) -> &str {
+    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
 }
 
-fn list(folder: &Path) -> Vec<PathBuf> {
+/// What a folder holds; nothing if it is not there.
+fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
     match fs::read_dir(folder) {
-        Ok(entries) => entries.filter_map(|entry| Some(entry.ok()?.path())).collect(),
-        Err(e) if e.kind() == ErrorKind::NotFound => Vec::new(),
-        // Unreadable is as good as absent: the task runs, and writing reports what is wrong.
-        Err(_) => Vec::new(),
+        Ok(entries) => entries.map(|entry| Ok(entry?.path())).collect(),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+        Err(e) => Err(e),
     }
 }
 
-fn walk(folder: &Path) -> Vec<PathBuf> {
-    let (folders, mut files): (Vec<_>, Vec<_>) =
-        list(folder).into_iter().partition(|path| path.is_dir() && !path.is_symlink());
-    files.extend(folders.iter().flat_map(|folder| walk(folder)));
-    files
+/// Collects the temporary files and those that `is_ours` knows below a folder.
+fn walk(folder: &Path, found: &mut Vec<PathBuf>, is_ours: &dyn Fn(&Path) -> bool) -> Result<()> {
+    for path in list(folder).context("list", folder)? {
+        if path.is_dir() && !path.is_symlink() {
+            walk(&path, found, is_ours)?;
+        } else if is_ours(&path) || is_temporary(path.file_name().unwrap_or_default()) {
+            found.push(path);
+        }
+    }
+    Ok(())
 }

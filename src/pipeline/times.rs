@@ -1,12 +1,11 @@
 //! How long each task took when it last ran, and what that makes a run last: for people, in no hash.
 
-use super::store::write_atomically;
-use super::{Ran, Stage};
+use super::{Ran, stage};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Name of the file in the cache folder.
 const FILE: &str = "times.json";
@@ -53,93 +52,54 @@ impl Times {
     pub fn save(&self) {
         let stored = Stored { schema: SCHEMA, seconds: self.seconds.clone() };
         let text = serde_json::to_vec_pretty(&stored).expect("times are plain data");
-        let _ = write_atomically(&self.path, &text);
+        // In place: half of it is as good as none.
+        let _ = fs::write(&self.path, &text);
     }
 
     /// What a task is expected to take: its last time, else the mean of its stage.
-    fn of(&self, stage: Stage, task: &str) -> Option<f64> {
+    fn of(&self, task: &str) -> Option<f64> {
         self.seconds.get(task).copied().or_else(|| {
-            let prefix = format!("{}/", stage.name());
-            let siblings = || self.seconds.iter().filter(|(id, _)| id.starts_with(&prefix));
+            let siblings = || self.seconds.iter().filter(|(id, _)| stage(id) == stage(task));
             let mean = siblings().map(|(_, time)| time).sum::<f64>() / siblings().count() as f64;
             mean.is_finite().then_some(mean)
         })
     }
 
-    /// What tasks are expected to take, stage after stage, on so many threads.
-    ///
-    /// `None` if nothing is known about one of them.
-    pub fn expect<'a>(
-        &self,
-        tasks: impl IntoIterator<Item = (Stage, &'a str)>,
-        threads: usize,
-    ) -> Option<Duration> {
-        let mut stages = BTreeMap::<Stage, Vec<f64>>::new();
-        for (stage, task) in tasks {
-            stages.entry(stage).or_default().push(self.of(stage, task)?);
-        }
-        let seconds = stages.values().map(|times| wall(times.iter().copied(), threads)).sum();
-        Some(Duration::from_secs_f64(seconds))
-    }
-
-    /// What is ahead when the tasks `now` of a stage start, with the tasks `later` to follow.
-    pub(super) fn ahead<'a>(
-        &self,
-        stage: Stage,
-        now: impl Iterator<Item = &'a str>,
-        later: impl Iterator<Item = (Stage, &'a str)>,
-        threads: usize,
-    ) -> Ahead {
-        let later = self.expect(later, threads);
-        let tasks =
-            now.map(|id| Some((id.to_owned(), Doing { time: self.of(stage, id)?, start: None })));
-        let tasks = tasks.collect::<Option<BTreeMap<_, _>>>();
-        Ahead { known: later.zip(tasks), threads }
+    /// What is ahead when these tasks are to run.
+    pub fn ahead<'a>(&self, tasks: impl Iterator<Item = &'a str>, threads: usize) -> Ahead {
+        let tasks = tasks.map(|id| (id.to_owned(), self.of(id))).collect();
+        Ahead { tasks, threads: threads.max(1) }
     }
 }
 
 /// A year; what claims more is no time that was measured.
 const LONGEST: f64 = 365.0 * 86_400.0;
 
-/// Seconds for independent tasks on so many threads: no less than the longest, nor than a fair share.
-fn wall(times: impl Iterator<Item = f64> + Clone, threads: usize) -> f64 {
-    let longest = times.clone().fold(0.0, f64::max);
-    longest.max(times.sum::<f64>() / threads.max(1) as f64)
-}
-
-/// What is left of a run, as far as times are known.
+/// Tasks that have not ended, with the seconds each is expected to take.
 #[derive(Debug, Default)]
-pub(super) struct Ahead {
-    /// The stages that follow, and the tasks of this one that have not ended.
-    known: Option<(Duration, BTreeMap<String, Doing>)>,
+pub struct Ahead {
+    tasks: BTreeMap<String, Option<f64>>,
     threads: usize,
 }
 
-#[derive(Debug)]
-struct Doing {
-    time: f64,
-    start: Option<Instant>,
-}
-
 impl Ahead {
-    pub(super) fn started(&mut self, task: &str) {
-        let doing = self.known.as_mut().and_then(|(_, tasks)| tasks.get_mut(task));
-        doing.into_iter().for_each(|doing| doing.start = Some(Instant::now()));
-    }
-
+    /// A task has ended, or need not run.
     pub(super) fn ended(&mut self, task: &str) {
-        self.known.as_mut().and_then(|(_, tasks)| tasks.remove(task));
+        self.tasks.remove(task);
     }
 
-    /// Time left, if it is known and worth telling.
-    pub(super) fn left(&self) -> Option<Duration> {
-        let (later, tasks) = self.known.as_ref()?;
-        let left = tasks.values().map(|doing| {
-            let spent = doing.start.map_or(0.0, |start| start.elapsed().as_secs_f64());
-            (doing.time - spent).max(0.0)
-        });
-        let left = *later + Duration::from_secs_f64(wall(left, self.threads));
-        (left.as_secs_f64() >= SHORT).then_some(left)
+    /// How many tasks there are.
+    pub(super) fn len(&self) -> usize {
+        self.tasks.len()
+    }
+
+    /// Time left, if it is known and worth telling: no less than the longest task takes, nor than the
+    /// threads need for all of them.
+    pub fn left(&self) -> Option<Duration> {
+        let times = self.tasks.values().copied().collect::<Option<Vec<f64>>>()?;
+        let longest = times.iter().copied().fold(0.0, f64::max);
+        let left = longest.max(times.iter().sum::<f64>() / self.threads as f64);
+        (left >= SHORT).then(|| Duration::from_secs_f64(left))
     }
 }
 
@@ -161,34 +121,21 @@ const SHORT: f64 = 0.1;
 mod tests {
     use super::*;
 
-    fn times(seconds: &[(&str, f64)]) -> Times {
+    #[test]
+    fn tasks_share_the_threads_and_what_has_ended_is_no_longer_ahead() {
+        let seconds = [("solve/a", 100.0), ("solve/b", 300.0), ("diff/a", 50.0)];
         let seconds = seconds.iter().map(|(id, time)| ((*id).to_owned(), *time)).collect();
-        Times { path: PathBuf::new(), seconds }
-    }
-
-    #[test]
-    fn stages_follow_each_other_and_tasks_share_the_threads() {
-        let times = times(&[("solve/a", 1.0), ("solve/b", 1.0), ("solve/c", 4.0), ("diff/a", 0.5)]);
-        let all = [(Stage::Solve, "solve/a"), (Stage::Solve, "solve/c"), (Stage::Diff, "diff/a")];
-        assert_eq!(times.expect(all, 1), Some(Duration::from_millis(5500)));
-        assert_eq!(times.expect(all, 2), Some(Duration::from_millis(4500)), "no less than solve/c");
-        // The mean of its siblings.
-        assert_eq!(times.expect([(Stage::Solve, "solve/new")], 4), Some(Duration::from_secs(2)));
-        assert_eq!(times.expect([(Stage::Figures, "figures/a")], 4), None);
-    }
-
-    #[test]
-    fn what_has_ended_is_no_longer_ahead() {
-        let times = times(&[("solve/a", 100.0), ("solve/b", 300.0), ("diff/a", 50.0)]);
-        let later = || [(Stage::Diff, "diff/a")].into_iter();
-        let mut ahead = times.ahead(Stage::Solve, ["solve/a", "solve/b"].into_iter(), later(), 2);
-        assert_eq!(ahead.left(), Some(Duration::from_secs(350)));
-        ahead.started("solve/b");
-        assert!(ahead.left().is_some_and(|left| left < Duration::from_secs(350)));
+        let times = Times { path: PathBuf::new(), seconds };
+        let left = |tasks: &[&str], threads| {
+            times.ahead(tasks.iter().copied(), threads).left().map(|left| left.as_secs())
+        };
+        assert_eq!(left(&["solve/a", "solve/b", "diff/a"], 1), Some(450));
+        assert_eq!(left(&["solve/a", "solve/b", "diff/a"], 2), Some(300), "no less than solve/b");
+        assert_eq!(left(&["solve/new"], 4), Some(200), "the mean of its siblings");
+        assert_eq!(left(&["figures/a"], 4), None);
+        let mut ahead = times.ahead(["solve/a", "solve/b"].into_iter(), 1);
         ahead.ended("solve/b");
-        assert_eq!(ahead.left(), Some(Duration::from_secs(150)));
-        let unknown = times.ahead(Stage::Figures, ["figures/a"].into_iter(), later(), 2);
-        assert_eq!(unknown.left(), None);
+        assert_eq!(ahead.left(), Some(Duration::from_secs(100)));
     }
 
     #[test]

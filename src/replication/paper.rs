@@ -5,7 +5,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Paper {
     /// Duality parameters, in the order of the rows.
@@ -15,7 +15,7 @@ pub struct Paper {
 }
 
 /// One published table with its declared tolerances.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedTable {
     /// Number of the table.
@@ -39,6 +39,8 @@ pub struct Row {
     pub r: f64,
     /// Iterations per grid.
     pub counts: Vec<usize>,
+    /// Per grid, whether `max_iterations` cut the count off.
+    pub capped: Vec<bool>,
     /// Delta a on the finest grid.
     pub delta_a: f64,
 }
@@ -84,6 +86,9 @@ pub struct RowComparison {
     pub paper: Vec<usize>,
     /// Our counts.
     pub ours: Vec<usize>,
+    /// Per count of ours, whether `max_iterations` cut it off; left out where none is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub capped: Vec<bool>,
     /// Per count, whether it is within tolerance.
     pub within: Vec<bool>,
     /// Published Delta a.
@@ -98,19 +103,20 @@ impl Paper {
     /// Parses and validates `pipeline/paper.toml`.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the from_toml.
+    /// [`Error::Input`] with the line of the mistake.
     pub fn parse(text: &str) -> Result<Self> {
         let paper: Self = from_toml("pipeline/paper.toml", text)?;
-        for t in &paper.table {
-            let width = t.counts.first().map_or(0, Vec::len);
-            if t.counts.len() != paper.r.len()
-                || t.delta_a.len() != paper.r.len()
-                || t.counts.iter().any(|row| row.len() != width)
-            {
-                return Err(Error::input(format!(
-                    "pipeline/paper.toml: table {} does not have one full row per r",
-                    t.number
-                )));
+        let wrong = |what: &str| Err(Error::input(format!("pipeline/paper.toml: {what}")));
+        if paper.r.is_empty() || !paper.r.iter().all(|r| r.is_finite() && *r > 0.0) {
+            return wrong("`r` must list positive numbers");
+        }
+        for (k, t) in paper.table.iter().enumerate() {
+            let number = t.number;
+            if let Some(why) = t.mistake(paper.r.len()) {
+                return wrong(&format!("table {number} {why}"));
+            }
+            if paper.table[..k].iter().any(|other| other.number == number) {
+                return wrong(&format!("two tables have the number {number}; change one"));
             }
         }
         Ok(paper)
@@ -160,12 +166,17 @@ impl Paper {
                     table.counts[k].len()
                 ))
             })?;
-            let within =
-                row.counts.iter().zip(&table.counts[k]).map(|(&a, &b)| table.near(a, b)).collect();
+            // A count that was cut off says only that the true one is larger.
+            let near = |(level, &count): (usize, &usize)| {
+                !row.capped[level] && table.near(count, table.counts[k][level])
+            };
+            let within = row.counts.iter().enumerate().map(near).collect();
+            let capped = if row.capped.contains(&true) { row.capped.clone() } else { Vec::new() };
             rows.push(RowComparison {
                 r,
                 paper: table.counts[k].clone(),
                 ours: row.counts.clone(),
+                capped,
                 within,
                 delta_a_paper: table.delta_a[k],
                 delta_a_ours: row.delta_a,
@@ -180,14 +191,12 @@ impl Paper {
             table: number,
             scene: scene.into(),
             cells: count(&|row| row.paper.len()),
-            exact: count(&|row| row.ours.iter().zip(&row.paper).filter(|(a, b)| a == b).count()),
+            exact: count(&|row| {
+                (0..row.ours.len()).filter(|&level| row.count_exact(level)).count()
+            }),
             within_tolerance: count(&|row| row.within.iter().filter(|w| **w).count()),
             delta_a_within: count(&|row| usize::from(row.delta_a_within)),
-            delta_a_exact: count(&|row| {
-                usize::from(
-                    format!("{:.1e}", row.delta_a_ours) == format!("{:.1e}", row.delta_a_paper),
-                )
-            }),
+            delta_a_exact: count(&|row| usize::from(row.delta_a_exact())),
             tolerance: table.tolerance(),
             rows,
         })
@@ -207,6 +216,36 @@ impl PublishedTable {
         format!("{counts}, a Delta a is within a factor of {}", self.delta_a_factor)
     }
 
+    /// What is wrong with its numbers, of which there is to be one row for each of `rows` values of r.
+    fn mistake(&self, rows: usize) -> Option<String> {
+        let width = self.counts.first().map_or(0, Vec::len);
+        if width == 0 {
+            return Some("has no counts".into());
+        }
+        if self.counts.len() != rows
+            || self.delta_a.len() != rows
+            || self.counts.iter().any(|row| row.len() != width)
+        {
+            return Some("does not have one full row per r".into());
+        }
+        if let Some(value) = self.delta_a.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
+            return Some(format!("has delta_a = {value}, which must be a positive number"));
+        }
+        if !(self.count_share >= 0.0 && self.count_share.is_finite()) {
+            let share = self.count_share;
+            return Some(format!(
+                "has count_share = {share}, which must be a number from 0 on, such as 0.05"
+            ));
+        }
+        if !(self.delta_a_factor >= 1.0 && self.delta_a_factor.is_finite()) {
+            let factor = self.delta_a_factor;
+            return Some(format!(
+                "delta_a_factor = {factor} must be a number from 1 on, such as 1.5"
+            ));
+        }
+        None
+    }
+
     fn near(&self, ours: usize, paper: usize) -> bool {
         let difference = ours.abs_diff(paper);
         difference <= self.count_slack || difference as f64 <= self.count_share * paper as f64
@@ -214,6 +253,16 @@ impl PublishedTable {
 }
 
 impl RowComparison {
+    /// Whether the count on this grid was cut off by `max_iterations`.
+    pub fn is_capped(&self, level: usize) -> bool {
+        self.capped.get(level) == Some(&true)
+    }
+
+    /// Whether the count on this grid is the published one.
+    pub fn count_exact(&self, level: usize) -> bool {
+        self.ours[level] == self.paper[level] && !self.is_capped(level)
+    }
+
     /// Whether Delta a agrees to the two digits that the paper prints.
     pub fn delta_a_exact(&self) -> bool {
         format!("{:.1e}", self.delta_a_ours) == format!("{:.1e}", self.delta_a_paper)
@@ -238,8 +287,8 @@ mod tests {
 
     fn ours() -> Vec<Row> {
         vec![
-            Row { r: 10.0, counts: vec![3, 211], delta_a: 2.04e-4 },
-            Row { r: 1e6, counts: vec![1, 105], delta_a: 1.6e-4 },
+            Row { r: 10.0, counts: vec![3, 211], capped: vec![false; 2], delta_a: 2.04e-4 },
+            Row { r: 1e6, counts: vec![1, 105], capped: vec![false; 2], delta_a: 1.6e-4 },
         ]
     }
 
@@ -260,5 +309,15 @@ mod tests {
             paper.compare(1, "s", &ours()[..1]).unwrap_err().to_string().contains("r = 1000000")
         );
         assert!(Paper::parse(&TEXT.replace("[2, 200]", "[2]")).is_err());
+        for (from, to) in [
+            ("delta_a = [1e-4", "delta_a = [nan"),
+            ("factor = 1.5", "factor = inf"),
+            ("share = 0.05", "share = nan"),
+            ("r = [1e6, 10]", "r = []"),
+            ("r = [1e6", "r = [inf"),
+            ("[[1, 100], [2, 200]]", "[[], []]"),
+        ] {
+            assert!(TEXT.contains(from) && Paper::parse(&TEXT.replace(from, to)).is_err(), "{to}");
+        }
     }
 }

@@ -1,13 +1,12 @@
 //! A project folder: the scenes, published values and templates that a run reads, and where it writes.
 
-use crate::identify::record::Record;
 use crate::pipeline::Artifacts;
-use crate::pipeline::error::{Error, IoContext, Result, from_toml};
-use crate::pipeline::files::read_tree;
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::files::{read_if_there, read_text, read_tree};
 use crate::replication::paper::Paper;
 use crate::replication::scene::Scene;
 use crate::report::CommandHelp;
-use crate::timing::recorded::{self, Timings};
+use crate::timing::recorded;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -27,14 +26,14 @@ pub struct Project {
     pub paper: Paper,
     /// `pipeline/paper.toml` as read.
     pub paper_text: String,
-    /// `pipeline/identified.toml` as read, if it is there.
+    /// `pipeline/identified.toml` as read, if it is there; whoever needs it parses it.
     pub record_text: Option<Vec<u8>>,
-    /// `pipeline/timings.toml` as read, if it is there.
+    /// `pipeline/timings.toml` as read, if it is there; whoever needs it parses it.
     pub timings_text: Option<Vec<u8>>,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
-    /// The commands of the program, for the book; a reader of the folder alone knows none.
-    pub commands: Vec<CommandHelp>,
+    /// Tells the commands of the program, for the book; a reader of the folder alone knows none.
+    pub commands: fn() -> Vec<CommandHelp>,
 }
 
 impl Project {
@@ -61,12 +60,10 @@ impl Project {
     pub fn read(root: PathBuf) -> Result<Self> {
         let (scenes, scene_files) = read_scenes(&root)?;
         let path = root.join("pipeline").join("paper.toml");
-        let paper_text = fs::read_to_string(&path).context("read", &path)?;
+        let paper_text = read_text(&path)?;
         let paper = Paper::parse(&paper_text)?;
-        let record_text =
-            read_record(&root, IDENTIFIED, |text| from_toml::<Record>(IDENTIFIED, text).map(drop))?;
-        let timings_text =
-            read_record(&root, recorded::PATH, |text| Timings::parse(text).map(drop))?;
+        let record_text = read_if_there(&root.join(IDENTIFIED))?;
+        let timings_text = read_if_there(&root.join(recorded::PATH))?;
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
         Ok(Self {
@@ -78,7 +75,7 @@ impl Project {
             record_text,
             timings_text,
             templates,
-            commands: Vec::new(),
+            commands: Vec::new,
         })
     }
 
@@ -96,6 +93,17 @@ impl Project {
         Ok(scenes)
     }
 
+    /// The scenes of the paper's problems 1 and 2, as far as there are any; the chapters are about them.
+    pub fn problems(&self) -> Vec<&Scene> {
+        let of = |number| self.scenes.iter().find(|scene| scene.paper_table == Some(number));
+        [1, 2].into_iter().filter_map(of).collect()
+    }
+
+    /// Whether a scene is one of the paper's problems.
+    pub fn is_problem(&self, scene: &Scene) -> bool {
+        self.problems().iter().any(|problem| problem.name == scene.name)
+    }
+
     /// The scene with this name.
     ///
     /// # Errors
@@ -108,23 +116,8 @@ impl Project {
     }
 }
 
-/// An optional record of the project, checked: a project of other problems has none.
-fn read_record(
-    root: &Path,
-    path: &str,
-    check: impl Fn(&str) -> Result<()>,
-) -> Result<Option<Vec<u8>>> {
-    let path = root.join(path);
-    if !fs::exists(&path).context("read", &path)? {
-        return Ok(None);
-    }
-    let text = fs::read_to_string(&path).context("read", &path)?;
-    check(&text)?;
-    Ok(Some(text.into_bytes()))
-}
-
-/// Folders under `report/` that a run writes.
-const GENERATED: [&str; 2] = ["src", "book"];
+/// What a run writes under `report/`.
+const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
 
 /// Whether a path under `report/` is hidden or generated.
 fn is_not_ours(path: &str) -> bool {
@@ -142,7 +135,11 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
         if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
             continue;
         }
-        let text = fs::read_to_string(&path).context("read", &path)?;
+        if path.file_name().is_none_or(|name| name.to_str().is_none()) {
+            let path = path.display();
+            return Err(Error::input(format!("the name of {path} is not UTF-8; rename it")));
+        }
+        let text = read_text(&path)?;
         scenes.push(Scene::parse(&name, &text)?);
         files.insert(format!("pipeline/scenes/{name}.toml"), text.into_bytes());
     }

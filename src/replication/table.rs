@@ -1,41 +1,11 @@
-//! Tables as polars data frames and CSV: the only module that knows polars.
+//! Tables in the paper's layout, as CSV.
 
 use crate::replication::paper::Row;
-use crate::saddle::Outcome;
+use crate::report::results::{csv, read_csv};
 use polars::prelude::*;
-use std::io::Cursor;
 
-/// One row per (r, grid): everything an [`Outcome`] says. Columns carry the names of its fields.
-///
-/// # Errors
-/// polars' words, should it fail to write.
-pub fn levels_csv(columns: &[(f64, Vec<Outcome>)]) -> Result<Vec<u8>, String> {
-    let all: Vec<(f64, &Outcome)> =
-        columns.iter().flat_map(|(r, levels)| levels.iter().map(move |o| (*r, o))).collect();
-    let float = |of: fn(&Outcome) -> f64| all.iter().map(|(_, o)| of(o)).collect::<Vec<_>>();
-    let count =
-        |of: fn(&Outcome) -> usize| all.iter().map(|(_, o)| of(o) as u64).collect::<Vec<_>>();
-    let frame = df!(
-        "r" => all.iter().map(|(r, _)| *r).collect::<Vec<_>>(),
-        "cells" => count(|o| o.cells),
-        "iterations" => count(|o| o.iterations),
-        "stop" => all.iter().map(|(_, o)| o.stop.to_string()).collect::<Vec<_>>(),
-        "gradient_signed" => float(|o| o.gradient_signed),
-        "gradient_abs" => float(|o| o.gradient_abs),
-        "delta_a" => float(|o| o.delta_a),
-        "energy" => float(|o| o.energy),
-        "sum_load" => float(|o| o.sum_load),
-        "kkt_stationarity" => float(|o| o.kkt.stationarity),
-        "kkt_min_y" => float(|o| o.kkt.min_y),
-        "kkt_min_lambda" => float(|o| o.kkt.min_lambda),
-        "kkt_complementarity" => float(|o| o.kkt.complementarity),
-        "kkt_natural" => float(|o| o.kkt.natural),
-        "kkt_relative" => float(|o| o.kkt.relative),
-    );
-    csv(frame.map_err(|e| e.to_string())?)
-}
-
-/// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`.
+/// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
+/// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which.
 ///
 /// # Errors
 /// polars' words, should it fail to write.
@@ -48,7 +18,13 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
     }
     let delta_a: Vec<f64> = rows.iter().map(|row| row.delta_a).collect();
     columns.push(Column::new("delta_a".into(), delta_a));
-    csv(DataFrame::new(rows.len(), columns).map_err(|e| e.to_string())?)
+    for (level, n) in cells.iter().enumerate() {
+        let capped: Vec<bool> = rows.iter().map(|row| row.capped[level]).collect();
+        if capped.contains(&true) {
+            columns.push(Column::new(format!("capped 1/{n}").into(), capped));
+        }
+    }
+    DataFrame::new(rows.len(), columns).and_then(csv).map_err(|e| e.to_string())
 }
 
 /// Reads what [`table_csv`] wrote.
@@ -56,30 +32,31 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
 /// # Errors
 /// What is wrong with the table.
 pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
-    let frame = CsvReader::new(Cursor::new(bytes)).finish().map_err(|e| e.to_string())?;
+    let frame = read_csv(bytes).map_err(|e| e.to_string())?;
     let floats = |name: &str| -> PolarsResult<Vec<f64>> {
         let column = frame.column(name)?.cast(&DataType::Float64)?;
         Ok(column.f64()?.iter().map(|v| v.unwrap_or(f64::NAN)).collect())
     };
     let read = || -> PolarsResult<Vec<Row>> {
         let (r, delta_a) = (floats("r")?, floats("delta_a")?);
-        let grids = frame.get_column_names().into_iter().filter(|name| name.starts_with("1/"));
-        let counts = grids.map(|name| floats(name)).collect::<PolarsResult<Vec<_>>>()?;
+        let names = frame.get_column_names().into_iter().filter(|name| name.starts_with("1/"));
+        let grids: Vec<&str> = names.map(|name| name.as_str()).collect();
+        let counts = grids.iter().map(|name| floats(name)).collect::<PolarsResult<Vec<_>>>()?;
+        let capped = |name: &&str| match frame.column(&format!("capped {name}")) {
+            Ok(column) => Ok(column.bool()?.iter().map(|v| v == Some(true)).collect()),
+            Err(_) => Ok(vec![false; frame.height()]),
+        };
+        let capped = grids.iter().map(capped).collect::<PolarsResult<Vec<_>>>()?;
         Ok((0..frame.height())
             .map(|k| Row {
                 r: r[k],
                 counts: counts.iter().map(|column| column[k] as usize).collect(),
+                capped: capped.iter().map(|column| column[k]).collect(),
                 delta_a: delta_a[k],
             })
             .collect())
     };
     read().map_err(|e| format!("table.csv: {e}"))
-}
-
-fn csv(mut frame: DataFrame) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    CsvWriter::new(&mut bytes).finish(&mut frame).map_err(|e| e.to_string())?;
-    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -89,8 +66,8 @@ mod tests {
     #[test]
     fn a_table_survives_its_csv_to_the_bit() {
         let rows = vec![
-            Row { r: 1e6, counts: vec![1, 149], delta_a: 1.0 / 3.0 * 1e-4 },
-            Row { r: 0.5, counts: vec![3, 55], delta_a: 3.53e-4 },
+            Row { r: 1e6, counts: vec![1, 149], capped: vec![false; 2], delta_a: 1.0 / 3.0 * 1e-4 },
+            Row { r: 0.5, counts: vec![3, 55], capped: vec![false; 2], delta_a: 3.53e-4 },
         ];
         let bytes = table_csv(&rows, &[4, 8]).unwrap();
         expect_test::expect![[r#"
@@ -100,5 +77,9 @@ mod tests {
         "#]]
         .assert_eq(std::str::from_utf8(&bytes).unwrap());
         assert_eq!(read_table(&bytes).unwrap(), rows);
+        let mut cut = rows;
+        cut[1].capped[1] = true;
+        let bytes = table_csv(&cut, &[4, 8]).unwrap();
+        assert_eq!(read_table(&bytes).unwrap(), cut);
     }
 }

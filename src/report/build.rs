@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use super::mathml::{Labels, collect_labels, convert};
-use crate::pipeline::files::read_tree;
+use crate::pipeline::files::{read_tree, temporary_folder};
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 use std::collections::BTreeMap;
@@ -13,8 +13,8 @@ use std::str::FromStr;
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
 ///
 /// Formulas in `*.md` are set as MathML. Returns every file of the built book by its path in it.
-/// The same files give the same bytes. The folder `scratch`, which must not exist yet, is used
-/// meanwhile and removed at the end, also on errors.
+/// The same files give the same bytes. A folder of its own in `scratch` is used meanwhile and removed
+/// at the end, also on errors.
 ///
 /// # Errors
 /// [`ReportError`] if a formula or a reference is wrong, mdBook refuses the book, or the disk does.
@@ -29,45 +29,39 @@ pub fn build(
     for (name, bytes) in markdown(files) {
         collect_labels(name, &text(name, bytes)?, &mut labels)?;
     }
-    let config = match files.get("book.toml") {
+    let mut config = match files.get("book.toml") {
         Some(bytes) => Config::from_str(&text("book.toml", bytes)?).map_err(refused)?,
         None => return Err(ReportError::Book("no book.toml among the files".into())),
     };
 
-    let scratch = Scratch::new(scratch)?;
+    // mdBook empties the first folder and may write to the second: they must be ours.
+    for (setting, folder, ours) in [
+        ("build.build-dir", &config.build.build_dir, "book"),
+        ("book.src", &config.book.src, "src"),
+    ] {
+        if folder != Path::new(ours) {
+            let folder = folder.display();
+            return Err(ReportError::Setting(format!(
+                "{setting} is `{folder}`, but must be `{ours}`"
+            )));
+        }
+    }
+    config.build.create_missing = false;
+
+    let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
+    let scratch = scratch.path();
     for (name, bytes) in files {
         if !name.ends_with(".md") {
-            write(&scratch.0.join(name), bytes)?;
+            write(&scratch.join(name), bytes)?;
         }
     }
     for (name, bytes) in markdown(files) {
         let page = convert(name, &text(name, bytes)?, &labels)?;
-        write(&scratch.0.join(name), page.as_bytes())?;
+        write(&scratch.join(name), page.as_bytes())?;
     }
-    let built = scratch.0.join(&config.build.build_dir);
-    MDBook::load_with_config(scratch.0, config).and_then(|book| book.build()).map_err(refused)?;
+    let built = scratch.join(&config.build.build_dir);
+    MDBook::load_with_config(scratch, config).and_then(|book| book.build()).map_err(refused)?;
     read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
-}
-
-/// A folder that lives as long as this value.
-struct Scratch<'a>(&'a Path);
-
-impl<'a> Scratch<'a> {
-    fn new(path: &'a Path) -> Result<Self, ReportError> {
-        let parent = path.parent().unwrap_or(path);
-        fs::create_dir_all(parent)
-            // Never an existing folder: what was in it would be deleted with it.
-            .and_then(|()| fs::create_dir(path))
-            .map_err(|source| io(path, source))?;
-        Ok(Self(path))
-    }
-}
-
-impl Drop for Scratch<'_> {
-    fn drop(&mut self) {
-        // A folder left behind is a nuisance, not a reason to lose the book.
-        let _ = fs::remove_dir_all(self.0);
-    }
 }
 
 fn markdown(files: &BTreeMap<String, Vec<u8>>) -> impl Iterator<Item = (&String, &Vec<u8>)> {

@@ -2,6 +2,7 @@
 
 use crate::experiments::accuracy::Findings;
 use crate::experiments::exponent;
+use crate::experiments::targets::Target;
 use crate::timing::measure::{SOLVERS, TIMED};
 use crate::timing::recorded::{Goal, Reached, Scaling, Timings, arrivals};
 use serde::Serialize;
@@ -15,10 +16,24 @@ pub(super) struct Cost {
     fits: Vec<Fit>,
     /// All solvers to the discretisation error, per problem.
     races: Vec<Race>,
-    /// Largest spread of any median.
-    noise: f64,
-    targets: Option<Targets>,
+    /// The noisiest medians, worst first.
+    noise: Vec<Noise>,
     outdated: Option<Outdated>,
+    /// Other people's times over ours: least and greatest.
+    peers: Option<[f64; 2]>,
+    /// Nanoseconds per unknown that were to be reached, were time inverse to the bandwidth of updates.
+    scaled: [f64; 2],
+    speedup: Option<Speedup>,
+    /// Nanoseconds per node of a sweep of the paper's method.
+    sweep: Option<f64>,
+}
+
+/// The distance of the quartiles over a median.
+#[derive(Clone, Debug, Serialize)]
+struct Noise {
+    solver: String,
+    cells: usize,
+    spread: f64,
 }
 
 /// Where multigrid has changed since it was timed.
@@ -91,23 +106,6 @@ struct Against {
     ratio: f64,
 }
 
-/// Times on the finest grid against the targets that were set on a machine with faster memory.
-#[derive(Clone, Debug, Serialize)]
-struct Targets {
-    cells: usize,
-    /// One thread, nanoseconds per unknown: to the discretisation error and to the floor.
-    ns: [f64; 2],
-    /// The same with two threads, if there are.
-    both: Option<[f64; 2]>,
-    /// What was to be reached.
-    wanted: [f64; 2],
-    /// That, were time inverse to the bandwidth of in-place updates.
-    scaled: [f64; 2],
-    speedup: Option<Speedup>,
-    /// Least and greatest ratio of other people's times to ours.
-    peers: Option<[f64; 2]>,
-}
-
 /// One thread's time over that of two.
 #[derive(Clone, Debug, Serialize)]
 struct Speedup {
@@ -119,6 +117,11 @@ struct Speedup {
 /// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
 const WANTED: [f64; 2] = [8.0, 30.0];
 const THEIR_UPDATE: f64 = 60.0;
+/// Bounds: exponent of the growth of time, two threads over one, ns per node of a sweep, PETSc over ours.
+const PROPORTIONAL: f64 = 1.05;
+const SPEEDUP: f64 = 1.6;
+const SWEEP: f64 = 1.5;
+const PEERS: f64 = 100.0;
 /// Cells per side of the grid on which two threads are judged.
 const THREADS_AT: usize = 2048;
 /// Power laws are fitted to grids with at least so many unknowns.
@@ -133,20 +136,64 @@ fn ns(line: &Scaling) -> f64 {
 }
 
 impl Cost {
-    pub(super) fn of(timings: &Timings, accuracy: Option<&Findings>) -> Self {
-        let spreads = timings.multigrid.iter().map(|line| line.spread);
-        let spreads = spreads.chain(timings.solver.iter().map(|line| line.spread));
+    pub(super) fn of(timings: &Timings, accuracy: &Findings) -> Self {
         let mut problems: Vec<&String> = timings.solver.iter().map(|line| &line.problem).collect();
         problems.dedup();
+        let ratios = || timings.peer.iter().map(|peer| peer.theirs / peer.ours);
+        let least = ratios().reduce(f64::min);
         Self {
             grids: grids(timings),
             fits: fits(&timings.multigrid),
             races: problems.into_iter().map(|problem| Race::of(problem, &timings.solver)).collect(),
-            noise: spreads.fold(0.0, f64::max),
-            targets: Targets::of(timings),
-            outdated: accuracy.and_then(|found| Outdated::of(timings, found)),
+            noise: noise(timings),
+            outdated: Outdated::of(timings, accuracy),
+            peers: least.zip(ratios().reduce(f64::max)).map(|(least, most)| [least, most]),
+            scaled: WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update),
+            speedup: Speedup::of(timings),
+            sweep: timings.sweep.as_ref().map(|sweep| sweep.ns),
         }
     }
+
+    /// Times against what was to be reached.
+    pub(super) fn targets(&self) -> Vec<Target> {
+        let mut targets = Vec::new();
+        if let Some(grid) = self.grids.last() {
+            for ((goal, wanted), (_, name)) in grid.goals.iter().zip(WANTED).zip(GOALS) {
+                let name = format!("ns per unknown to the {name}, one thread, 1/{}", grid.cells);
+                targets.push(Target::at_most(name, wanted, goal.ns[0]));
+            }
+        }
+        for fit in self.fits.iter().filter(|fit| fit.threads == 1) {
+            let name = format!("exponent of time over unknowns, {}, one thread", fit.goal);
+            targets.push(Target::at_most(name, PROPORTIONAL, fit.exponent));
+        }
+        if let Some(two) = &self.speedup {
+            for (ratio, (_, name)) in two.ratios.into_iter().zip(GOALS) {
+                let name = format!("two threads over one to the {name}, 1/{}", two.cells);
+                targets.push(Target::at_least(name, SPEEDUP, ratio));
+            }
+        }
+        if let Some(ns) = self.sweep {
+            targets.push(Target::at_most("ns per node of the paper's iteration", SWEEP, ns));
+        }
+        if let Some([least, _]) = self.peers {
+            targets.push(Target::at_least("PETSc's time over ours, the least", PEERS, least));
+        }
+        targets
+    }
+}
+
+/// The two noisiest medians.
+fn noise(timings: &Timings) -> Vec<Noise> {
+    let multigrid = timings.multigrid.iter().map(|l| ("multigrid", l.cells, l.spread));
+    let solvers = timings.solver.iter().map(|l| (l.solver.as_str(), l.cells, l.spread));
+    let mut all: Vec<Noise> = multigrid
+        .chain(solvers)
+        .map(|(solver, cells, spread)| Noise { solver: solver.into(), cells, spread })
+        .collect();
+    all.sort_by(|a, b| b.spread.total_cmp(&a.spread));
+    all.truncate(2);
+    all
 }
 
 impl Outdated {
@@ -250,22 +297,11 @@ impl Race {
     }
 }
 
-impl Targets {
+impl Speedup {
     fn of(timings: &Timings) -> Option<Self> {
-        let cells = timings.multigrid.iter().map(|line| line.cells).max()?;
-        let on = |cells: usize, threads: usize| {
-            let of = |goal| find(timings, cells, threads, goal).map(ns);
-            Some([of(Goal::Discretisation)?, of(Goal::Floor)?])
-        };
-        let speedup = on(THREADS_AT, 1).zip(on(THREADS_AT, 2)).map(|(one, two)| Speedup {
-            cells: THREADS_AT,
-            ratios: [one[0] / two[0], one[1] / two[1]],
-        });
-        let ratios = || timings.peer.iter().map(|peer| peer.theirs / peer.ours);
-        let peers = (!timings.peer.is_empty())
-            .then(|| [ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max)]);
-        let scaled = WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update);
-        let (ns, both) = (on(cells, 1)?, on(cells, 2));
-        Some(Self { cells, ns, both, wanted: WANTED, scaled, speedup, peers })
+        let on = |threads: usize, goal| find(timings, THREADS_AT, threads, goal).map(ns);
+        let ratio = |goal| Some(on(1, goal)? / on(2, goal)?);
+        let ratios = [ratio(Goal::Discretisation)?, ratio(Goal::Floor)?];
+        Some(Self { cells: THREADS_AT, ratios })
     }
 }

@@ -1,5 +1,6 @@
 //! What the templates are given: plain data, everything computed, nothing formatted.
 
+use super::results::Results;
 use crate::identify::Findings;
 use crate::identify::record::Record;
 use crate::pipeline::Graph;
@@ -29,6 +30,9 @@ pub struct Report {
     pub timings: Option<Timings>,
     /// The figures of the chapters.
     pub figures: Figures,
+    /// All results in one table.
+    #[serde(skip)]
+    pub results: Results,
     /// The commands of the program.
     pub commands: Vec<CommandHelp>,
     /// Where everything comes from.
@@ -38,6 +42,8 @@ pub struct Report {
 /// One of the paper's problems: its f, its solves under three stopping rules, its table.
 #[derive(Clone, Debug, Serialize)]
 pub struct Problem {
+    /// Name of its scene.
+    pub name: String,
     /// Number of the problem, and of its table.
     pub number: usize,
     /// Title of its scene.
@@ -64,8 +70,18 @@ pub struct Problem {
     pub signed_dual: Vec<Column>,
     /// The signed columns against the paper's table, one row per r.
     pub table: Vec<Row>,
-    /// The solution drawn in Figure 2.
-    pub solution: Solution,
+    /// The values of Delta a that miss the published digits, with those before them.
+    pub misses: Vec<Miss>,
+    /// The grid of the pictures, in cells per side.
+    pub cells: usize,
+    /// The duality parameter of the pictures.
+    pub drawn_r: f64,
+    /// Boundary nodes of that grid.
+    pub boundary_nodes: usize,
+    /// Where the signed rule stops there.
+    pub stop: Shape,
+    /// The discrete solution there, with f integrated exactly.
+    pub solution: Shape,
     /// What this run found out about f.
     pub findings: Findings,
 }
@@ -112,21 +128,28 @@ pub struct Compared<T> {
     pub within: bool,
 }
 
-/// A solution in a few numbers.
+/// A surface in a few numbers.
 #[derive(Clone, Debug, Serialize)]
-pub struct Solution {
-    /// Cells per side of its grid.
-    pub cells: usize,
-    /// Duality parameter it was computed with.
-    pub r: f64,
+pub struct Shape {
     /// Least nodal value.
     pub least: f64,
     /// Greatest nodal value.
     pub greatest: f64,
     /// Boundary nodes whose multiplier is positive.
-    pub contact_nodes: usize,
-    /// All boundary nodes.
-    pub boundary_nodes: usize,
+    pub contact: usize,
+    /// Total inflow: the sum of h times the multiplier over the boundary.
+    pub inflow: f64,
+}
+
+/// A published Delta a that ours rounds differently.
+#[derive(Clone, Debug, Serialize)]
+pub struct Miss {
+    /// Duality parameter.
+    pub r: f64,
+    /// As published.
+    pub paper: f64,
+    /// Ours in the last iterations: number and Delta a; the last is the one compared.
+    pub last: Vec<(usize, f64)>,
 }
 
 /// A scene that is not the paper's.
@@ -168,8 +191,10 @@ pub struct Level {
 pub struct Figures {
     /// Maps of f, the paper's Figure 1.
     pub figure1: Figure,
-    /// Surfaces of both solutions, the paper's Figure 2.
+    /// Surfaces where the signed rule stops, the paper's Figure 2.
     pub figure2: Figure,
+    /// Where the paper stopped, where the solution is, and the difference.
+    pub stops: Figure,
     /// Solution and multiplier along the unrolled boundary.
     pub contact: Figure,
     /// Residuals against iterations.
@@ -185,11 +210,9 @@ pub struct Figures {
 pub struct Figure {
     /// File name in the book's folder `figures`.
     pub file: String,
-    /// A sentence to add to the caption, or nothing.
-    pub note: String,
     /// The command that draws it.
     pub command: String,
-    /// Hash of the file.
+    /// First twelve hexadecimal digits of the blake3 hash of the file.
     pub hash: String,
 }
 
@@ -202,6 +225,8 @@ pub struct Provenance {
     pub inputs: Vec<Artifact>,
     /// Files that were made.
     pub artifacts: Vec<Artifact>,
+    /// All pictures.
+    pub figures: Vec<Figure>,
     /// The tool and the libraries whose output shows in the book.
     pub versions: Vec<Version>,
     /// What was run, task by task.
@@ -215,7 +240,7 @@ pub struct Provenance {
 pub struct Artifact {
     /// Path from the top of the repository.
     pub name: String,
-    /// blake3, in hexadecimal.
+    /// First twelve hexadecimal digits of its blake3 hash.
     pub hash: String,
 }
 

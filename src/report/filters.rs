@@ -4,7 +4,9 @@ use tera::{Kwargs, State, Tera, TeraResult, Value};
 
 /// Makes the filters known to templates.
 pub(super) fn register(tera: &mut Tera) {
-    tera.register_filter("sci", |x: f64, _: Kwargs, _: &State| math(scientific(x)));
+    tera.register_filter("sci", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
+        Ok(math(scientific(x, kwargs.get::<usize>("digits")?.unwrap_or(2))))
+    });
     tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x)));
     tera.register_filter("times", |x: f64, _: Kwargs, _: &State| math(factor(x)));
     tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| math(ratio(x)));
@@ -25,7 +27,19 @@ pub(super) fn register(tera: &mut Tera) {
     // For the scripts of a page: text, lists and numbers as JSON; a number as JavaScript writes it.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
     tera.register_filter("plain", |x: f64, _: Kwargs, _: &State| x.to_string());
+    tera.register_function("require", require);
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
+}
+
+/// `{{ require(that=CONDITION, what="...") }}`: nothing, or an error that stops the build.
+fn require(kwargs: Kwargs, _: &State) -> TeraResult<String> {
+    match kwargs.must_get::<bool>("that")? {
+        true => Ok(String::new()),
+        false => {
+            let what = kwargs.must_get::<String>("what")?;
+            Err(tera::Error::message(format!("no longer holds: {what}; rewrite what rests on it")))
+        }
+    }
 }
 
 fn math(latex: String) -> String {
@@ -45,17 +59,21 @@ fn equation(kwargs: Kwargs, value: String) -> TeraResult<String> {
     }))
 }
 
-/// Two significant digits, with a power of ten where that is shorter, as in the paper's last column.
-fn scientific(x: f64) -> String {
+/// So many significant digits, with a power of ten where that is shorter, as in the paper's last column.
+///
+/// A power of ten itself stands without a factor: it is a size that was chosen, not measured.
+fn scientific(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return plain(x);
     }
-    let text = format!("{x:.1e}");
+    let places = digits.saturating_sub(1);
+    let text = format!("{x:.places$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     match exponent {
-        "-1" => format!("{x:.2}"),
+        "-1" => format!("{x:.digits$}"),
         "0" => mantissa.to_string(),
         "1" | "2" | "3" => format!("{x:.0}"),
+        _ if format!("1e{exponent}").parse() == Ok(x) => format!("10^{{{exponent}}}"),
         _ => format!(r"{mantissa} \cdot 10^{{{exponent}}}"),
     }
 }
@@ -80,10 +98,10 @@ fn plain(x: f64) -> String {
 /// A ratio: whole from ten up, one decimal below, a power of ten when huge.
 fn factor(x: f64) -> String {
     match x.abs() {
-        size if size >= 1e5 || !x.is_finite() => scientific(x),
+        size if size >= 1e5 || !x.is_finite() => scientific(x, 2),
         size if size >= 9.95 => format!("{x:.0}"),
         size if size >= 0.095 => format!("{x:.1}"),
-        _ => scientific(x),
+        _ => scientific(x, 2),
     }
 }
 
@@ -128,9 +146,11 @@ mod tests {
 
     #[test]
     fn numbers_read_as_in_the_paper() {
-        assert_eq!(scientific(1.6e-4), r"1.6 \cdot 10^{-4}");
-        assert_eq!(scientific(9.96e-4), r"1.0 \cdot 10^{-3}");
-        assert_eq!((scientific(0.0).as_str(), scientific(4.2).as_str()), ("0", "4.2"));
+        assert_eq!(scientific(1.6e-4, 2), r"1.6 \cdot 10^{-4}");
+        assert_eq!(scientific(9.96e-4, 2), r"1.0 \cdot 10^{-3}");
+        assert_eq!(scientific(1e-5, 2), "10^{-5}");
+        assert_eq!(scientific(4.208e-2, 4), r"4.208 \cdot 10^{-2}");
+        assert_eq!((scientific(0.0, 2).as_str(), scientific(4.2, 2).as_str()), ("0", "4.2"));
         assert_eq!((plain(1e6).as_str(), plain(0.5).as_str()), ("10^{6}", "0.5"));
         assert_eq!(plain(0.03750000000003612), "0.0375");
         assert_eq!((plain(-1.05).as_str(), plain(-1e-14).as_str()), ("-1.05", "0"));
@@ -144,8 +164,8 @@ mod tests {
             (grouped(9999).as_str(), grouped(1234567).as_str()),
             ("9999", "1\u{202f}234\u{202f}567")
         );
-        assert_eq!(scientific(0.5369), "0.54");
-        assert_eq!(scientific(-29.6), "-30");
+        assert_eq!(scientific(0.5369, 2), "0.54");
+        assert_eq!(scientific(-29.6, 2), "-30");
         assert_eq!(plain(f64::NAN), r"\text{not a number}");
     }
 }

@@ -5,17 +5,17 @@ mod cost;
 mod data;
 mod facts;
 mod filters;
-mod graph;
 mod mathml;
 mod pages;
+pub mod results;
 mod room;
 
 pub use build::build;
 pub use data::{
-    Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Piece, Problem, Provenance,
-    Report, Row, Scene, Solution, Version,
+    Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Miss, Piece, Problem,
+    Provenance, Report, Row, Scene, Shape, Version,
 };
-pub use pages::pages;
+pub use pages::{context, pages, stubs};
 
 use std::path::PathBuf;
 
@@ -32,6 +32,9 @@ pub enum ReportError {
         /// What is wrong.
         message: String,
     },
+    /// Results that lack what the chapters are about.
+    #[error("the book lacks its data: {0}")]
+    Data(String),
     /// A formula that is no LaTeX we can set.
     #[error("{chapter}: cannot set the formula `{formula}`: {message}")]
     Formula {
@@ -79,6 +82,9 @@ pub enum ReportError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A setting of mdBook under which its output would not be where the run looks for it.
+    #[error("report/book.toml: {0}")]
+    Setting(String),
     /// mdBook refused the book.
     #[error("mdBook: {0}")]
     Book(String),

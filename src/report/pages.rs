@@ -2,13 +2,44 @@
 
 use super::cost::Cost;
 use super::data::Report;
-use super::facts::{Facts, Told};
-use super::{ReportError, filters, graph};
+use super::facts::{Facts, WithFacts};
+use super::{ReportError, filters};
+use crate::experiments::targets;
+use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
 /// Ending of the templates that become a page each; the others hold components.
 const PAGE: &str = ".md.tera";
+
+/// What the templates of the book are given.
+///
+/// # Errors
+/// [`ReportError::Data`] if the results lack what the chapters are about.
+pub fn context(data: &Report) -> Result<Context, ReportError> {
+    let lacking = |what: String| ReportError::Data(what);
+    let mut context = Context::from_serialize(data).map_err(|e| lacking(e.to_string()))?;
+    context.insert("facts", &Facts::of(data).map_err(lacking)?);
+    let problems = data.problems.iter().map(|problem| WithFacts::of(&data.results, problem));
+    context.insert("problems", &problems.collect::<Result<Vec<_>, _>>().map_err(lacking)?);
+    context.insert("mermaid", &data.provenance.graph.mermaid());
+    let mut all = Vec::new();
+    if let Some(found) = experiment(data, "accuracy") {
+        all.extend(targets::of_accuracy(&found));
+        if let Some(timings) = &data.timings {
+            let cost = Cost::of(timings, &found);
+            all.extend(cost.targets());
+            context.insert("cost", &cost);
+        }
+    }
+    all.extend(experiment(data, "cube").iter().flat_map(targets::of_cube));
+    context.insert("targets", &all);
+    Ok(context)
+}
+
+fn experiment<T: DeserializeOwned>(data: &Report, name: &str) -> Option<T> {
+    serde_json::from_value(data.bench.get(name)?.clone()).ok()
+}
 
 /// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`.
 ///
@@ -19,33 +50,38 @@ const PAGE: &str = ".md.tera";
 /// [`ReportError::Template`] with file and line.
 pub fn pages(
     templates: &BTreeMap<String, String>,
-    data: &Report,
+    context: &Context,
 ) -> Result<BTreeMap<String, String>, ReportError> {
     let mut tera = Tera::new();
     filters::register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
         .map_err(|error| located("", &error))?;
-    let mut context = Context::from_serialize(data).map_err(|error| located("", &error))?;
-    context.insert("facts", &Facts::of(data));
-    let problems: Vec<_> = data.problems.iter().map(Told::of).collect();
-    context.insert("problems", &problems);
-    context.insert("graph", &graph::picture(&data.provenance.graph));
-    context.insert("mermaid", &data.provenance.graph.mermaid());
-    let accuracy = data.bench.get("accuracy");
-    let accuracy = accuracy.and_then(|found| serde_json::from_value(found.clone()).ok());
-    let cost = data.timings.as_ref().map(|timings| Cost::of(timings, accuracy.as_ref()));
-    context.insert("cost", &cost);
-
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
         if name.ends_with(".md") || name.ends_with(".js") {
             pages.insert(format!("src/{name}"), text.clone());
         } else if let Some(stem) = name.strip_suffix(PAGE) {
-            let page = tera.render(name, &context).map_err(|error| located(name, &error))?;
+            let page = tera.render(name, context).map_err(|error| located(name, &error))?;
             pages.insert(format!("src/{stem}.md"), page);
         }
     }
     Ok(pages)
+}
+
+/// The same pages in a project without what the chapters tell about: each says why it was left out.
+pub fn stubs(templates: &BTreeMap<String, String>, reason: &str) -> BTreeMap<String, String> {
+    let mut pages = BTreeMap::new();
+    for (name, text) in templates {
+        if name.ends_with(".md") || name.ends_with(".js") {
+            pages.insert(format!("src/{name}"), text.clone());
+        } else if let Some(stem) = name.strip_suffix(PAGE) {
+            let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
+            let page =
+                format!("{title}\n\nLeft out, as are all chapters on the paper: {reason}.\n");
+            pages.insert(format!("src/{stem}.md"), page);
+        }
+    }
+    pages
 }
 
 /// The error with its place; in a component, with the page that called it as well.

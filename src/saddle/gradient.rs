@@ -1,74 +1,11 @@
 //! The gradient (8) of the modified functional and the step (12) of its multiplier, for every method here.
 
 use super::Pair;
-use super::arrow_hurwicz::{Iteration, OnIteration};
-use super::stopping::{StopReason, StopRule};
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::residual_row;
-use std::ops::ControlFlow;
-
-/// The end of an iteration, the same for every method: the step (12), the monitor, the stopping rule.
-pub(super) struct DualStep<'a> {
-    pub load: &'a [f64],
-    pub rule: StopRule,
-    pub tolerance: f64,
-    /// Nodes of the boundary, in the order of the multiplier.
-    pub boundary: Vec<usize>,
-    pub gradient: Gradient,
-    pub iterations: usize,
-    /// Last change of the multiplier.
-    pub delta_a: f64,
-}
-
-impl<'a> DualStep<'a> {
-    /// Before the first iteration on `pair`.
-    ///
-    /// # Panics
-    /// If a slice has the wrong length for `grid`, or `r` is not positive.
-    pub(super) fn new(
-        grid: Grid,
-        load: &'a [f64],
-        r: f64,
-        (rule, tolerance): (StopRule, f64),
-        pair: &Pair,
-    ) -> Self {
-        assert!(r > 0.0, "the duality parameter r must be positive");
-        assert!(load.len() == grid.nodes() && pair.y.len() == grid.nodes());
-        assert!(pair.a.len() == grid.boundary_nodes());
-        let (boundary, gradient) = (grid.boundary().collect(), Gradient::new(grid, r, 0.0));
-        Self { load, rule, tolerance, boundary, gradient, iterations: 0, delta_a: 0.0 }
-    }
-
-    /// Ends an iteration; breaks if it was the last.
-    pub(super) fn step(
-        &mut self,
-        pair: &mut Pair,
-        monitor: &mut Option<OnIteration>,
-    ) -> ControlFlow<StopReason> {
-        self.iterations += 1;
-        match dual_step(&self.boundary, self.gradient.r, &pair.y, &mut pair.a) {
-            Some(change) => self.delta_a = change,
-            None => return ControlFlow::Break(StopReason::Diverged),
-        }
-        let delta_a = self.delta_a;
-        if let Some(monitor) = monitor.as_mut() {
-            let (gradient_signed, gradient_abs) = self.gradient.extrema(self.load, pair);
-            let number = self.iterations;
-            if monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a }).is_break() {
-                return ControlFlow::Break(StopReason::Interrupted);
-            }
-        }
-        if (!self.rule.asks_dual() || delta_a <= self.tolerance)
-            && self.gradient.within(self.load, pair, self.tolerance, self.rule.is_printed())
-        {
-            return ControlFlow::Break(StopReason::Converged);
-        }
-        ControlFlow::Continue(())
-    }
-}
 
 /// `a <- (a - r y)^+` (12); the largest change, or `None` if a value is no longer finite.
-fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) -> Option<f64> {
+pub(super) fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) -> Option<f64> {
     let (mut change, mut finite) = (0.0f64, true);
     for (a, &node) in a.iter_mut().zip(boundary) {
         let next = *a - r * y[node];

@@ -1,16 +1,17 @@
 //! Saddle-point methods for the modified Lagrange functional (7), and their run over nested grids.
 
-mod arrow_hurwicz;
+pub mod batch;
 mod gradient;
+mod method;
+mod outcome;
 mod plain;
 mod stopping;
 mod sweep;
-mod uzawa;
 
-pub use arrow_hurwicz::{Iteration, Outcome, Params, arrow_hurwicz};
+pub use method::{Iteration, Method, OnIteration, Params, Steps, arrow_hurwicz, solve};
+pub use outcome::Outcome;
 pub use plain::Plain;
 pub use stopping::{StopReason, StopRule};
-pub use uzawa::{ProximalParams, UzawaOutcome, UzawaParams, uzawa, uzawa_proximal};
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -43,7 +44,7 @@ pub fn tolerance(level: usize) -> f64 {
     1.0 / 10f64.powi(level as i32)
 }
 
-/// Watches a run over nested grids; every method has a default that looks away.
+/// Watches a run over nested grids; every method has a default that does nothing.
 pub trait Monitor {
     /// Whether [`Monitor::iteration`] is to be called, which makes each iteration dearer.
     fn wants_iterations(&self) -> bool {
@@ -59,7 +60,7 @@ pub trait Monitor {
     fn level(&mut self, _grid: Grid, _pair: &Pair) {}
 }
 
-/// Looks away.
+/// Watches nothing.
 impl Monitor for () {}
 
 /// Solves on each of the nested `grids` in turn, starting from zero and then from the prolonged pair.

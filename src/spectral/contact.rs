@@ -1,11 +1,9 @@
 //! The contact set: from a grid at first, then corrected where a sign is wrong.
 
 use super::panels::{Ends, Place};
-use super::trace::Trace;
+use super::trace::{Trace, UNRESOLVED};
 use crate::discrete::grid::Grid;
 
-/// Gaps that reach no further from a corner are left out: the energy feels the fourth power of that.
-pub(super) const UNRESOLVED: f64 = 1e-4;
 /// Arcs and gaps shorter than this are left out.
 const SHORTEST: f64 = 2e-6;
 /// Negative multipliers and values that count, relative to the largest.

@@ -269,7 +269,7 @@ impl Cutter<'_> {
         if special.iter().all(Option::is_some) {
             cut = Some(0.5 * length);
         }
-        for (_, &point) in self.near.iter().enumerate().filter(|&(k, _)| !own(k)) {
+        for point in self.near.iter().enumerate().filter(|&(k, _)| !own(k)).map(|(_, &z)| z) {
             let near = segment.map(|end| (end - point).norm());
             if cut.is_none() && length > 2.0 * distance(segment, point) {
                 let piece = (2.0 * near[0].min(near[1])).max(SHORTEST);

@@ -96,10 +96,10 @@ impl Potential {
         // Interpolation in the four corners is a discrete Fourier transform.
         let mut power = [Complex::new(0.25, 0.0); 4];
         for c in &mut psi.gauge {
-            for k in 0..4 {
-                *c = *c + corners[k] * power[k];
+            for ((power, corner), z) in power.iter_mut().zip(corners).zip(CORNERS) {
+                *c = *c + corner * *power;
                 // The inverse of a corner is twice its conjugate.
-                power[k] = power[k] * CORNERS[k].conj().scaled(2.0);
+                *power = *power * z.conj().scaled(2.0);
             }
         }
         psi

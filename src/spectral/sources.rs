@@ -122,15 +122,15 @@ impl Sources {
         let range = group.range.clone();
         let (weight, moment) = (&self.weight[range.clone()], &self.moment[range.clone()]);
         let (sin, cos) = (&self.sin[range.clone()], &self.cos[range]);
+        let sources = weight.iter().zip(moment).zip(sin.iter().zip(cos));
         let mut sum = 0.0;
         if odd {
-            for i in 0..weight.len() {
-                sum += (moment[i] - g * weight[i]) / (ts * cos[i] - tc * sin[i]);
+            for ((w, m), (s, c)) in sources {
+                sum += (m - g * w) / (ts * c - tc * s);
             }
         } else {
-            for i in 0..weight.len() {
-                let cosine = tc * cos[i] + ts * sin[i];
-                sum += (moment[i] - g * weight[i]) * cosine / (ts * cos[i] - tc * sin[i]);
+            for ((w, m), (s, c)) in sources {
+                sum += (m - g * w) * (tc * c + ts * s) / (ts * c - tc * s);
             }
         }
         sum

@@ -1,7 +1,6 @@
 //! The solution on the border, and from it the energy.
 
 use super::complex::Complex;
-use super::contact::UNRESOLVED;
 use super::jumps::{Curve, Edge, Jumps, PROBE};
 use super::map::{Angle, corner_angle, to_disc};
 use super::newton::Problem;
@@ -10,6 +9,9 @@ use super::potential::CORNERS;
 use super::rule::{integration, interpolation};
 use super::sources::{Field, Rules, Sources};
 use std::f64::consts::TAU;
+
+/// Gaps that reach no further from a corner are left out: the energy feels the fourth power of that.
+pub(super) const UNRESOLVED: f64 = 1e-4;
 
 /// The solution at a point of the border.
 #[derive(Clone, Copy, Debug)]

@@ -28,3 +28,17 @@ pub fn kernel() -> String {
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
+
+/// Bytes that this program may still allocate, as far as the system tells: what is free on the machine, in
+/// its control group, and below the limit of the process (`ulimit -v`).
+pub fn available_memory() -> Option<u64> {
+    let number = |text: &str| text.split_whitespace().find_map(|word| word.parse::<u64>().ok());
+    let kilobytes = |file: &str, key: &str| Some(1024 * number(&field(file, key)?)?);
+    let free = kilobytes("/proc/meminfo", "MemAvailable");
+    let group = fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
+    let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let space = limits.lines().find_map(|line| number(line.strip_prefix("Max address space")?));
+    let used = kilobytes("/proc/self/status", "VmSize").unwrap_or(0);
+    let left = space.map(|space| space.saturating_sub(used));
+    [free, group.and_then(|text| number(&text)), left].into_iter().flatten().min()
+}

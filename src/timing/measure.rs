@@ -10,13 +10,13 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::law::{R, Track};
-use crate::experiments::saddle::{Looks, Method, sweeps_until};
+use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
 use crate::multigrid::square::{self, Multigrid, multigrid};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz};
 use crate::timing::recorded::{Goal, Machine, Reached, SCHEMA, Scaling, Sweep, Timings};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -49,7 +49,7 @@ const LONGEST: f64 = 4.0;
 const BUDGET: f64 = 2.0;
 /// A measurement shorter than this repeats the run until it is as long.
 const SHORTEST: f64 = 1e-3;
-const LOOKS: Looks = Looks { share: 8, cap: 1_000_000 };
+const CHECKS: Checks = Checks { share: 8, cap: 1_000_000 };
 
 /// Measures; `say` is told what comes next, once per solver, problem and grid.
 ///
@@ -216,8 +216,8 @@ fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
     };
     match name {
         "arrow-hurwicz" => saddle(Method::ArrowHurwicz),
-        "uzawa" => saddle(Method::Uzawa),
-        "uzawa-proximal" => saddle(Method::UzawaProximal),
+        "uzawa" => saddle(loose_uzawa(0.0)),
+        "uzawa-proximal" => saddle(loose_uzawa(1.0)),
         "active-set" => vec![(
             "contact set at rest".into(),
             8.0,
@@ -253,7 +253,7 @@ fn nested(method: Method, target: f64, tracks: &[Track]) -> Option<Vec<f64>> {
             pair = pair.prolonged(tracks[k - 1].grid, Prolongation::default());
         }
         let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
-        sweeps_until(method, (*grid, load), R, LOOKS, &mut pair, done)?;
+        sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, done)?;
     }
     Some(pair.y)
 }

@@ -200,13 +200,14 @@ impl Timings {
     /// # Errors
     /// [`Error::Input`] with the line of the mistake and the remedy.
     pub fn parse(text: &str) -> Result<Self> {
-        const REMEDY: &str = "undo the edit, or measure again with `signorini bench --record`";
+        const REMEDY: &str =
+            "correct it, or move the file away; `signorini bench --record` writes a new one";
         let timings: Self =
             from_toml(PATH, text).map_err(|e| Error::input(format!("{e}; {REMEDY}")))?;
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(
-                "{PATH}: schema {found}, where this version writes {SCHEMA}; measure again with `signorini bench --record`"
+                "{PATH}: schema {found}, where this version writes {SCHEMA}; move the file away and measure again with `signorini bench --record`"
             )));
         }
         Ok(timings)

@@ -41,7 +41,8 @@ fn help_is_as_reviewed() {
 #[test]
 fn solve_json_has_every_promised_field() {
     let project = Project::with(TABLE);
-    let said = project.run(&["solve", "a", "--h", "1/16", "--json"]);
+    let args = ["solve", "a", "--h", "1/16", "--r", "10", "--stop", "printed-dual", "--json"];
+    let said = project.run(&args);
     assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
     let json = said.json();
     assert_eq!(json["schema"], 1);
@@ -103,7 +104,7 @@ fn printed_rule_leaves_a_residual_of_its_tolerance() {
 fn solutions_are_written_as_npy_and_vti() {
     let project = Project::with(TABLE);
     for name in ["v.npy", "v.vti"] {
-        let said = project.run(&["solve", "a", "--out", name]);
+        let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", name]);
         assert!(said.lines().contains(&format!("wrote {name}").as_str()), "{said:?}");
     }
     let doubles = |bytes: &[u8]| -> Vec<f64> {
@@ -133,7 +134,7 @@ fn solutions_are_written_as_npy_and_vti() {
     assert_eq!(&vti[raw + 9 + size..], b"\n</AppendedData>\n</VTKFile>\n");
 
     // The name of a format alone.
-    let said = project.run(&["solve", "a", "--out", "vtk"]);
+    let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", "vtk"]);
     assert!(said.lines().contains(&"wrote a.vti"), "{said:?}");
     assert_eq!(fs::read(project.path("a.vti")).unwrap(), vti);
     let said = project.run(&["solve", "--f", "else=-1", "--out", "npy"]);
@@ -317,7 +318,7 @@ fn a_closed_pipe_is_no_panic() {
         &["explain", "solve"],
         &["diff", "--json"],
         &["gc"],
-        &["solve", "a"],
+        &["solve", "a", "--solver", "multigrid"],
         &["completions", "zsh"],
         &["man"],
         &["--help"],
@@ -395,9 +396,11 @@ fn data_go_to_standard_output_and_talk_to_standard_error() {
     let run = project.run(&["run", "-v"]);
     assert_eq!(run.ran().len(), 3);
     assert!(run.out.lines().all(|line| !line.starts_with("ran ")), "{run:?}");
-    for args in
-        [&["status", "--json"][..], &["explain", "solve", "--json"], &["solve", "a", "--json"]]
-    {
+    for args in [
+        &["status", "--json"][..],
+        &["explain", "solve", "--json"],
+        &["solve", "a", "--solver", "multigrid", "--json"],
+    ] {
         let said = project.run(args);
         assert_eq!((said.json()["schema"].as_u64(), said.err.as_str()), (Some(1), ""), "{args:?}");
     }

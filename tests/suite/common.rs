@@ -134,13 +134,6 @@ impl Project {
         self.command(args).output().expect("the binary starts").into()
     }
 
-    /// Starts the binary with silent outputs.
-    pub fn start(&self, args: &[&str]) -> Child {
-        let mut command = self.command(args);
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        command.spawn().expect("the binary starts")
-    }
-
     /// Ids of the tasks that a run would run, now or after others.
     pub fn stale(&self) -> Vec<String> {
         let status = self.run(&["status", "--json"]).json();
@@ -178,6 +171,27 @@ impl Project {
         }
         made.insert("lock.toml".into(), fs::read(self.path("pipeline/lock.toml")).unwrap());
         made
+    }
+}
+
+/// Says that something cannot be tested here, past libtest's capture; in CI that is a failure.
+pub fn skip(why: &str) {
+    use std::io::Write;
+    let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
+    assert!(!ci, "skipped in CI: {why}");
+    let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
+}
+
+/// Waits until a process has its handler for Ctrl-C, so that the signal finds it ready.
+pub fn wait_for_handler(child: &Child) {
+    // Signals caught, as a mask; SIGINT is number 2.
+    let caught = || {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+        u64::from_str_radix(mask.trim(), 16).unwrap()
+    };
+    while caught() & 2 == 0 {
+        std::thread::yield_now();
     }
 }
 

@@ -4,6 +4,7 @@ use crate::cube_loads::{exact_load, nodal_load, stress_loads};
 use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
 use signorini::discrete::cube::{Errors, Grid, energy, errors, kkt};
+use signorini::experiments::targets::{BYTES, HARD, WORK_UNITS};
 use signorini::multigrid::active_set::ActiveSetParams;
 use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
 use signorini::multigrid::{Goal, MultigridParams, Outcome};
@@ -114,9 +115,9 @@ fn work_does_not_depend_on_the_grid() {
             // The loads of one problem are a million times larger.
             let tolerance = 1e-10 * if name == "jumps" { 1e6 } else { 1.0 };
             for (goal, limit) in [
-                (Goal::DiscretisationError, 24.0),
-                (Goal::Kkt(tolerance), 52.0),
-                (Goal::RoundingFloor, 110.0),
+                (Goal::DiscretisationError, HARD * WORK_UNITS[0]),
+                (Goal::Kkt(tolerance), HARD * WORK_UNITS[1]),
+                (Goal::RoundingFloor, HARD * WORK_UNITS[2]),
             ] {
                 let params = MultigridParams { goal, ..Default::default() };
                 let outcome = workspace.solve(&load, None, &params, |_| {}).expect("valid load");
@@ -128,7 +129,7 @@ fn work_does_not_depend_on_the_grid() {
             }
         }
         let bytes = workspace.bytes() as f64 / (n + 1).pow(3) as f64;
-        assert!(bytes < 40.0, "{n} {bytes}");
+        assert!(bytes < BYTES[1], "{n} {bytes}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Disks that are full, limited or read-only: one clear line, and the next run completes.
 
-use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, promised, wanting};
+use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, promised, skip, wanting};
 use std::fs;
 use std::process::Command;
 
@@ -26,7 +26,7 @@ fn with_mounts(project: &Project, script: &str) -> Option<std::process::Output> 
         .output()
         .is_ok_and(|o| o.status.success())
     {
-        eprintln!("skipped: mounting in a namespace of one's own is not allowed here");
+        skip("mounting in a namespace of one's own is not allowed here");
         return None;
     }
     let script = script.replace("signorini", env!("CARGO_BIN_EXE_signorini"));

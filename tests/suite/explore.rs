@@ -1,7 +1,7 @@
 //! The book of this project as a reader opens it: the live iteration in a browser gives the tables'
 //! counts, and what the book says about the program is what the program says.
 
-use crate::common::copy;
+use crate::common::{copy, skip};
 use serde_json::Value;
 use signorini::discrete::grid::nested;
 use signorini::discrete::load::load;
@@ -65,9 +65,9 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
             unescaped(text)
         }
         None => {
-            eprintln!("SKIPPED: no chromium, so that the page itself is not opened; trying node");
+            skip("no chromium, so that the page itself is not opened; trying node");
             let Some(text) = in_node(book) else {
-                eprintln!("SKIPPED: no node either; the script's counts are not checked at all");
+                skip("no node either; the script's counts are not checked at all");
                 return;
             };
             text
@@ -110,7 +110,7 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
 #[test]
 fn the_controls_do_what_they_say() {
     let Some(browser) = browser() else {
-        eprintln!("SKIPPED: no chromium; nobody has pressed the buttons of explore.html");
+        skip("no chromium; nobody has pressed the buttons of explore.html");
         return;
     };
     let page = opened(&browser, book(), GO_THROUGH, 40_000);
@@ -172,16 +172,10 @@ fn the_graph_is_what_dag_prints() {
     let page = fs::read_to_string(book().join("../src/provenance.md")).unwrap();
     let graph = String::from_utf8(signorini(&["dag", "--mermaid"]).stdout).unwrap();
     assert!(graph.starts_with("graph LR\n") && page.contains(&graph));
-    let picture =
-        page.split("<svg class=\"graph\"").nth(1).unwrap().split("</svg>").next().unwrap();
-    for stage in ["solve", "tabulate", "diff", "identify", "figures", "report"] {
-        assert!(picture.contains(&format!(">{stage}</text>")), "{stage}");
-    }
-    assert!(picture.contains("problem1 × 15</text>"));
 }
 
 /// The project's book, built once from a copy of the project with a cache of its own.
-fn book() -> &'static Path {
+pub fn book() -> &'static Path {
     static BOOK: OnceLock<PathBuf> = OnceLock::new();
     BOOK.get_or_init(|| {
         let said = signorini(&["run", "--only", "report"]);

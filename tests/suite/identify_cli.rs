@@ -1,6 +1,6 @@
 //! `signorini identify` and the stage of that name: what they say, how they stop, and what is kept.
 
-use crate::common::{Project, Said};
+use crate::common::{Project, Said, wait_for_handler};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -79,7 +79,7 @@ fn an_interrupted_search_goes_on_to_the_same_end() {
     let resumable = [&args[..], &["--checkpoint", "state.json"]].concat();
     let mut child = project.command(&resumable);
     let mut child = child.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    wait_for_handler(&child);
     assert!(
         Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
     );

@@ -1,6 +1,7 @@
 //! The tests of the whole: one binary, a module per subject.
 
 mod accuracy;
+mod answers;
 mod book;
 mod cache;
 mod claims;
@@ -12,9 +13,11 @@ mod disks;
 mod explore;
 mod faults;
 mod fuzz;
+mod hostile;
 mod identify;
 mod identify_cli;
 mod interruption;
+mod layout;
 mod loads;
 mod multigrid;
 mod readme;

@@ -7,6 +7,7 @@ use signorini::discrete::kkt::kkt;
 use signorini::discrete::load::{LoadRule, load};
 use signorini::discrete::norms::errors;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
+use signorini::experiments::targets::{BYTES, COUNTED, HARD, WORK_UNITS};
 use signorini::multigrid::active_set::{ActiveSetParams, active_set};
 use signorini::multigrid::square::{Multigrid, multigrid};
 use signorini::multigrid::{Goal, MultigridParams, Outcome};
@@ -73,7 +74,10 @@ fn two_cycles_reach_the_discretisation_error() {
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
             assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 2));
             if n >= 64 {
-                assert!(outcome.work_units < 13.1, "{problem:?} {n} {outcome:?}");
+                assert!(
+                    outcome.work_units < COUNTED * WORK_UNITS[0],
+                    "{problem:?} {n} {outcome:?}"
+                );
             }
             let values = exact_values(problem, n);
             let norm = |a: &[f64], b: &[f64]| -> f64 {
@@ -131,14 +135,15 @@ fn multigrid_and_active_set_agree_to_rounding() {
 
 #[test]
 fn work_does_not_depend_on_the_grid() {
-    let goals =
-        [(Goal::DiscretisationError, 13.2), (Goal::Kkt(1e-10), 28.5), (Goal::RoundingFloor, 55.5)];
+    let goals = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor]
+        .into_iter()
+        .zip(WORK_UNITS.map(|units| COUNTED * units));
     for n in [64, 128, 256, 512] {
         let exact = Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n)));
         let usual = exact.into_iter().chain(paper_loads(n)).map(|load| (load, 1.0));
-        let degenerate = stress_loads(n).into_iter().map(|load| (load, 2.0));
+        let degenerate = stress_loads(n).into_iter().map(|load| (load, HARD));
         for ((name, load), allowance) in usual.chain(degenerate) {
-            for (goal, limit) in goals {
+            for (goal, limit) in goals.clone() {
                 let outcome = run(n, &load, goal).1;
                 assert!(outcome.work_units < allowance * limit, "{name} {n} {goal:?} {outcome:?}");
                 let stop = match goal {
@@ -240,7 +245,7 @@ fn impossible_input_is_refused() {
 fn the_workspace_stays_small_and_can_be_used_again() {
     let n = 512;
     let mut workspace = Multigrid::new(n).expect("valid size");
-    assert!(workspace.bytes() as f64 <= 24.0 * ((n + 1) * (n + 1)) as f64);
+    assert!(workspace.bytes() as f64 <= BYTES[0] * ((n + 1) * (n + 1)) as f64);
     let load = exact_load(Exact::FreeCorner, n);
     let params = MultigridParams::default();
     let mut solve = |load: &[f64]| {

@@ -25,6 +25,7 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
         Row {
             r,
             counts: outcomes.iter().map(|o| o.iterations).collect(),
+            capped: outcomes.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
             delta_a: outcomes.last().unwrap().delta_a,
         }
     };

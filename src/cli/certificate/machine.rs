@@ -2,6 +2,7 @@
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
+use chrono::DateTime;
 use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -45,54 +46,21 @@ pub(super) fn lock_is_committed(project: &Path) -> Option<bool> {
 /// [`Error::Input`] if `SOURCE_DATE_EPOCH` is no number of seconds.
 pub(super) fn check_time() -> Result<String> {
     let seconds = match std::env::var("SOURCE_DATE_EPOCH") {
-        Ok(text) => text.parse().ok().filter(|seconds| *seconds < LAST).ok_or_else(|| {
-            Error::input(format!("SOURCE_DATE_EPOCH={text}: give seconds since 1970, or unset it"))
-        })?,
+        Ok(text) => {
+            text.parse().ok().filter(|seconds| (0..=LAST).contains(seconds)).ok_or_else(|| {
+                Error::input(format!(
+                    "SOURCE_DATE_EPOCH={text}: give seconds since 1970, or unset it"
+                ))
+            })?
+        }
         // A clock before 1970 is wrong by so much that the date says it.
-        Err(_) => SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_secs()),
+        Err(_) => {
+            SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_secs() as i64)
+        }
     };
-    Ok(date(seconds))
+    let moment = DateTime::from_timestamp(seconds, 0);
+    Ok(moment.expect("within four digits of year").format("%Y-%m-%d %H:%M:%S").to_string())
 }
 
 /// The last second of the year 9999, after which dates have five digits.
-const LAST: u64 = 253_402_300_800;
-
-/// Date and time in UTC of a moment in seconds since 1970.
-fn date(seconds: u64) -> String {
-    let (mut day, second) = (seconds / 86_400, seconds % 86_400);
-    let leap = |year: u64| {
-        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
-    };
-    let mut year = 1970;
-    while day >= 365 + u64::from(leap(year)) {
-        day -= 365 + u64::from(leap(year));
-        year += 1;
-    }
-    let february = 28 + u64::from(leap(year));
-    let mut month = 1;
-    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
-        if day < length {
-            break;
-        }
-        day -= length;
-        month += 1;
-    }
-    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    format!("{year:04}-{month:02}-{:02} {hour:02}:{minute:02}:{second:02}", day + 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dates_are_those_of_the_calendar() {
-        assert_eq!(date(0), "1970-01-01 00:00:00");
-        assert_eq!(date(951_782_399), "2000-02-28 23:59:59");
-        assert_eq!(date(951_782_400), "2000-02-29 00:00:00");
-        assert_eq!(date(1_709_251_199), "2024-02-29 23:59:59");
-        assert_eq!(date(1_795_245_605), "2026-11-21 07:20:05");
-        assert_eq!(date(4_107_542_400), "2100-03-01 00:00:00");
-        assert_eq!(date(LAST - 1), "9999-12-31 23:59:59");
-    }
-}
+const LAST: i64 = 253_402_300_799;

@@ -1,7 +1,7 @@
 //! What a search found, as tables to read.
 
 use super::Answer;
-use crate::cli::styled;
+use crate::cli::output::styled;
 use crate::identify::{Found, Selection, Target};
 use anstyle::AnsiColor;
 

@@ -1,8 +1,9 @@
 //! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
 
+use crate::cli::output::talk;
 use crate::identify::Progress;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use crate::pipeline::bar;
+use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 
 /// Time between two plain lines.
@@ -19,15 +20,8 @@ pub(super) struct Watch {
 impl Watch {
     /// Begins to watch the search called `name`.
     pub(super) fn new(name: &str) -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template(
-                "{prefix} [{bar:24}] {percent:>3} %  {eta:>4}  {wide_msg}",
-            );
-            bar.set_style(style.expect("a valid template").progress_chars("=> "));
-            bar.set_prefix(name.to_owned());
-            bar
-        });
+        let bar = bar("{prefix} [{bar:24}] {percent:>3} %  {eta:>4}  {wide_msg}");
+        bar.iter().for_each(|bar| bar.set_prefix(name.to_owned()));
         Self { name: name.into(), bar, spoke: Instant::now(), last: None }
     }
 
@@ -43,7 +37,7 @@ impl Watch {
             None if self.spoke.elapsed() >= LINE => {
                 let (done, all) = progress.items;
                 let percent = 100 * done / all.max(1);
-                say(&format!("{}: {percent} %, {}", self.name, told(progress)));
+                talk(&format!("{}: {percent} %, {}", self.name, told(progress)));
                 self.spoke = Instant::now();
             }
             None => {}
@@ -54,7 +48,7 @@ impl Watch {
     pub(super) fn line(&mut self, text: &str) {
         match &self.bar {
             Some(bar) => bar.println(text),
-            None => say(text),
+            None => talk(text),
         }
     }
 
@@ -65,7 +59,7 @@ impl Watch {
         }
         if let Some(last) = &self.last {
             let time = last.elapsed.as_secs_f64();
-            say(&format!("{}: {time:.1} s, {}", self.name, told(last)));
+            talk(&format!("{}: {time:.1} s, {}", self.name, told(last)));
         }
     }
 }
@@ -94,9 +88,4 @@ fn short(x: f64) -> String {
         x if x >= 10.0 || x == 0.0 => format!("{x:.0}"),
         x => format!("{x:.1}"),
     }
-}
-
-/// A plain line; a reader that has gone away is no reason to stop.
-pub(super) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
 }

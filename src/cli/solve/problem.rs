@@ -1,213 +1,192 @@
-//! Solving one problem by any solver, each brought to the same shape of answer.
+//! What `solve` is asked: f and its domain, the grids, the solver and its settings.
 
-use super::{Solver, goal};
-use crate::discrete::grid::{Grid, nested};
-use crate::discrete::kkt::{Kkt, kkt};
-use crate::discrete::load::{LoadRule, load};
-use crate::discrete::norms::{Errors, errors};
-use crate::discrete::stiffness::{energy, residual};
+use super::domain::Domain;
+use super::{SolveArgs, Solver, cells};
+use crate::cli::current_folder;
+use crate::discrete::grid::nested;
+use crate::discrete::load::LoadRule;
 use crate::discrete::transfer::Prolongation;
-use crate::multigrid::MultigridParams;
-use crate::multigrid::active_set::{ActiveSetParams, active_set};
-use crate::multigrid::square::multigrid;
-use crate::multigrid::{self, InputError};
 use crate::pipeline::error::{Error, Result};
+use crate::problem;
 use crate::problem::source::Source;
-use crate::saddle::{
-    self, Outcome, Pair, Params, ProximalParams, UzawaOutcome, UzawaParams, on_nested,
-    solve_nested, tolerance, uzawa, uzawa_proximal,
-};
-use std::time::Instant;
+use crate::replication::project::Project;
+use crate::replication::scene::{Scene, positive_r, solvable, solvable_on_cube};
+use crate::saddle::{Params, StopRule};
+use serde_json::{Value, json};
 
-/// What is to be solved.
-pub(super) struct Problem<'a> {
-    pub name: &'a str,
-    pub f: &'a Source,
-    pub rule: LoadRule,
-    /// Cells per side.
-    pub finest: usize,
+/// Cells per side of the finest grid, where neither the user nor a scene says it.
+const DEFAULT_CELLS: usize = 64;
+
+/// Everything that determines an answer.
+pub(super) struct Problem {
+    /// Name of the scene, if f is one's.
+    pub scene: Option<String>,
+    pub domain: Domain,
+    pub solver: Solver,
+    /// Cells per side of the nested grids, coarsest first; only the saddle-point methods use more than the last.
+    pub grids: Vec<usize>,
+    /// What the saddle-point methods are told; the tolerance goes with the grid.
+    pub params: Params,
+    pub prolongation: Prolongation,
+    /// The tolerance of multigrid, relative to the load; none means the rounding floor.
+    pub tolerance: Option<f64>,
+    /// Where an option was given instead of what the scene says.
+    pub overridden: Vec<String>,
 }
 
-/// What came out.
-pub(super) struct Solved {
-    /// The finest grid.
-    pub grid: Grid,
-    pub pair: Pair,
-    /// One entry per grid on which the solver stopped, coarsest first.
-    pub levels: Vec<Level>,
-    /// Cost in sweeps of the finest grid, if the solver counts it.
-    pub work_units: Option<f64>,
-    /// Errors, if the solution is known.
-    pub errors: Option<Errors>,
-    /// Seconds for grids and load vectors.
-    pub setup: f64,
-    /// Seconds for the solver.
-    pub seconds: f64,
-}
-
-/// How a solver stopped on one grid.
-pub(super) struct Level {
-    pub cells: usize,
-    pub iterations: usize,
-    /// Gauss-Seidel sweeps, if they are what the solver does.
-    pub sweeps: Option<usize>,
-    pub stop: String,
-    pub energy: f64,
-    pub sum_load: f64,
-    pub kkt: Kkt,
-}
-
-impl Problem<'_> {
-    fn load(&self, grid: Grid) -> Vec<f64> {
-        load(grid, self.f, self.rule)
+impl Problem {
+    /// Reads and checks the arguments.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with what is wrong with them.
+    pub fn read(args: &SolveArgs) -> Result<Self> {
+        let scene = args.scene.as_deref().map(scene).transpose()?;
+        let scene = scene.as_ref();
+        let mut overridden = Vec::new();
+        let mut choose = Choice { overridden: &mut overridden };
+        let domain = match (&args.cube, &args.f) {
+            (Some(text), _) => {
+                let f: problem::cube::Source =
+                    text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
+                let integral = solvable_on_cube(&f)?;
+                Domain::Cube { f, integral }
+            }
+            (None, text) => {
+                let f: Source = match (text, scene) {
+                    (Some(text), _) => {
+                        text.parse().map_err(|e| Error::input(format!("--f: {e}")))?
+                    }
+                    (None, Some(scene)) => scene.f.clone(),
+                    (None, None) => return Err(Error::input("give a scene or --f")),
+                };
+                let rule = choose.one(
+                    "load",
+                    args.load.map(LoadRule::from),
+                    scene.map(|s| s.load),
+                    rule_name,
+                );
+                let integral = solvable(&f)?;
+                Domain::Square { f, rule: rule.unwrap_or_default(), integral }
+            }
+        };
+        let solver = args.solver.unwrap_or(domain.default_solver());
+        let given = args.h.as_deref().map(cells).transpose()?;
+        let finest = choose
+            .one("finest grid", given, scene.map(|s| s.finest().cells()), |n| format!("1/{n}"))
+            .unwrap_or(DEFAULT_CELLS);
+        domain.check_solver(solver, finest)?;
+        let r = choose.one("r", args.r, scene.map(|s| s.draw_r), f64::to_string).unwrap_or(10.0);
+        let stop = args.stop.as_deref().map(stop_rule).transpose()?;
+        let rule = choose.one("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string);
+        let cap = scene.map(|s| s.max_iterations);
+        let cap = choose.one(
+            "max-iterations",
+            args.max_iterations.map(|n| n as usize),
+            cap,
+            usize::to_string,
+        );
+        let defaults = Params::default();
+        let params = Params {
+            r: positive_r(r)?,
+            rule: rule.unwrap_or(StopRule::Printed),
+            max_iterations: cap.unwrap_or(defaults.max_iterations),
+            ..defaults
+        };
+        Ok(Self {
+            scene: scene.map(|scene| scene.name.clone()),
+            solver,
+            grids: hierarchy(finest, scene)?,
+            params,
+            prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
+            tolerance: args.tolerance(solver)?,
+            overridden,
+            domain,
+        })
     }
 
-    pub fn saddle(&self, solver: Solver, params: &Params) -> Result<Solved> {
-        let start = Instant::now();
-        let grids = hierarchy(self.finest)?;
-        let loads: Vec<_> = grids.iter().map(|&grid| self.load(grid)).collect();
-        let setup = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let (outcomes, pair) = on_saddle(solver, &grids, &loads, params);
-        let seconds = start.elapsed().as_secs_f64();
-        if let Some(o) =
-            outcomes.last().map(|o| o.end).filter(|o| o.stop == saddle::StopReason::Diverged)
+    /// Cells per side of the finest grid.
+    pub fn finest(&self) -> usize {
+        self.grids[self.grids.len() - 1]
+    }
+
+    pub fn name(&self) -> &str {
+        self.scene.as_deref().unwrap_or("custom")
+    }
+
+    /// What the answer depends on besides f, the solver and the grids, by name.
+    pub fn settings(&self) -> Vec<(&'static str, Value)> {
+        let mut settings = Vec::new();
+        if let Domain::Square { rule, .. } = &self.domain {
+            settings.push(("load", rule_name(rule).into()));
+        }
+        if self.solver.is_nested() {
+            let Params { r, rule, max_iterations, .. } = self.params;
+            settings.push(("r", r.into()));
+            settings.push(("stop", rule.name().into()));
+            settings.push(("max_iterations", max_iterations.into()));
+            settings.push(("prolongation", json!(self.prolongation)));
+        }
+        settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
+        settings
+    }
+}
+
+/// Chooses between an option and the scene.
+struct Choice<'a> {
+    overridden: &'a mut Vec<String>,
+}
+
+impl Choice<'_> {
+    /// The option's value, or else the scene's; a difference between the two is noted.
+    fn one<T: PartialEq>(
+        &mut self,
+        name: &str,
+        option: Option<T>,
+        scene: Option<T>,
+        show: impl Fn(&T) -> String,
+    ) -> Option<T> {
+        if let (Some(option), Some(scene)) = (&option, &scene)
+            && option != scene
         {
-            return Err(Error::Stage(vec![format!(
-                "{} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
-                self.name, o.cells, o.iterations
-            )]));
+            self.overridden.push(format!("{name} {} instead of {}", show(option), show(scene)));
         }
-        let levels = outcomes
-            .iter()
-            .map(|&UzawaOutcome { end: o, sweeps }| Level {
-                cells: o.cells,
-                iterations: o.iterations,
-                sweeps: Some(sweeps),
-                stop: o.stop.to_string(),
-                energy: o.energy,
-                sum_load: o.sum_load,
-                kkt: o.kkt,
-            })
-            .collect();
-        let (grid, load) = (grids[grids.len() - 1], &loads[loads.len() - 1]);
-        let errors = self.errors(grid, &pair.y, load);
-        Ok(Solved { grid, pair, levels, work_units: None, errors, setup, seconds })
-    }
-
-    pub fn multigrid(&self, tolerance: Option<f64>) -> Result<Solved> {
-        self.fast(|grid, load| {
-            let params = MultigridParams { goal: goal(tolerance, load), ..Default::default() };
-            let (y, outcome) = multigrid(grid.cells(), load, None, &params, |_| ())?;
-            Ok((y, outcome.cycles, outcome.stop, Some(outcome.work_units)))
-        })
-    }
-
-    pub fn active_set(&self) -> Result<Solved> {
-        if self.finest > MAX_DIRECT {
-            return Err(Error::input(format!(
-                "active-set factorises a matrix, which at h = 1/{} takes too much memory; use --solver multigrid, or h = 1/{MAX_DIRECT}",
-                self.finest
-            )));
-        }
-        self.fast(|grid, load| {
-            let params = ActiveSetParams::default();
-            let (y, outcome) = active_set(grid.cells(), load, None, &params, |_| ())?;
-            Ok((y, outcome.steps, outcome.stop, None))
-        })
-    }
-
-    /// Runs a solver that works on the finest grid alone; it returns y, steps, why it stopped, and work units.
-    fn fast(&self, solver: impl Fn(Grid, &[f64]) -> FastResult) -> Result<Solved> {
-        let start = Instant::now();
-        let grid = Grid::new(self.finest).map_err(|e| Error::input(e.to_string()))?;
-        let load = self.load(grid);
-        let setup = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let (y, iterations, stop, work_units) = solver(grid, &load).map_err(|e| {
-            let remedy = match e {
-                InputError::NotCoercive(_) => {
-                    "average f on its jumps with --load lumped-average, or lower it"
-                }
-                InputError::GridSize(..) => "choose another --h",
-                _ => "check f",
-            };
-            Error::input(format!("{}: {e}; {remedy}", self.name))
-        })?;
-        let seconds = start.elapsed().as_secs_f64();
-        if stop == multigrid::StopReason::Diverged {
-            return Err(Error::Stage(vec![format!("{} diverged; scale f down", self.name)]));
-        }
-        let mut flux = vec![0.0; grid.nodes()];
-        residual(grid, &y, &load, &mut flux);
-        // In contact y is exactly zero; elsewhere the flux is rounding error.
-        let multiplier =
-            |node: usize| if y[node] > 0.0 { 0.0 } else { flux[node].max(0.0) / grid.h() };
-        let a = grid.boundary().map(multiplier).collect();
-        let level = Level {
-            cells: grid.cells(),
-            iterations,
-            sweeps: None,
-            stop: stop.name().into(),
-            energy: energy(grid, &y, &load),
-            sum_load: load.iter().sum(),
-            kkt: kkt(grid, &y, &load),
-        };
-        let errors = self.errors(grid, &y, &load);
-        let pair = Pair { y, a };
-        Ok(Solved { grid, pair, levels: vec![level], work_units, errors, setup, seconds })
-    }
-
-    fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> Option<Errors> {
-        self.f.exact().map(|exact| errors(grid, exact, y, load))
+        option.or(scene)
     }
 }
 
-/// Runs a saddle-point method over the nested grids: the end and the sweeps on each, and the last pair.
-fn on_saddle(
-    solver: Solver,
-    grids: &[Grid],
-    loads: &[Vec<f64>],
-    params: &Params,
-) -> (Vec<UzawaOutcome>, Pair) {
-    let prolongation = Prolongation::default();
-    if solver == Solver::ArrowHurwicz {
-        let (ends, pair) = solve_nested(grids, loads, params, prolongation, &mut ());
-        let sweeps = |end: Outcome| UzawaOutcome { end, sweeps: end.iterations };
-        return (ends.into_iter().map(sweeps).collect(), pair);
+fn rule_name(rule: &LoadRule) -> String {
+    match rule {
+        LoadRule::Nodal { .. } => "nodal",
+        LoadRule::Exact { .. } => "exact",
+        LoadRule::LumpedAverage => "lumped-average",
     }
-    let Params { r, rule, max_iterations, .. } = *params;
-    on_nested(grids, loads, prolongation, |level, grid, load, pair| {
-        let params = UzawaParams {
-            r,
-            rule,
-            tolerance: tolerance(level),
-            max_sweeps: max_iterations,
-            ..UzawaParams::default()
-        };
-        let outcome = if solver == Solver::Uzawa {
-            uzawa(grid, load, &params, pair, None)
-        } else {
-            let params = ProximalParams { uzawa: params, ..ProximalParams::default() };
-            uzawa_proximal(grid, load, &params, pair, None)
-        };
-        (outcome, outcome.end.stop)
+    .into()
+}
+
+fn stop_rule(name: &str) -> Result<StopRule> {
+    StopRule::ALL.into_iter().find(|rule| rule.name() == name).ok_or_else(|| {
+        let names = StopRule::ALL.map(StopRule::name).join(", ");
+        Error::input(format!("--stop: no rule `{name}`; choose one of {names}"))
     })
 }
 
-type FastResult =
-    std::result::Result<(Vec<f64>, usize, multigrid::StopReason, Option<f64>), InputError>;
+fn scene(name: &str) -> Result<Scene> {
+    let project = Project::read(Project::find(&current_folder()?)?)?;
+    project.scene(name).cloned()
+}
 
-/// Finest grid whose Cholesky factor fits comfortably in memory.
-const MAX_DIRECT: usize = 1024;
-
-/// Grids from the coarsest that halves down to `finest`, with at least four cells if possible.
-fn hierarchy(finest: usize) -> Result<Vec<Grid>> {
+/// The grids of the scene down to the finest, or those that begin as its do; otherwise from the coarsest
+/// that halves down to the finest, with at least four cells if possible.
+fn hierarchy(finest: usize, scene: Option<&Scene>) -> Result<Vec<usize>> {
     let mut sizes = vec![finest];
-    while sizes[0].is_multiple_of(2) && sizes[0] >= 8 {
+    let coarsest = scene.map(|scene| scene.grids[0].cells());
+    let from_scene = |n: usize| finest.is_multiple_of(n) && (finest / n).is_power_of_two();
+    let stop_at = coarsest.filter(|&n| from_scene(n)).unwrap_or(4);
+    while sizes[0].is_multiple_of(2) && sizes[0] / 2 >= stop_at {
         sizes.insert(0, sizes[0] / 2);
     }
-    nested(&sizes).map_err(|e| Error::input(e.to_string()))
+    nested(&sizes).map_err(|e| Error::input(e.to_string()))?;
+    Ok(sizes)
 }
 
 #[cfg(test)]
@@ -215,11 +194,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hierarchies_halve_down_to_an_odd_or_small_grid() {
-        let sizes = |n| -> Vec<_> { hierarchy(n).unwrap().iter().map(|g| g.cells()).collect() };
+    fn hierarchies_halve_down_to_an_odd_or_small_grid_or_to_the_scenes() {
+        let sizes = |n| hierarchy(n, None).unwrap();
         assert_eq!(sizes(64), [4, 8, 16, 32, 64]);
         assert_eq!(sizes(12), [6, 12]);
         assert_eq!(sizes(7), [7]);
-        assert!(hierarchy(1).is_err());
+        assert!(hierarchy(1, None).is_err());
+        let text = "title = \"t\"\nf = \"else=-1\"\ngrids = [16, 32]\noutputs = []\n";
+        let scene = Scene::parse("s", text).unwrap();
+        let sizes = |n| hierarchy(n, Some(&scene)).unwrap();
+        assert_eq!(sizes(32), [16, 32]);
+        assert_eq!(sizes(128), [16, 32, 64, 128]);
+        assert_eq!(sizes(24), [6, 12, 24]);
     }
 }

@@ -1,20 +1,25 @@
 //! `solve --solver spectral`: the true solution, without a grid.
 
-use super::{Problem, SolveArgs};
-use crate::cli::{say, say_json};
+use super::SolveArgs;
+use super::domain::Domain;
+use super::problem::Problem;
+use crate::cli::output::{say, say_json};
 use crate::pipeline::error::{Error, Result};
 use crate::spectral::{ContactArc, Params, Solution, SpectralError, spectral};
 use std::time::Instant;
 
-pub(super) fn solve(args: &SolveArgs, problem: &Problem, integral: f64) -> Result<u8> {
+pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
+    let Domain::Square { f, integral, .. } = &problem.domain else {
+        unreachable!("the cube has no such solver")
+    };
     if args.h.is_some() || args.load.is_some() || args.out.is_some() {
         return Err(Error::input(
             "--solver spectral has no grid: leave out --h, --load and --out, or use --solver multigrid",
         ));
     }
     let start = Instant::now();
-    let solution = spectral(problem.f, Params::default()).map_err(|e| failed(problem.name, &e))?;
-    let finer = solution.at_resolution(Params::FINER).map_err(|e| failed(problem.name, &e))?;
+    let solution = spectral(f, Params::default()).map_err(|e| failed(problem.name(), &e))?;
+    let finer = solution.at_resolution(Params::FINER).map_err(|e| failed(problem.name(), &e))?;
     let seconds = start.elapsed().as_secs_f64();
     let resolution = solution.energy / finer.energy - 1.0;
     if args.json {
@@ -26,8 +31,8 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem, integral: f64) -> Resul
         let checks = finer.checks;
         return say_json(&serde_json::json!({
             "schema": 1,
-            "scene": problem.name,
-            "f": problem.f.to_string(),
+            "scene": problem.name(),
+            "f": f.to_string(),
             "dimension": 2,
             "solver": "spectral",
             "iterations": solution.steps,
@@ -52,7 +57,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem, integral: f64) -> Resul
             "seconds": { "solve": seconds },
         }));
     }
-    let mut text = format!("{}: f = {}, integral {integral:.4}\n", problem.name, problem.f);
+    let mut text = format!("{}: f = {f}, integral {integral:.4}\n", problem.name());
     text += &table(&finer);
     text += &format!(
         "checks: {}, two resolutions {resolution:.1e}\nsolved in {seconds:.4} s, {} Newton steps\n",

@@ -1,12 +1,12 @@
 //! The runs behind the claims, spread over threads; every count is the same however they are spread.
 
-use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Table};
+use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Table, VARIANTS};
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
-use crate::experiments::lanes::{End, Goal, Job, LANES, Method, run};
 use crate::problem::source::Source;
-use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
+use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
+use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
 
 /// The load towards a KKT residual: under the published one, problem 1 sums to a positive number on
@@ -40,7 +40,7 @@ enum Batch {
 #[derive(Clone, Copy)]
 struct Direct {
     target: f64,
-    /// `None` for Arrow-Hurwicz, else a place in [`super::VARIANTS`].
+    /// `None` for Arrow-Hurwicz, else a place in [`VARIANTS`].
     variant: Option<usize>,
     r: f64,
 }
@@ -75,7 +75,7 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
             for &(target, _) in plan.targets.iter().filter(asked).rev() {
                 runs.extend(swept.iter().map(|&r| Direct { target, variant: None, r }));
                 if case.grids[level].cells() >= plan.compared_from {
-                    for variant in (0..super::VARIANTS.len()).map(Some) {
+                    for variant in (0..VARIANTS.len()).map(Some) {
                         let of = |&r: &f64| Direct { target, variant, r };
                         runs.extend(plan.compared_r.iter().map(of));
                     }
@@ -132,25 +132,14 @@ impl<'a> Case<'a> {
 
     /// As [`crate::saddle::solve_nested`], for several r.
     fn nested(&self, rule: StopRule, r: &[f64]) -> Done {
-        let mut pairs = vec![Pair::zero(self.grids[0]); r.len()];
-        let mut done = vec![Vec::new(); r.len()];
-        for (k, &grid) in self.grids.iter().enumerate() {
-            let load = &self.published[k];
-            let job = |(&r, start)| Job {
-                load,
-                start,
-                method: Method::ArrowHurwicz,
-                r,
-                goal: Goal::Rule(rule, tolerance(k + 1)),
-                cap: self.problem.max_iterations,
-            };
-            let ends = run(grid, &r.iter().zip(&pairs).map(job).collect::<Vec<_>>());
-            for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
-                done.push(Reached::of(&end, kkt(grid, &end.pair.y, load).relative));
-                *pair = end.pair.prolonged(grid, self.problem.prolongation);
-            }
-        }
-        done
+        let loads = &self.published[..];
+        let runs: Vec<_> = r.iter().map(|&r| Nested { loads, r, rule }).collect();
+        let cap = |_, _| self.problem.max_iterations;
+        let ends = run_nested(&self.grids, &runs, self.problem.prolongation, cap, &mut AsDefined);
+        let reached = |(k, end): (usize, &End)| {
+            Reached::of(end, kkt(self.grids[k], &end.pair.y, &loads[k]).relative)
+        };
+        ends.iter().map(|ends| ends.iter().enumerate().map(reached).collect()).collect()
     }
 
     fn direct(&self, plan: &Plan, level: usize, runs: &[Direct]) -> Done {
@@ -159,16 +148,14 @@ impl<'a> Case<'a> {
         let job = |of: &Direct| Job {
             load,
             start: &self.starts[level],
-            method: of.variant.map_or(Method::ArrowHurwicz, |variant| Method::Uzawa {
-                weight: if variant >= 2 { plan.weight } else { 0.0 },
-                inner: 0.1 * of.target * scale,
-                loose: variant % 2 == 1,
+            method: of.variant.map_or(Method::ArrowHurwicz, |variant| {
+                VARIANTS[variant].method(plan.weight, 0.1 * of.target * scale)
             }),
             r: of.r,
             goal: Goal::Kkt(of.target),
             cap: plan.cap,
         };
-        let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>());
+        let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>(), &mut AsDefined);
         ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
     }
 

@@ -7,8 +7,7 @@ pub use verdict::{Gain, GainAt, Range, Spread, Tally, Verdict, Verdicts};
 
 use crate::discrete::load::LoadRule;
 use crate::discrete::transfer::Prolongation;
-use crate::replication::scene::Scene;
-use crate::saddle::{StopReason, StopRule};
+use crate::saddle::{Method, StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// Everything the experiment depends on.
@@ -53,9 +52,8 @@ pub struct Problem {
 }
 
 impl Plan {
-    /// The experiment on these scenes; `None` for those that compare with no published table.
-    pub fn of(scenes: &[Scene]) -> Self {
-        let mut problems: Vec<_> = scenes.iter().filter_map(Problem::of).collect();
+    /// The experiment on these problems.
+    pub fn new(mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| problem.number);
         Self {
             problems,
@@ -86,21 +84,6 @@ impl Plan {
 
 fn decade(power: i32) -> f64 {
     if power < 0 { 1.0 / 10f64.powi(-power) } else { 10f64.powi(power) }
-}
-
-impl Problem {
-    /// The problem of a scene, if it belongs to a published table.
-    fn of(scene: &Scene) -> Option<Self> {
-        Some(Self {
-            number: scene.paper_table?,
-            f: scene.f.to_string(),
-            load: scene.load,
-            prolongation: scene.prolongation,
-            grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
-            r: scene.r.clone(),
-            max_iterations: scene.max_iterations,
-        })
-    }
 }
 
 /// What was found.
@@ -224,13 +207,34 @@ pub struct Cell {
     pub uzawa: [Count; 4],
 }
 
-/// What Arrow-Hurwicz is compared with: Uzawa's algorithm, plain or with the proximal term, each inner
-/// minimisation to the end or only to a tenth of the gradient before it.
-pub const VARIANTS: [&str; 4] = [
-    "Uzawa, exact inside",
-    "Uzawa, loose inside",
-    "proximal, exact inside",
-    "proximal, loose inside",
+/// A variant of Uzawa's algorithm.
+#[derive(Clone, Copy, Debug)]
+pub struct Variant {
+    /// Its name in the book.
+    pub name: &'static str,
+    proximal: bool,
+    loose: bool,
+}
+
+impl Variant {
+    const fn new(name: &'static str, proximal: bool, loose: bool) -> Self {
+        Self { name, proximal, loose }
+    }
+
+    /// The method, with the weight of the proximal term and the bound on the inner gradient.
+    fn method(self, weight: f64, inner: f64) -> Method {
+        let weight = if self.proximal { weight } else { 0.0 };
+        Method::Uzawa { weight, inner, loose: self.loose }
+    }
+}
+
+/// What Arrow-Hurwicz is compared with: plain or with the proximal term, each inner minimisation to the
+/// end or only to a tenth of the gradient before it.
+pub const VARIANTS: [Variant; 4] = [
+    Variant::new("Uzawa, exact inside", false, false),
+    Variant::new("Uzawa, loose inside", false, true),
+    Variant::new("proximal, exact inside", true, false),
+    Variant::new("proximal, loose inside", true, true),
 ];
 
 /// Measures, in parallel over runs, and judges.

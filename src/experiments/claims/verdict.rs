@@ -185,7 +185,7 @@ impl Verdicts {
             dual_costs: many(&signed),
             dual_costs_printed: many(&printed),
             dual_factors: [Range::of(&signed), Range::of(&printed)],
-            cheaper: cheaper(VARIANTS[0]),
+            cheaper: cheaper(VARIANTS[0].name),
             cheapest: cheaper(BEST),
             gain_depends_on_r: Tally::of(problems.iter().flat_map(gain_depends_on_r)),
             gains,
@@ -275,7 +275,7 @@ fn gains(problems: &[Measured], target: f64) -> Vec<Gain> {
         }
     };
     let mut gains: Vec<_> = (0..VARIANTS.len())
-        .map(|variant| gain(VARIANTS[variant], &|counts| counts[variant]))
+        .map(|variant| gain(VARIANTS[variant].name, &|counts| counts[variant]))
         .collect();
     gains.push(gain(BEST, &best));
     gains

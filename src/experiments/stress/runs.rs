@@ -7,20 +7,19 @@ use super::{
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
-use crate::discrete::transfer::Prolongation;
 use crate::experiments::problems::nodal_load;
-use crate::experiments::reference::{Number, Plain, Problem, nested_counts};
 use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
-use crate::saddle::{Pair, Params, StopRule};
+use crate::saddle::batch::{AsDefined, End, Goal as Until, Job, Nested, Number, run, run_nested};
+use crate::saddle::{Method, Pair, Params, StopRule};
 use rayon::prelude::*;
 
 /// The duality parameter where it is not what is varied.
 const R: f64 = 10.0;
-/// Caps on the iterations where the rounding floor is to be reached.
-const PATIENCE: usize = 2;
+/// How many times the usual cap iterations may take where the rounding floor is to be reached.
+const LONGER: usize = 2;
 
 pub(super) struct Bench<'a> {
     plan: &'a Plan,
@@ -117,7 +116,7 @@ impl<'a> Bench<'a> {
             let tolerance = power_of_ten(exponent);
             let bound = tolerance * largest(load);
             let run = |rule| {
-                let max_iterations = PATIENCE * self.plan.cap;
+                let max_iterations = LONGER * self.plan.cap;
                 let params = Params { r: R, tolerance: bound, rule, max_iterations };
                 saddle(self.coarse, load, &params, Pair::zero(self.coarse))
             };
@@ -211,13 +210,14 @@ impl<'a> Bench<'a> {
 /// The paper's iteration in single precision.
 fn single_floor(grid: Grid, load: &[f64], iterations: usize) -> Attained {
     let narrow: Vec<f32> = load.iter().map(|&f| f32::of(f)).collect();
-    let (mut y, mut a) = (vec![0.0f32; grid.nodes()], vec![0.0f32; grid.boundary_nodes()]);
-    let problem = Problem { grid, load: &narrow, r: R as f32 };
     // No gradient is below minus infinity: the rule is never met.
-    problem.iterate(&mut Plain, f64::NEG_INFINITY, iterations, (&mut y, &mut a));
-    let wide: Vec<f64> = y.iter().map(|y| y.wide()).collect();
-    let judged = kkt(grid, &wide, load);
-    let unit = f64::from(f32::EPSILON) * largest(&wide);
+    let goal = Until::Rule(StopRule::Signed, f64::NEG_INFINITY);
+    let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
+    let job = Job { load: &narrow, start, method, r: R, goal, cap: iterations };
+    let ends = run(grid, &[job], &mut AsDefined);
+    let wide = &ends[0].pair.y;
+    let judged = kkt(grid, wide, load);
+    let unit = f64::from(f32::EPSILON) * largest(wide);
     Attained { kkt: judged.relative, floor: judged.natural / unit }
 }
 
@@ -228,29 +228,29 @@ pub(super) fn single(table: &TablePlan) -> Result<Single, String> {
     let double: Vec<_> = grids.iter().map(|&grid| load(grid, &f, table.load)).collect();
     let single: Vec<Vec<f32>> =
         double.iter().map(|load| load.iter().map(|&f| f32::of(f)).collect()).collect();
-    let changed = table.r.par_iter().flat_map_iter(|&r| {
-        fn counts<N: Number>(
-            grids: &[Grid],
-            loads: &[Vec<N>],
-            r: f64,
-            rule: Prolongation,
-        ) -> Vec<Option<usize>> {
-            nested_counts(&mut Plain, grids, loads, r, rule, |_| 2000).0
+    fn counts<N: Number>(
+        table: &TablePlan,
+        grids: &[Grid],
+        loads: &[Vec<N>],
+    ) -> Vec<Vec<Option<usize>>> {
+        let nested = |&r: &f64| Nested { loads, r, rule: StopRule::Signed };
+        let runs: Vec<_> = table.r.iter().map(nested).collect();
+        let ends = run_nested(grids, &runs, table.prolongation, |_, _| 2000, &mut AsDefined);
+        let count = |end: &End| end.met.then_some(end.sweeps);
+        ends.iter().map(|ends| ends.iter().map(count).collect()).collect()
+    }
+    let (double, single) =
+        rayon::join(|| counts(table, &grids, &double), || counts(table, &grids, &single));
+    let mut changed = Vec::new();
+    for (&r, (double, single)) in table.r.iter().zip(double.into_iter().zip(single)) {
+        for (&cells, (double, single)) in table.grids.iter().zip(double.into_iter().zip(single)) {
+            if double != single {
+                changed.push(Changed { r, cells, double: double.unwrap_or_default(), single });
+            }
         }
-        let double = counts(&grids, &double, r, table.prolongation);
-        let single = counts(&grids, &single, r, table.prolongation);
-        let cells = table.grids.iter().zip(double.into_iter().zip(single));
-        let changed = cells.filter(|(_, (double, single))| double != single);
-        let told = changed.map(move |(&cells, (double, single))| Changed {
-            r,
-            cells,
-            double: double.unwrap_or_default(),
-            single,
-        });
-        told.collect::<Vec<_>>()
-    });
+    }
     let cells = table.r.len() * table.grids.len();
-    Ok(Single { number: table.number, cells, changed: changed.collect() })
+    Ok(Single { number: table.number, cells, changed })
 }
 
 /// `odd` on the lower left quadrant, a third of its opposite elsewhere, less a constant.

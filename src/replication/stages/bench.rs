@@ -5,9 +5,10 @@ mod stability;
 
 use super::{artifact, cost, figures, to_json};
 use crate::experiments::{self, accuracy};
-use crate::figures::Caption;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::figures::{Caption, Chart, charts};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
+use crate::replication::scene::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -17,7 +18,8 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
-    let plan = experiments::claims::Plan::of(&project.scenes);
+    let problems = project.problems().into_iter().filter_map(problem).collect();
+    let plan = experiments::claims::Plan::new(problems);
     let mut tasks = vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
@@ -25,6 +27,19 @@ pub fn tasks(project: &Project) -> Vec<Task> {
     ];
     tasks.extend(stability::tasks(project));
     tasks
+}
+
+/// The problem of a scene as the claims are measured on it, if it belongs to a published table.
+pub fn problem(scene: &Scene) -> Option<experiments::claims::Problem> {
+    Some(experiments::claims::Problem {
+        number: scene.paper_table?,
+        f: scene.f.to_string(),
+        load: scene.load,
+        prolongation: scene.prolongation,
+        grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
+        r: scene.r.clone(),
+        max_iterations: scene.max_iterations,
+    })
 }
 
 /// A picture of what experiments found.
@@ -96,7 +111,13 @@ pub const PICTURES: &[Picture] = &[
     },
 ];
 
-type Drawn = Result<String, String>;
+/// A picture, or why there is none.
+pub(super) type Drawn = Result<String, String>;
+
+/// Charts in rows of `columns`, each with a range of its own.
+pub(super) fn drawn(caption: Caption, columns: usize, panels: &[Chart]) -> Drawn {
+    charts(caption, columns, false, panels).map_err(|e| e.to_string())
+}
 
 /// The tasks that draw [`PICTURES`].
 pub fn pictures() -> impl Iterator<Item = Task> {
@@ -118,7 +139,6 @@ where
 {
     Task {
         id: id(name),
-        stage: Stage::Bench,
         parameters: parameters(&plan),
         files: Artifacts::new(),
         needs: Vec::new(),

@@ -1,59 +1,15 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
+use super::bench::{Drawn, drawn};
 use crate::experiments::accuracy::{Findings, Level};
-use crate::experiments::law::Law;
-use crate::figures::{Axis, Caption, Chart, Curve, Scale, Stroke, charts};
+use crate::experiments::law::{Law, Run};
+use crate::figures::{Caption, Chart, Curve, Stroke};
 use crate::timing::measure::SOLVERS;
 use crate::timing::recorded::{Goal, Reached, Scaling, Timings, arrivals};
 
-type Drawn = Result<String, String>;
-
-/// A curve that owns its data.
-struct Line {
-    label: String,
-    points: Vec<(f64, f64)>,
-    stroke: Stroke,
-}
-
-/// A doubly logarithmic panel that owns its data.
-struct Panel {
-    title: String,
-    x: &'static str,
-    y: &'static str,
-    lines: Vec<Line>,
-}
-
-fn marked(label: impl Into<String>, points: Vec<(f64, f64)>) -> Line {
-    Line { label: label.into(), points, stroke: Stroke::Marked }
-}
-
-fn curve(line: &Line) -> Curve<'_> {
-    let Line { label, points, stroke } = line;
-    Curve { label, points, stroke: *stroke }
-}
-
-fn draw(caption: Caption, panels: &[Panel]) -> Drawn {
-    let curves: Vec<Vec<Curve>> = panels
-        .iter()
-        .map(|panel| panel.lines.iter().filter(|line| !line.points.is_empty()).map(curve).collect())
-        .collect();
-    let axis = |name| Axis { name, scale: Scale::Log, range: None };
-    let panels: Vec<_> = panels
-        .iter()
-        .zip(&curves)
-        .map(|(panel, curves)| Chart {
-            title: &panel.title,
-            x: axis(panel.x),
-            y: axis(panel.y),
-            curves,
-        })
-        .collect();
-    charts(caption, 2, &panels).map_err(|e| e.to_string())
-}
-
 /// A line of slope `power` over the range of the others, all of which it passes by at this `factor`
 /// of the one that comes nearest.
-fn slope(label: &str, lines: &[Line], power: f64, factor: f64) -> Line {
+fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
     let points = || lines.iter().flat_map(|line| &line.points);
     let ends = points().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p.0), b.max(p.0)));
     let scaled = points().map(|(x, y)| y / libm::pow(*x, power));
@@ -62,7 +18,7 @@ fn slope(label: &str, lines: &[Line], power: f64, factor: f64) -> Line {
         false => factor * scaled.fold(0.0, f64::max),
     };
     let at = |x: f64| (x, constant * libm::pow(x, power));
-    Line { label: label.into(), points: vec![at(ends.0), at(ends.1)], stroke: Stroke::Reference }
+    Curve::reference(label, vec![at(ends.0), at(ends.1)])
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
@@ -85,119 +41,122 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
         let mut lines: Vec<_> = found
             .problems
             .iter()
-            .map(|known| marked(&known.name, known.levels.iter().map(curve).collect()))
+            .map(|known| Curve::marked(&known.name, known.levels.iter().map(curve).collect()))
             .collect();
         let references: Vec<_> = slopes
             .iter()
             .map(|(label, power, factor)| slope(label, &lines, *power, *factor))
             .collect();
         lines.extend(references);
-        Panel { title: title.into(), x: "1/h", y, lines }
+        Chart { title: title.into(), axes: ["1/h", y], curves: lines }
     });
-    draw(caption, &panels)
+    drawn(caption, 2, &panels)
 }
 
 /// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
 pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
     let race = &found.race;
-    let trace = |column: usize| -> Vec<Line> {
-        let of = |run: &crate::experiments::law::Run| {
+    let trace = |column: usize| -> Vec<Curve> {
+        let of = |run: &Run| {
             let points = run.trace.iter().map(|point| (point[0], point[column])).collect();
             // Hundreds of looks at a saddle-point method would hide their own line.
             let stroke = if run.trace.len() > 40 { Stroke::Line } else { Stroke::Marked };
-            Line { label: run.method.clone(), points, stroke }
+            Curve { label: run.method.clone(), points, stroke }
         };
         race.runs.iter().map(of).collect()
     };
     let mut errors = trace(2);
-    errors.push(slope_of_error(&errors, race.discretisation));
+    let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
+    let ends = work.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+    let error = race.discretisation;
+    errors.push(Curve::reference("discretisation error", vec![(ends.0, error), (ends.1, error)]));
     let mut arrivals: Vec<_> = race
         .runs
         .iter()
-        .map(|run| marked(&run.method, run.arrivals.iter().map(|a| (a.1, a.3)).collect()))
+        .map(|run| Curve::marked(&run.method, run.arrivals.iter().map(|a| (a.1, a.3)).collect()))
         .collect();
     arrivals.push(slope("order 1", &arrivals[..1], -1.0, 0.15));
     let finest = |law: &&Law| law.target < 1e-5;
     let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
     laws.push(slope("order 2", &laws, 2.0, 0.2));
     let panels = [
-        Panel {
+        Chart {
             title: format!("Residual on the grid 1/{}", race.cells),
-            x: "work units",
-            y: "relative KKT residual",
-            lines: trace(1),
+            axes: ["work units", "relative KKT residual"],
+            curves: trace(1),
         },
-        Panel {
+        Chart {
             title: format!("Error on the grid 1/{}", race.cells),
-            x: "work units",
-            y: "error at the nodes",
-            lines: errors,
+            axes: ["work units", "error at the nodes"],
+            curves: errors,
         },
-        Panel {
+        Chart {
             title: "To the discretisation error".into(),
-            x: "unknowns visited",
-            y: "error at the nodes",
-            lines: arrivals,
+            axes: ["unknowns visited", "error at the nodes"],
+            curves: arrivals,
         },
-        Panel {
+        Chart {
             title: "The law of the paper's method".into(),
-            x: "1/h",
-            y: "sweeps to a residual of 10\u{207b}\u{2076}",
-            lines: laws,
+            axes: ["1/h", "sweeps to a residual of 10\u{207b}\u{2076}"],
+            curves: laws,
         },
     ];
-    draw(caption, &panels)
+    drawn(caption, 2, &panels)
 }
 
-fn law_line(law: &Law) -> Line {
+fn law_line(law: &Law) -> Curve {
     let f = law.f.trim_start_matches("exact(").trim_end_matches(')');
     let f = if f.contains('=') { "problem 2" } else { f };
     let start = if law.nested { "nested" } else { "from zero" };
-    marked(format!("{f}, {start}"), law.sweeps.iter().map(|&(n, s)| (n as f64, s as f64)).collect())
+    let points = law.sweeps.iter().map(|&(n, s)| (n as f64, s as f64));
+    Curve::marked(format!("{f}, {start}"), points.collect())
 }
 
-/// The level of the discretisation error across the panel.
-fn slope_of_error(lines: &[Line], error: f64) -> Line {
-    let Line { points, .. } = slope("discretisation error", lines, 0.0, 0.5);
-    let points = points.into_iter().map(|(x, _)| (x, error)).collect();
-    Line { label: "discretisation error".into(), points, stroke: Stroke::Reference }
+/// A solver's name in words.
+fn in_words(solver: &str) -> &str {
+    match solver {
+        "arrow-hurwicz" => "Arrow-Hurwicz",
+        "uzawa" => "Uzawa",
+        "uzawa-proximal" => "proximal Uzawa",
+        "active-set" => "active set",
+        other => other,
+    }
 }
 
 /// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
 ///
-/// The proximal method would lie upon Uzawa's, and there are no more colours.
+/// The proximal method would lie upon Uzawa's.
 pub(super) fn cost(caption: Caption, timings: &Timings) -> Drawn {
-    let goals = [
-        ("multigrid", Goal::Discretisation, 1),
-        ("two threads", Goal::Discretisation, 2),
-        ("to the floor", Goal::Floor, 1),
-        ("to the floor, two threads", Goal::Floor, 2),
-    ];
     let per_unknown = |(cells, seconds): (usize, f64)| {
         let unknowns = ((cells + 1) * (cells + 1)) as f64;
         (unknowns, 1e9 * seconds / unknowns)
     };
-    let multigrid = goals.map(|(label, goal, threads)| {
-        let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
-        let lines = timings.multigrid.iter().filter(wanted);
-        marked(label, lines.map(|line| per_unknown((line.cells, line.seconds))).collect())
-    });
+    let multigrid = |goal: Goal| {
+        [("multigrid", 1), ("multigrid, two threads", 2)].map(|(label, threads)| {
+            let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
+            let lines = timings.multigrid.iter().filter(wanted);
+            let points = lines.map(|line| per_unknown((line.cells, line.seconds)));
+            Curve::marked(label, points.collect())
+        })
+    };
     let problem = timings.solver.last().map(|line| &line.problem);
     let solvers = ["multigrid", "active-set", "arrow-hurwicz", "uzawa"].map(|solver| {
         let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        marked(solver, arrivals(&mine).map(per_unknown).collect())
+        Curve::marked(in_words(solver), arrivals(&mine).map(per_unknown).collect())
     });
-    let panel = |title: &str, lines: [Line; 4]| Panel {
+    let panel = |title: &str, curves: Vec<Curve>| Chart {
         title: title.into(),
-        x: "unknowns",
-        y: "nanoseconds per unknown",
-        lines: lines.into_iter().collect(),
+        axes: ["unknowns", "nanoseconds per unknown"],
+        curves,
     };
-    let mut panels = vec![panel("Multigrid", multigrid)];
-    panels.push(panel("To the discretisation error", solvers));
-    panels.retain(|panel| panel.lines.iter().any(|line| !line.points.is_empty()));
-    draw(caption, &panels)
+    let mut panels = vec![
+        panel("To the discretisation error", multigrid(Goal::Discretisation).into()),
+        panel("To the rounding floor", multigrid(Goal::Floor).into()),
+        panel("All solvers, to the discretisation error", solvers.into()),
+    ];
+    panels.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
+    drawn(caption, 2, &panels)
 }
 
 /// Error against time, one panel per problem; of each solver the runs that no other of its own beats.
@@ -219,15 +178,14 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Drawn {
                         true
                     }
                 });
-                marked(*solver, points)
+                Curve::marked(in_words(solver), points)
             };
-            Panel {
+            Chart {
                 title: problem.into(),
-                x: "seconds",
-                y: "error at the nodes",
-                lines: SOLVERS.iter().map(front).collect(),
+                axes: ["seconds", "error at the nodes"],
+                curves: SOLVERS.iter().map(front).collect(),
             }
         })
         .collect();
-    draw(caption, &panels)
+    drawn(caption, 2, &panels)
 }

@@ -4,15 +4,14 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY, PAIR, read_pair};
 use super::{artifact, from_json};
 use crate::figures::{
-    Caption, ContactLine, ContactPanel, FMap, FigureError, History, HistoryPanel,
-    IdentifiabilityPanel, Span, Surface, View, contact, histories, identifiability, maps_of_f,
-    surfaces,
+    Caption, ContactPanel, FMap, FigureError, History, HistoryPanel, IdentifiabilityPanel, Surface,
+    View, contact, histories, identifiability, maps_of_f, surfaces,
 };
 use crate::identify::Findings;
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{Iteration, Pair};
+use crate::saddle::{Pair, StopRule};
 use std::collections::BTreeMap;
 
 /// The kinds of figure, with the name each has when the paper's problems share it.
@@ -39,16 +38,62 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         if !shared.is_empty() {
             tasks.push(task(kind, shared_name.into(), &shared));
         }
-        for scene in scenes.iter().filter(|s| s.paper_table.is_none() && s.wants(kind)) {
+        for scene in scenes.iter().filter(|s| !project.is_problem(s) && s.wants(kind)) {
             tasks.push(task(kind, format!("{}-{}", scene.name, kind.name()), &[scene]));
         }
+    }
+    let shared = sharing(project, scenes, Output::Surface);
+    // Only the book shows it.
+    if !shared.is_empty() && !project.templates.is_empty() {
+        tasks.push(stops(&shared));
     }
     tasks
 }
 
+/// Name of the figure of stops and solutions.
+pub(super) const STOPS: &str = "stops";
+
+/// The task that draws, in a row per problem, where the paper stopped, the solution, and the difference.
+fn stops(scenes: &[&Scene]) -> Task {
+    let panels: Vec<Panel> =
+        scenes.iter().map(|scene| Panel::new(Output::Surface, scene)).collect();
+    let f = panels.iter().map(|panel| (panel.scene.name.clone(), panel.scene.f.to_string()));
+    let hashed = f.collect();
+    let needs = panels.iter().flat_map(|panel| panel.needs(Output::Surface)).collect();
+    let title = "Where the paper stopped, where the solution is, and the difference";
+    let task = drawing(STOPS, title.into(), needs, move |inputs, caption| {
+        let mut rows = Vec::new();
+        for panel in &panels {
+            let stop = panel.pair(inputs, &panel.needs(Output::Surface)[0])?;
+            let solution = solve::solution(&panel.scene)?;
+            let y = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
+            let difference = Pair { y, a: vec![0.0; stop.a.len()] };
+            let pairs = [stop, solution, difference];
+            let values = pairs.iter().flat_map(|pair| &pair.y).copied();
+            let range = values.fold((0.0, 0.0), |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
+            rows.push((panel, pairs, range));
+        }
+        let names = ["where it stopped", "the solution", "the difference"];
+        let titles: Vec<String> = rows
+            .iter()
+            .flat_map(|(panel, ..)| names.map(|name| format!("{}: {name}", panel.scene.title)))
+            .collect();
+        let mut shown = Vec::new();
+        for ((panel, pairs, range), titles) in rows.iter().zip(titles.chunks(3)) {
+            let (grid, range) = (panel.scene.finest(), Some(*range));
+            let view = View::uphill(grid, &pairs[1].y);
+            for (Pair { y, a }, title) in pairs.iter().zip(titles) {
+                shown.push(Surface { title, grid, y, a, view, range });
+            }
+        }
+        surfaces(caption, 3, &shown).map_err(|e| e.to_string())
+    });
+    Task { parameters: hashed, ..task }
+}
+
 /// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
 pub(super) fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
-    let shares = |scene: &&Scene| scene.paper_table.is_some() && scene.wants(kind);
+    let shares = |scene: &&Scene| project.is_problem(scene) && scene.wants(kind);
     let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
     let all = project.scenes.iter().filter(shares).count();
     if shared.len() == all { shared } else { Vec::new() }
@@ -79,7 +124,6 @@ pub(super) fn drawing(
     let picture = format!("{name}.svg");
     Task {
         id: id(name),
-        stage: Stage::Figures,
         parameters: BTreeMap::from([("title".into(), title.clone())]),
         files: Artifacts::new(),
         needs,
@@ -155,85 +199,55 @@ fn draw(
                 .map(|(panel, pair)| {
                     let grid = panel.scene.finest();
                     let view = View::uphill(grid, &pair.y);
-                    Surface { title: &panel.scene.title, grid, y: &pair.y, a: &pair.a, view }
+                    let title = &panel.scene.title;
+                    Surface { title, grid, y: &pair.y, a: &pair.a, view, range: None }
                 })
                 .collect();
-            surfaces(caption, &panels)
+            surfaces(caption, 2, &panels)
         }
         Output::History => {
-            let mut curves = Vec::new();
+            let histories_of = |panel: &Panel| {
+                let curves = panel.needs(kind).into_iter().zip(&panel.scene.r).map(|(task, r)| {
+                    let levels = from_json(inputs, &task, HISTORY)?;
+                    Ok(History { label: format!("r = {r}"), levels })
+                });
+                curves.collect::<Result<Vec<_>, String>>()
+            };
+            let mut shown = Vec::new();
             for panel in panels {
-                let mut of_panel = Vec::new();
-                for (task, r) in panel.needs(kind).iter().zip(&panel.scene.r) {
-                    let levels: Vec<Vec<Iteration>> = from_json(inputs, task, HISTORY)?;
-                    of_panel.push((format!("r = {r}"), levels));
-                }
-                curves.push(of_panel);
+                let Scene { title, grids, .. } = &panel.scene;
+                shown.push(HistoryPanel { title, grids, curves: histories_of(panel)? });
             }
-            let curves: Vec<Vec<History>> = curves
-                .iter()
-                .map(|of_panel| {
-                    of_panel.iter().map(|(label, levels)| History { label, levels }).collect()
-                })
-                .collect();
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(&curves)
-                .map(|(panel, curves)| HistoryPanel {
-                    title: &panel.scene.title,
-                    grids: &panel.scene.grids,
-                    curves,
-                })
-                .collect();
-            histories(caption, Span::AllGrids, &panels)
+            histories(caption, &shown)
         }
         Output::Contact => {
-            let mut pairs = Vec::new();
-            for panel in panels {
-                let mut of_panel = Vec::new();
-                for (task, stop) in panel.needs(kind).iter().zip(&panel.scene.stop) {
+            let pairs_of = |panel: &Panel| {
+                let lines = panel.needs(kind).into_iter().zip(&panel.scene.stop);
+                let line = |(task, stop): (String, &StopRule)| {
                     let label = format!("stop: {stop}, r = {}", panel.scene.draw_r);
-                    of_panel.push((label, panel.pair(inputs, task)?));
-                }
-                pairs.push(of_panel);
+                    Ok((label, panel.pair(inputs, &task)?))
+                };
+                lines.map(line).collect::<Result<Vec<_>, String>>()
+            };
+            let mut shown = Vec::new();
+            for panel in panels {
+                let (title, grid) = (&panel.scene.title, panel.scene.finest());
+                shown.push(ContactPanel { title, grid, lines: pairs_of(panel)? });
             }
-            let lines: Vec<Vec<ContactLine>> = pairs
-                .iter()
-                .map(|of_panel| {
-                    of_panel
-                        .iter()
-                        .map(|(label, pair)| ContactLine { label, y: &pair.y, a: &pair.a })
-                        .collect()
-                })
-                .collect();
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(&lines)
-                .map(|(panel, lines)| ContactPanel {
-                    title: &panel.scene.title,
-                    grid: panel.scene.finest(),
-                    lines,
-                })
-                .collect();
-            contact(caption, &panels)
+            contact(caption, &shown)
         }
         Output::Identify => {
             let found = panels
                 .iter()
                 .map(|panel| from_json::<Findings>(inputs, &panel.needs(kind)[0], FINDINGS))
                 .collect::<Result<Vec<_>, _>>()?;
-            let others: Vec<Vec<[f64; 2]>> = found.iter().map(two_valued).collect();
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(found.iter().zip(&others))
-                .map(|(panel, (found, others))| IdentifiabilityPanel {
-                    title: &panel.scene.title,
-                    slice: &found.slice,
-                    cells: found.target.cells(),
-                    others,
-                })
-                .collect();
-            identifiability(caption, &panels)
+            let shown = panels.iter().zip(&found).map(|(panel, found)| IdentifiabilityPanel {
+                title: &panel.scene.title,
+                slice: &found.slice,
+                cells: found.target.cells(),
+                others: two_valued(found),
+            });
+            identifiability(caption, &shown.collect::<Vec<_>>())
         }
         Output::Table => return Err("a table is not a figure".into()),
     };
@@ -253,7 +267,7 @@ fn two_valued(found: &Findings) -> Vec<[f64; 2]> {
 fn caption(kind: Output) -> &'static str {
     match kind {
         Output::Source => "Right-hand side f",
-        Output::Surface => "Solution v",
+        Output::Surface => "Surface v",
         Output::History => "Residuals against iterations",
         Output::Contact => "Trace and multiplier along the boundary",
         Output::Identify => "Published counts that come out, around the recovered f",

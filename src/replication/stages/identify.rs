@@ -2,12 +2,12 @@
 
 use super::{figures, to_json};
 use crate::identify::record::Record;
-use crate::identify::{Variant, findings};
+use crate::identify::{Questions, Target, Variant, findings};
 use crate::pipeline::error::{Error, Result, from_toml};
-use crate::pipeline::{Artifacts, Stage, Task, parameters};
-use crate::replication::paper::Paper;
+use crate::pipeline::{Artifacts, Task, parameters};
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
+use serde::Serialize;
 
 /// Artifact with [`crate::identify::Findings`].
 pub const FINDINGS: &str = "findings.json";
@@ -23,7 +23,9 @@ pub fn id(scene: &Scene) -> String {
 /// [`Error::Input`] if the record of the search is missing.
 pub fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     let asking = figures::sharing(project, scenes, Output::Identify);
-    asking.into_iter().map(|scene| task(project, scene)).collect()
+    let own = |scene: &&&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
+    let asking = asking.into_iter().chain(scenes.iter().filter(own).copied());
+    asking.map(|scene| task(project, scene)).collect()
 }
 
 fn task(project: &Project, scene: &Scene) -> Result<Task> {
@@ -35,31 +37,37 @@ fn task(project: &Project, scene: &Scene) -> Result<Task> {
     };
     let variant =
         Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
+    let text = String::from_utf8_lossy(text);
+    let record: Record = from_toml(IDENTIFIED, &text)?;
+    let question = Question {
+        f: scene.f.to_string(),
+        variant,
+        target: project.paper.target(table)?,
+        alternatives: record.alternatives(table).to_vec(),
+        questions: record.questions,
+    };
     let f = scene.f.clone();
-    let value = serde_json::json!({ "f": f.to_string(), "table": table, "variant": variant });
     Ok(Task {
         id: id(scene),
-        stage: Stage::Identify,
-        parameters: parameters(&value),
-        files: Artifacts::from([
-            (PAPER.into(), project.paper_text.clone().into_bytes()),
-            (IDENTIFIED.into(), text.clone()),
-        ]),
+        parameters: parameters(&question),
+        files: Artifacts::new(),
         needs: Vec::new(),
         export: None,
-        work: Box::new(move |inputs| {
-            let text = |name: &str| String::from_utf8_lossy(&inputs.files[name]);
-            let paper = Paper::parse(&text(PAPER)).map_err(|e| e.to_string())?;
-            let record =
-                from_toml::<Record>(IDENTIFIED, &text(IDENTIFIED)).map_err(|e| e.to_string())?;
-            let target = paper.target(table).map_err(|e| e.to_string())?;
-            let alternatives = record.alternatives(table);
+        work: Box::new(move |_| {
+            let Question { target, variant, alternatives, questions, .. } = &question;
             let threads = rayon::current_num_threads();
-            let found = findings(&target, &variant, &f, alternatives, &record.questions, threads);
-            let found = found.map_err(|e| e.to_string())?;
-            Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
+            let found = findings(target, variant, &f, alternatives, questions, threads);
+            Ok(Artifacts::from([(FINDINGS.into(), to_json(&found.map_err(|e| e.to_string())?))]))
         }),
     })
 }
 
-const PAPER: &str = "pipeline/paper.toml";
+/// Everything that the findings depend on: of the files that hold it, the rest may change freely.
+#[derive(Serialize)]
+struct Question {
+    f: String,
+    variant: Variant,
+    target: Target,
+    alternatives: Vec<String>,
+    questions: Questions,
+}

@@ -6,17 +6,72 @@ pub mod diff;
 pub mod figures;
 pub mod identify;
 pub mod report;
+pub mod results;
 pub mod solve;
 pub mod tabulate;
 pub mod timings;
 
 use crate::pipeline::error::Result;
-use crate::pipeline::{Inputs, Stage, Task};
+use crate::pipeline::{Inputs, Plan, Task, stage};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
+use clap::ValueEnum;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
+
+/// The kinds of task, in the order in which they follow from each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Stage {
+    /// One (problem, stopping rule, r) column over all grids.
+    Solve,
+    /// One table per scene and stopping rule.
+    Tabulate,
+    /// Tables against the published ones.
+    Diff,
+    /// How sharply a published table fixes f, and a search for it.
+    Identify,
+    /// Numerical experiments past the paper: accuracy, claims, stability.
+    Bench,
+    /// SVG pictures.
+    Figures,
+    /// Markdown pages and the book.
+    Report,
+}
+
+impl Stage {
+    /// All stages, in order.
+    pub const ALL: [Self; 7] = [
+        Self::Solve,
+        Self::Tabulate,
+        Self::Diff,
+        Self::Identify,
+        Self::Bench,
+        Self::Figures,
+        Self::Report,
+    ];
+
+    /// The name on the command line and in task ids.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solve => "solve",
+            Self::Tabulate => "tabulate",
+            Self::Diff => "diff",
+            Self::Identify => "identify",
+            Self::Bench => "bench",
+            Self::Figures => "figures",
+            Self::Report => "report",
+        }
+    }
+
+    /// Whether the task with this id belongs to it.
+    pub fn has(self, id: &str) -> bool {
+        stage(id) == self.name()
+    }
+}
+
+/// Digest of what this program is built from, made by the build script: an input of every task.
+const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 
 /// The tasks that `scenes` ask for, in running order; with `only`, those of one stage and what they need.
 ///
@@ -24,10 +79,9 @@ use std::collections::BTreeSet;
 /// are planned when all scenes concerned are among `scenes`.
 ///
 /// # Errors
-/// [`Error::Input`](crate::pipeline::error::Error::Input) if the book lacks something that only a scene can ask for,
-/// or a scene asks for what the project lacks.
-pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Vec<Task>> {
-    let mut tasks = Vec::new();
+/// [`Error::Input`](crate::pipeline::error::Error::Input) if a scene asks for what the project lacks.
+pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
+    let mut tasks: Vec<Task> = Vec::new();
     for scene in scenes {
         for &stop in &scene.stop {
             tasks.extend(solve::tasks(scene, stop));
@@ -42,15 +96,18 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
     if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
-        tasks.extend(bench::tasks(project));
-        tasks.extend(bench::pictures());
-        tasks.extend(timings::pictures(project));
-        tasks.push(report::task(project, &tasks)?);
+        tasks.extend(results::task(project));
+        if report::left_out(project).is_none() {
+            tasks.extend(bench::tasks(project));
+            tasks.extend(bench::pictures());
+            tasks.extend(timings::pictures(project));
+        }
+        tasks.push(report::task(project, &tasks));
     }
-    tasks.sort_by_key(|task| task.stage);
+    tasks.sort_by_key(|task| Stage::ALL.iter().position(|stage| stage.has(&task.id)));
     if let Some(stage) = only {
         let mut wanted: BTreeSet<String> =
-            tasks.iter().filter(|task| task.stage == stage).map(|task| task.id.clone()).collect();
+            tasks.iter().filter(|task| stage.has(&task.id)).map(|task| task.id.clone()).collect();
         // Needs are of earlier stages, so that one walk from the end finds them all.
         for task in tasks.iter().rev() {
             if wanted.contains(&task.id) {
@@ -59,7 +116,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
         }
         tasks.retain(|task| wanted.contains(&task.id));
     }
-    Ok(tasks)
+    Plan::new(PROGRAM, tasks)
 }
 
 /// Pretty JSON with a final newline.

@@ -2,59 +2,51 @@
 
 use super::diff::{self, DIFF};
 use super::identify::{self, FINDINGS};
-use super::solve::{self, OUTCOMES, Outcomes, PAIR, read_pair};
-use super::{artifact, bench, figures, from_json, to_json};
+use super::solve::{self, HISTORY, OUTCOMES, Outcomes, PAIR, read_pair};
+use super::{artifact, bench, figures, from_json, results, to_json};
 use crate::discrete::load::{LoadRule, integral};
 use crate::identify::record::Record;
-use crate::pipeline::error::{Error, Result, from_toml};
-use crate::pipeline::{Artifacts, Graph, Inputs, Node, Stage, Task, hash};
+use crate::pipeline::error::from_toml;
+use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
 use crate::problem::source::{Region, Source};
-use crate::replication::paper::TableComparison;
+use crate::replication::paper::{RowComparison, TableComparison};
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
+use crate::report::results::Results;
 use crate::report::{
-    self, Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Piece, Problem,
-    Provenance, Report, Row, Solution, Version,
+    self, Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Miss, Piece, Problem,
+    Provenance, Report, Row, Shape, Version,
 };
-use crate::saddle::StopRule;
+use crate::saddle::{Iteration, Pair, StopRule};
 use crate::timing::recorded;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
+/// what one of them does not ask for, they are left out of the book.
+pub fn left_out(project: &Project) -> Option<String> {
+    let problems = project.problems();
+    let [first, second] = problems[..] else {
+        return Some("they need two scenes, one with `paper_table = 1` and one with 2".into());
+    };
+    if first.grids != second.grids {
+        return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
+    }
+    problems.iter().find_map(|scene| {
+        let rule = RULES.iter().find(|rule| !scene.stop.contains(rule));
+        let mut kinds = figures::KINDS.iter().map(|(kind, _)| *kind).chain([Output::Table]);
+        let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
+            .find(|kind| !scene.wants(*kind))
+            .map(|kind| format!("\"{}\" to `outputs`", kind.name())))?;
+        Some(format!("they show scene `{}`; add {missing}", scene.name))
+    })
+}
 
 /// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
-///
-/// # Errors
-/// [`Error::Input`] if the paper's problems do not ask for what the chapters show.
-pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
-    let mut problems: Vec<Scene> =
-        project.scenes.iter().filter(|scene| scene.paper_table.is_some()).cloned().collect();
-    problems.sort_by_key(|scene| scene.paper_table);
-    if problems.len() != 2 || problems[0].grids != problems[1].grids {
-        return Err(Error::input(
-            "the book needs two scenes with `paper_table`, on the same grids; restore problem1 and problem2",
-        ));
-    }
-    for scene in &problems {
-        let figures = figures::KINDS.iter().map(|(kind, _)| *kind);
-        let missing = RULES
-            .iter()
-            .find(|rule| !scene.stop.contains(rule))
-            .map(|rule| format!("\"{rule}\" to `stop`"))
-            .or(figures
-                .chain([Output::Table])
-                .find(|kind| !scene.wants(*kind))
-                .map(|kind| format!("\"{}\" to `outputs`", kind.name())));
-        if let Some(missing) = missing {
-            let name = &scene.name;
-            return Err(Error::input(format!("scene `{name}`: the book shows it; add {missing}")));
-        }
-    }
-    let others: Vec<Scene> = project
-        .scenes
-        .iter()
-        .filter(|scene| scene.paper_table.is_none() && scene.wants(Output::Table))
-        .cloned()
-        .collect();
+pub fn task(project: &Project, earlier: &[Task]) -> Task {
+    let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
+    let other = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Table);
+    let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
+    let left_out = left_out(project);
     let mut files = project.scene_files.clone();
     files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
     files.extend(project.record_text.clone().map(|text| (IDENTIFIED.to_owned(), text)));
@@ -62,35 +54,32 @@ pub fn task(project: &Project, earlier: &[Task]) -> Result<Task> {
     let report_file =
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
-    let versions = versions();
-    let commands = project.commands.clone();
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let own = Node { id: "report/book".into(), stage: Stage::Report, needs: needs.clone() };
-    let graph = Graph::new(earlier.iter().map(Node::of).chain([own]).collect());
-    let mut parameters: BTreeMap<String, String> = versions
-        .iter()
-        .map(|library| (format!("version of {}", library.name), library.version.clone()))
-        .collect();
+    let own = Node { id: "report/book".into(), needs: needs.clone() };
+    let graph = Graph { nodes: earlier.iter().map(Node::of).chain([own]).collect() };
     // By hash: whoever asks what changed does not want to read it all, old and new.
-    for (name, text) in [("commands", to_json(&commands)), ("graph", to_json(&graph))] {
-        parameters.insert(name.into(), hash(&text));
-    }
-    let about = About { versions, commands, graph };
-    Ok(Task {
+    let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
+    let about = About { commands: project.commands, graph };
+    Task {
         id: "report/book".into(),
-        stage: Stage::Report,
         parameters,
         files,
         needs,
         export: Some("report"),
-        work: Box::new(move |inputs| make(inputs, &problems, &others, &about)),
-    })
+        work: Box::new(move |inputs| match &left_out {
+            None => book(inputs, |templates| {
+                let report = gather(inputs, &problems, &others, &about)?;
+                let context = report::context(&report).map_err(|e| e.to_string())?;
+                report::pages(templates, &context).map_err(|e| e.to_string())
+            }),
+            Some(reason) => book(inputs, |templates| Ok(report::stubs(templates, reason))),
+        }),
+    }
 }
 
-/// What the book tells about the program and its run.
+/// What the book tells about the program and its run; of the program, the digest is an input anyway.
 struct About {
-    versions: Vec<Version>,
-    commands: Vec<CommandHelp>,
+    commands: fn() -> Vec<CommandHelp>,
     graph: Graph,
 }
 
@@ -99,12 +88,13 @@ const RULES: [StopRule; 3] = [StopRule::Signed, StopRule::Printed, StopRule::Sig
 
 type Made<T> = std::result::Result<T, String>;
 
-fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Artifacts> {
+/// Everything that the chapters tell.
+fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) -> Made<Report> {
     let comparisons = problems
         .iter()
         .map(|scene| from_json::<TableComparison>(inputs, &diff::id(scene), DIFF))
         .collect::<Made<Vec<_>>>()?;
-    let report = Report {
+    Ok(Report {
         grids: problems[0].grids.iter().map(|grid| grid.cells()).collect(),
         r: comparisons[0].rows.iter().map(|row| row.r).collect(),
         tolerance: comparisons[0].tolerance.clone(),
@@ -117,13 +107,15 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
         figures: Figures {
             figure1: figure(inputs, Output::Source)?,
             figure2: figure(inputs, Output::Surface)?,
+            stops: picture(inputs, figures::STOPS)?,
             contact: figure(inputs, Output::Contact)?,
             histories: figure(inputs, Output::History)?,
             identifiability: figure(inputs, Output::Identify)?,
             bench: bench_figures(inputs),
         },
+        results: Results::read(artifact(inputs, results::ID, results::FILE)?)?,
         bench: bench::results(inputs)?,
-        commands: about.commands.clone(),
+        commands: (about.commands)(),
         provenance: provenance(inputs, about),
         timings: super::timings::read(inputs)?,
         record: {
@@ -131,7 +123,14 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             from_toml::<Record>(IDENTIFIED, &String::from_utf8_lossy(text))
                 .map_err(|e| e.to_string())?
         },
-    };
+    })
+}
+
+/// The pages made of the templates, and the book made of the pages.
+fn book(
+    inputs: &Inputs,
+    pages: impl Fn(&BTreeMap<String, String>) -> Made<BTreeMap<String, String>>,
+) -> Made<Artifacts> {
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
     for (path, bytes) in inputs.files {
@@ -144,28 +143,24 @@ fn make(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) ->
             files.insert(name.into(), bytes.clone());
         }
     }
-    let pages = report::pages(&templates, &report).map_err(|e| e.to_string())?;
+    let pages = pages(&templates)?;
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
     for (name, bytes) in pictures(inputs) {
         files.insert(format!("src/figures/{name}"), bytes.clone());
     }
-    let built = report::build(&files, &scratch()).map_err(|e| e.to_string())?;
+    if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
+        files.insert(format!("src/{}", results::FILE), csv.into());
+    }
+    let built = report::build(&files, inputs.scratch).map_err(|e| e.to_string())?;
     let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));
     Ok(pages
         .chain(built.into_iter().map(|(name, bytes)| (format!("book/{name}"), bytes)))
         .collect())
 }
 
-/// A folder for mdBook to work in; its name is in no artifact.
-fn scratch() -> std::path::PathBuf {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let unique = COUNTER.fetch_add(1, Ordering::Relaxed);
-    std::env::temp_dir().join(format!("signorini-book-{}-{unique}", std::process::id()))
-}
-
 fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made<Problem> {
     let columns = |rule: StopRule| -> Made<Vec<Column>> {
-        let column = |row: &crate::replication::paper::RowComparison| {
+        let column = |row: &RowComparison| {
             let outcomes: Outcomes = from_json(inputs, &solve::id(scene, rule, row.r), OUTCOMES)?;
             Ok(Column { r: row.r, outcomes: outcomes.levels })
         };
@@ -176,6 +171,7 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
     let pair = read_pair(scene.finest(), artifact(inputs, &drawn, PAIR)?)?;
     let [load, tie, diagonal] = load_names(scene.load);
     Ok(Problem {
+        name: scene.name.clone(),
         number: usize::from(comparison.table),
         title: scene.title.clone(),
         f: scene.f.to_string(),
@@ -189,26 +185,46 @@ fn problem(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made
         printed: printed?,
         signed_dual: signed_dual?,
         table: rows(comparison),
-        solution: Solution {
-            cells: scene.finest().cells(),
-            r: scene.draw_r,
-            least: pair.y.iter().copied().fold(f64::INFINITY, f64::min),
-            greatest: pair.y.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            contact_nodes: pair.a.iter().filter(|a| **a > 0.0).count(),
-            boundary_nodes: pair.a.len(),
-        },
+        misses: misses(inputs, scene, comparison)?,
+        cells: scene.finest().cells(),
+        drawn_r: scene.draw_r,
+        boundary_nodes: pair.a.len(),
+        stop: shape(&pair, scene.finest().h()),
+        solution: shape(&solve::solution(scene)?, scene.finest().h()),
         findings: from_json(inputs, &identify::id(scene), FINDINGS)?,
     })
 }
 
+fn shape(pair: &Pair, h: f64) -> Shape {
+    Shape {
+        least: pair.y.iter().copied().fold(f64::INFINITY, f64::min),
+        greatest: pair.y.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        contact: pair.a.iter().filter(|a| **a > 0.0).count(),
+        inflow: h * pair.a.iter().sum::<f64>(),
+    }
+}
+
+/// The values of Delta a that miss the published digits, each with the two before it.
+fn misses(inputs: &Inputs, scene: &Scene, comparison: &TableComparison) -> Made<Vec<Miss>> {
+    let missed = comparison.rows.iter().filter(|row| !row.delta_a_exact());
+    let miss = |row: &RowComparison| {
+        let id = solve::id(scene, scene.stop[0], row.r);
+        let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
+        let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
+        let last = finest.iter().map(|iteration| (iteration.number, iteration.delta_a)).collect();
+        Ok(Miss { r: row.r, paper: row.delta_a_paper, last })
+    };
+    missed.map(miss).collect()
+}
+
 fn rows(comparison: &TableComparison) -> Vec<Row> {
-    let of_row = |row: &crate::replication::paper::RowComparison| Row {
+    let of_row = |row: &RowComparison| Row {
         r: row.r,
         counts: (0..row.ours.len())
             .map(|k| Compared {
                 ours: row.ours[k],
                 paper: row.paper[k],
-                exact: row.ours[k] == row.paper[k],
+                exact: row.count_exact(k),
                 within: row.within[k],
             })
             .collect(),
@@ -295,7 +311,16 @@ fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
 fn picture(inputs: &Inputs, name: &str) -> Made<Figure> {
     let file = format!("{name}.svg");
     let svg = artifact(inputs, &figures::id(name), &file)?;
-    Ok(Figure { hash: hash(svg), file, note: String::new(), command: figures::COMMAND.into() })
+    Ok(drawn(file, svg))
+}
+
+fn drawn(file: String, svg: &[u8]) -> Figure {
+    Figure { hash: short_hash(svg), file, command: figures::COMMAND.into() }
+}
+
+/// As much of a hash as a reader compares.
+fn short_hash(bytes: &[u8]) -> String {
+    hash(bytes)[..12].to_owned()
 }
 
 /// The pictures of experiments and of recorded times, if there are any, by name.
@@ -313,10 +338,11 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
         inputs: inputs
             .files
             .iter()
-            .map(|(name, bytes)| Artifact { name: name.clone(), hash: hash(bytes) })
+            .map(|(name, bytes)| Artifact { name: name.clone(), hash: short_hash(bytes) })
             .collect(),
-        artifacts: made.map(|(name, bytes)| Artifact { name, hash: hash(bytes) }).collect(),
-        versions: about.versions.clone(),
+        artifacts: made.map(|(name, bytes)| Artifact { name, hash: short_hash(bytes) }).collect(),
+        figures: pictures(inputs).map(|(name, svg)| drawn(name.clone(), svg)).collect(),
+        versions: versions(),
         graph: about.graph.clone(),
         license: env!("CARGO_PKG_LICENSE").into(),
     }

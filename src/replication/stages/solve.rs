@@ -2,10 +2,13 @@
 
 use super::to_json;
 use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::max_error;
+use crate::discrete::stiffness;
 use crate::discrete::transfer::Prolongation;
-use crate::pipeline::{Artifacts, Stage, Task, parameters};
+use crate::multigrid::MultigridParams;
+use crate::multigrid::square::multigrid;
+use crate::pipeline::{Artifacts, Task, parameters};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::replication::scene::{Output, Scene};
@@ -63,6 +66,22 @@ pub fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task> {
     cells.filter(asked).map(|cell| task(scene, cell))
 }
 
+/// The discrete solution of a scene on its finest grid, with f integrated exactly; a is the flux.
+///
+/// # Errors
+/// What multigrid says if there is no solution.
+pub fn solution(scene: &Scene) -> Result<Pair, String> {
+    let grid = scene.finest();
+    let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
+    let (y, _) = multigrid(grid.cells(), &load, None, &MultigridParams::default(), |_| ())
+        .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+    let mut residual = vec![0.0; y.len()];
+    stiffness::residual(grid, &y, &load, &mut residual);
+    let flux = |k: usize| if residual[k] > y[k] { residual[k] / grid.h() } else { 0.0 };
+    let a = grid.boundary().map(flux).collect();
+    Ok(Pair { y, a })
+}
+
 fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     let drawn_rule = stop == scene.stop[0];
     Cell {
@@ -82,7 +101,6 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
 fn task(scene: &Scene, cell: Cell) -> Task {
     Task {
         id: id(scene, cell.stop, cell.r),
-        stage: Stage::Solve,
         parameters: parameters(&cell),
         files: Artifacts::new(),
         needs: Vec::new(),

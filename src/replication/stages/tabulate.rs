@@ -1,17 +1,15 @@
-//! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table, and level by level.
+//! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table.
 
 use super::from_json;
 use super::solve::{self, Outcomes};
-use crate::pipeline::{Artifacts, Inputs, Stage, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::paper::Row;
 use crate::replication::scene::Scene;
-use crate::replication::table::{levels_csv, table_csv};
-use crate::saddle::StopRule;
+use crate::replication::table::table_csv;
+use crate::saddle::{StopReason, StopRule};
 
 /// Artifact in the paper's layout; [`crate::replication::table::read_table`] reads it.
 pub const TABLE: &str = "table.csv";
-/// Artifact with one row per r and grid.
-pub const LEVELS: &str = "levels.csv";
 
 /// Id of the task that tabulates a scene under a stopping rule.
 pub fn id(scene: &Scene, stop: StopRule) -> String {
@@ -24,7 +22,6 @@ pub fn task(scene: &Scene, stop: StopRule) -> Task {
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
     Task {
         id: id(scene, stop),
-        stage: Stage::Tabulate,
         parameters: parameters(&serde_json::json!({ "r": scene.r, "grids": cells })),
         files: Artifacts::new(),
         needs: needs.clone(),
@@ -43,12 +40,9 @@ fn tabulate(inputs: &Inputs, needs: &[String], cells: &[usize]) -> Result<Artifa
         .map(|column| Row {
             r: column.r,
             counts: column.levels.iter().map(|o| o.iterations).collect(),
+            capped: column.levels.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
             delta_a: column.levels.last().map_or(f64::NAN, |o| o.delta_a),
         })
         .collect();
-    let levels: Vec<_> = columns.into_iter().map(|column| (column.r, column.levels)).collect();
-    Ok(Artifacts::from([
-        (TABLE.into(), table_csv(&rows, cells)?),
-        (LEVELS.into(), levels_csv(&levels)?),
-    ]))
+    Ok(Artifacts::from([(TABLE.into(), table_csv(&rows, cells)?)]))
 }

@@ -1,20 +1,18 @@
 //! The experiments on stability and their pictures.
 
-use super::{Drawn, result, task};
+use super::{Drawn, drawn, result, task};
 use crate::experiments::rounding::{self, Rounding, TablePlan, rounding};
 use crate::experiments::stress::{self, Deficit, Duality, Floor, Stress, Tolerance, stress};
 use crate::experiments::trial::Trial;
-use crate::figures::{
-    Axis, Caption, Chart, Curve, FragilityPanel, Scale, Stroke, charts, fragility,
-};
+use crate::figures::{Caption, Chart, Curve, FragilityPanel, fragility};
 use crate::pipeline::{Inputs, Task};
 use crate::replication::project::Project;
 
 /// The tasks of both experiments: they start from the paper's problems.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let mut tables: Vec<TablePlan> = project
-        .scenes
-        .iter()
+        .problems()
+        .into_iter()
         .filter_map(|scene| {
             Some(TablePlan {
                 number: scene.paper_table?,
@@ -36,53 +34,25 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
 /// The least disturbance that changes each count.
 pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Drawn {
     let found: Rounding = result(inputs, "rounding")?;
-    let parts: Vec<_> = found
+    let panels: Vec<_> = found
         .tables
         .iter()
-        .map(|table| {
-            let columns: Vec<String> =
-                table.grids.iter().map(|cells| format!("h = 1/{cells}")).collect();
-            let rows: Vec<String> = table.rows.iter().map(|row| format!("r = {}", row.r)).collect();
-            let cells: Vec<Vec<_>> = table
+        .map(|table| FragilityPanel {
+            title: format!("Table {}", table.number),
+            columns: table.grids.iter().map(|cells| format!("h = 1/{cells}")).collect(),
+            rows: table.rows.iter().map(|row| format!("r = {}", row.r)).collect(),
+            cells: table
                 .rows
                 .iter()
                 .map(|row| row.cells.iter().map(|cell| (cell.count, cell.flips_at)).collect())
-                .collect();
-            (format!("Table {}", table.number), columns, rows, cells)
+                .collect(),
         })
-        .collect();
-    let panels: Vec<_> = parts
-        .iter()
-        .map(|(title, columns, rows, cells)| FragilityPanel { title, columns, rows, cells })
         .collect();
     fragility(caption, &found.sizes, &panels).map_err(|e| e.to_string())
 }
 
-fn log(name: &str) -> Axis<'_> {
-    Axis { name, scale: Scale::Log, range: None }
-}
-
-type Points = Vec<(f64, f64)>;
-/// Name and points of a curve.
-type Line = (String, Points, Stroke);
-/// Title, names of the axes, and curves of a panel.
-type Panel = (String, [&'static str; 2], Vec<Line>);
-
-/// Panels two in a row, without the curves that have no points.
-fn panels(caption: Caption, parts: &[Panel]) -> Drawn {
-    let curves: Vec<Vec<Curve>> = parts
-        .iter()
-        .map(|(_, _, curves)| {
-            let some = curves.iter().filter(|(_, points, _)| !points.is_empty());
-            some.map(|(label, points, stroke)| Curve { label, points, stroke: *stroke }).collect()
-        })
-        .collect();
-    let charted: Vec<Chart> = parts
-        .iter()
-        .zip(&curves)
-        .map(|((title, [x, y], _), curves)| Chart { title, x: log(x), y: log(y), curves })
-        .collect();
-    charts(caption, 2, &charted).map_err(|e| e.to_string())
+fn panel(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
+    Chart { title: title.into(), axes, curves }
 }
 
 /// A curve with a ring at each point where the value is positive.
@@ -91,9 +61,9 @@ fn marked<T>(
     cases: &[T],
     x: impl Fn(&T) -> f64,
     y: impl Fn(&T) -> Option<f64>,
-) -> Line {
+) -> Curve {
     let points = cases.iter().filter_map(|case| Some((x(case), y(case).filter(|y| *y > 0.0)?)));
-    (label.into(), points.collect(), Stroke::Marked)
+    Curve::marked(label, points.collect())
 }
 
 fn steps(trial: &Trial) -> Option<f64> {
@@ -118,13 +88,13 @@ pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Drawn {
     let ends = found.duality.first().and_then(|cases| Some((cases.first()?.r, cases.last()?.r)));
     if let Some((low, high)) = ends {
         let line = vec![(low, 1.0), (high, 1.0)];
-        residual.push(("as large as the load".into(), line, Stroke::Reference));
+        residual.push(Curve::reference("as large as the load", line));
     }
     let parts = [
-        ("Where it stops".into(), ["r", "KKT residual"], residual),
-        ("How long it takes".into(), ["r", "iterations"], curves(steps)),
+        panel("Where it stops", ["r", "KKT residual"], residual),
+        panel("How long it takes", ["r", "iterations"], curves(steps)),
     ];
-    panels(caption, &parts)
+    drawn(caption, 2, &parts)
 }
 
 /// What is reached for each tolerance.
@@ -142,11 +112,12 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Drawn {
                 marked("multigrid", cases, tolerance, |case| case.multigrid.kkt),
             ];
             let asked = cases.iter().map(|case| (case.tolerance, case.tolerance)).collect();
-            curves.push(("as asked".into(), asked, Stroke::Reference));
-            (format!("Problem {}", k + 1), ["tolerance over the load", "KKT residual"], curves)
+            curves.push(Curve::reference("as asked", asked));
+            let axes = ["tolerance over the load", "KKT residual"];
+            panel(format!("Problem {}", k + 1), axes, curves)
         })
         .collect();
-    panels(caption, &parts)
+    drawn(caption, 2, &parts)
 }
 
 /// Work and contact as the integral of f tends to zero.
@@ -156,17 +127,17 @@ pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Drawn {
     let (mut work, mut contact) = (Vec::new(), Vec::new());
     for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
         let label = |method: &str| format!("{method}, {way}");
-        work.push(marked(label("the paper's method"), cases, deficit, |case| steps(&case.saddle)));
+        work.push(marked(label("Arrow-Hurwicz"), cases, deficit, |case| steps(&case.saddle)));
         work.push(marked(label("multigrid"), cases, deficit, |case| Some(case.multigrid.work)));
         contact.push(marked(label("multigrid"), cases, deficit, |case| {
             Some(case.multigrid.contact as f64)
         }));
     }
     let parts = [
-        ("Work".into(), ["deficit", "sweeps of the finest grid"], work),
-        ("Contact".into(), ["deficit", "boundary nodes in contact"], contact),
+        panel("Work", ["deficit", "sweeps of the finest grid"], work),
+        panel("Contact", ["deficit", "boundary nodes in contact"], contact),
     ];
-    panels(caption, &parts)
+    drawn(caption, 2, &parts)
 }
 
 /// What rounding leaves of the residual, over the grids.
@@ -176,17 +147,17 @@ pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Drawn {
     let floors = &found.floors;
     let residual = vec![
         marked("multigrid, double", floors, cells, |case| case.multigrid.kkt),
-        marked("the paper's method, double", floors, cells, |case| case.saddle.as_ref()?.kkt),
-        marked("the paper's method, single", floors, cells, |case| Some(case.single?.kkt)),
+        marked("Arrow-Hurwicz, double", floors, cells, |case| case.saddle.as_ref()?.kkt),
+        marked("Arrow-Hurwicz, single", floors, cells, |case| Some(case.single?.kkt)),
     ];
     let units = vec![
         marked("multigrid, double", floors, cells, |case| case.multigrid.floor),
-        marked("the paper's method, double", floors, cells, |case| case.saddle.as_ref()?.floor),
-        marked("the paper's method, single", floors, cells, |case| Some(case.single?.floor)),
+        marked("Arrow-Hurwicz, double", floors, cells, |case| case.saddle.as_ref()?.floor),
+        marked("Arrow-Hurwicz, single", floors, cells, |case| Some(case.single?.floor)),
     ];
     let parts = [
-        ("Over the load".into(), ["1/h", "KKT residual"], residual),
-        ("In roundings of y".into(), ["1/h", "KKT residual over eps max |y|"], units),
+        panel("Over the load", ["1/h", "KKT residual"], residual),
+        panel("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
     ];
-    panels(caption, &parts)
+    drawn(caption, 2, &parts)
 }

@@ -1,0 +1,83 @@
+//! What leaves the program: data on standard output, talk on standard error, files that the user named.
+
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::files::write_atomically;
+pub(super) use crate::pipeline::talk;
+use std::fs::{self, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes data to standard output; a reader that has gone away is no error.
+pub(super) fn say(text: &str) -> Result<u8> {
+    let mut out = anstream::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => Ok(0),
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(0),
+        Err(e) => Err(Error::input(format!(
+            "cannot write to standard output: {e}; redirect it elsewhere"
+        ))),
+    }
+}
+
+pub(super) fn say_json(value: &impl serde::Serialize) -> Result<u8> {
+    let text = serde_json::to_string_pretty(value).expect("answers are plain data");
+    say(&(text + "\n"))
+}
+
+pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
+    let style = anstyle::Style::new().fg_color(Some(color.into())).bold();
+    format!("{style}{text}{style:#}")
+}
+
+/// A file that the user named, found writable before the work whose result it is to hold.
+#[derive(Debug)]
+pub(super) struct OutputFile {
+    path: PathBuf,
+}
+
+impl OutputFile {
+    /// Checks that `path` can be written.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it is a folder, or in one that does not exist or cannot be written.
+    pub(super) fn check(path: &Path) -> Result<Self> {
+        let wrong =
+            |what: &str| Err(Error::input(format!("cannot write {}: {what}", path.display())));
+        let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
+            return wrong("it is a folder; name a file");
+        };
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return wrong("no such folder; make it, or name another file");
+        }
+        let path = path.to_path_buf();
+        if path.exists() && !path.is_file() {
+            return Ok(Self { path });
+        }
+        if let Err(e) = OpenOptions::new().append(true).open(&path)
+            && e.kind() != ErrorKind::NotFound
+        {
+            return wrong(&format!("{e}; name another file"));
+        }
+        let trial = folder.join(format!(".{}.trial{}", name.to_string_lossy(), std::process::id()));
+        if let Err(e) = OpenOptions::new().write(true).create_new(true).open(&trial) {
+            return wrong(&format!("{e}; name a file elsewhere"));
+        }
+        fs::remove_file(&trial).context("remove", &trial)?;
+        Ok(Self { path })
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the file: whole or not at all.
+    pub(super) fn write(&self, bytes: &[u8]) -> Result<()> {
+        // A pipe or a device can only be written in place.
+        if self.path.exists() && !self.path.is_file() {
+            return fs::write(&self.path, bytes).context("write", &self.path);
+        }
+        write_atomically(&self.path, bytes)
+    }
+}

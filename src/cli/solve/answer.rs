@@ -1,0 +1,295 @@
+//! What came out and what it is worth: judged apart from the solvers, as JSON and as text.
+
+use super::domain::Errors;
+use super::problem::Problem;
+use crate::discrete::kkt::Kkt;
+use crate::saddle::{Pair, tolerance};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// Largest relative KKT residual, and largest sum of v r over the energy, of what may be called solved:
+/// above, half of the load is out of balance.
+const SOLVED: f64 = 0.5;
+/// Above this relative KKT residual the answer carries a warning.
+const ROUGH: f64 = 0.1;
+/// Cells per side of the coarsest grid above which the grids are not what the stopping rule is made for.
+const COARSE: usize = 8;
+
+/// How a solver stopped on one grid.
+#[derive(Serialize)]
+pub(super) struct Level {
+    pub cells: usize,
+    pub iterations: usize,
+    /// Gauss-Seidel sweeps, if they are what the solver does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweeps: Option<usize>,
+    pub stop: String,
+    pub energy: f64,
+    pub sum_load: f64,
+    #[serde(serialize_with = "natural")]
+    pub kkt: Kkt,
+}
+
+/// Of a coarse grid, the natural residual says enough.
+fn natural<S: serde::Serializer>(kkt: &Kkt, out: S) -> Result<S::Ok, S::Error> {
+    json!({ "natural": kkt.natural, "relative": kkt.relative }).serialize(out)
+}
+
+/// What a solver leaves.
+pub(super) struct Solved {
+    /// One entry per grid on which it stopped, coarsest first.
+    pub levels: Vec<Level>,
+    /// On the finest grid.
+    pub pair: Pair,
+    /// Cost in sweeps of the finest grid, if the solver counts it.
+    pub work_units: Option<f64>,
+}
+
+/// An answer with its judgement.
+pub(super) struct Answer {
+    /// One entry per grid on which the solver stopped, coarsest first.
+    levels: Vec<Level>,
+    /// The solution on the finest grid.
+    pub pair: Pair,
+    work_units: Option<f64>,
+    /// The sum of v r over the boundary, r the gradient of the energy: zero at the solution, and elsewhere,
+    /// if all other conditions hold, a bound of the energy's error.
+    complementarity: f64,
+    /// Boundary nodes with v < r, and all.
+    contact: [usize; 2],
+    errors: Option<Errors>,
+    /// For grids and load vectors, and for the solver.
+    seconds: [f64; 2],
+    warnings: Vec<String>,
+    /// Why the answer is none, in a sentence with a remedy.
+    pub failure: Option<String>,
+}
+
+impl Answer {
+    pub fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
+        let Solved { levels, pair, work_units } = solved;
+        let n = problem.finest();
+        let (_, _, flux) = problem.domain.judge(n, &pair.y, load);
+        let boundary = problem.domain.boundary(n);
+        let y = &pair.y;
+        let mut answer = Self {
+            complementarity: boundary.iter().map(|&node| y[node] * flux[node]).sum(),
+            contact: [
+                boundary.iter().filter(|&&node| y[node] < flux[node]).count(),
+                boundary.len(),
+            ],
+            errors: problem.domain.errors(n, y, load),
+            levels,
+            pair,
+            work_units,
+            seconds,
+            warnings: Vec::new(),
+            failure: None,
+        };
+        answer.judge(problem);
+        answer
+    }
+
+    fn last(&self) -> &Level {
+        self.levels.last().expect("at least one grid")
+    }
+
+    /// Decides whether the answer is one, and collects what else is to be known of it.
+    fn judge(&mut self, problem: &Problem) {
+        let last = self.levels.len() - 1;
+        let (name, finest) = (problem.name(), problem.finest());
+        let Level { ref stop, kkt, energy, sum_load, .. } = self.levels[last];
+        let mut verdict = None;
+        if stop.ends_with("-limit") {
+            let remedy = if problem.solver.is_nested() {
+                "raise --max-iterations, or use --solver multigrid"
+            } else {
+                "scale f, or choose another --h"
+            };
+            self.failure =
+                Some(format!("{name}: stopped at the {stop} on grid 1/{finest}; {remedy}"));
+        } else if sum_load >= 0.0 {
+            verdict = Some("no-solution");
+            self.failure = Some(format!(
+                "{name}: the load vector sums to {sum_load:+.3e} on grid 1/{finest}, where the discrete problem has no solution; use --load exact, another --h, or a lower f"
+            ));
+        } else if let Some(why) = self.disagreement(kkt.relative, energy) {
+            verdict = Some("not-solved");
+            self.failure = Some(format!(
+                "{name}: the solver stopped as asked on grid 1/{finest}, but {why}; use --stop printed-dual, a larger --r, a grid 1/2^k, or --solver multigrid"
+            ));
+        } else if kkt.relative > ROUGH {
+            self.warnings.push(format!(
+                "the KKT residual on grid 1/{finest} is {:.2} of the load; --solver multigrid leaves rounding errors",
+                kkt.relative
+            ));
+        }
+        if let Some(verdict) = verdict {
+            self.levels[last].stop = verdict.into();
+        }
+        self.warn_of_grids(problem);
+        if !energy.is_finite() {
+            self.warnings.push(
+                "the energy grows with the square of f and is beyond double precision; scale f down".into(),
+            );
+        }
+    }
+
+    /// What the conditions of the solution say against an answer, from y and F alone.
+    fn disagreement(&self, relative: f64, energy: f64) -> Option<String> {
+        let gap = self.complementarity.abs();
+        if !(relative <= SOLVED) {
+            Some(format!("the KKT residual is {relative:.2} of the load"))
+        } else if energy > 0.0 {
+            Some(format!("the energy {energy:.3e} is above that of v = 0"))
+        } else if gap > SOLVED * energy.abs() && gap.is_normal() {
+            Some(format!("the sum of v r is {gap:.3e}, beside an energy of {energy:.3e}"))
+        } else {
+            None
+        }
+    }
+
+    fn warn_of_grids(&mut self, problem: &Problem) {
+        let (coarsest, count) = (problem.grids[0], problem.grids.len());
+        if problem.solver.is_nested() && coarsest > COARSE {
+            let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
+            self.warnings.push(format!(
+                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; choose 1/(2^k m), such as 1/64, or --solver multigrid",
+                tolerance(count)
+            ));
+        }
+        let coarse = &self.levels[..self.levels.len() - 1];
+        let list = |which: &dyn Fn(&Level) -> bool| -> Option<String> {
+            let of: Vec<_> =
+                coarse.iter().filter(|l| which(l)).map(|l| format!("1/{}", l.cells)).collect();
+            (!of.is_empty()).then(|| of.join(", "))
+        };
+        let mut warnings = Vec::new();
+        if let Some(grids) = list(&|level| level.sum_load >= 0.0) {
+            warnings.push(format!(
+                "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
+            ));
+        }
+        if let Some(grids) = list(&|level| level.stop != "converged") {
+            warnings.push(format!("the stopping rule was not met on {grids}"));
+        }
+        self.warnings.extend(warnings);
+    }
+
+    pub fn json(&self, problem: &Problem) -> Value {
+        let last = self.last();
+        let (n, kkt) = (problem.finest(), last.kkt);
+        let per_grid = |of: fn(&Level) -> Option<usize>| -> Vec<usize> {
+            self.levels.iter().filter_map(of).collect()
+        };
+        let mut json = json!({
+            "schema": 1,
+            "scene": problem.name(),
+            "f": problem.domain.f(),
+            "dimension": problem.domain.dimension(),
+            "solver": problem.solver.name(),
+            "settings": problem.settings().into_iter().collect::<BTreeMap<_, _>>(),
+            "not_as_in_scene": problem.overridden,
+            "h": 1.0 / n as f64,
+            "unknowns": self.pair.y.len(),
+            "iterations": last.iterations,
+            "iterations_per_grid": per_grid(|level| Some(level.iterations)),
+            "stop": last.stop,
+            "grids": self.levels,
+            "energy": last.energy,
+            "integral_f": problem.domain.integral(),
+            "sum_load": last.sum_load,
+            "kkt": {
+                "stationarity": kkt.stationarity,
+                "min_y": kkt.min_y,
+                "min_lambda": kkt.min_lambda,
+                "complementarity": self.complementarity,
+                "max_min": kkt.complementarity,
+                "natural": kkt.natural,
+                "relative": kkt.relative,
+            },
+            "contact": { "nodes": self.contact[0], "boundary_nodes": self.contact[1] },
+            "warnings": self.warnings,
+            "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
+        });
+        if let Some(sweeps) = last.sweeps {
+            json["sweeps"] = sweeps.into();
+            json["sweeps_per_grid"] = per_grid(|level| level.sweeps).into();
+        }
+        if let Some(work_units) = self.work_units {
+            json["work_units"] = work_units.into();
+        }
+        if let Some(errors) = &self.errors {
+            json["errors"] = json!(errors);
+        }
+        json
+    }
+
+    pub fn text(&self, problem: &Problem) -> String {
+        let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
+        let (f, integral) = (problem.domain.f(), problem.domain.integral());
+        let mut text = match integral.abs() {
+            1e-2..1e6 => format!("{name}: f = {f}, integral {integral:.4}\n"),
+            _ => format!("{name}: f = {f}, integral {integral:.3e}\n"),
+        };
+        let settings = problem.settings().into_iter().map(|(name, value)| match value {
+            Value::String(text) => format!("{name} {text}"),
+            value => format!("{name} {value}"),
+        });
+        text += &format!("{}\n", settings.collect::<Vec<_>>().join(", "));
+        if !problem.overridden.is_empty() {
+            text += &format!("not as in the scene: {}\n", problem.overridden.join(", "));
+        }
+        text += &self.table();
+        text += &format!("solved in {:.3} s", self.seconds[1]);
+        if let Some(work_units) = self.work_units {
+            text += &format!(", the cost of {work_units:.1} sweeps");
+        }
+        let [nodes, all] = self.contact;
+        text += &format!("\ncontact in {nodes} of {all} boundary nodes\n");
+        if let Some(e) = &self.errors {
+            text += &format!("errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}", e.l2, e.h1, e.max);
+            if let Some(multiplier) = e.multiplier_l2 {
+                text += &format!("; multiplier L2 {multiplier:.2e}");
+            }
+            text.push('\n');
+        }
+        self.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
+        text
+    }
+
+    /// One line per grid.
+    fn table(&self) -> String {
+        // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
+        let nested =
+            self.levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
+        let column = |what: &dyn std::fmt::Display| match nested {
+            true => format!(" {what:>9}"),
+            false => String::new(),
+        };
+        let mut text = format!(
+            "{:>8} {:>11}{} {:>16} {:>14} {:>13} {:>10}\n",
+            "grid",
+            "iterations",
+            column(&"sweeps"),
+            "stop",
+            "energy",
+            "KKT residual",
+            "relative"
+        );
+        for level in &self.levels {
+            text += &format!(
+                "{:>8} {:>11}{} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
+                format!("1/{}", level.cells),
+                level.iterations,
+                column(&level.sweeps.unwrap_or(level.iterations)),
+                level.stop,
+                level.energy,
+                level.kkt.natural,
+                level.kkt.relative
+            );
+        }
+        text
+    }
+}

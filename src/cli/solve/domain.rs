@@ -1,0 +1,182 @@
+//! The square and the cube under one interface: load vector, judgement, errors, files.
+
+use super::Solver;
+use crate::cli::formats::Format;
+use crate::discrete::cube;
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::{Kkt, kkt};
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::errors;
+use crate::discrete::stiffness::{energy, residual};
+use crate::pipeline::error::{Error, Result};
+use crate::problem;
+use crate::problem::source::Source;
+use crate::replication::scene::MAX_CELLS;
+use crate::saddle::Pair;
+use crate::timing::machine;
+use serde::Serialize;
+
+/// The square or the cube, with f and its quadrature.
+pub(super) enum Domain {
+    Square { f: Source, rule: LoadRule, integral: f64 },
+    Cube { f: problem::cube::Source, integral: f64 },
+}
+
+/// Errors against a known solution.
+#[derive(Serialize)]
+pub(super) struct Errors {
+    pub l2: f64,
+    pub h1: f64,
+    pub max: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplier_l2: Option<f64>,
+}
+
+impl Domain {
+    pub fn default_solver(&self) -> Solver {
+        match self {
+            Self::Square { .. } => Solver::ArrowHurwicz,
+            Self::Cube { .. } => Solver::Multigrid,
+        }
+    }
+
+    /// Refuses a solver that the domain does not have, or that would take too much memory.
+    pub fn check_solver(&self, solver: Solver, finest: usize) -> Result<()> {
+        // Finest grids on which a nodal vector or two, or a Cholesky factor, fit comfortably in memory.
+        let most = match (self, solver) {
+            (Self::Square { .. }, Solver::ActiveSet) => 1024,
+            (Self::Square { .. }, _) => MAX_CELLS,
+            (Self::Cube { .. }, Solver::Multigrid) => 512,
+            (Self::Cube { .. }, Solver::ActiveSet) => 32,
+            (Self::Cube { .. }, _) => {
+                return Err(Error::input(format!(
+                    "--solver {}: the cube has only multigrid and active-set",
+                    solver.name()
+                )));
+            }
+        };
+        if finest > most {
+            let name = solver.name();
+            return Err(Error::input(format!(
+                "--h 1/{finest} needs too much memory; 1/{most} is the finest for {name}"
+            )));
+        }
+        let bytes = |n: usize| {
+            let nodes = (n as u64 + 1).pow(self.dimension().into());
+            nodes * solver.bytes_per_node(self.dimension(), n as u64)
+        };
+        let left = machine::available_memory().unwrap_or(u64::MAX);
+        if bytes(finest) <= left {
+            return Ok(());
+        }
+        let fits = (1..).map(|k| finest >> k).find(|&n| n < 4 || bytes(n) <= left);
+        Err(Error::input(format!(
+            "--h 1/{finest} takes about {} MB of memory, where {} MB are left; 1/{} would fit",
+            bytes(finest) / 1_000_000,
+            left / 1_000_000,
+            fits.unwrap_or(2)
+        )))
+    }
+
+    pub fn dimension(&self) -> u8 {
+        match self {
+            Self::Square { .. } => 2,
+            Self::Cube { .. } => 3,
+        }
+    }
+
+    pub fn f(&self) -> String {
+        match self {
+            Self::Square { f, .. } => f.to_string(),
+            Self::Cube { f, .. } => f.to_string(),
+        }
+    }
+
+    /// The integral of f.
+    pub fn integral(&self) -> f64 {
+        match *self {
+            Self::Square { integral, .. } | Self::Cube { integral, .. } => integral,
+        }
+    }
+
+    /// The option that gives f, as errors name it.
+    pub fn option(&self) -> &'static str {
+        match self {
+            Self::Square { .. } => "--f",
+            Self::Cube { .. } => "--cube",
+        }
+    }
+
+    /// Load vector on the grid with `n` cells per side.
+    pub fn load(&self, n: usize) -> Vec<f64> {
+        match self {
+            Self::Square { f, rule, .. } => load(square(n), f, *rule),
+            Self::Cube { f, .. } => cube::exact_load(cube(n), f),
+        }
+    }
+
+    /// Energy, violation of the KKT conditions, and `A y - F`.
+    pub fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> (f64, Kkt, Vec<f64>) {
+        match self {
+            Self::Square { .. } => {
+                let mut flux = vec![0.0; y.len()];
+                residual(square(n), y, load, &mut flux);
+                (energy(square(n), y, load), kkt(square(n), y, load), flux)
+            }
+            Self::Cube { .. } => {
+                let flux = cube::residual(cube(n), y, load);
+                (cube::energy(cube(n), y, load), cube::kkt(cube(n), y, load), flux)
+            }
+        }
+    }
+
+    /// Positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
+    pub fn boundary(&self, n: usize) -> Vec<usize> {
+        match self {
+            Self::Square { .. } => square(n).boundary().collect(),
+            Self::Cube { .. } => {
+                let grid = cube(n);
+                let nodes = grid.indices().enumerate();
+                nodes.filter(|&(_, at)| grid.on_boundary(at)).map(|(node, _)| node).collect()
+            }
+        }
+    }
+
+    /// Errors, if the solution is known.
+    pub fn errors(&self, n: usize, y: &[f64], load: &[f64]) -> Option<Errors> {
+        match self {
+            Self::Square { f, .. } => {
+                let e = errors(square(n), f.exact()?, y, load);
+                Some(Errors {
+                    l2: e.l2,
+                    h1: e.h1,
+                    max: e.max,
+                    multiplier_l2: Some(e.multiplier_l2),
+                })
+            }
+            Self::Cube { f, .. } => {
+                let e = cube::errors(cube(n), f.exact()?, y);
+                Some(Errors { l2: e.l2, h1: e.h1, max: e.max, multiplier_l2: None })
+            }
+        }
+    }
+
+    /// The bytes of a file with the solution.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the solution cannot be drawn.
+    pub fn file(&self, format: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
+        match self {
+            Self::Square { .. } => format.square(square(n), pair, name),
+            Self::Cube { .. } => format.cube(cube(n), &pair.y, name),
+        }
+    }
+}
+
+pub(super) fn square(n: usize) -> Grid {
+    Grid::new(n).expect("validated with the hierarchy")
+}
+
+fn cube(n: usize) -> cube::Grid {
+    cube::Grid::new(n).expect("validated with the hierarchy")
+}

@@ -1,0 +1,124 @@
+//! Every solver brought to the same shape of answer.
+
+use super::Solver;
+use super::answer::{Answer, Level, Solved};
+use super::domain::{Domain, square};
+use super::problem::Problem;
+use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
+use crate::multigrid::cube;
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{self, Goal, InputError, MultigridParams};
+use crate::pipeline::error::{Error, Result};
+use crate::saddle::{self, Outcome, Pair, Params, StopReason, on_nested, tolerance};
+use std::time::Instant;
+
+impl Problem {
+    /// Solves the problem and judges the answer.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the solver refuses the load; [`Error::Stage`] if it diverges.
+    pub fn solve(&self) -> Result<Answer> {
+        let start = Instant::now();
+        let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };
+        let loads: Vec<_> = grids.iter().map(|&n| self.domain.load(n)).collect();
+        let setup = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let solved = if self.solver.is_nested() {
+            self.on_nested_grids(&loads)?
+        } else {
+            self.on_finest_grid(&loads[0])?
+        };
+        let seconds = [setup, start.elapsed().as_secs_f64()];
+        Ok(Answer::new(self, solved, &loads[loads.len() - 1], seconds))
+    }
+
+    /// Runs a saddle-point method over the nested grids of the square.
+    fn on_nested_grids(&self, loads: &[Vec<f64>]) -> Result<Solved> {
+        let grids: Vec<_> = self.grids.iter().map(|&n| square(n)).collect();
+        let (outcomes, pair) =
+            on_nested(&grids, loads, self.prolongation, |level, grid, load, pair| {
+                let params = Params { tolerance: tolerance(level), ..self.params };
+                let method = self.solver.method(params.tolerance);
+                let (end, sweeps) = saddle::solve(grid, load, method, &params, pair, None);
+                ((end, sweeps), end.stop)
+            });
+        if let Some((end, _)) = outcomes.last().filter(|(end, _)| end.stop == StopReason::Diverged)
+        {
+            return Err(Error::Stage(vec![format!(
+                "{}: {} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
+                self.name(),
+                self.solver.name(),
+                end.cells,
+                end.iterations
+            )]));
+        }
+        let level = |&(end, sweeps): &(Outcome, usize)| Level {
+            cells: end.cells,
+            iterations: end.iterations,
+            sweeps: Some(sweeps),
+            stop: end.stop.to_string(),
+            energy: end.energy,
+            sum_load: end.sum_load,
+            kkt: end.kkt,
+        };
+        let levels = outcomes.iter().map(level).collect();
+        Ok(Solved { levels, pair, work_units: None })
+    }
+
+    /// Runs a solver that works on the finest grid alone.
+    fn on_finest_grid(&self, load: &[f64]) -> Result<Solved> {
+        let n = self.finest();
+        let largest = || load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
+        let goal = self.tolerance.map_or(Goal::RoundingFloor, |t| Goal::Kkt(t * largest()));
+        let params = MultigridParams { goal, ..MultigridParams::default() };
+        let direct = ActiveSetParams::default();
+        let by_cycles = |(y, o): (_, multigrid::Outcome)| (y, o.cycles, o.stop, Some(o.work_units));
+        let by_steps = |(y, o): (_, active_set::Outcome)| (y, o.steps, o.stop, None);
+        let solved = match (&self.domain, self.solver) {
+            (Domain::Square { .. }, Solver::Multigrid) => {
+                multigrid(n, load, None, &params, |_| ()).map(by_cycles)
+            }
+            (Domain::Square { .. }, _) => active_set(n, load, None, &direct, |_| ()).map(by_steps),
+            (Domain::Cube { .. }, Solver::Multigrid) => {
+                cube::multigrid(n, load, None, &params, |_| ()).map(by_cycles)
+            }
+            (Domain::Cube { .. }, _) => {
+                cube::active_set(n, load, None, &direct, |_| ()).map(by_steps)
+            }
+        };
+        let (y, iterations, stop, work_units) = solved.map_err(|e| self.refused(&e))?;
+        if stop == multigrid::StopReason::Diverged {
+            let name = self.name();
+            return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
+        }
+        let (energy, kkt, flux) = self.domain.judge(n, &y, load);
+        // In contact y is exactly zero; elsewhere the flux is rounding error.
+        let measure = (n as f64).powi(1 - i32::from(self.domain.dimension()));
+        let multiplier =
+            |node: usize| if y[node] > 0.0 { 0.0 } else { flux[node].max(0.0) / measure };
+        let a = self.domain.boundary(n).into_iter().map(multiplier).collect();
+        let level = Level {
+            cells: n,
+            iterations,
+            sweeps: None,
+            stop: stop.name().into(),
+            energy,
+            sum_load: load.iter().sum(),
+            kkt,
+        };
+        Ok(Solved { levels: vec![level], pair: Pair { y, a }, work_units })
+    }
+
+    fn refused(&self, e: &InputError) -> Error {
+        let remedy = match (e, &self.domain) {
+            (InputError::NotCoercive(_), Domain::Square { .. }) => {
+                "average f on its jumps with --load lumped-average, or lower it"
+            }
+            (InputError::NotCoercive(_), Domain::Cube { .. }) => "lower f somewhere",
+            (InputError::GridSize(..), _) => "choose another --h",
+            _ => "check f",
+        };
+        let place = self.scene.as_deref().unwrap_or(self.domain.option());
+        Error::input(format!("{place}: {e}; {remedy}"))
+    }
+}

@@ -1,0 +1,89 @@
+//! Plans of made-up tasks, walked in a temporary cache.
+
+use super::*;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicUsize;
+
+/// A task that makes one artifact of what it needs.
+fn task(id: &str, needs: &[&str], make: impl Fn() -> Vec<u8> + Send + Sync + 'static) -> Task {
+    Task {
+        id: id.into(),
+        parameters: BTreeMap::new(),
+        files: Artifacts::new(),
+        needs: needs.iter().map(|need| (*need).to_owned()).collect(),
+        export: None,
+        work: Box::new(move |_| Ok(Artifacts::from([("out".into(), make())]))),
+    }
+}
+
+fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
+    let store = Store::new(cache).unwrap();
+    execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false)).unwrap()
+}
+
+#[test]
+fn another_program_never_finds_the_results_of_the_first() {
+    let cache = tempfile::tempdir().unwrap();
+    let plan = |program: &str, damping: u8| {
+        let tasks =
+            vec![task("a/1", &[], move || vec![damping]), task("b/1", &["a/1"], || vec![7])];
+        Plan::new(&hash(program.as_bytes()), tasks).unwrap()
+    };
+    let [old, new] = [plan("old", 1), plan("new", 2)];
+    let options = Options::default();
+    let first = walk(&old, cache.path(), options);
+    assert!(walk(&old, cache.path(), options).nothing_to_do());
+    let dry = walk(&new, cache.path(), Options { dry_run: true, ..options });
+    let verdicts: Vec<String> = dry.verdicts.iter().map(|j| j.verdict.to_string()).collect();
+    let change = format!("{} -> {}", &hash(b"old")[..12], &hash(b"new")[..12]);
+    assert_eq!(verdicts, [format!("stale: the program changed: {change}"), "waits for a/1".into()]);
+    let second = walk(&new, cache.path(), options);
+    let outputs = |summary: &Summary, id: &str| summary.manifests[id].outputs["out"].clone();
+    assert_eq!(outputs(&second, "a/1"), hash(&[2]), "the second program's");
+    assert_eq!(outputs(&second, "b/1"), outputs(&first, "b/1"));
+    // And back: what the first program made is still there for it.
+    let back = walk(&old, cache.path(), options);
+    assert!(back.ran.is_empty() && back.reverted && outputs(&back, "a/1") == hash(&[1]));
+}
+
+#[test]
+fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
+    // `slow` ends only after `second`, of a later stage, has run: a barrier between stages would
+    // never end.
+    let (send, receive) = channel::<()>();
+    let (send, receive) = (Mutex::new(send), Mutex::new(receive));
+    let order = &*Box::leak(Box::new(AtomicUsize::new(0)));
+    let tasks = vec![
+        task("a/slow", &[], move || {
+            receive.lock().unwrap().recv().unwrap();
+            Vec::new()
+        }),
+        task("a/first", &[], || vec![order.fetch_add(1, Ordering::SeqCst) as u8]),
+        task("b/second", &["a/first"], move || {
+            send.lock().unwrap().send(()).unwrap();
+            vec![order.fetch_add(1, Ordering::SeqCst) as u8]
+        }),
+    ];
+    let plan = Plan::new("program", tasks).unwrap();
+    let cache = tempfile::tempdir().unwrap();
+    let summary = walk(&plan, cache.path(), Options { jobs: 2, ..Options::default() });
+    let ran: Vec<&str> = summary.ran.iter().map(|ran| ran.task.as_str()).collect();
+    assert_eq!(ran, ["a/slow", "a/first", "b/second"], "in the plan's order");
+    assert_eq!(summary.manifests["b/second"].outputs["out"], hash(&[1]));
+}
+
+#[test]
+fn a_panic_is_the_failure_of_one_task() {
+    let tasks = vec![
+        task("a/wild", &[], || panic!("on purpose")),
+        task("a/tame", &[], || vec![1]),
+        task("b/waits", &["a/wild"], || vec![2]),
+    ];
+    let plan = Plan::new("program", tasks).unwrap();
+    let cache = tempfile::tempdir().unwrap();
+    let summary = walk(&plan, cache.path(), Options { keep_going: true, ..Options::default() });
+    assert!(summary.failed[0].starts_with("a/wild: panicked"), "{:?}", summary.failed);
+    assert_eq!(summary.failed[1], "b/waits: not run, because a/wild failed");
+    assert!(summary.manifests.contains_key("a/tame"));
+}

@@ -1,0 +1,111 @@
+//! Formats of numbers, and ways to round the operations of the iteration.
+
+use super::lanes::V;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// A format of floating-point numbers.
+pub trait Number:
+    Copy
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// The nearest number of this format.
+    fn of(value: f64) -> Self;
+    /// The same number in double precision.
+    fn wide(self) -> f64;
+    /// `x * y + z`, rounded once.
+    fn fused(x: Self, y: Self, z: Self) -> Self;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+    fn fused(x: Self, y: Self, z: Self) -> Self {
+        libm::fma(x, y, z)
+    }
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+    fn fused(x: Self, y: Self, z: Self) -> Self {
+        libm::fmaf(x, y, z)
+    }
+}
+
+/// The operations of the iteration that an arithmetic may round in its own way, in all lanes at once.
+///
+/// All others are exact but for one rounding each: the mesh width and the diagonals are powers of two.
+pub trait Arithmetic<N: Number> {
+    /// `south + north + east + load + west`.
+    #[inline(always)]
+    fn star(&mut self, [south, north, east, load, west]: [V<N>; 5]) -> V<N> {
+        ((south + north) + (east + load)) + west
+    }
+    /// `along + inward + load`: the neighbours on the edge, already halved, and the one inside.
+    #[inline(always)]
+    fn edge(&mut self, [along, inward, load]: [V<N>; 3]) -> V<N> {
+        along + inward + load
+    }
+    /// `a - r y`.
+    #[inline(always)]
+    fn step(&mut self, a: N, r: N, y: N) -> N {
+        a - r * y
+    }
+    /// The new values of a node.
+    #[inline(always)]
+    fn node(&mut self, y: V<N>) -> V<N> {
+        y
+    }
+    /// A run enters a lane.
+    fn enter(&mut self, _lane: usize, _run: usize) {}
+    /// It leaves it again.
+    fn leave(&mut self, _lane: usize, _run: usize) {}
+}
+
+/// Every operation as [`Plain`](crate::saddle::Plain) defines it.
+#[derive(Clone, Copy, Debug)]
+pub struct AsDefined;
+
+impl<N: Number> Arithmetic<N> for AsDefined {}
+
+/// All sums from the other end.
+#[derive(Clone, Copy, Debug)]
+pub struct Reversed;
+
+impl<N: Number> Arithmetic<N> for Reversed {
+    #[inline(always)]
+    fn star(&mut self, [south, north, east, load, west]: [V<N>; 5]) -> V<N> {
+        (((west + load) + east) + north) + south
+    }
+    #[inline(always)]
+    fn edge(&mut self, [along, inward, load]: [V<N>; 3]) -> V<N> {
+        load + inward + along
+    }
+}
+
+/// A product and the sum it enters rounded together, as compilers may.
+#[derive(Clone, Copy, Debug)]
+pub struct Fused;
+
+impl<N: Number> Arithmetic<N> for Fused {
+    #[inline(always)]
+    fn step(&mut self, a: N, r: N, y: N) -> N {
+        N::fused(N::of(-1.0) * r, y, a)
+    }
+}

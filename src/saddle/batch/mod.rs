@@ -1,0 +1,258 @@
+//! Many runs of the saddle-point methods on one grid at once, one per vector lane, each as if it were alone.
+//!
+//! A sweep waits at each node for its western neighbour, and all runs wait alike: eight of them
+//! side by side cost less than three one after the other. A run's stopping rule is first tried at the node
+//! that broke it last; all nodes are tried only when that one no longer does. Iterates and counts are those
+//! of [`solve`](crate::saddle::solve) to the last bit, unless another arithmetic is asked for.
+
+mod arithmetic;
+mod lanes;
+
+pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed};
+pub use lanes::{Lanes, Measure, Order, V};
+
+use crate::discrete::grid::Grid;
+use crate::discrete::transfer::Prolongation;
+use crate::saddle::{Method, Pair, StopRule, tolerance};
+use std::array::from_fn;
+
+/// Runs side by side.
+pub const LANES: usize = 8;
+
+/// When a run has reached its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// A stopping rule with its tolerance, tried after each step of the multiplier.
+    Rule(StopRule, f64),
+    /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
+    Kkt(f64),
+}
+
+/// A run to be done.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a, N = f64> {
+    /// Load vector F.
+    pub load: &'a [N],
+    /// Where it starts.
+    pub start: &'a Pair,
+    /// The method.
+    pub method: Method,
+    /// Duality parameter r > 0.
+    pub r: f64,
+    /// When it ends.
+    pub goal: Goal,
+    /// Sweeps after which to give up.
+    pub cap: usize,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub struct End {
+    /// Sweeps done.
+    pub sweeps: usize,
+    /// Whether the goal was reached.
+    pub met: bool,
+    /// Change of the multiplier in its last step.
+    pub delta_a: f64,
+    /// The last pair.
+    pub pair: Pair,
+}
+
+/// Does all jobs; the ends are in the order of the jobs.
+///
+/// # Panics
+/// If a load vector or a start has the wrong length for `grid`.
+pub fn run<N: Number>(
+    grid: Grid,
+    jobs: &[Job<N>],
+    arithmetic: &mut impl Arithmetic<N>,
+) -> Vec<End> {
+    let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
+    let mut waiting = jobs.iter().enumerate();
+    let mut lanes = Lanes::new(grid, Order::Lexicographic, 1.0);
+    let mut runs: [Option<Run<N>>; LANES] = [const { None }; LANES];
+    loop {
+        for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
+            if let Some((number, job)) = waiting.next() {
+                lanes.enter(lane, job.r, job.load, job.method.weight(), job.start);
+                arithmetic.enter(lane, number);
+                *run = Some(Run::new(number, job));
+            }
+        }
+        if runs.iter().all(Option::is_none) {
+            return ends.into_iter().flatten().collect();
+        }
+        lanes.sweep(arithmetic);
+        let steps = from_fn(|lane| {
+            runs[lane].as_mut().is_some_and(|run| match run.inner {
+                None => true,
+                Some(bound) => lanes.within(lane, Measure::Inner, bound, &mut run.inner_witness),
+            })
+        });
+        let changes = lanes.step(steps, arithmetic);
+        for lane in 0..LANES {
+            let Some(run) = runs[lane].as_mut() else { continue };
+            run.sweeps += 1;
+            if steps[lane] {
+                run.delta_a = changes[lane];
+                run.after_step(&mut lanes, lane);
+            }
+            let met = steps[lane] && run.met(&lanes, lane);
+            if met || run.sweeps == run.job.cap {
+                let Run { sweeps, delta_a, number, .. } = *run;
+                arithmetic.leave(lane, number);
+                ends[number] = Some(End { sweeps, met, delta_a, pair: lanes.pair(lane) });
+                runs[lane] = None;
+            }
+        }
+    }
+}
+
+/// A job in a lane.
+struct Run<'a, N> {
+    number: usize,
+    job: &'a Job<'a, N>,
+    sweeps: usize,
+    delta_a: f64,
+    /// Bound on the inner gradient.
+    inner: Option<f64>,
+    /// Nodes that broke the goal and the inner bound when last tried.
+    witness: usize,
+    inner_witness: usize,
+    /// Largest component of F.
+    scale: f64,
+}
+
+impl<'a, N: Number> Run<'a, N> {
+    fn new(number: usize, job: &'a Job<'a, N>) -> Self {
+        let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.wide().abs()));
+        let inner = job.method.inner_bound(scale);
+        Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, inner_witness: 0, scale }
+    }
+
+    /// Prepares the next inner minimisation.
+    fn after_step(&mut self, lanes: &mut Lanes<N>, lane: usize) {
+        if let Method::Uzawa { loose, .. } = self.job.method {
+            if loose {
+                let gradient = lanes.worst(lane, Measure::Printed);
+                self.inner = self.job.method.inner_bound(gradient);
+            }
+            lanes.regularise(lane);
+        }
+    }
+
+    /// Whether the goal is reached, after a step of the multiplier.
+    fn met(&mut self, lanes: &Lanes<N>, lane: usize) -> bool {
+        let (measure, bound, dual) = match self.job.goal {
+            Goal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
+            Goal::Rule(rule, tolerance) => {
+                let measure = if rule.is_printed() { Measure::Printed } else { Measure::Signed };
+                (measure, N::of(tolerance).wide(), rule.asks_dual())
+            }
+        };
+        (!dual || self.delta_a <= bound) && lanes.within(lane, measure, bound, &mut self.witness)
+    }
+}
+
+/// A run of the paper's method over nested grids.
+#[derive(Clone, Copy, Debug)]
+pub struct Nested<'a, N = f64> {
+    /// Load vectors, one per grid.
+    pub loads: &'a [Vec<N>],
+    /// Duality parameter r > 0.
+    pub r: f64,
+    /// Stopping rule, with the paper's tolerances.
+    pub rule: StopRule,
+}
+
+/// Does all runs, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
+/// grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
+///
+/// The prolongation is computed in double precision and rounded once.
+///
+/// # Panics
+/// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load has the wrong length.
+pub fn run_nested<N: Number>(
+    grids: &[Grid],
+    runs: &[Nested<N>],
+    prolongation: Prolongation,
+    cap: impl Fn(usize, usize) -> usize,
+    arithmetic: &mut impl Arithmetic<N>,
+) -> Vec<Vec<End>> {
+    let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
+    let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
+    for (k, &grid) in grids.iter().enumerate() {
+        let jobs: Vec<Job<N>> = runs
+            .iter()
+            .zip(&pairs)
+            .enumerate()
+            .map(|(number, (nested, start))| Job {
+                load: &nested.loads[k],
+                start,
+                method: Method::ArrowHurwicz,
+                r: nested.r,
+                goal: Goal::Rule(nested.rule, tolerance(k + 1)),
+                cap: cap(number, k),
+            })
+            .collect();
+        let ends = run(grid, &jobs, arithmetic);
+        for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
+            if k + 1 < grids.len() {
+                *pair = end.pair.prolonged(grid, prolongation);
+            }
+            done.push(end);
+        }
+    }
+    done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrete::load::{LoadRule, load};
+    use crate::saddle::{Params, StopReason, arrow_hurwicz, solve};
+
+    fn setting() -> (Grid, Vec<f64>, Pair) {
+        let grid = Grid::new(16).unwrap();
+        let f = "quadrant(ll)=-6; else=1.998".parse().unwrap();
+        (grid, load(grid, &f, LoadRule::LumpedAverage), Pair::zero(grid))
+    }
+
+    #[test]
+    fn each_lane_is_arrow_hurwicz_to_the_last_bit() {
+        let (grid, load, start) = setting();
+        let all = || [0.3, 1.0, 5.0, 1e6].iter().flat_map(|&r| StopRule::ALL.map(|rule| (r, rule)));
+        let job = |(r, rule)| {
+            let (method, goal) = (Method::ArrowHurwicz, Goal::Rule(rule, 1e-4));
+            Job { load: &load, start: &start, method, r, goal, cap: 1000 }
+        };
+        let ends = run(grid, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
+        for ((r, rule), ours) in all().zip(ends) {
+            let params = Params { r, rule, tolerance: 1e-4, max_iterations: 1000 };
+            let mut pair = start.clone();
+            let theirs = arrow_hurwicz(grid, &load, &params, &mut pair, None);
+            assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
+            assert_eq!(ours.met, theirs.stop == StopReason::Converged);
+            assert_eq!(ours.pair, pair);
+        }
+    }
+
+    #[test]
+    fn and_uzawa_with_and_without_the_proximal_term() {
+        let (grid, load, start) = setting();
+        let all = [(0.0, 3.0, false), (1.0, 3.0, true), (10.0, 1e4, false), (0.0, 1e4, true)];
+        let jobs = all.map(|(weight, r, loose)| {
+            let method = Method::Uzawa { weight, inner: 1e-5, loose };
+            let goal = Goal::Rule(StopRule::Printed, 1e-4);
+            Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
+        });
+        for (job, ours) in jobs.iter().zip(run(grid, &jobs, &mut AsDefined)) {
+            let params =
+                Params { r: job.r, tolerance: 1e-4, rule: StopRule::Printed, ..Params::default() };
+            let mut pair = start.clone();
+            let (end, sweeps) = solve(grid, &load, job.method, &params, &mut pair, None);
+            assert_eq!((ours.sweeps, ours.delta_a), (sweeps, end.delta_a));
+            assert_eq!((ours.met, &ours.pair), (true, &pair));
+        }
+    }
+}

@@ -1,0 +1,429 @@
+//! Saddle-point methods on one grid: a minimisation over y, then a step (12) of the multiplier, in turn.
+//!
+//! Uzawa's algorithm minimises the functional M(., a) of (7) over y until its gradient is small. The
+//! paper's references descend inside; here it is the Gauss-Seidel sweep (9)-(11) with the multiplier held
+//! fixed, itself a descent, coordinate by coordinate. The paper's method sweeps once: it is Uzawa's
+//! algorithm with one inner sweep, and the sweep is the unit in which all methods are compared.
+//!
+//! Requirements: r > 0; a load vector with negative sum. M(., a) then has a minimum, because a constant
+//! costs at least linearly upwards and quadratically downwards. It is not strongly convex, though: where
+//! no boundary node is penalised (`r y >= a` all around) its Hessian is the singular matrix A, and in the
+//! end each sweep only moves y down by `h^2 / 2` times the sum of F, until some node is. If F sums to
+//! zero or more M(., a) has no minimum; that drift goes up for ever and the run ends at its cap, as an
+//! outcome. With the proximal term each inner problem is well posed whatever F, and y^k drifts instead.
+//!
+//! References: N. N. Maksimova, equations (7)-(13); the misprints are mended as the report says.
+//! D. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, for Uzawa's algorithm;
+//! R. V. Namm and A. S. Tkachenko, Izv. vuzov. Matematika, 2010, no. 4, for the proximal term (the
+//! paper's refs 5 and 6); G. Woo, R. V. Namm, S. A. Sachkoff, Comput. Math. Math. Phys. 46 (2006) 23-33.
+
+use super::gradient::{Gradient, dual_step};
+use super::stopping::{StopReason, StopRule};
+use super::sweep::sweep;
+use super::{Outcome, Pair};
+use crate::discrete::grid::Grid;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// How far y is minimised before each step of the multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// One sweep: the paper's method.
+    ArrowHurwicz,
+    /// Sweeps until the gradient of M(., a), with the proximal term, is small enough.
+    Uzawa {
+        /// Factor c >= 0 of the added term `c / 2 ||v - v^k||^2` in L2(Omega), v^k being the last
+        /// minimiser; zero for the plain algorithm. Unit: one over length squared. Lumped mass, `h^2`
+        /// at interior nodes, half on edges, a quarter at corners, keeps the term on the diagonal.
+        weight: f64,
+        /// Bound on the absolute value of every component that is always small enough, in units of F.
+        inner: f64,
+        /// Whether a tenth of the gradient (8) at the last step of the multiplier, and of the largest
+        /// component of F before the first, is enough as well: further costs more and gains nothing
+        /// (see [`claims`](crate::experiments::claims)).
+        loose: bool,
+    },
+}
+
+impl Method {
+    /// The proximal weight c.
+    pub(crate) fn weight(self) -> f64 {
+        match self {
+            Self::ArrowHurwicz => 0.0,
+            Self::Uzawa { weight, .. } => weight,
+        }
+    }
+
+    /// Bound on the inner gradient when the gradient (8) was `gradient`; none if one sweep is enough.
+    pub(crate) fn inner_bound(self, gradient: f64) -> Option<f64> {
+        match self {
+            Self::ArrowHurwicz => None,
+            Self::Uzawa { inner, loose, .. } => {
+                Some(if loose { (0.1 * gradient).max(inner) } else { inner })
+            }
+        }
+    }
+}
+
+/// What the iteration needs besides grid, load vector and method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Params {
+    /// Duality parameter r > 0, the step of the multiplier.
+    pub r: f64,
+    /// Bound of the stopping rule, tried after each step of the multiplier; the paper takes 10^-N on grid N.
+    pub tolerance: f64,
+    /// Which stopping rule; always with the gradient (8), without the proximal term.
+    pub rule: StopRule,
+    /// Sweeps after which to give up; an iteration of the paper is one sweep.
+    pub max_iterations: usize,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self { r: 1.0, tolerance: 1e-5, rule: StopRule::Signed, max_iterations: 1_000_000 }
+    }
+}
+
+/// What the monitor sees after each iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Iteration {
+    /// Iterations done on this grid.
+    pub number: usize,
+    /// `max_i dM/dy_i` at (y^(n), a^(n)).
+    pub gradient_signed: f64,
+    /// `max_i |dM/dy_i|` there.
+    pub gradient_abs: f64,
+    /// `max_i |a_i^(n) - a_i^(n-1)|`.
+    pub delta_a: f64,
+}
+
+/// Called after each step of the multiplier; a break ends the run.
+pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
+
+/// Iterates on `pair` in place until the rule is met, the cap is hit, or the monitor breaks; returns how
+/// it ended and the number of sweeps.
+///
+/// Without a monitor the residuals are only compared with the tolerance, row by row until one
+/// exceeds it; with one they are computed in full. The iterates are the same. An inner bound below the
+/// rounding errors of the gradient is never met and ends at the cap.
+///
+/// # Panics
+/// If a slice has the wrong length for `grid`, or `params.r` is not positive.
+pub fn solve(
+    grid: Grid,
+    load: &[f64],
+    method: Method,
+    params: &Params,
+    pair: &mut Pair,
+    mut monitor: Option<OnIteration>,
+) -> (Outcome, usize) {
+    let mut steps = Steps::new(grid, load, method, params.r);
+    let stop = loop {
+        if let Err(stop) = steps.step(pair, params.max_iterations) {
+            break stop;
+        }
+        let (number, delta_a) = (steps.iterations, steps.delta_a);
+        if let Some(monitor) = monitor.as_mut() {
+            let (gradient_signed, gradient_abs) = steps.gradient.extrema(load, pair);
+            if monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a }).is_break() {
+                break StopReason::Interrupted;
+            }
+        }
+        if (!params.rule.asks_dual() || delta_a <= params.tolerance)
+            && steps.gradient.within(load, pair, params.tolerance, params.rule.is_printed())
+        {
+            break StopReason::Converged;
+        }
+    };
+    let extrema = steps.gradient.extrema(load, pair);
+    (Outcome::at(grid, load, pair, (steps.iterations, steps.delta_a), extrema, stop), steps.sweeps)
+}
+
+/// [`solve`] by the paper's method.
+///
+/// # Panics
+/// As [`solve`].
+pub fn arrow_hurwicz(
+    grid: Grid,
+    load: &[f64],
+    params: &Params,
+    pair: &mut Pair,
+    monitor: Option<OnIteration>,
+) -> Outcome {
+    solve(grid, load, Method::ArrowHurwicz, params, pair, monitor).0
+}
+
+/// A method on one grid, one step of the multiplier at a time, without a stopping rule.
+pub struct Steps<'a> {
+    grid: Grid,
+    load: &'a [f64],
+    method: Method,
+    r: f64,
+    /// Nodes of the boundary, in the order of the multiplier.
+    boundary: Vec<usize>,
+    /// (8), without the proximal term.
+    gradient: Gradient,
+    /// The same with it.
+    inner: Gradient,
+    /// Bound on the latter.
+    bound: Option<f64>,
+    /// The proximal term's share of an interior node.
+    shift: f64,
+    /// F, plus the proximal term's `shift y^k`.
+    target: Vec<f64>,
+    /// Steps of the multiplier done.
+    iterations: usize,
+    /// Sweeps done.
+    sweeps: usize,
+    /// Last change of the multiplier.
+    delta_a: f64,
+}
+
+impl<'a> Steps<'a> {
+    /// Before the first step.
+    ///
+    /// # Panics
+    /// If `load` has the wrong length for `grid`, or `r` is not positive.
+    pub fn new(grid: Grid, load: &'a [f64], method: Method, r: f64) -> Self {
+        assert!(r > 0.0, "the duality parameter r must be positive");
+        assert!(load.len() == grid.nodes());
+        let shift = method.weight() * grid.h() * grid.h();
+        let largest = load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        Self {
+            grid,
+            load,
+            method,
+            r,
+            boundary: grid.boundary().collect(),
+            gradient: Gradient::new(grid, r, 0.0),
+            inner: Gradient::new(grid, r, shift),
+            bound: method.inner_bound(largest),
+            shift,
+            target: load.to_vec(),
+            iterations: 0,
+            sweeps: 0,
+            delta_a: 0.0,
+        }
+    }
+
+    /// Sweeps done so far.
+    pub fn sweeps(&self) -> usize {
+        self.sweeps
+    }
+
+    /// The minimisation over y and the step (12).
+    ///
+    /// # Errors
+    /// The reason to end the run instead: `max_sweeps` are done, or a value is no longer finite.
+    ///
+    /// # Panics
+    /// If `pair` has the wrong length for the grid.
+    pub fn step(&mut self, pair: &mut Pair, max_sweeps: usize) -> Result<(), StopReason> {
+        assert!(pair.y.len() == self.grid.nodes() && pair.a.len() == self.boundary.len());
+        self.regularise(pair);
+        loop {
+            if self.sweeps >= max_sweeps {
+                return Err(StopReason::IterationLimit);
+            }
+            self.sweeps += 1;
+            sweep(self.grid, &self.target, self.shift, self.r, &mut pair.y, &pair.a);
+            let Some(bound) = self.bound else { break };
+            // What is not a number spreads to the boundary within as many sweeps as there are rows.
+            if !self.boundary.iter().all(|&node| pair.y[node].is_finite()) {
+                return Err(StopReason::Diverged);
+            }
+            if self.inner.within(&self.target, pair, bound, true) {
+                break;
+            }
+        }
+        self.iterations += 1;
+        self.delta_a =
+            dual_step(&self.boundary, self.r, &pair.y, &mut pair.a).ok_or(StopReason::Diverged)?;
+        if matches!(self.method, Method::Uzawa { loose: true, .. }) {
+            self.bound = self.method.inner_bound(self.gradient.extrema(self.load, pair).1);
+        }
+        Ok(())
+    }
+
+    /// Sets the proximal term to pull towards y as it is now.
+    fn regularise(&mut self, pair: &Pair) {
+        if self.shift > 0.0 {
+            let (n, side) = (self.grid.cells(), self.grid.side());
+            let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
+            for (k, target) in self.target.iter_mut().enumerate() {
+                let (i, j) = (k % side, k / side);
+                *target = self.load[k] + half(i) * half(j) * self.shift * pair.y[k];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrete::load::{LoadRule, load};
+    use crate::discrete::transfer::Prolongation;
+    use crate::saddle::{on_nested, tolerance};
+
+    const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
+
+    fn setting(f: &str) -> (Grid, Vec<f64>) {
+        let grid = Grid::new(16).unwrap();
+        (grid, load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage))
+    }
+
+    fn tight(r: f64) -> Params {
+        Params { r, tolerance: 1e-9, rule: StopRule::Printed, ..Params::default() }
+    }
+
+    fn uzawa(weight: f64) -> Method {
+        Method::Uzawa { weight, inner: 1e-10, loose: false }
+    }
+
+    /// Outcome, sweeps and last pair, from zero: plain and proximal.
+    fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
+        [0.0, weight].map(|weight| {
+            let mut pair = Pair::zero(grid);
+            let (end, sweeps) = solve(grid, load, uzawa(weight), params, &mut pair, None);
+            (end, sweeps, pair)
+        })
+    }
+
+    fn distance(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).fold(0.0, |worst, (a, b)| (a - b).abs().max(worst))
+    }
+
+    #[test]
+    fn every_method_finds_the_solution_of_arrow_hurwicz() {
+        for f in PROBLEMS {
+            let (grid, load) = setting(f);
+            let mut want = Pair::zero(grid);
+            let outcome = arrow_hurwicz(grid, &load, &tight(10.0), &mut want, None);
+            assert_eq!(outcome.stop, StopReason::Converged);
+            for r in [1.0, 10.0, 1e3, 1e6] {
+                for (end, sweeps, pair) in both(grid, &load, &tight(r), 1.0) {
+                    let at = format!("{f}, r = {r}: {end:?}");
+                    assert_eq!(end.stop, StopReason::Converged, "{at}");
+                    // Where a stays positive the gradient sees only h r of what is left of y.
+                    let bound = 2e-9 * (1.0 / (grid.h() * r)).max(1.0);
+                    assert!(end.kkt.natural <= bound, "{at}");
+                    assert!(distance(&pair.y, &want.y) <= 1e-6, "{at}");
+                    assert!(distance(&pair.a, &want.a) <= 1e-5, "{at}");
+                    assert!(sweeps >= end.iterations, "{at}");
+                    let checked = end.checked(grid, &load, &pair, 1e-9);
+                    assert_eq!(checked, StopReason::Converged, "{at}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
+        let (grid, load) = setting(PROBLEMS[0]);
+        let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
+        let mut ours = Pair::zero(grid);
+        let (end, sweeps) = solve(grid, &load, once, &tight(3.0), &mut ours, None);
+        let mut theirs = Pair::zero(grid);
+        assert_eq!(end, arrow_hurwicz(grid, &load, &tight(3.0), &mut theirs, None));
+        assert_eq!(sweeps, end.iterations);
+        assert_eq!(ours, theirs);
+    }
+
+    #[test]
+    fn a_nearly_empty_contact_set_is_no_obstacle() {
+        // The mean of f is less than 1e-4 of its size; the solution leaves the boundary almost everywhere.
+        let (grid, load) = setting("quadrant(ll)=-6.001; else=2");
+        for weight in [0.1, 1.0, 10.0] {
+            let [_, (outcome, _, pair)] = both(grid, &load, &tight(10.0), weight);
+            assert_eq!(outcome.stop, StopReason::Converged, "{outcome:?}");
+            assert!(outcome.kkt.natural <= 1e-8, "{outcome:?}");
+            let contact = pair.a.iter().filter(|&&a| a > 0.0).count();
+            assert!((1..=8).contains(&contact), "{contact} nodes in contact");
+        }
+    }
+
+    #[test]
+    fn without_a_minimum_both_end_at_a_cap() {
+        let (grid, load) = setting("else=0.5");
+        let capped = Params { max_iterations: 3000, ..tight(1.0) };
+        let [(plain, sweeps, up), (proximal, ..)] = both(grid, &load, &capped, 100.0);
+        assert_eq!((plain.stop, sweeps), (StopReason::IterationLimit, 3000));
+        assert_eq!(plain.iterations, 0, "the inner problem has no minimum");
+        let mut further = up.clone();
+        solve(grid, &load, uzawa(0.0), &capped, &mut further, None);
+        let drift = 3000.0 * 0.5 * grid.h() * grid.h() * load.iter().sum::<f64>();
+        for (low, high) in up.y.iter().zip(&further.y) {
+            assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
+        }
+        assert_eq!(proximal.stop, StopReason::IterationLimit);
+        assert!(proximal.iterations > 0, "each proximal problem has one");
+    }
+
+    #[test]
+    fn the_cap_is_on_sweeps() {
+        let (grid, load) = setting(PROBLEMS[1]);
+        let params = Params { max_iterations: 7, ..tight(1.0) };
+        for (outcome, sweeps, _) in both(grid, &load, &params, 1.0) {
+            assert_eq!((outcome.stop, sweeps), (StopReason::IterationLimit, 7));
+        }
+    }
+
+    #[test]
+    fn what_is_no_solution_is_not_called_converged() {
+        // The sum of this load is positive on grids up to 1/16, where y grows for as long as it may, and
+        // on 1/32 the rule is met at y about 18000.
+        let f = "quadrant(ll)=3; else=-1.1".parse().unwrap();
+        let grids = crate::discrete::grid::nested(&[4, 8, 16, 32]).unwrap();
+        let loads: Vec<_> = grids
+            .iter()
+            .map(|&grid| crate::discrete::load::load(grid, &f, LoadRule::default()))
+            .collect();
+        let rule = |method: fn(f64) -> Method| {
+            let (stops, _) =
+                on_nested(&grids, &loads, Prolongation::default(), |k, grid, load, pair| {
+                    let params =
+                        Params { tolerance: tolerance(k), max_iterations: 100_000, ..tight(10.0) };
+                    let outcome =
+                        solve(grid, load, method(0.1 * params.tolerance), &params, pair, None).0;
+                    (outcome.checked(grid, load, pair, params.tolerance), outcome.stop)
+                });
+            stops
+        };
+        let uzawa = rule(|inner| Method::Uzawa { weight: 0.0, inner, loose: false });
+        assert_eq!(uzawa[3], StopReason::NotASolution);
+        let paper = rule(|_| Method::ArrowHurwicz);
+        assert_eq!(paper[..3], [StopReason::NotASolution; 3]);
+        assert_eq!(paper[3], StopReason::Converged);
+    }
+
+    #[test]
+    fn what_is_no_number_diverges() {
+        let (grid, good) = setting(PROBLEMS[0]);
+        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+            let mut load = good.clone();
+            load[grid.index(8, 8)] = bad;
+            for (outcome, sweeps, _) in both(grid, &load, &tight(1.0), 1.0) {
+                assert_eq!(outcome.stop, StopReason::Diverged, "{bad}");
+                assert!(sweeps < 100);
+            }
+        }
+        let huge: Vec<f64> = good.iter().map(|f| f * 1e308).collect();
+        for (outcome, ..) in both(grid, &huge, &tight(1.0), 1.0) {
+            assert_ne!(outcome.stop, StopReason::Converged);
+        }
+    }
+
+    #[test]
+    fn the_monitor_sees_each_step_and_may_end_the_run() {
+        let (grid, load) = setting(PROBLEMS[1]);
+        let mut seen = 0;
+        let mut third = |iteration: &Iteration| {
+            seen = iteration.number;
+            if seen == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let mut pair = Pair::zero(grid);
+        let (end, _) = solve(grid, &load, uzawa(0.0), &tight(1.0), &mut pair, Some(&mut third));
+        assert_eq!((end.stop, end.iterations), (StopReason::Interrupted, 3));
+        assert_eq!(seen, 3);
+    }
+}

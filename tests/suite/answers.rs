@@ -1,0 +1,342 @@
+//! Answers that say what they are worth, and inputs that are refused before any work is done.
+
+use crate::common::{PAPER, Project, Said, TABLE};
+use serde_json::Value;
+use std::fs;
+use std::io::Read;
+use std::process::{Command, Stdio};
+
+const CORNER: &str = "quadrant(ll)=3; else=-1.1";
+
+/// The JSON of an answer that is none: shown all the same, with exit code 3 and the reason in one line.
+#[track_caller]
+fn refused(said: &Said) -> Value {
+    assert_eq!((said.code, said.err.lines().count()), (Some(3), 1), "{said:?}");
+    said.json()
+}
+
+#[test]
+fn a_scene_is_obeyed_and_what_overrides_it_is_announced() {
+    let scene = "title = \"t\"\nf = \"rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1\"\ngrids = [16, 32]\nr = [3]\n\
+        stop = [\"printed-dual\"]\nmax_iterations = 70000\nprolongation = \"rising-diagonal\"\n\
+        load = { rule = \"exact\" }\noutputs = [\"table\"]\n";
+    let project = Project::with(scene);
+    let json = project.run(&["solve", "a", "--json"]).json();
+    let grids: Vec<_> = json["grids"].as_array().unwrap().iter().map(|g| &g["cells"]).collect();
+    assert_eq!(grids, [16, 32]);
+    let settings = &json["settings"];
+    assert_eq!((&settings["r"], &settings["stop"]), (&3.0.into(), &"printed-dual".into()));
+    assert_eq!(settings["max_iterations"], 70000);
+    assert_eq!(
+        (&settings["load"], &settings["prolongation"]),
+        (&"exact".into(), &"rising-diagonal".into())
+    );
+    assert_eq!(json["not_as_in_scene"], Value::Array(Vec::new()));
+    // The same as the cell that a run computes.
+    project.run(&["run"]).lines();
+    let table = project.files(".signorini/v1/objects");
+    let row = format!("3.0,{},{},", json["iterations_per_grid"][0], json["iterations_per_grid"][1]);
+    assert!(table.values().any(|bytes| String::from_utf8_lossy(bytes).contains(&row)), "{row}");
+
+    let text = project.run(&["solve", "a", "--h", "1/64", "--r", "10", "--stop", "printed"]).out;
+    let line = "not as in the scene: finest grid 1/64 instead of 1/32, r 10 instead of 3, stop printed instead of printed-dual";
+    assert!(text.contains(line), "{text}");
+    assert!(
+        text.contains("    1/16 ") && !text.contains("     1/8 "),
+        "the scene's coarsest: {text}"
+    );
+}
+
+#[test]
+fn grids_without_coarser_ones_say_so() {
+    let project = Project::with(TABLE);
+    for solver in ["arrow-hurwicz", "uzawa", "uzawa-proximal"] {
+        let args = [
+            "solve",
+            "--f",
+            "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1",
+            "--h",
+            "1/101",
+            "--solver",
+            solver,
+        ];
+        let text = project.run(&args);
+        assert!(text.out.contains("warning: grid 1/101 has no coarser ones"), "{text:?}");
+        let said = project.run(&[&args[..], &["--json"]].concat());
+        assert!(said.json()["warnings"][0].as_str().unwrap().contains("1/101"), "{said:?}");
+        if solver == "arrow-hurwicz" {
+            assert_eq!(refused(&said)["stop"], "not-solved");
+        }
+    }
+    let json = project.run(&["solve", "--f", "else=-1", "--h", "64", "--json"]).json();
+    assert_eq!((&json["h"], &json["warnings"]), (&(1.0 / 64.0).into(), &Value::Array(Vec::new())));
+}
+
+#[test]
+fn converged_is_said_only_where_the_conditions_hold() {
+    let project = Project::with(TABLE);
+    let solve = |more: &[&str]| {
+        project.run(&[&["solve", "--f", CORNER, "--load", "nodal", "--json"], more].concat())
+    };
+    // The load sums to +0.305: no minimiser.
+    let json = refused(&solve(&["--h", "1/6"]));
+    assert!(json["sum_load"].as_f64().unwrap() > 0.0);
+    assert_ne!(json["stop"], "converged");
+    let uzawa = ["--solver", "uzawa", "--max-iterations", "20000"];
+    let json = refused(&solve(&[&uzawa[..], &["--h", "1/16"]].concat()));
+    assert_ne!(json["stop"], "converged");
+    // Coarse grids without a minimiser must not lead astray unnoticed: the energy is -0.1099.
+    let json = solve(&[&uzawa[..], &["--h", "1/32"]].concat()).json();
+    let energy = json["energy"].as_f64().unwrap();
+    assert!(json["stop"] != "converged" || (energy + 0.1099).abs() < 0.01, "{json}");
+    assert!(json["warnings"][0].as_str().unwrap().contains("1/4, 1/8, 1/16"), "{json}");
+    // Too few iterations: the answer is shown, and not called one.
+    let json = refused(&solve(&["--h", "1/64", "--max-iterations", "3"]));
+    assert_eq!(json["stop"], "iteration-limit");
+    assert!(json["grids"].as_array().unwrap().iter().any(|grid| grid["stop"] != "converged"));
+    // A problem with a solution, well solved.
+    let said = project.run(&["solve", "--f", "else=-1", "--h", "1/64", "--json"]);
+    assert_eq!((said.code, &said.json()["stop"]), (Some(0), &"converged".into()));
+}
+
+#[test]
+fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
+    let project = Project::with(TABLE);
+    // Contact everywhere, and v r is a rounding error there.
+    let args = ["solve", "--f", "else=-1", "--h", "1/32", "--solver", "multigrid", "--json"];
+    let json = project.run(&args).json();
+    assert_eq!(json["contact"]["nodes"], json["contact"]["boundary_nodes"]);
+    assert_eq!(
+        (&json["contact"]["nodes"], &json["kkt"]["complementarity"]),
+        (&128.into(), &0.0.into())
+    );
+    assert_eq!(json["kkt"]["max_min"], 0.0);
+    // For a solution E = -<F, v> / 2 + <r, v> / 2, so that v r can be told from energies of scaled loads.
+    let said = project.run(&["solve", "--f", CORNER, "--load", "nodal", "--h", "1/64", "--json"]);
+    let json = said.json();
+    let number = |name: &str| json["kkt"][name].as_f64().unwrap();
+    assert!(number("complementarity").abs() > number("max_min"), "a sum, not a maximum: {json}");
+    let cube = ["solve", "--cube", "else=-1", "--h", "1/8", "--json"];
+    let json = project.run(&cube).json();
+    assert_eq!(json["contact"]["boundary_nodes"], 9 * 9 * 9 - 7 * 7 * 7);
+}
+
+#[test]
+fn an_energy_beyond_double_precision_comes_with_its_reason() {
+    let project = Project::with(TABLE);
+    let args = ["solve", "--f", "else=-1e160", "--h", "1/8", "--solver", "multigrid"];
+    let said = project.run(&[&args[..], &["--json"]].concat());
+    assert!(said.json()["energy"].is_null(), "{said:?}");
+    assert!(said.json()["warnings"][0].as_str().unwrap().contains("square of f"), "{said:?}");
+    assert!(project.run(&args).out.lines().all(|line| line.len() < 200), "no number in full");
+}
+
+#[test]
+fn files_are_checked_before_the_work_and_answers_shown_in_any_case() {
+    let project = Project::with(TABLE);
+    fs::create_dir(project.path("folder.npy")).unwrap();
+    for (out, remedy) in [
+        ("missing/v.vti", "no such folder"),
+        ("folder.npy", "it is a folder"),
+        ("/proc/v.vti", "name a file elsewhere"),
+        ("v.doc", "unknown ending"),
+    ] {
+        // A solve that would take minutes is not begun.
+        let args = ["solve", "--f", "else=-1", "--h", "1/1024", "--out", out];
+        assert!(project.run(&args).refusal().contains(remedy), "{out}");
+    }
+    assert!(project.files("").keys().all(|name| !name.contains("trial")), "no traces");
+    // A file that can be opened but not be written to its end.
+    let said = limited(
+        "ulimit -f 0",
+        &project,
+        &["solve", "--f", "else=-1", "--h", "1/64", "--out", "v.vti"],
+    );
+    assert!(said.out.contains("solved in"), "{said:?}");
+    assert_eq!((said.code, said.err.lines().count()), (Some(2), 1), "{said:?}");
+    assert!(!project.path("v.vti").exists());
+}
+
+/// The binary in a shell with limits.
+fn limited(limits: &str, project: &Project, args: &[&str]) -> Said {
+    let mut command = Command::new("bash");
+    let script = format!("trap '' XFSZ; {limits}; exec \"$0\" \"$@\"");
+    command.args(["-c", &script, env!("CARGO_BIN_EXE_signorini")]).args(args);
+    command.current_dir(project.path("")).stdin(Stdio::null());
+    command.output().unwrap().into()
+}
+
+#[test]
+fn sizes_that_cannot_fit_are_refused_with_what_would() {
+    let project = Project::with(TABLE);
+    let solve = |n: &str| {
+        let args = ["solve", "--f", "else=-1", "--h", n, "--solver", "multigrid"];
+        limited("ulimit -v 1000000", &project, &args)
+    };
+    let said = solve("1/8192");
+    let line = said.refusal();
+    let fits = line.split("; 1/").nth(1).and_then(|rest| rest.strip_suffix(" would fit"));
+    assert_eq!(solve(&format!("1/{}", fits.unwrap())).code, Some(0), "{line}");
+    // What is not foreseen ends in a line as well, not in an abort.
+    let said = limited("ulimit -v 140000", &project, &["bench", "--quick", "--finest", "8192"]);
+    assert!(matches!(said.code, Some(2 | 3)) && said.err.contains("error: "), "{said:?}");
+}
+
+#[test]
+fn threads_beyond_reason_are_capped_and_said() {
+    let project = Project::with(TABLE);
+    let mut command = project.command(&["run", "-j", "100000"]);
+    let said = Said::from(command.env("RAYON_NUM_THREADS", "100000").output().unwrap());
+    assert_eq!(said.code, Some(0), "{said:?}");
+    for option in ["-j", "RAYON_NUM_THREADS"] {
+        assert!(
+            said.err.contains(&format!("note: {option} 100000 is more than helps")),
+            "{said:?}"
+        );
+    }
+}
+
+#[test]
+fn the_first_interrupt_answers_and_the_second_ends_at_once() {
+    // One cell that would take weeks.
+    let text = TABLE.replace("[4, 8]", "[64]").replace("[10, 1]", "[1e-9]");
+    let project = Project::with(&(text + "stop = [\"printed\"]\nmax_iterations = 1000000000000\n"));
+    let mut command = project.command(&["run", "-j", "1"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = String::new();
+    let mut reader = child.stderr.take().unwrap();
+    let mut wait_for = |words: &str| {
+        let mut byte = [0];
+        while !said.contains(words) {
+            assert_eq!(reader.read(&mut byte).unwrap(), 1, "{said}");
+            said.push(char::from(byte[0]));
+        }
+    };
+    let interrupt =
+        || Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    wait_for("to run");
+    interrupt();
+    wait_for("again to stop at once");
+    interrupt();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
+
+#[test]
+fn a_count_that_was_cut_off_is_no_match() {
+    let scene = "title = \"t\"\npaper_table = 1\nf = \"quadrant(ll)=3; else=-1.002\"\ngrids = [4, 8, 16]\nr = [10]\n\
+        stop = [\"signed\"]\nmax_iterations = 1\noutputs = [\"table\"]\n";
+    let project = Project::with(scene);
+    let paper = "r = [10]\n[[table]]\nnumber = 1\ncounts = [[1, 1, 1]]\ndelta_a = [1e-4]\ncount_share = 0.0\n\
+        count_slack = 0\ndelta_a_factor = 1000.0\n";
+    project.write("pipeline/paper.toml", paper);
+    let said = project.run(&["diff"]);
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(said.out.contains("1 of 3 counts exact, 1 within tolerance"), "{said:?}");
+    assert!(said.out.contains("    1>     1") && said.out.contains("> cut off"), "{said:?}");
+    let json = project.run(&["diff", "--json"]).json();
+    let row = &json["tables"][0]["rows"][0];
+    assert_eq!(row["capped"], serde_json::json!([false, true, true]));
+    assert_eq!(row["within"], serde_json::json!([true, false, false]));
+}
+
+#[test]
+fn published_values_that_are_no_numbers_are_refused() {
+    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
+    for (from, to, remedy) in [
+        ("delta_a = [1e-4", "delta_a = [nan", "positive number"),
+        ("delta_a = [1e-4", "delta_a = [0.0", "positive number"),
+        ("delta_a_factor = 1e30", "delta_a_factor = inf", "delta_a_factor"),
+        ("delta_a_factor = 1e30", "delta_a_factor = 0.5", "delta_a_factor"),
+        ("count_share = 0.1", "count_share = nan", "count_share"),
+        ("counts = [[1, 2], [1, 100000]]", "counts = [[], []]", "no counts"),
+    ] {
+        project.write("pipeline/paper.toml", PAPER.replace(from, to));
+        for command in ["run", "diff"] {
+            let said = project.run(&[command]);
+            let line = said.refusal();
+            assert!(line.contains("pipeline/paper.toml") && line.contains(remedy), "{line}");
+        }
+    }
+}
+
+/// A published table of two grids and three rows, and a scene whose f is made of quadrants.
+fn searched() -> Project {
+    let project =
+        Project::with("title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\noutputs = []\n");
+    let paper = "r = [1e6, 10.0, 5.0]\n\n[[table]]\nnumber = 2\ncounts = [[3, 3], [3, 4], [3, 1]]\n\
+        delta_a = [1e-2, 1e-2, 1e-2]\ncount_share = 0.0\ncount_slack = 0\ndelta_a_factor = 1e30\n";
+    project.write("pipeline/paper.toml", paper);
+    project
+}
+
+#[test]
+fn searches_check_their_files_and_numbers_first() {
+    let project = searched();
+    for (args, remedy) in [
+        (&["--checkpoint", "missing/c.json"][..], "no such folder"),
+        (&["--checkpoint", "pipeline"], "pipeline"),
+        (&["--budget", "1e19"], "give seconds, such as 60"),
+        (&["--budget", "inf"], "give seconds, such as 60"),
+        (&["--values", "0:999999:0.000000001"], "too many"),
+        (&["--values", "999999999999999,0.000000001"], "cannot read the values"),
+        (&["--values", "-999999999999999:999999999999999:1"], "cannot read the values"),
+    ] {
+        let said = project.run(&[&["identify", "--problem", "2"], args].concat());
+        assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
+    }
+    // A checkpoint that cannot be written to its end: the answer is shown all the same.
+    let args = ["identify", "--problem", "2", "--values", "-7:3:0.5", "--checkpoint", "c.json"];
+    let said = limited("ulimit -f 0", &project, &args);
+    assert!(said.code == Some(2) && said.out.contains("Problem 2"), "{said:?}");
+    assert!(said.err.contains("error: cannot write c.json"), "{said:?}");
+}
+
+#[test]
+fn a_certificate_overwrites_nothing_but_its_own() {
+    let project = Project::with(
+        &(TABLE.replace("[\"table\"]", "[\"table\", \"source\"]") + "paper_table = 1\n"),
+    );
+    project.run(&["run"]).lines();
+    fs::create_dir_all(project.path("review/figures")).unwrap();
+    project.write("review/figures/figure1.svg", "my own figure");
+    let refused = project.run(&["certificate", "--output", "review"]);
+    assert!(refused.refusal().contains("review/figures/figure1.svg is there already"));
+    assert_eq!(project.files("review").len(), 1, "nothing is written beside it");
+    fs::remove_file(project.path("review/figures/figure1.svg")).unwrap();
+    project.run(&["certificate", "--output", "review"]).lines();
+    // Its own files are its own until somebody writes into them.
+    project.run(&["certificate", "--output", "review", "--force"]).lines();
+    let page = fs::read_to_string(project.path("review/certificate.md")).unwrap();
+    project.write("review/certificate.md", page.clone() + "MY NOTES\n");
+    for with in [
+        &["certificate", "--output", "review", "--force"][..],
+        &["certificate", "--output", "review"],
+    ] {
+        assert!(project.run(with).refusal().contains("is there already"));
+    }
+    fs::rename(project.path("review/codecheck.yml"), project.path("old.yml")).unwrap();
+    let said = project.run(&["certificate", "--output", "review"]);
+    assert!(said.refusal().contains("move it away"), "{said:?}");
+    assert!(
+        fs::read_to_string(project.path("review/certificate.md")).unwrap().contains("MY NOTES")
+    );
+    assert!(page.contains("| program built from | `"), "{page}");
+}
+
+#[test]
+fn remedies_lead_out_of_the_trouble() {
+    let project = Project::with(&TABLE.replace("[\"table\"]", "[\"table\", \"source\"]"));
+    // A record of times that cannot be read: the remedy is to move it away, and works.
+    project.write("pipeline/timings.toml", "x");
+    for command in [&["run"][..], &["bench", "--record"]] {
+        let said = project.run(command);
+        assert!(said.refusal().contains("move the file away"), "{said:?}");
+    }
+    fs::rename(project.path("pipeline/timings.toml"), project.path("away")).unwrap();
+    project.run(&["run"]).lines();
+    // No program that opens pages.
+    let mut command = project.command(&["report", "--open"]);
+    let said = Said::from(command.env("PATH", "/nonexistent").output().unwrap());
+    assert!(said.code == Some(2) && said.err.contains("cannot be started"), "{said:?}");
+    assert!(said.err.contains("by hand"), "{said:?}");
+}
