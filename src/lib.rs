@@ -32,4 +32,5 @@ pub mod problem;
 pub mod replication;
 pub mod report;
 pub mod saddle;
+pub mod spectral;
 pub mod timing;

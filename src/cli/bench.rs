@@ -1,12 +1,13 @@
 //! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
 
+use super::current_folder;
 use super::output::{OutputFile, say, say_json, talk};
-use super::{current_folder, solve::Solver};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
 use crate::timing::measure::{Plan, SOLVERS, measure};
 use crate::timing::recorded::{self, Timings};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
 use std::fs;
 
 /// Arguments of `bench`.
@@ -25,8 +26,8 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
     /// Only these solvers [default: all]
-    #[arg(long, value_enum)]
-    solver: Vec<Solver>,
+    #[arg(long, value_parser = PossibleValuesParser::new(SOLVERS))]
+    solver: Vec<String>,
     /// Cells per side of the finest grid, a power of two [default: 4096, with --quick 128]
     #[arg(long, value_name = "N")]
     finest: Option<usize>,
@@ -46,12 +47,8 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
             "--finest {finest}: give a power of two from 16 to {FINEST}, such as 1024"
         )));
     }
-    let solvers = SOLVERS.into_iter().filter(|name| {
-        let named = |solver: &Solver| {
-            solver.to_possible_value().is_some_and(|value| value.get_name() == *name)
-        };
-        args.solver.is_empty() || args.solver.iter().any(named)
-    });
+    let wanted = |name: &&str| args.solver.is_empty() || args.solver.iter().any(|s| s == name);
+    let solvers = SOLVERS.into_iter().filter(wanted);
     let plan = Plan { repeats, quick: args.quick, solvers: solvers.collect(), finest };
     let record = if args.record { Some(Record::open()?) } else { None };
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;

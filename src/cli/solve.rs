@@ -6,6 +6,7 @@ mod bound;
 mod domain;
 mod problem;
 mod solvers;
+mod spectral;
 
 use super::formats::Format;
 use super::output::{OutputFile, say, say_json};
@@ -32,7 +33,7 @@ pub(super) struct SolveArgs {
     /// Width of the finest grid, 1/256, or its cells per side, 256 [default: the scene's, or 1/64]
     #[arg(long, value_name = "1/N")]
     h: Option<String>,
-    /// Solver [default: arrow-hurwicz; on the cube, which has the last two, multigrid]
+    /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
     #[arg(long, value_enum)]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or nodal]
@@ -110,6 +111,8 @@ pub(super) enum Solver {
     Multigrid,
     /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
     ActiveSet,
+    /// The true solution to rounding, for piecewise constant f
+    Spectral,
 }
 
 impl Solver {
@@ -165,6 +168,9 @@ impl From<LoadName> for LoadRule {
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let mut problem = Problem::read(args)?;
+    if problem.solver == Solver::Spectral {
+        return spectral::solve(args, &problem);
+    }
     let file = args.file(&problem)?;
     let answer = match problem.accuracy {
         Some(wanted) => accuracy::solve(&mut problem, wanted)?,

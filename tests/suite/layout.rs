@@ -5,11 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 12] = [
+const ROOMS: [&str; 14] = [
     "problem",
     "discrete",
     "saddle",
     "multigrid",
+    "spectral",
+    "bounds",
     "identify",
     "experiments",
     "pipeline",

@@ -25,5 +25,6 @@ mod readme;
 mod records;
 mod replication;
 mod solvers;
+mod spectral;
 mod stress;
 mod terminal;

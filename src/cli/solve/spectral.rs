@@ -1,0 +1,92 @@
+//! `solve --solver spectral`: the true solution, without a grid.
+
+use super::SolveArgs;
+use super::domain::Domain;
+use super::problem::Problem;
+use crate::cli::output::{say, say_json};
+use crate::pipeline::error::{Error, Result};
+use crate::spectral::{ContactArc, Params, Solution, SpectralError, spectral};
+use std::time::Instant;
+
+pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
+    let Domain::Square { f, integral, .. } = &problem.domain else {
+        unreachable!("the cube has no such solver")
+    };
+    if args.h.is_some() || args.load.is_some() || args.out.is_some() {
+        return Err(Error::input(
+            "--solver spectral has no grid: leave out --h, --load and --out, or use --solver multigrid",
+        ));
+    }
+    let start = Instant::now();
+    let solution = spectral(f, Params::default()).map_err(|e| failed(problem.name(), &e))?;
+    let finer = solution.at_resolution(Params::FINER).map_err(|e| failed(problem.name(), &e))?;
+    let seconds = start.elapsed().as_secs_f64();
+    let resolution = solution.energy / finer.energy - 1.0;
+    if args.json {
+        let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
+        let arc = |arc: &ContactArc| {
+            let ContactArc { from, to, force } = arc;
+            serde_json::json!({ "from": from, "to": to, "force": force })
+        };
+        let checks = finer.checks;
+        return say_json(&serde_json::json!({
+            "schema": 1,
+            "scene": problem.name(),
+            "f": f.to_string(),
+            "dimension": 2,
+            "solver": "spectral",
+            "iterations": solution.steps,
+            "stop": "converged",
+            "energy": finer.energy,
+            "integral_f": integral,
+            "contact": finer.contact.iter().map(arc).collect::<Vec<_>>(),
+            "value": {
+                "centre": finer.value(0.0, 0.0),
+                "lower_left": lower_left,
+                "lower_right": lower_right,
+                "upper_right": upper_right,
+                "upper_left": upper_left,
+            },
+            "checks": {
+                "least_multiplier": checks.least_multiplier,
+                "least_value": checks.least_value,
+                "green": checks.green,
+                "rellich": checks.rellich,
+                "resolution": resolution,
+            },
+            "seconds": { "solve": seconds },
+        }));
+    }
+    let mut text = format!("{}: f = {f}, integral {integral:.4}\n", problem.name());
+    text += &table(&finer);
+    text += &format!(
+        "checks: {}, two resolutions {resolution:.1e}\nsolved in {seconds:.4} s, {} Newton steps\n",
+        finer.checks, solution.steps
+    );
+    say(&text)
+}
+
+fn table(solution: &Solution) -> String {
+    let mut text = format!("energy {:.16}\n", solution.energy);
+    for ContactArc { from, to, force } in &solution.contact {
+        text += &if from == to {
+            format!("contact everywhere, force {force:.16}\n")
+        } else {
+            format!(
+                "contact from ({:.16}, {:.16}) to ({:.16}, {:.16}), force {force:.16}\n",
+                from[0], from[1], to[0], to[1]
+            )
+        };
+    }
+    text + &format!("v(0,0) {:.16}\n", solution.value(0.0, 0.0))
+}
+
+/// What cannot be solved is the user's to change; a solution that is not found is a failure.
+fn failed(name: &str, error: &SpectralError) -> Error {
+    match error {
+        SpectralError::NotPieces | SpectralError::NotCoercive(_) => {
+            Error::input(format!("{name}: {error}; use --solver multigrid, or change f"))
+        }
+        _ => Error::Stage(vec![format!("{name}: {error}; use --solver multigrid")]),
+    }
+}

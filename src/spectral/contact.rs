@@ -1,0 +1,222 @@
+//! The contact set: from a grid at first, then corrected where a sign is wrong.
+
+use super::panels::{Ends, Place};
+use super::trace::{Trace, UNRESOLVED};
+use crate::discrete::grid::Grid;
+
+/// Arcs and gaps shorter than this are left out.
+const SHORTEST: f64 = 2e-6;
+/// Negative multipliers and values that count, relative to the largest.
+pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
+
+/// The ends of contact of nodal values `y` on a grid: beginnings and ends in turn, none where all of the
+/// border is in contact.
+pub(super) fn from_grid(grid: Grid, y: &[f64]) -> Vec<Place> {
+    let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
+    let (n, many) = (grid.cells(), values.len());
+    let at = |b: usize| values[b % many];
+    // A corner with f > 0 may be free so near to it that one node says nothing; and a corner alone in
+    // contact need not be.
+    let mut free: Vec<bool> = values.iter().map(|&v| v > 0.0).collect();
+    for (state, most) in [(true, 1), (false, 2)] {
+        let before = free.clone();
+        for run in runs(&before, state) {
+            let corner = run.clone().any(|b| b % n == 0);
+            if corner && run.len() <= most {
+                run.for_each(|b| free[b % many] = !state);
+            }
+        }
+        if free.iter().all(|&free| free) {
+            free = before;
+        }
+    }
+    let mut places = Vec::new();
+    for run in runs(&free, false) {
+        // The nodes beyond the last ones in contact, and v^(2/3) there, which is linear next to an end.
+        for (node, step) in [(run.start, many - 1), (run.end - 1, 1)] {
+            let power = |k: usize| {
+                let root = libm::cbrt(at(node + k * step));
+                root * root
+            };
+            let (one, two) = (power(1), power(2));
+            let fraction = if two > one { (1.0 - one / (two - one)).clamp(-0.3, 0.9) } else { 0.5 };
+            let corner = (0..=2).any(|k| (node + k * step) % n == 0);
+            let fraction = if corner { 0.5 } else { fraction } * grid.h();
+            let t = if step == 1 { fraction } else { -fraction };
+            places.push(Place::new(3, (node % many) as f64 * grid.h() + t));
+        }
+    }
+    in_order(places)
+}
+
+/// Maximal runs of entries equal to `state` in a cyclic list, as positions that may pass its length; none
+/// if all are equal.
+fn runs(list: &[bool], state: bool) -> Vec<std::ops::Range<usize>> {
+    let many = list.len();
+    let Some(start) = list.iter().position(|&entry| entry != state) else { return Vec::new() };
+    let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
+    for b in start..start + many {
+        if list[b % many] == state {
+            match runs.last_mut() {
+                Some(run) if run.end == b => run.end = b + 1,
+                _ => runs.push(b..b + 1),
+            }
+        }
+    }
+    runs
+}
+
+/// The same places with corners counted on from the first.
+fn in_order(mut places: Vec<Place>) -> Vec<Place> {
+    if let Some(first) = places.first_mut() {
+        first.corner = first.corner.rem_euclid(4);
+        let first = *first;
+        places.iter_mut().skip(1).for_each(|place| *place = place.following(first));
+    }
+    places
+}
+
+/// A better contact set where the multiplier is negative in contact or v elsewhere; `None` where neither
+/// is, an empty second list if nothing reasonable is left.
+pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Option<Option<Vec<Place>>> {
+    let points = &trace.points;
+    let many = points.len();
+    let largest = trace.largest();
+    let contact = |i: usize| trace.panels[points[i % many].panel].contact;
+    let mut wrong: Vec<bool> = points
+        .iter()
+        .enumerate()
+        .map(|(i, p)| {
+            if contact(i) {
+                p.multiplier < -TOLERANCE[0] * largest[0] && p.place.t.abs() > UNRESOLVED
+            } else {
+                p.value < -TOLERANCE[1] * largest[1]
+            }
+        })
+        .collect();
+    if !wrong.contains(&true) {
+        return None;
+    }
+    // What is negative so near to a corner belongs to a gap found further away.
+    for i in (0..many).chain((0..many).rev()) {
+        let beside = wrong[(i + 1) % many] || wrong[(i + many - 1) % many];
+        let p = &points[i];
+        wrong[i] |= beside && contact(i) && p.multiplier < 0.0 && p.place.t.abs() <= UNRESOLVED;
+    }
+    let place = |i: usize| {
+        let Place { corner, t } = points[i % many].place;
+        Place { corner: corner + if i >= many { 4 } else { 0 }, t }
+    };
+    // Where contact begins and ends, as places on a line around the border.
+    let mut changes: Vec<Place> = ends.places.clone();
+    let mut added: Vec<[Place; 2]> = Vec::new();
+    for run in runs(&wrong, true) {
+        // A run may hold both kinds of wrong points; each kind is treated by itself.
+        let mut first = run.start;
+        while first < run.end {
+            let kind = contact(first);
+            let arc = trace.panels[points[first % many].panel].arcs;
+            let same =
+                |i: usize| contact(i) == kind && trace.panels[points[i % many].panel].arcs == arc;
+            let last =
+                (first..run.end).take_while(|&i| same(i)).last().expect("the first is the same");
+            let touches = [!same(first + many - 1), !same(last + 1)];
+            let [from, to] = [place(first), place(last)];
+            if ends.arcs() > 0 && touches.contains(&true) {
+                let begins = if kind { 2 * (arc - 1) } else { 2 * arc - 1 };
+                let finishes = (begins + 1) % changes.len();
+                match touches {
+                    // Closed by bringing its ends together.
+                    [true, true] => changes[finishes] = changes[begins],
+                    [true, false] => changes[begins] = to,
+                    _ => changes[finishes] = from,
+                }
+            } else {
+                added.push(if kind { widened(from, to) } else { halved(from, to) });
+            }
+            first = last + 1;
+        }
+    }
+    let start = changes.first().copied().unwrap_or(Place { corner: 0, t: 0.0 });
+    for pair in added {
+        let pair = pair.map(|place| place.following(start));
+        // With contact everywhere the first gap is what lies outside of the arc.
+        changes.extend(if ends.arcs() == 0 { [pair[1], pair[0]] } else { pair });
+    }
+    if ends.arcs() > 0 {
+        changes.sort_by(|a, b| a.after(start).total_cmp(&b.after(start)));
+    } else {
+        let first = changes[0];
+        changes.iter_mut().for_each(|p| *p = p.following(first));
+        changes[1..].sort_by(|a, b| a.after(first).total_cmp(&b.after(first)));
+    }
+    Some(without_short(changes))
+}
+
+/// Leaves out arcs and gaps that are too short; `None` if no arc is left.
+pub(super) fn without_short(mut places: Vec<Place>) -> Option<Vec<Place>> {
+    let contact_everywhere = places.is_empty();
+    loop {
+        let many = places.len();
+        let short = (0..many).find(|&j| {
+            let next = places[(j + 1) % many];
+            let length = next.after(places[j]);
+            let length = if j + 1 == many { length + 4.0 } else { length };
+            let corner_gap = j % 2 == 1 && places[j].t < 0.0 && next.t > 0.0;
+            length < if corner_gap { 2.0 * UNRESOLVED } else { SHORTEST }
+        });
+        match short {
+            None => break,
+            Some(j) if many == 2 => {
+                // Without a gap there is contact everywhere; without an arc nothing is left.
+                return (j == 1).then(Vec::new);
+            }
+            Some(j) if j + 1 == many => {
+                // The gap across the start: the list begins at the next arc instead.
+                places.remove(j);
+                places.remove(0);
+                let end = places.remove(0);
+                places.push(Place { corner: end.corner + 4, t: end.t });
+            }
+            Some(j) => {
+                places.drain(j..j + 2);
+            }
+        }
+    }
+    (contact_everywhere || !places.is_empty()).then(|| in_order(places))
+}
+
+/// A gap around the points where the multiplier is negative: next to a corner, where it is
+/// `a s - b s log(1/s)`, it vanishes at 1/sqrt2 times the length of the gap.
+fn widened(from: Place, to: Place) -> [Place; 2] {
+    let [a, b] = [from, to].map(|place| Place::new(place.corner, place.t));
+    let factor = std::f64::consts::SQRT_2;
+    let corner =
+        if b.t > 0.0 && b.from_corner(b.corner) - a.from_corner(b.corner) > b.t - 1e-3 * b.t {
+            Some(b.corner)
+        } else if a.t < 0.0 && b.from_corner(a.corner) > 1e-3 * a.t {
+            Some(a.corner)
+        } else {
+            None
+        };
+    match corner {
+        Some(corner) => {
+            let (before, after) = (-a.from_corner(corner), b.from_corner(corner));
+            let least = 0.5 * before.max(after);
+            [
+                Place::new(corner, -factor * before.max(least)),
+                Place::new(corner, factor * after.max(least)),
+            ]
+        }
+        None => {
+            let more = 0.5 * (factor - 1.0) * b.after(a) + 1e-5;
+            [Place::new(a.corner, a.t - more), Place::new(b.corner, b.t + more)]
+        }
+    }
+}
+
+/// The middle half of a range.
+fn halved(from: Place, to: Place) -> [Place; 2] {
+    let quarter = 0.25 * to.after(from);
+    [Place::new(from.corner, from.t + quarter), Place::new(to.corner, to.t - quarter)]
+}

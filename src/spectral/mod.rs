@@ -1,0 +1,310 @@
+//! The true solution on the square, to rounding: a conformal map and a scalar Riemann-Hilbert problem.
+//!
+//! The problem is invariant under conformal maps, and for a piecewise constant f a particular solution is
+//! known in closed form. What remains is a harmonic function on the disc whose boundary condition changes
+//! at the ends of the contact arcs; for given ends it has an explicit solution. So the only unknowns are
+//! these `2 m` numbers, found by Newton's method, and all errors are those of quadratures of analytic
+//! functions: twelve to sixteen digits, of the energy, the ends, v and the multiplier `l = dv/dn` alike.
+//!
+//! # Derivation
+//! *A particular solution.* Let psi solve `-Lap psi = f` without boundary conditions. With J the jump
+//! from right to left across an edge with unit tangent t, and a, b its ends seen from z (complex numbers),
+//! `d = Im(conj(t) a)`,
+//! ```text
+//! grad psi = -(1 / 2 pi) sum over edges of J d t conj(log(b / a)) - beta z / 2,
+//! ```
+//! where beta makes f right at one point. At each vertex the jumps sum to zero, so the ends of edges
+//! contribute harmonic functions outside of the square, which are dropped: f is continued beyond each
+//! side, and psi is analytic up to the border but where a jump meets it. A harmonic polynomial is
+//! subtracted so that grad psi vanishes in the corners (`potential.rs`).
+//!
+//! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)` takes the square to the unit disc, p along the
+//! border to the angle theta (`map.rs`). `h = v - psi` is harmonic there, so that `W = h_theta + i h_r`
+//! is on the circle the limit of an analytic function with `W(0) = 0`. In contact `h_theta = -psi_theta`,
+//! elsewhere `h_r = -psi_r`.
+//!
+//! *The Riemann-Hilbert problem.* Let `P(theta)` be the product of `2 sin((theta - e) / 2)` over all ends
+//! e of the m contact arcs, `s = (-1)^k` on the k-th arc and on the gap after it, and
+//! `d = psi_theta / (s |P|^{1/2})` in contact, `-psi_r / (s |P|^{1/2})` elsewhere. A solution that is
+//! bounded at the ends exists if and only if
+//! ```text
+//! integral of d e^{i k theta} = 0        for k = -m/2, -m/2 + 1, .., m/2           (m + 1 equations),
+//! integral of v_theta = 0                over all gaps but the longest            (m - 1 equations).
+//! ```
+//! Then, with `k(x) = 1 / sin(x / 2)` for odd m and `cot(x / 2)` for even m, `l dp/dtheta` in contact and
+//! `v_theta` elsewhere are `s |P|^{1/2} Y(theta)`,
+//! ```text
+//! Y(theta) = -(1 / 2 pi) integral of (grad psi(z') - grad psi(z)) . e / (s |P|^{1/2}) k(theta - theta') dp',
+//! ```
+//! e the tangent in contact, the inner normal elsewhere. To subtract `grad psi(z)` changes nothing, since
+//! linear functions are harmonic, and removes the principal value (`sources.rs`). Without a gap (m = 0)
+//! the same holds with `P = 1`. The derivatives with respect to the ends are integrals of the same kind,
+//! so Newton's matrix is exact (`newton.rs`).
+//!
+//! *The contact set.* It starts from multigrid on a coarse grid; where l is negative a gap is opened, where
+//! v is negative an arc is inserted, until all signs hold (`contact.rs`): then, by convexity, it is the
+//! solution. Round a corner in contact where f > 0, there is always a gap, of a length exponentially small
+//! in 1 / f; below 1e-4 it is left out, at a cost of its fourth power.
+//!
+//! *The energy.* `J = -1/2 int f v` follows from Green's identity with psi, by integrals over the border
+//! and the edges; Rellich's identity gives it once more from other data (`trace.rs`).
+//!
+//! # Literature
+//! - N. I. Muskhelishvili, Singular integral equations, Noordhoff (1953), for the Riemann-Hilbert problem
+//!   with changing boundary conditions.
+//! - S. Olver, Computation of equilibrium measures, J. Approx. Theory 163 (2011): Newton's method on the
+//!   ends of a support; the multiplier of the scalar Signorini problem is such a measure.
+//! - M. Maischak, E. P. Stephan, Adaptive hp-versions of BEM for Signorini problems, Appl. Numer. Math. 54
+//!   (2005), the closest in accuracy before.
+//! - F. Rellich, Darstellung der Eigenwerte von Lap u + lambda u = 0 durch ein Randintegral, Math. Z. 46
+//!   (1940).
+
+mod complex;
+mod contact;
+mod dilogarithm;
+mod jumps;
+mod map;
+mod newton;
+mod panels;
+mod potential;
+mod rule;
+mod sources;
+mod start;
+mod trace;
+
+use crate::discrete::grid::Grid;
+use crate::problem::source::Source;
+use complex::Complex;
+use newton::Problem;
+use panels::{Ends, Panel, Place};
+use sources::Rules;
+use trace::{Energies, Trace};
+
+/// Resolution of the quadratures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Params {
+    /// Gauss nodes of a panel.
+    pub nodes: usize,
+    /// Panels that get shorter by factors of eight towards corners and jumps of f.
+    pub levels: u32,
+}
+
+impl Params {
+    /// Against which a solution is compared to estimate its error.
+    pub const FINER: Self = Self { nodes: 24, levels: 9 };
+}
+
+impl Default for Params {
+    /// Twelve digits of the energy, mostly fourteen.
+    fn default() -> Self {
+        Self { nodes: 16, levels: 6 }
+    }
+}
+
+/// Why there is no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SpectralError {
+    /// f is not piecewise constant.
+    #[error("f must consist of constant pieces")]
+    NotPieces,
+    /// The energy has no minimiser, or not one alone.
+    #[error(
+        "the integral of f is {0:e}: without a negative one the problem has no unique solution"
+    )]
+    NotCoercive(f64),
+    /// No contact set was found for which all signs are right.
+    #[error("no contact set with all signs right was found")]
+    NoContactSet,
+    /// A solution was found that fails a check.
+    #[error("a check of the solution failed: {0}")]
+    Unchecked(Checks),
+}
+
+/// A part of the border in contact, anticlockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactArc {
+    pub from: [f64; 2],
+    /// The same as `from` where all of the border is in contact.
+    pub to: [f64; 2],
+    /// Integral of dv/dn over the arc.
+    pub force: f64,
+}
+
+/// What must hold of a solution and was not used to find it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checks {
+    /// Least multiplier in contact over the largest; gaps of less than 1e-4 round corners are left out.
+    pub least_multiplier: f64,
+    /// Least v on the border elsewhere over the size of v and psi.
+    pub least_value: f64,
+    /// Green's identity: the total force plus the integral of f, over the latter.
+    pub green: f64,
+    /// The energy by Rellich's identity less the energy, over the latter.
+    pub rellich: f64,
+}
+
+impl Checks {
+    /// Whether signs hold up to what is left out, and the identities to eight digits.
+    fn pass(&self) -> bool {
+        let [multiplier, value] = contact::TOLERANCE;
+        self.least_multiplier >= -multiplier
+            && self.least_value >= -value
+            && self.green.abs() < 1e-8
+            && self.rellich.abs() < 1e-8
+    }
+}
+
+impl std::fmt::Display for Checks {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { least_multiplier, least_value, green, rellich } = self;
+        write!(
+            out,
+            "least multiplier {least_multiplier:.1e}, least value {least_value:.1e}, Green {green:.1e}, Rellich {rellich:.1e}"
+        )
+    }
+}
+
+/// The solution.
+pub struct Solution {
+    /// J(v) = -1/2 int f v.
+    pub energy: f64,
+    /// Anticlockwise.
+    pub contact: Vec<ContactArc>,
+    pub checks: Checks,
+    /// Integral of f over the square.
+    pub integral: f64,
+    /// Newton steps.
+    pub steps: usize,
+    problem: Problem,
+    ends: Vec<Place>,
+    trace: Trace,
+    rules: Rules,
+}
+
+/// v and the multiplier dv/dn at a point of the border.
+#[derive(Clone, Copy, Debug)]
+pub struct BorderPoint {
+    pub point: [f64; 2],
+    pub value: f64,
+    pub multiplier: f64,
+}
+
+/// Solves the problem for a piecewise constant f.
+///
+/// # Errors
+/// If f is not piecewise constant, its integral is not negative, no contact set is found, or the
+/// solution fails a check.
+pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
+    if f.exact().is_some() {
+        return Err(SpectralError::NotPieces);
+    }
+    let problem = Problem::new(f);
+    let integral = problem.jumps.integral();
+    if integral >= 0.0 {
+        return Err(SpectralError::NotCoercive(integral));
+    }
+    let mut error = SpectralError::NoContactSet;
+    for n in [64, 256, 1024] {
+        let grid = Grid::new(n).expect("not below the least");
+        let Some(y) = start::coarse(grid, &problem.jumps) else { continue };
+        match solve(&problem, contact::from_grid(grid, &y), params) {
+            Err(SpectralError::NoContactSet) => {}
+            Err(other) => error = other,
+            solved => return solved,
+        }
+    }
+    Err(error)
+}
+
+/// Newton's method and correction of the contact set in turn, until all signs are right.
+fn solve(problem: &Problem, start: Vec<Place>, params: Params) -> Result<Solution, SpectralError> {
+    const ROUNDS: usize = 12;
+    let rules = Rules::new(params.nodes, params.levels);
+    let (mut places, mut steps) = (start, 0);
+    for _ in 0..ROUNDS {
+        let none = SpectralError::NoContactSet;
+        let (moved, more) = problem.newton(places, &rules).ok_or(none.clone())?;
+        steps += more;
+        let ends = Ends::new(contact::without_short(moved).ok_or(none.clone())?);
+        let trace = Trace::new(problem, &ends, &rules);
+        match contact::corrected(&trace, &ends) {
+            None => {
+                let solution = Solution::new(problem, ends.places, trace, rules, steps);
+                let checks = solution.checks;
+                return if checks.pass() {
+                    Ok(solution)
+                } else {
+                    Err(SpectralError::Unchecked(checks))
+                };
+            }
+            Some(better) => places = better.ok_or(none)?,
+        }
+    }
+    Err(SpectralError::NoContactSet)
+}
+
+impl Solution {
+    fn new(problem: &Problem, ends: Vec<Place>, trace: Trace, rules: Rules, steps: usize) -> Self {
+        let Energies { energy, rellich, force, integral, .. } = trace.energies(problem, &rules);
+        let [least_multiplier, least_value] = trace.least();
+        let checks = Checks {
+            least_multiplier,
+            least_value,
+            green: (force + integral) / integral,
+            rellich: rellich / energy - 1.0,
+        };
+        let contact = arcs(&ends, &trace, force);
+        let problem = problem.clone();
+        Self { energy, contact, checks, integral, steps, problem, ends, trace, rules }
+    }
+
+    /// The same problem at another resolution, from the contact set of this solution.
+    ///
+    /// # Errors
+    /// If that is not reached.
+    pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
+        solve(&self.problem, self.ends.clone(), params)
+    }
+
+    /// v and dv/dn at the quadrature nodes of the border, anticlockwise.
+    pub fn border(&self) -> impl Iterator<Item = BorderPoint> {
+        self.trace.points.iter().map(|p| {
+            let Complex { re, im } = p.place.point();
+            BorderPoint { point: [re, im], value: p.value, multiplier: p.multiplier }
+        })
+    }
+
+    /// v in the corners: lower right, upper right, upper left, lower left.
+    pub fn corners(&self) -> [f64; 4] {
+        [0, 1, 2, 3].map(|corner| self.trace.corner_value(corner))
+    }
+
+    /// v at a point inside the square.
+    pub fn value(&self, x: f64, y: f64) -> f64 {
+        let z = Complex::new(x, y);
+        self.problem.psi.value_and_gradient(z).0 + self.trace.harmonic(z, &self.rules)
+    }
+}
+
+/// The contact arcs with their forces; `total` is that on the whole border.
+fn arcs(ends: &[Place], trace: &Trace, total: f64) -> Vec<ContactArc> {
+    let point = |place: Place| {
+        let Complex { re, im } = place.point();
+        [re, im]
+    };
+    if ends.is_empty() {
+        let corner = point(Place { corner: 3, t: 0.0 });
+        return vec![ContactArc { from: corner, to: corner, force: total }];
+    }
+    let force = |arc: usize| {
+        let own = |panel: &Panel| panel.contact && panel.arcs == arc;
+        let points = trace.points.iter().filter(|p| own(&trace.panels[p.panel]));
+        points.map(|p| p.weight * p.multiplier).sum()
+    };
+    let arc = |(k, pair): (usize, &[Place])| ContactArc {
+        from: point(pair[0]),
+        to: point(pair[1]),
+        force: force(k + 1),
+    };
+    ends.chunks_exact(2).enumerate().map(arc).collect()
+}

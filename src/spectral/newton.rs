@@ -1,0 +1,288 @@
+//! Newton's method for the ends of contact.
+
+use super::complex::Complex;
+use super::jumps::Jumps;
+use super::map::Angle;
+use super::panels::{Ends, Panel, Place, panels};
+use super::potential::Potential;
+use super::sources::{Field, Rules, Sources, Target};
+use crate::problem::source::Source;
+
+/// What does not change with the ends of contact.
+#[derive(Clone)]
+pub(super) struct Problem {
+    pub jumps: Jumps,
+    pub psi: Potential,
+    /// Where jumps of f meet the border.
+    crossings: Vec<Place>,
+}
+
+impl Problem {
+    pub fn new(f: &Source) -> Self {
+        let jumps = Jumps::of(f);
+        let psi = Potential::new(&jumps);
+        let crossings = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
+        Self { jumps, psi, crossings }
+    }
+
+    pub fn panels(&self, ends: &Ends) -> Vec<Panel> {
+        panels(ends, &self.crossings, &self.jumps)
+    }
+
+    pub fn target(&self, panel: &Panel, t: f64) -> Target {
+        let angle = Angle::from_corner(t);
+        Target { corner: panel.corner, angle, gradient: self.psi.gradient(panel.point(t)) }
+    }
+
+    /// Moves the ends until a step is so short that the next would be rounding; `None` if it does not.
+    pub fn newton(&self, mut places: Vec<Place>, rules: &Rules) -> Option<(Vec<Place>, usize)> {
+        const STEPS: usize = 40;
+        /// Convergence is quadratic.
+        const SHORT: f64 = 1e-8;
+        if places.is_empty() {
+            return Some((places, 0));
+        }
+        for step in 1..=STEPS {
+            let ends = Ends::new(places);
+            let change = self.step(&ends, rules)?;
+            let longest = longest(&ends.places, &change);
+            places = moved(&ends.places, &change, (1.0 / longest).min(1.0));
+            if !longest.is_finite() {
+                return None;
+            }
+            if longest < SHORT {
+                return Some((places, step));
+            }
+        }
+        None
+    }
+
+    /// The Newton step, as relative changes of the distances from a corner for ends round which it is
+    /// free, else as lengths.
+    fn step(&self, ends: &Ends, rules: &Rules) -> Option<Vec<f64>> {
+        let panels = self.panels(ends);
+        let sources = Sources::plain(&self.psi, ends, &panels, rules);
+        let (arcs, many) = (ends.arcs(), ends.places.len());
+        let trig = trigonometric(ends, &sources);
+        let mut system = Linear::new(many);
+        for (row, trig) in trig.iter().enumerate() {
+            system.right[row] = -sources.moment.iter().zip(trig).map(|(m, t)| m * t).sum::<f64>();
+        }
+        let gaps = gaps(ends);
+        let field = Field::new(ends, &panels, &sources, rules, |panel| {
+            !panel.contact && gaps.contains(&panel.arcs)
+        });
+        let slopes: Vec<GapNode> =
+            if gaps.is_empty() { Vec::new() } else { self.gap_nodes(ends, &field, rules, &gaps) };
+        for (row, &gap) in gaps.iter().enumerate() {
+            system.right[arcs + 1 + row] =
+                -slopes.iter().filter(|n| n.gap == gap).map(|n| n.slope).sum::<f64>();
+        }
+        for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
+            let gradient = self.psi.gradient(place.point());
+            let target = Target { corner: place.corner, angle: *angle, gradient };
+            let (column, y) = derivatives(&sources, &target, &trig, arcs % 2 == 1);
+            let scale = angle.slope * if relative(&ends.places, j) { place.t } else { 1.0 };
+            for (row, d) in column.iter().enumerate() {
+                system.matrix[row][j] = d * scale;
+            }
+            for (row, &gap) in gaps.iter().enumerate() {
+                let sum: f64 = slopes
+                    .iter()
+                    .filter(|n| n.gap == gap)
+                    .map(|n| {
+                        let [ts, tc] = n.angle.seen_from(n.corner - place.corner);
+                        let (sine, cosine) =
+                            (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
+                        n.root * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
+                    })
+                    .sum();
+                system.matrix[arcs + 1 + row][j] = -0.25 * y * sum * scale;
+            }
+        }
+        system.solve()
+    }
+
+    /// dv/dtheta at the nodes of some gaps.
+    fn gap_nodes(&self, ends: &Ends, field: &Field, rules: &Rules, gaps: &[usize]) -> Vec<GapNode> {
+        let mut nodes = Vec::new();
+        for (p, panel) in field.panels.iter().enumerate() {
+            if panel.contact || !gaps.contains(&panel.arcs) {
+                continue;
+            }
+            for node in panel.nodes(&rules.targets, panel.target_power()) {
+                let target = self.target(panel, node.t);
+                let root = ends.root(panel, node, target.angle) * target.angle.slope * node.weight;
+                nodes.push(GapNode {
+                    gap: panel.arcs,
+                    corner: panel.corner,
+                    angle: target.angle,
+                    root,
+                    slope: root * field.at(p, &target),
+                });
+            }
+        }
+        nodes
+    }
+}
+
+struct GapNode {
+    /// Number of the arc before the gap.
+    gap: usize,
+    corner: i32,
+    angle: Angle,
+    /// (-1)^k |P|^{1/2} times the weight with respect to the angle.
+    root: f64,
+    /// dv/dtheta times the weight with respect to the angle.
+    slope: f64,
+}
+
+/// All gaps but the longest, by the number of the arc before them.
+fn gaps(ends: &Ends) -> Vec<usize> {
+    let arcs = ends.arcs();
+    let length = |gap: usize| {
+        let next = ends.places[2 * (gap % arcs)];
+        let length = next.after(ends.places[2 * gap - 1]);
+        if gap == arcs { length + 4.0 } else { length }
+    };
+    let longest = (1..=arcs).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+    (1..=arcs).filter(|&gap| Some(gap) != longest).collect()
+}
+
+/// Real and imaginary parts of e^{i s theta} at the sources, s = m/2, m/2 - 1, .. down to 0 or 1/2.
+fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
+    let arcs = ends.arcs();
+    let mut rows = vec![Vec::with_capacity(sources.sin.len()); arcs + 1];
+    let first = ends.start().corner;
+    for group in &sources.groups {
+        for i in group.range.clone() {
+            let angle = Angle { sin: sources.sin[i], cos: sources.cos[i], slope: 0.0 };
+            let [sin, cos] = angle.seen_from(group.corner - first);
+            let half = Complex::new(cos, sin);
+            let whole = half * half;
+            let mut power = if arcs % 2 == 1 { half } else { Complex::new(1.0, 0.0) };
+            let mut row = 0;
+            if arcs % 2 == 0 {
+                rows[0].push(1.0);
+                power = whole;
+                row = 1;
+            }
+            while row < arcs + 1 {
+                rows[row].push(power.re);
+                rows[row + 1].push(power.im);
+                power = power * whole;
+                row += 2;
+            }
+        }
+    }
+    rows
+}
+
+/// Derivatives of the moments with respect to an end of contact, and Y there.
+fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) -> (Vec<f64>, f64) {
+    let mut column = vec![0.0; trig.len()];
+    let mut y = 0.0;
+    for group in &sources.groups {
+        let [es, ec] = end.angle.seen_from(end.corner - group.corner);
+        let g = end.gradient.dot(group.direction);
+        for i in group.range.clone() {
+            let (s, c) = (sources.sin[i], sources.cos[i]);
+            let local = (sources.moment[i] - g * sources.weight[i]) / (s * ec - c * es);
+            let cotangent = local * (c * ec + s * es);
+            y += if odd { local } else { cotangent };
+            for (entry, trig) in column.iter_mut().zip(trig) {
+                *entry += cotangent * trig[i];
+            }
+        }
+    }
+    column.iter_mut().for_each(|entry| *entry *= 0.25);
+    (column, y / std::f64::consts::TAU)
+}
+
+/// Whether the corner nearest to an end lies near, in the gap next to it.
+fn relative(places: &[Place], j: usize) -> bool {
+    let t = places[j].t;
+    let begins = j % 2 == 0;
+    t.abs() < 0.05 && (t > 0.0) == begins
+}
+
+/// The longest change, in units of what a single step may do.
+fn longest(places: &[Place], change: &[f64]) -> f64 {
+    let many = places.len();
+    let mut longest = 0.0_f64;
+    for (j, &d) in change.iter().enumerate() {
+        let unit = if relative(places, j) {
+            1.0
+        } else {
+            let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
+            let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
+            0.4 * next.min(last)
+        };
+        longest = if d.is_nan() { f64::NAN } else { longest.max(d.abs() / unit) };
+    }
+    longest
+}
+
+fn moved(places: &[Place], change: &[f64], factor: f64) -> Vec<Place> {
+    let all: Vec<Place> = places
+        .iter()
+        .zip(change)
+        .enumerate()
+        .map(|(j, (&place, d))| {
+            let t = if relative(places, j) {
+                place.t * libm::exp(factor * d)
+            } else {
+                place.t + factor * d
+            };
+            Place::new(place.corner, t)
+        })
+        .collect();
+    let start = all[0];
+    all.into_iter()
+        .enumerate()
+        .map(|(j, place)| if j == 0 { place } else { place.following(start) })
+        .collect()
+}
+
+/// A small dense linear system.
+struct Linear {
+    matrix: Vec<Vec<f64>>,
+    right: Vec<f64>,
+}
+
+impl Linear {
+    fn new(n: usize) -> Self {
+        Self { matrix: vec![vec![0.0; n]; n], right: vec![0.0; n] }
+    }
+
+    /// Gaussian elimination with scaled rows; `None` if the matrix is singular.
+    fn solve(mut self) -> Option<Vec<f64>> {
+        let n = self.right.len();
+        for (row, right) in self.matrix.iter_mut().zip(&mut self.right) {
+            let largest = row.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+            row.iter_mut().for_each(|a| *a /= largest);
+            *right /= largest;
+        }
+        for k in 0..n {
+            let pivot = (k..n)
+                .max_by(|&a, &b| self.matrix[a][k].abs().total_cmp(&self.matrix[b][k].abs()))?;
+            self.matrix.swap(k, pivot);
+            self.right.swap(k, pivot);
+            let (done, rest) = self.matrix.split_at_mut(k + 1);
+            let top = &done[k];
+            if top[k] == 0.0 || !top[k].is_finite() {
+                return None;
+            }
+            for (row, i) in rest.iter_mut().zip(k + 1..) {
+                let factor = row[k] / top[k];
+                row.iter_mut().zip(top).skip(k).for_each(|(a, b)| *a -= factor * b);
+                self.right[i] -= factor * self.right[k];
+            }
+        }
+        for k in (0..n).rev() {
+            let known: f64 = (k + 1..n).map(|j| self.matrix[k][j] * self.right[j]).sum();
+            self.right[k] = (self.right[k] - known) / self.matrix[k][k];
+        }
+        self.right.iter().all(|x| x.is_finite()).then_some(self.right)
+    }
+}

@@ -1,0 +1,316 @@
+//! Panels of the border: between ends of contact, corners and jumps, short where something is near.
+
+use super::complex::Complex;
+use super::jumps::Jumps;
+use super::map::{Angle, half_sine};
+use super::potential::CORNERS;
+
+/// Panels shorter than this are not cut further.
+const SHORTEST: f64 = 1e-13;
+
+/// A point of the border: a corner, counted anticlockwise from the lower right one and on after a full
+/// turn, and the distance from it, negative before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub corner: i32,
+    pub t: f64,
+}
+
+impl Place {
+    /// The same point seen from its nearest corner.
+    pub fn new(corner: i32, t: f64) -> Self {
+        let corners = (t - 0.5).ceil();
+        Self { corner: corner + corners as i32, t: t - corners }
+    }
+
+    /// The point of the border nearest to `z`, which is on it but for rounding.
+    pub fn of(z: Complex) -> Self {
+        let corner = (0..4)
+            .min_by(|&j, &k| (CORNERS[j] - z).norm2().total_cmp(&(CORNERS[k] - z).norm2()))
+            .expect("a square has corners");
+        let to = z - CORNERS[corner];
+        let (after, before) = (tangent(corner as i32, 1.0), tangent(corner as i32, -1.0));
+        let t = [after.dot(to), before.dot(to)];
+        Self { corner: corner as i32, t: if t[0] > -t[1] { t[0] } else { t[1] } }
+    }
+
+    pub fn from_corner(self, corner: i32) -> f64 {
+        self.t + f64::from(self.corner - corner)
+    }
+
+    /// Length of the border from `other` to here.
+    pub fn after(self, other: Self) -> f64 {
+        self.from_corner(other.corner) - other.t
+    }
+
+    /// The same point, at most one turn after `start`.
+    pub fn following(self, start: Self) -> Self {
+        let turns = (self.after(start) / 4.0).floor() as i32;
+        Self { corner: self.corner - 4 * turns, t: self.t }
+    }
+
+    pub fn point(self) -> Complex {
+        CORNERS[self.corner.rem_euclid(4) as usize] + tangent(self.corner, self.t).scaled(self.t)
+    }
+}
+
+/// Direction of the border, anticlockwise, after a corner (`t` positive) or before it.
+pub(super) fn tangent(corner: i32, t: f64) -> Complex {
+    const TANGENTS: [Complex; 4] = [
+        Complex::new(0.0, 1.0),
+        Complex::new(-1.0, 0.0),
+        Complex::new(0.0, -1.0),
+        Complex::new(1.0, 0.0),
+    ];
+    TANGENTS[(corner - i32::from(t < 0.0)).rem_euclid(4) as usize]
+}
+
+/// What is particular about a point of the border.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Special {
+    /// An end of contact, by its number along the border.
+    End(usize),
+    Corner,
+    /// A jump of f ends here.
+    Crossing,
+}
+
+/// A piece of one side, with something particular at one end at most.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Panel {
+    /// Corner from which its points are seen.
+    pub corner: i32,
+    /// Ends as distances from that corner.
+    pub from: f64,
+    pub to: f64,
+    /// What is at its start and at its end.
+    pub special: [Option<Special>; 2],
+    /// Contact arcs begun before it.
+    pub arcs: usize,
+    pub contact: bool,
+    pub tangent: Complex,
+}
+
+/// A quadrature node of a panel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    /// Distance from the panel's corner.
+    pub t: f64,
+    /// Distance from the end of the panel where something is.
+    pub offset: f64,
+    /// Weight with respect to the length of the border.
+    pub weight: f64,
+}
+
+impl Panel {
+    /// The direction in which derivatives of psi enter: the tangent in contact, the inner normal elsewhere.
+    pub fn direction(&self) -> Complex {
+        if self.contact { self.tangent } else { self.tangent.turned() }
+    }
+
+    pub fn point(&self, t: f64) -> Complex {
+        CORNERS[self.corner.rem_euclid(4) as usize] + self.tangent.scaled(t)
+    }
+
+    pub fn middle(&self) -> Complex {
+        self.point(0.5 * (self.from + self.to))
+    }
+
+    /// Whether nodes are counted from the end of the panel rather than from its start.
+    pub fn reversed(&self) -> bool {
+        self.special[1].is_some()
+    }
+
+    /// The end of contact at one of its ends, if any.
+    pub fn end(&self) -> Option<usize> {
+        match self.special {
+            [Some(Special::End(end)), _] | [_, Some(Special::End(end))] => Some(end),
+            _ => None,
+        }
+    }
+
+    /// Whether a corner or crossing is at one of its ends.
+    pub fn kink(&self) -> Option<Special> {
+        self.special[0].or(self.special[1]).filter(|s| !matches!(s, Special::End(_)))
+    }
+
+    /// Grading of targets: v and l behave like a power of the distance from an end of contact, and
+    /// their series next to corners and crossings contain logarithms.
+    pub fn target_power(&self) -> i32 {
+        match self.special[0].or(self.special[1]) {
+            None => 1,
+            Some(Special::End(_)) => 2,
+            Some(_) => 3,
+        }
+    }
+
+    /// Nodes of a rule on (0, 1), graded like `x^power` towards the end where something is.
+    pub fn nodes(&self, rule: &[[f64; 2]], power: i32) -> impl Iterator<Item = Node> {
+        let Self { from, to, .. } = *self;
+        let length = to - from;
+        let reversed = self.reversed();
+        rule.iter().map(move |&[x, w]| {
+            let (scale, slope) = match power {
+                1 => (x, 1.0),
+                2 => (x * x, 2.0 * x),
+                _ => (x * x * x, 3.0 * x * x),
+            };
+            let offset = length * scale;
+            let t = if reversed { to - offset } else { from + offset };
+            Node { t, offset, weight: length * slope * w }
+        })
+    }
+}
+
+/// The ends of contact, seen from all corners.
+pub(super) struct Ends {
+    /// Beginnings and ends of contact in turn, anticlockwise.
+    pub places: Vec<Place>,
+    pub angles: Vec<Angle>,
+}
+
+impl Ends {
+    pub fn new(places: Vec<Place>) -> Self {
+        let angles = places.iter().map(|place| Angle::from_corner(place.t)).collect();
+        Self { places, angles }
+    }
+
+    /// Number of contact arcs; none stands for contact everywhere.
+    pub fn arcs(&self) -> usize {
+        self.places.len() / 2
+    }
+
+    /// Where panels begin.
+    pub fn start(&self) -> Place {
+        self.places.first().copied().unwrap_or(Place { corner: 0, t: 0.0 })
+    }
+
+    /// (-1)^k |P|^{1/2} at a node of a panel, P the product over all ends of 2 sin((theta - end) / 2).
+    pub fn root(&self, panel: &Panel, node: Node, angle: Angle) -> f64 {
+        let near = panel.end();
+        let mut product = 1.0;
+        for (j, (place, own)) in self.places.iter().zip(&self.angles).enumerate() {
+            let sine = if near == Some(j) {
+                let t = place.from_corner(panel.corner);
+                let t = if panel.reversed() { t } else { t + node.offset };
+                half_sine(t, node.offset)
+            } else {
+                let [sin, cos] = own.seen_from(place.corner - panel.corner);
+                angle.sin * cos - angle.cos * sin
+            };
+            product *= 2.0 * sine;
+        }
+        let root = product.abs().sqrt();
+        if panel.arcs % 2 == 1 { -root } else { root }
+    }
+}
+
+/// The panels, in order from the first end of contact on.
+pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Panel> {
+    let start = ends.start();
+    let mut breaks: Vec<(Place, Special)> =
+        ends.places.iter().enumerate().map(|(j, &place)| (place, Special::End(j))).collect();
+    let apart = |breaks: &[(Place, Special)], place: Place| {
+        breaks.iter().all(|(other, _)| {
+            let distance = place.after(*other);
+            distance.abs().min((distance - 4.0).abs()).min((distance + 4.0).abs()) > SHORTEST
+        })
+    };
+    let corners = (0..4).map(|corner| (Place { corner, t: 0.0 }, Special::Corner));
+    let crossings = crossings.iter().map(|&place| (place, Special::Crossing));
+    for (place, special) in corners.chain(crossings) {
+        let place = place.following(start);
+        if apart(&breaks, place) {
+            breaks.push((place, special));
+        }
+    }
+    breaks.sort_by(|a, b| a.0.after(start).total_cmp(&b.0.after(start)));
+    let mut cutter = Cutter {
+        near: breaks.iter().map(|(place, _)| place.point()).collect(),
+        jumps,
+        panels: Vec::new(),
+    };
+    let (mut arcs, mut contact) = (0, ends.arcs() == 0);
+    for (k, &(from, special)) in breaks.iter().enumerate() {
+        if let Special::End(j) = special {
+            contact = j % 2 == 0;
+            arcs += usize::from(contact);
+        }
+        let next = (k + 1) % breaks.len();
+        let (mut to, other) = breaks[next];
+        if next == 0 {
+            to.corner += 4;
+        }
+        let first = cutter.panels.len();
+        cutter.cut([from, to], [Some((k, special)), Some((next, other))]);
+        for panel in &mut cutter.panels[first..] {
+            (panel.arcs, panel.contact) = (arcs, contact);
+        }
+    }
+    cutter.panels
+}
+
+struct Cutter<'a> {
+    /// The points where panels must begin.
+    near: Vec<Complex>,
+    jumps: &'a Jumps,
+    panels: Vec<Panel>,
+}
+
+impl Cutter<'_> {
+    /// Cuts a piece of a side so that no panel is longer than its distance to a vertex, or twice that to
+    /// a point where something is and that is not an end of it, and none has something at both ends.
+    fn cut(&mut self, ends: [Place; 2], special: [Option<(usize, Special)>; 2]) {
+        let [from, to] = ends;
+        let length = to.after(from);
+        let segment = ends.map(Place::point);
+        let own = |k: usize| special.iter().flatten().any(|&(own, _)| own == k);
+        let mut cut = None;
+        if special.iter().all(Option::is_some) {
+            cut = Some(0.5 * length);
+        }
+        for point in self.near.iter().enumerate().filter(|&(k, _)| !own(k)).map(|(_, &z)| z) {
+            let near = segment.map(|end| (end - point).norm());
+            if cut.is_none() && length > 2.0 * distance(segment, point) {
+                let piece = (2.0 * near[0].min(near[1])).max(SHORTEST);
+                let at = if near[0] < near[1] { piece } else { length - piece };
+                cut = Some(if (0.0..0.5 * length).contains(&piece) { at } else { 0.5 * length });
+            }
+        }
+        let middle = (segment[0] + segment[1]).scaled(0.5);
+        if cut.is_none() && self.jumps.singular(middle).any(|v| length > distance(segment, v)) {
+            cut = Some(0.5 * length);
+        }
+        match cut {
+            Some(at) if length > SHORTEST => {
+                let middle = if at <= 0.5 * length {
+                    Place::new(from.corner, from.t + at)
+                } else {
+                    Place::new(to.corner, to.t - (length - at))
+                };
+                self.cut([from, middle], [special[0], None]);
+                self.cut([middle, to], [None, special[1]]);
+            }
+            _ => {
+                let corner = Place::new(from.corner, from.t + 0.5 * length).corner;
+                let [from, to] = ends.map(|end| end.from_corner(corner));
+                self.panels.push(Panel {
+                    corner,
+                    from,
+                    to,
+                    special: special.map(|s| s.map(|(_, special)| special)),
+                    arcs: 0,
+                    contact: false,
+                    tangent: tangent(corner, from + to),
+                });
+            }
+        }
+    }
+}
+
+/// Distance of a point from a segment.
+pub(super) fn distance([a, b]: [Complex; 2], point: Complex) -> f64 {
+    let along = b - a;
+    let t = along.dot(point - a) / along.norm2();
+    (a + along.scaled(t.clamp(0.0, 1.0)) - point).norm()
+}

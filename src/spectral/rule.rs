@@ -1,0 +1,99 @@
+//! Gauss rules on (0, 1), interpolation and integration between their nodes.
+
+use std::f64::consts::PI;
+
+/// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), ascending.
+pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
+    let mut rule = vec![[0.5, 1.0]; n];
+    for i in 0..n.div_ceil(2) {
+        let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
+        let mut slope = 1.0;
+        for _ in 0..6 {
+            let [p, q] = legendre(n, x);
+            slope = n as f64 * (x * p - q) / (x * x - 1.0);
+            x -= p / slope;
+        }
+        let weight = 1.0 / ((1.0 - x * x) * slope * slope);
+        rule[i] = [0.5 * (1.0 - x), weight];
+        rule[n - 1 - i] = [0.5 * (1.0 + x), weight];
+    }
+    rule
+}
+
+/// The Legendre polynomials of degrees `n` and `n - 1` at `x`.
+fn legendre(n: usize, x: f64) -> [f64; 2] {
+    let (mut p, mut q) = (1.0, 0.0);
+    for k in 0..n {
+        let k = k as f64;
+        (p, q) = (((2.0 * k + 1.0) * x * p - k * q) / (k + 1.0), p);
+    }
+    [p, q]
+}
+
+/// Row by row for the points `x`: the matrix that interpolates values at Gauss nodes.
+pub(super) fn interpolation(rule: &[[f64; 2]], x: &[f64]) -> Vec<f64> {
+    // Barycentric weights of Gauss nodes (Wang and Xiang 2012).
+    let weights: Vec<f64> = rule
+        .iter()
+        .enumerate()
+        .map(|(i, &[x, w])| if i % 2 == 0 { 1.0 } else { -1.0 } * (x * (1.0 - x) * w).sqrt())
+        .collect();
+    let mut matrix = Vec::with_capacity(rule.len() * x.len());
+    for &x in x {
+        let row = matrix.len();
+        let mut sum = 0.0;
+        for (&[node, _], weight) in rule.iter().zip(&weights) {
+            let entry = weight / (x - node);
+            sum += entry;
+            matrix.push(entry);
+        }
+        matrix[row..].iter_mut().for_each(|entry| *entry /= sum);
+    }
+    matrix
+}
+
+/// Row by row: the matrix that takes values at Gauss nodes to integrals from 0 to each node.
+pub(super) fn integration(rule: &[[f64; 2]]) -> Vec<f64> {
+    let n = rule.len();
+    let mut matrix = vec![0.0; n * n];
+    for (j, &[xj, wj]) in rule.iter().enumerate() {
+        for (i, &[xi, _]) in rule.iter().enumerate() {
+            // The Lagrange polynomial of node j in Legendre polynomials, each integrated from -1.
+            let (y, z) = (2.0 * xi - 1.0, 2.0 * xj - 1.0);
+            let mut sum = 0.5 * (y + 1.0);
+            let ([mut py, mut qy], [mut pz, mut qz]) = ([y, 1.0], [z, 1.0]);
+            for k in 1..n {
+                let k = k as f64;
+                let next = ((2.0 * k + 1.0) * y * py - k * qy) / (k + 1.0);
+                sum += 0.5 * pz * (next - qy);
+                (py, qy) = (next, py);
+                (pz, qz) = (((2.0 * k + 1.0) * z * pz - k * qz) / (k + 1.0), pz);
+            }
+            matrix[i * n + j] = wj * sum;
+        }
+    }
+    matrix
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_are_integrated_and_interpolated_exactly() {
+        let rule = gauss(9);
+        let power = |x: f64, k: i32| (0..k).fold(1.0, |p, _| p * x);
+        let integral: f64 = rule.iter().map(|&[x, w]| w * power(x, 17)).sum();
+        assert!((integral - 1.0 / 18.0).abs() < 1e-16);
+        let matrix = interpolation(&rule, &[0.013, 0.77]);
+        for (row, x) in matrix.chunks(9).zip([0.013, 0.77]) {
+            let value: f64 = row.iter().zip(&rule).map(|(m, &[x, _])| m * power(x, 8)).sum();
+            assert!((value - power(x, 8)).abs() < 1e-15);
+        }
+        let matrix = integration(&rule);
+        for (row, &[x, _]) in matrix.chunks(9).zip(&rule) {
+            let value: f64 = row.iter().zip(&rule).map(|(m, &[x, _])| m * power(x, 8)).sum();
+            assert!((value - power(x, 9) / 9.0).abs() < 1e-15, "{x}");
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! The spectral solver against digits computed in quadruple precision, its own identities and multigrid.
+
+use crate::common::Dice;
+use signorini::discrete::grid::Grid;
+use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini::discrete::stiffness::energy;
+use signorini::multigrid::square::{MultigridParams, multigrid};
+use signorini::problem::source::Source;
+use signorini::spectral::{Params, Solution, SpectralError, spectral};
+
+/// A problem with what two resolutions in quadruple precision agree on.
+struct Reference {
+    f: &'static str,
+    energy: f64,
+    centre: f64,
+    /// v in the corners, anticlockwise from the lower right one.
+    corners: [f64; 4],
+    /// Where contact begins and ends, if not everywhere.
+    contact: Option<[[f64; 2]; 2]>,
+}
+
+const REFERENCES: [Reference; 8] = [
+    Reference {
+        f: "rect(0.25,0.5,0.25,0.5)=2; else=-1",
+        energy: -0.016602302753503897,
+        centre: -0.068755925311560558,
+        corners: [0.0, 0.038843550387098673, 0.0, 0.0],
+        contact: Some([[0.194250479506949330, 0.5], [0.5, 0.194250479506949330]]),
+    },
+    Reference {
+        f: "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1",
+        energy: -0.005375455092882997,
+        centre: 0.039544041992167949,
+        corners: [0.0; 4],
+        contact: None,
+    },
+    Reference {
+        f: "quadrant(ll)=3; else=-1.1",
+        energy: -0.095051720753350786,
+        centre: 0.119928025738472246,
+        corners: [0.040559926457179154, 0.0, 0.040559926457179154, 0.439419001292514409],
+        contact: Some([[0.5, 0.094404156233095124], [0.094404156233095124, 0.5]]),
+    },
+    Reference {
+        f: "quadrant(ll)=3; else=-1.002",
+        energy: -0.100744189417478743,
+        centre: 0.173341417900582503,
+        corners: [0.099550492710656832, 0.0, 0.099550492710656832, 0.496926392867702065],
+        contact: Some([[0.5, 0.445188172822940070], [0.445188172822940070, 0.5]]),
+    },
+    Reference {
+        f: "quadrant(ll)=-6; else=1.998",
+        energy: -0.402452348899040672,
+        centre: 0.643250065051246157,
+        corners: [0.790473197646332111, 0.995570979144065707, 0.790473197646332111, 0.0],
+        contact: Some([[-0.5, -0.477641454445133592], [-0.477641454445133592, -0.5]]),
+    },
+    Reference {
+        f: "disc(0,0,0.25)=2; else=-1",
+        energy: -0.006911812402917770,
+        centre: 0.045288829446766785,
+        corners: [0.0; 4],
+        contact: None,
+    },
+    Reference {
+        f: "disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1",
+        energy: -0.060527282639588421,
+        centre: -0.063103573848361069,
+        corners: [0.104522610652802365, 0.0, 0.0, 0.0],
+        contact: Some([[0.5, 0.150657255623229887], [-0.387437294326123048, -0.5]]),
+    },
+    Reference {
+        f: "disc(0.5,0.5,0.3)=4; else=-1",
+        energy: -0.025624898159882615,
+        centre: -0.054595125204661644,
+        corners: [0.0, 0.150972413969915567, 0.0, 0.0],
+        contact: Some([[0.006127028704528844, 0.5], [0.5, 0.006127028704528844]]),
+    },
+];
+
+fn solved(f: &str, params: Params) -> Solution {
+    spectral(&f.parse().unwrap(), params).unwrap_or_else(|e| panic!("{f}: {e}"))
+}
+
+#[track_caller]
+fn close(found: f64, known: f64, tolerance: f64) {
+    assert!((found - known).abs() <= tolerance, "{found:e}, not {known:e}: {:e}", found - known);
+}
+
+#[test]
+fn reference_digits_are_reached() {
+    for (params, energy, value, end) in
+        [(Params::default(), 2e-13, 1e-12, 3e-14), (Params::FINER, 5e-15, 2e-14, 2e-14)]
+    {
+        for known in &REFERENCES {
+            let solution = solved(known.f, params);
+            close(solution.energy, known.energy, energy);
+            close(solution.value(0.0, 0.0), known.centre, value);
+            for (found, known) in solution.corners().into_iter().zip(known.corners) {
+                close(found, known, value);
+            }
+            let [arc] = solution.contact[..] else { panic!("{}: one arc", known.f) };
+            match known.contact {
+                None => assert_eq!(arc.from, arc.to),
+                Some(contact) => {
+                    let ends = contact.iter().flatten();
+                    for (found, &known) in arc.from.iter().chain(&arc.to).zip(ends) {
+                        close(*found, known, end);
+                    }
+                }
+            }
+            // The force is what the load leaves.
+            close(arc.force, -solution.integral, 1e-11);
+        }
+    }
+}
+
+#[test]
+fn two_arcs_share_the_force_by_symmetry() {
+    let f = "rect(-0.2,0.2,-0.5,-0.3)=4; rect(-0.2,0.2,0.3,0.5)=4; else=-2";
+    let solution = solved(f, Params::default());
+    let [right, left] = &solution.contact[..] else { panic!("two arcs") };
+    close(right.force, 0.52, 1e-12);
+    close(left.force, 0.52, 1e-12);
+    close(right.from[0], 0.2300788663452236, 1e-13);
+    close(left.from[0], -right.to[0], 1e-13);
+}
+
+#[test]
+fn values_near_the_border_agree_between_resolutions() {
+    let f = "rect(0.25,0.5,0.25,0.5)=2; else=-1";
+    let [coarse, fine] = [Params::default(), Params::FINER].map(|params| solved(f, params));
+    for (x, y) in [(0.125, 0.25), (-0.25, 0.375), (0.375, 0.375), (0.0, -0.4375), (-0.499, 0.2)] {
+        close(coarse.value(x, y), fine.value(x, y), 1e-10);
+    }
+    // Free, and in contact.
+    close(fine.value(0.4999999, 0.4999999), fine.corners()[1], 1e-6);
+    close(fine.value(-0.4999999, 0.0), 0.0, 1e-6);
+}
+
+#[test]
+fn what_is_not_solved_is_refused() {
+    let refused = |f: &str| spectral(&f.parse().unwrap(), Params::default()).err();
+    assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
+    assert!(matches!(refused("exact(torsion)"), Some(SpectralError::NotPieces)));
+}
+
+/// Overlapping shapes with a negative integral, to two decimals.
+fn random(dice: &mut Dice) -> Source {
+    let mut hundredths = |low: i64, high: i64| {
+        let width = u64::try_from(high - low).unwrap();
+        (low + i64::try_from(dice.below(width)).unwrap()) as f64 / 100.0
+    };
+    loop {
+        let mut text = String::new();
+        for _ in 0..hundredths(100, 500) as usize {
+            let value = hundredths(-800, 800);
+            text += &match hundredths(0, 500) as usize {
+                0 | 1 => {
+                    let [x, y] = [0; 2].map(|_| hundredths(-60, 40));
+                    let [w, h] = [0; 2].map(|_| hundredths(5, 80));
+                    format!("rect({x},{},{y},{})", x + w, y + h)
+                }
+                2 => ["quadrant(ll)", "quadrant(lr)", "quadrant(ul)", "quadrant(ur)"]
+                    [hundredths(0, 400) as usize]
+                    .into(),
+                3 => {
+                    let [x, y] = [0; 2].map(|_| hundredths(-60, 60));
+                    format!("disc({x},{y},{})", hundredths(6, 45))
+                }
+                _ => {
+                    let [a, c] = [hundredths(-100, 100), hundredths(-50, 50)];
+                    format!("halfplane({a},{},{c})", hundredths(-100, 100) + 0.003)
+                }
+            };
+            text += &format!("={value}; ");
+        }
+        let f: Source = (text + &format!("else={}", hundredths(-600, 300))).parse().unwrap();
+        if integral(&f) < -0.02 {
+            return f;
+        }
+    }
+}
+
+/// How far the spectral energy is from extrapolated ones, over what one halving of h changes.
+fn compare(f: &Source) -> f64 {
+    let solution = spectral(f, Params::default()).unwrap_or_else(|e| panic!("{f}: {e}"));
+    let [coarse, fine] = [64, 128].map(|n| {
+        let grid = Grid::new(n).unwrap();
+        let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::Rising });
+        let (y, _) = multigrid(n, &load, None, &MultigridParams::default(), |_| ()).unwrap();
+        energy(grid, &y, &load)
+    });
+    let change = fine - coarse;
+    (fine + change / 3.0 - solution.energy) / change.abs().max(1e-9 * fine.abs())
+}
+
+fn compare_random(seed: u64, many: usize) {
+    let mut dice = Dice(seed);
+    for _ in 0..many {
+        let f = random(&mut dice);
+        let ratio = compare(&f);
+        assert!(ratio.abs() < 0.15, "{f}: {ratio}");
+    }
+}
+
+#[test]
+fn random_problems_agree_with_extrapolated_finite_elements() {
+    compare_random(11, 20);
+}
+
+#[test]
+#[ignore = "a minute"]
+fn a_thousand_random_problems_agree_with_extrapolated_finite_elements() {
+    compare_random(12, 1000);
+}
