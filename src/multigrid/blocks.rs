@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use super::buffers::Buffers;
 use super::layout::{At, Dimension, boundary_before, slab};
 use super::rows::{Colour, Rows};
 use super::stencil::{Boundary, edges};
-use super::transfer::{Buffers, Weighting, slab_residual};
+use super::transfer::{Weighting, slab_residual};
 
 /// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;

@@ -1,8 +1,8 @@
 //! One grid of the hierarchy, red and black nodes stored apart.
 
+use super::buffers::Buffers;
 use super::layout::{Dimension, boundary_nodes, nodes, slab};
 use super::rows::{Rows, max_abs, stride, worse};
-use super::transfer::Buffers;
 
 /// Values and load on a grid with `n` cells per side.
 ///

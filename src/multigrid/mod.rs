@@ -3,6 +3,7 @@
 pub mod active_set;
 mod banded;
 mod blocks;
+mod buffers;
 mod coarsest;
 pub mod cube;
 mod hierarchy;

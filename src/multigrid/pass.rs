@@ -11,11 +11,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::blocks::{Block, Cuts, MIN_PLACES, Target, blocks};
+use super::buffers::Sums;
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
 use super::rows::{Colour, Rows, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
-use super::transfer::{Sums, Weighting, restrict_load, slab_residual};
+use super::transfer::{Weighting, restrict_load, slab_residual};
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]

@@ -50,8 +50,9 @@ fn module(file: &Path) -> Vec<String> {
     parts
 }
 
-/// What follows `prefix` in the code of a file, up to the end of the name; comments do not count.
+/// What follows `prefix` in the code of a file, up to the end of the name; comments and unit tests do not count.
 fn names_after<'a>(text: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
+    let text = text.split("\nmod tests {").next().unwrap_or_default();
     let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
     code.flat_map(move |line| line.split(prefix).skip(1)).map(|rest| {
         let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());

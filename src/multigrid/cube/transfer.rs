@@ -1,9 +1,10 @@
 //! Full weighting on the cube, row by row.
 
 use super::Cube;
+use crate::multigrid::buffers::Sums;
 use crate::multigrid::layout::{At, mirrored};
 use crate::multigrid::rows::{Colour, long_and_short};
-use crate::multigrid::transfer::{Sums, Weighting};
+use crate::multigrid::transfer::Weighting;
 
 /// Half of the sum over a node and its neighbours in the surrounding cube, with weights 1, 1/2, 1/4, 1/8 by
 /// distance. The half is the ratio of the couplings on both grids.

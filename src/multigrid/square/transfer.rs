@@ -1,9 +1,10 @@
 //! Full weighting on the square, row by row.
 
 use super::Square;
+use crate::multigrid::buffers::Sums;
 use crate::multigrid::layout::{At, mirrored};
 use crate::multigrid::rows::Colour;
-use crate::multigrid::transfer::{Sums, Weighting};
+use crate::multigrid::transfer::Weighting;
 
 impl Weighting for Square {
     #[inline(always)]
