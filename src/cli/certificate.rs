@@ -243,7 +243,7 @@ impl Check {
             reference: REFERENCE,
             version: env!("CARGO_PKG_VERSION"),
             compiler: COMPILER,
-            program: option_env!("SIGNORINI_PROGRAM").unwrap_or("unknown"),
+            program: env!("SIGNORINI_PROGRAM"),
             commands: COMMANDS,
             summary: tables.iter().map(sentence).collect::<Vec<_>>().join(" "),
             differing: tables.iter().flat_map(differing).collect(),

@@ -94,8 +94,8 @@ enum Command {
         a point wins. Regions: rect(x0,x1,y0,y1), quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c,\n\
         disc(x,y,radius). The square is [-0.5,0.5]^2. exact(NAME) is a problem with known solution:\n\
         full-contact, torsion, free-segment, free-corner.\n\
-        On the cube the regions are box(x0,x1,y0,y1,z0,z1) and ball(x,y,z,radius), the known solutions\n\
-        full-contact, free-strip, free-disc.")]
+        On the cube: box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), halfspace(a,b,c,d) for\n\
+        ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc.")]
     Solve(solve::SolveArgs),
     /// Search for the right-hand sides of the lost Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]

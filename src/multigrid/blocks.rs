@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use super::layout::{At, Dimension, boundary_before, slab};
 use super::rows::{Colour, Rows};
-use super::stencil::{Boundary, walk};
+use super::stencil::{Boundary, edges};
 use super::transfer::{Buffers, Weighting, slab_residual};
 
 /// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;
 /// Places of one colour per block at least: less takes no longer than waking a thread.
-const MIN_PLACES: usize = 1 << 13;
+pub(super) const MIN_PLACES: usize = 1 << 13;
 
 /// How many blocks a pass over `n + 1` slabs is cut into.
 pub(super) fn blocks<D: Dimension>(n: usize) -> usize {
@@ -121,27 +121,19 @@ impl Block<'_> {
         if let Boundary::Obstacle = boundary {
             for at in At::of_slab::<D>(n, s) {
                 let black = &black[own.clone()][at.in_slab()];
-                let mut black = black;
-                walk::<D, _>(
-                    at,
-                    Colour::Black,
-                    &mut black,
-                    |_, _| (),
-                    |black, m, edge| {
-                        in_contact[edge.number - first_edge] = black[m] == 0.0;
-                    },
-                );
+                for (m, edge) in edges::<D>(at, Colour::Black) {
+                    in_contact[edge.number - first_edge] = black[m] == 0.0;
+                }
             }
         }
-        let natural_of = |target: &mut [f64]| {
-            target.copy_from_slice(&red[own]);
-            let other = (&**black, start);
-            let see = |number: usize, contact| in_contact[number - first_edge] = contact;
-            let load = &load[Colour::Red as usize];
-            slab_residual::<D>((n, s), Colour::Red, boundary, load, other, target, see)
-        };
+        let target = self.buffers.residuals(s);
+        target.copy_from_slice(&red[own]);
+        let see = |number: usize, contact| in_contact[number - first_edge] = contact;
+        let (load, other) = (&load[Colour::Red as usize], (&**black, start));
+        let natural = slab_residual::<D>((n, s), Colour::Red, boundary, load, other, target, see);
         let [coarse_red, coarse_black] = &mut self.coarse_load;
         let coarse_load = (start.div_ceil(2), [&mut **coarse_red, &mut **coarse_black]);
-        self.buffers.restrict::<D>((n, s, first), natural_of, coarse_load)
+        self.buffers.restrict::<D>((n, s, first), coarse_load);
+        natural
     }
 }

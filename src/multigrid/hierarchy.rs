@@ -342,7 +342,7 @@ fn divide_by_couplings<G: Geometry>(level: &mut Level) {
     let inside = 1.0 / coupling::<G>(n);
     for colour in [Red, Black] {
         let slabs = level.load[colour as usize].par_chunks_exact_mut(slab).enumerate();
-        slabs.with_min_len((1 << 14) / slab + 1).for_each(|(s, load)| {
+        slabs.with_min_len((1_usize << 14).div_ceil(slab)).for_each(|(s, load)| {
             for at in At::of_slab::<G>(n, s) {
                 let row = &mut load[at.r * stride(n)..(at.r + 1) * stride(n)];
                 let factor = inside / at.share::<G>();

@@ -10,11 +10,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::blocks::{Block, Cuts, MIN_BLOCK, Target, blocks};
+use super::blocks::{Block, Cuts, MIN_PLACES, Target, blocks};
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
 use super::rows::{Colour, Rows, worse};
-use super::stencil::{Boundary, Row, diagonal, walk};
+use super::stencil::{Boundary, Row, diagonal, edges};
 use super::transfer::{Sums, Weighting, restrict_load, slab_residual};
 
 /// One step of a pass.
@@ -226,14 +226,11 @@ impl<D: Weighting> Walk<'_, D> {
         let (factor, slab) = (factor / diagonal::<D>(), target.len());
         let load = &self.load[Colour::Red as usize][s * slab..(s + 1) * slab];
         for at in At::of_slab::<D>(self.n, s) {
-            let load = &load[at.in_slab()];
-            let inner = |target: &mut [f64], range: Range<usize>| {
-                let load = &load[range.clone()];
-                target[range].iter_mut().zip(load).for_each(|(value, load)| *value = factor * load);
-            };
-            walk::<D, _>(at, Colour::Red, &mut target[at.in_slab()], inner, |target, m, edge| {
+            let (load, target) = (&load[at.in_slab()], &mut target[at.in_slab()]);
+            target.iter_mut().zip(load).for_each(|(value, load)| *value = factor * load);
+            for (m, edge) in edges::<D>(at, Colour::Red) {
                 target[m] = self.boundary.relax::<D>(edge, load[m]);
-            });
+            }
         }
     }
 }
@@ -252,7 +249,11 @@ pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
         };
         worse(of_colour(Colour::Red), of_colour(Colour::Black))
     };
-    (0..n + 1).into_par_iter().with_min_len(MIN_BLOCK / 2).map(of_slab).reduce(|| 0.0, worse)
+    (0..n + 1)
+        .into_par_iter()
+        .with_min_len(MIN_PLACES.div_ceil(slab))
+        .map(of_slab)
+        .reduce(|| 0.0, worse)
 }
 
 /// Makes the load of the coarser grid by full weighting of that of the finer one.
@@ -263,10 +264,61 @@ pub(super) fn weigh_load<D: Weighting>(fine: &Level, coarse: &mut Level) {
         .par_chunks_exact_mut(slab)
         .zip(black.par_chunks_exact_mut(slab))
         .enumerate()
-        .with_min_len(MIN_BLOCK / 2)
+        .with_min_len(MIN_PLACES.div_ceil(slab))
         .map_init(
             || Sums::new(fine.n / 2),
-            |sums, (s, (red, black))| restrict_load::<D>(fine, s, [red, black], sums),
+            |sums, (s, (red, black))| restrict_load::<D>(fine.n, &fine.load, s, [red, black], sums),
         )
         .reduce(|| 0.0, worse);
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+pub(super) mod tests {
+    use super::*;
+
+    /// Values, coarse load and contact set after a pass, and its natural residual, by this way of walking.
+    fn after_a_pass<D: Weighting>(
+        n: usize,
+        walk_it: impl Fn(&Walk<D>, &mut Block) -> f64,
+    ) -> (Vec<Vec<f64>>, Vec<bool>, f64) {
+        let (mut level, mut coarse) = (Level::new::<D>(n), Level::new::<D>(n / 2));
+        level.reserve(1);
+        let noise = |half: &mut Rows, k: f64| {
+            for (i, value) in half.iter_mut().enumerate() {
+                *value = libm::sin(k * i as f64 * 12.9898) - 0.2;
+            }
+        };
+        noise(&mut level.values[1], 1.0);
+        level.load.iter_mut().for_each(|half| noise(half, 2.0));
+        coarse.values.iter_mut().for_each(|half| noise(half, 3.0));
+        let stages = [
+            Stage::Correct(1.08),
+            Stage::Relax(Colour::Red, 1.0),
+            Stage::Relax(Colour::Black, 1.15),
+            Stage::Relax(Colour::Red, 1.15),
+            Stage::Relax(Colour::Black, 1.0),
+            Stage::Restrict,
+        ];
+        let Level { values, load, in_contact, buffers, .. } = &mut level;
+        let (coarse_values, boundary) = (&coarse.values, Boundary::Obstacle);
+        let walk =
+            Walk { n, stages: &stages, boundary, load, coarse_values, dimension: PhantomData };
+        let coarse_load = &mut coarse.load;
+        let mut target = Target { n, values, in_contact, coarse_load, buffers };
+        let natural = walk_it(&walk, &mut target.whole());
+        let fields = level.values.iter().chain(&coarse.load).map(|half| half.to_vec());
+        (fields.collect(), level.in_contact, natural)
+    }
+
+    /// Fails if vector instructions change a bit of a pass.
+    pub(in crate::multigrid) fn compare<D: Weighting>(n: usize) {
+        if !std::arch::is_x86_feature_detected!("avx2") {
+            return;
+        }
+        let portable = after_a_pass::<D>(n, |walk, block| walk.run_portable(block, |_| 0..n + 1));
+        // SAFETY: the processor has been asked.
+        let avx2 =
+            |walk: &Walk<D>, block: &mut Block| unsafe { walk.run_avx2(block, |_| 0..n + 1) };
+        assert!(portable == after_a_pass::<D>(n, avx2));
+    }
 }

@@ -84,32 +84,28 @@ pub(super) fn coupling<D: Dimension>(n: usize) -> f64 {
     if D::AXES == 2 { 1.0 } else { 1.0 / n as f64 }
 }
 
-/// Walks along a row of one colour: `inner` gets the range of places inside, `edge` each place on the
-/// boundary with its node.
+/// The boundary nodes in a row of one colour, with their places.
 #[inline(always)]
-pub(super) fn walk<D: Dimension, T: ?Sized>(
-    at: At,
-    colour: Colour,
-    target: &mut T,
-    inner: impl FnOnce(&mut T, Range<usize>),
-    mut edge: impl FnMut(&mut T, usize, Edge),
-) {
-    let half = at.n / 2;
-    let long = at.is_long(colour);
+pub(super) fn edges<D: Dimension>(at: At, colour: Colour) -> impl Iterator<Item = (usize, Edge)> {
+    let (half, long) = (at.n / 2, at.is_long(colour));
     let (across, first) = (at.share::<D>(), at.first_boundary::<D>());
-    if across < 1.0 {
-        let (len, column) = if long { (half + 1, 0) } else { (half, 1) };
-        for m in 0..len {
-            let i = 2 * m + column;
-            edge(target, m, Edge { number: first + i, share: across * share(at.n, i) });
-        }
-    } else if long {
-        edge(target, 0, Edge { number: first, share: 0.5 });
-        inner(target, 1..half);
-        edge(target, half, Edge { number: first + 1, share: 0.5 });
-    } else {
-        inner(target, 0..half);
-    }
+    let whole = across < 1.0;
+    let (count, step) = match (whole, long) {
+        (true, _) => (half + usize::from(long), 1),
+        (false, true) => (2, half),
+        (false, false) => (0, 1),
+    };
+    (0..count).map(move |k| {
+        let (m, i) = (k * step, 2 * k * step + usize::from(!long));
+        let number = first + if whole { i } else { k };
+        (m, Edge { number, share: across * share(at.n, i) })
+    })
+}
+
+/// The places of the other nodes.
+#[inline(always)]
+fn inside<D: Dimension>(at: At, colour: Colour) -> Range<usize> {
+    if at.share::<D>() < 1.0 { 0..0 } else { usize::from(at.is_long(colour))..at.n / 2 }
 }
 
 /// Calls `visit(number, k)` for every boundary node, by growing number; `k` counts all nodes in natural order.
@@ -137,6 +133,8 @@ pub(super) struct Row<'a> {
     colour: Colour,
     load: &'a [f64],
     along: &'a [f64],
+    /// The same from one place before the row.
+    before: &'a [f64],
     across: [&'a [f64]; 4],
 }
 
@@ -164,6 +162,7 @@ impl<'a> Row<'a> {
             colour,
             load: &load[number * stride..(number + 1) * stride],
             along: row(r, s),
+            before: &other[(((s - first) * rows + r) * stride).saturating_sub(1)..][..stride],
             across: [row(south, s), row(north, s), row(r, below), row(r, above)],
         }
     }
@@ -206,10 +205,14 @@ impl<'a> Row<'a> {
             },
         );
         if let Boundary::Obstacle = boundary {
-            let inside = |target: &mut [f64], range: Range<usize>| {
-                largest = worse(largest, coupling * max_abs(&target[range]));
-            };
-            walk::<D, _>(self.at, self.colour, target, inside, |_, _, _| ());
+            let range = inside::<D>(self.at, self.colour);
+            // From the first place on, which is aligned, but without it if it lies on the boundary.
+            let first = target[0];
+            if range.start == 1 {
+                target[0] = 0.0;
+            }
+            largest = worse(largest, coupling * max_abs(&target[..range.end]));
+            target[0] = first;
         }
         largest
     }
@@ -223,29 +226,38 @@ impl<'a> Row<'a> {
         inner: impl Fn(f64, f64) -> f64,
         mut edge: impl FnMut(Edge, f64, f64) -> f64,
     ) {
-        let Self { at, colour, load, along, across: [south, north, below, above] } = self;
-        // Place of the western neighbour of place 0; a long row begins where the other one has none.
-        let offset = usize::from(at.is_long(colour));
-        let last = if offset == 1 { at.n / 2 - 1 } else { at.n / 2 };
-        let at_edge = |target: &mut [f64], m: usize, node: Edge| {
-            let west = along[m.saturating_sub(offset)];
-            let east = along[(m + 1 - offset).min(last)];
-            let mut across = below[m] + above[m];
-            if D::AXES == 3 {
-                across = (south[m] + north[m]) + across;
+        let Self { at, colour, load, along, before, across } = self;
+        let range = inside::<D>(at, colour);
+        if range.is_empty() {
+            for (m, node) in edges::<D>(at, colour) {
+                target[m] = edge(node, target[m], self.edge_sum::<D>(m));
             }
-            target[m] = edge(node, target[m], load[m] + ((west + east) + across));
-        };
-        let inside = |target: &mut [f64], range: Range<usize>| {
-            let (start, len) = (range.start, range.len());
-            let west = &along[start - offset..][..len];
-            let east = &along[start + 1 - offset..][..len];
-            let target = &mut target[range.clone()];
-            let cut = |row: &'a [f64]| &row[range.clone()];
-            let across = [south, north, below, above].map(cut);
-            update_inner::<D>(target, cut(load), [west, east], across, inner);
-        };
-        walk::<D, _>(at, colour, target, inside, at_edge);
+            return;
+        }
+        // The whole row, aligned; a long one begins with a place that is none, and gets its ends again.
+        let half = range.end;
+        let ends = [target[0], target[half]];
+        let [west, east] = if range.start == 1 { [before, along] } else { [along, &along[1..]] };
+        let across = across.map(|row| &row[..half]);
+        update_inner::<D>(&mut target[..half], &load[..half], [west, east], across, inner);
+        for ((m, node), end) in edges::<D>(at, colour).zip(ends) {
+            target[m] = edge(node, end, self.edge_sum::<D>(m));
+        }
+    }
+
+    /// The load plus the neighbours of a boundary node, mirrored.
+    #[inline(always)]
+    fn edge_sum<D: Dimension>(self, m: usize) -> f64 {
+        let Self { at, load, along, across: [south, north, below, above], .. } = self;
+        // Place of the western neighbour of place 0; a long row begins where the other one has none.
+        let offset = usize::from(at.is_long(self.colour));
+        let west = along[m.saturating_sub(offset)];
+        let east = along[(m + 1 - offset).min(at.n / 2 - offset)];
+        let mut across = below[m] + above[m];
+        if D::AXES == 3 {
+            across += south[m] + north[m];
+        }
+        load[m] + ((west + east) + across)
     }
 }
 
@@ -264,7 +276,7 @@ fn update_inner<D: Dimension>(
     for m in 0..len {
         let mut across = below[m] + above[m];
         if D::AXES == 3 {
-            across = (south[m] + north[m]) + across;
+            across += south[m] + north[m];
         }
         target[m] = inner(target[m], load[m] + ((west[m] + east[m]) + across));
     }

@@ -4,12 +4,9 @@
 //! follows replaces all red ones; only red residuals are restricted, since black ones vanish after a
 //! half-sweep over the black nodes.
 
-use std::ops::Range;
-
-use super::layout::{At, Dimension, rows_per_slab, slab};
-use super::level::Level;
+use super::layout::{At, Dimension, mirrored, rows_per_slab, slab};
 use super::rows::{Colour, Rows, deinterleave, long_and_short, max_abs, stride, worse};
-use super::stencil::{Boundary, Row, coupling, walk};
+use super::stencil::{Boundary, Row, coupling, edges};
 
 /// Full weighting of one slab: what differs between the square and the cube.
 pub trait Weighting: Dimension {
@@ -57,38 +54,41 @@ impl Buffers {
         all.map(|numbers| size_of_val(&numbers[..])).sum()
     }
 
-    /// Calls `with(row, one, two, weight)` for each row of slab `s` that has black nodes whose prolongation is
-    /// `weight (one + two)`, both in natural order of the coarser grid.
+    /// The sums whose multiples by a weight are the prolongation to the black nodes of a row, and the weight.
     #[inline(always)]
-    fn prolongate<D: Dimension>(
-        &mut self,
-        n: usize,
-        s: usize,
-        coarse: &[Rows; 2],
-        mut with: impl FnMut(At, &[f64], f64),
-    ) {
-        let (half, rows) = (n / 2, rows_per_slab::<D>(n / 2));
+    fn neighbours<'b, D: Dimension>(
+        &'b mut self,
+        at: At,
+        coarse: &'b [Rows; 2],
+    ) -> (Neighbours<'b>, f64) {
+        let (half, rows) = (at.n / 2, rows_per_slab::<D>(at.n / 2));
         let stride = stride(half);
+        let coarse_row = |r: usize, s: usize| {
+            let place = (s * rows + r) * stride..(s * rows + r + 1) * stride;
+            long_and_short(r + s, [&coarse[0][place.clone()], &coarse[1][place]])
+        };
         let beside = |i: usize| [i / 2, i.div_ceil(2)];
-        let Sums { even, odd, row } = &mut self.sums;
-        for at in At::of_slab::<D>(n, s) {
-            let ([south, north], [below, above]) = (beside(at.r), beside(at.s));
-            let mut count = 0.0;
-            for s in below..=above {
-                for r in south..=north {
-                    let place = (s * rows + r) * stride..(s * rows + r + 1) * stride;
-                    let [red, black] = [&coarse[0][place.clone()], &coarse[1][place]];
-                    let [long, short] = long_and_short(r + s, [red, black]);
-                    add_or_set(count == 0.0, even, long);
-                    add_or_set(count == 0.0, odd, short);
-                    count += 1.0;
-                }
-            }
-            let (even, odd) = (&even[..half / 2 + 1], &odd[..half / 2 + 1]);
-            means(at.is_long(Colour::Black), even, odd, row);
-            let weight = if at.is_long(Colour::Black) { 1.0 / count } else { 0.5 / count };
-            with(at, row, weight);
+        let ([south, north], [below, above]) = (beside(at.r), beside(at.s));
+        let [mut even, mut odd] = coarse_row(south, below);
+        let Sums { even: even_sum, odd: odd_sum, .. } = &mut self.sums;
+        let rest = [(north, below), (south, above), (north, above)];
+        let rest = match (south < north, below < above) {
+            (false, false) => &rest[..0],
+            (true, false) => &rest[..1],
+            (false, true) => &rest[1..2],
+            (true, true) => &rest[..],
+        };
+        for (k, &(r, s)) in rest.iter().enumerate() {
+            let [long, short] = coarse_row(r, s);
+            add(k == 0, even_sum, even, long);
+            add(k == 0, odd_sum, odd, short);
         }
+        if !rest.is_empty() {
+            (even, odd) = (even_sum, odd_sum);
+        }
+        let (long, pairs) = (at.is_long(Colour::Black), half / 2);
+        let sums = Neighbours { long, even: &even[..pairs + 1], odd: &odd[..pairs] };
+        (sums, if long { 1.0 } else { 0.5 } / (rest.len() + 1) as f64)
     }
 
     /// Sets the black slab to the prolongation.
@@ -101,11 +101,14 @@ impl Buffers {
         coarse: &[Rows; 2],
         black: &mut [f64],
     ) {
-        self.prolongate::<D>(n, s, coarse, |at, row, weight| {
-            let len = if at.is_long(Colour::Black) { n / 2 + 1 } else { n / 2 };
-            let target = &mut black[at.in_slab()][..len];
-            target.iter_mut().zip(row).for_each(|(value, sum)| *value = weight * sum);
-        });
+        for at in At::of_slab::<D>(n, s) {
+            let (sums, weight) = self.neighbours::<D>(at, coarse);
+            let target = &mut black[at.in_slab()];
+            sums.combine(&mut target[..n / 2], |_, sum| weight * sum);
+            if sums.long {
+                target[n / 2] = weight * sums.at(n / 2);
+            }
+        }
     }
 
     /// Adds `factor` times the prolongation to the black slab, except at nodes in contact; projects.
@@ -118,39 +121,46 @@ impl Buffers {
         factor: f64,
         black: &mut [f64],
     ) {
-        self.prolongate::<D>(n, s, coarse, |at, row, weight| {
-            let weight = factor * weight;
-            let inside = |target: &mut [f64], range: Range<usize>| {
-                let sums = &row[range.clone()];
-                target[range].iter_mut().zip(sums).for_each(|(value, sum)| *value += weight * sum);
-            };
-            walk::<D, _>(at, Colour::Black, &mut black[at.in_slab()], inside, |target, m, edge| {
-                target[m] = boundary.corrected(edge, target[m], weight * row[m]);
-            });
-        });
+        for at in At::of_slab::<D>(n, s) {
+            let (sums, weight) = self.neighbours::<D>(at, coarse);
+            let (target, weight) = (&mut black[at.in_slab()], factor * weight);
+            // The whole row, aligned; the ends again.
+            let ends = [target[0], target[n / 2]];
+            let inner = at.share::<D>() == 1.0;
+            if inner {
+                sums.combine(&mut target[..n / 2], |value, sum| value + weight * sum);
+            }
+            for (k, (m, edge)) in edges::<D>(at, Colour::Black).enumerate() {
+                let value = if inner { ends[k] } else { target[m] };
+                target[m] = boundary.corrected(edge, value, weight * sums.at(m));
+            }
+        }
     }
 
-    /// Adds the residual of red slab `s`; emits a coarse slab when its three fine slabs are complete.
+    /// Room for the residuals of slab `s`.
+    #[inline(always)]
+    pub(super) fn residuals(&mut self, s: usize) -> &mut [f64] {
+        &mut self.residuals[s % 3]
+    }
+
+    /// Makes the slab of the coarse load whose three fine slabs are complete with slab `s`, if there is one.
     ///
-    /// Slabs must come in increasing order from `first` on. `natural_of` replaces a buffer by the residual;
-    /// the coarse load begins with slab `first_coarse`.
+    /// Slabs must come in increasing order from `first` on; the coarse load begins with slab `first_coarse`.
     #[inline(always)]
     pub(super) fn restrict<D: Weighting>(
         &mut self,
         (n, s, first): (usize, usize, usize),
-        natural_of: impl FnOnce(&mut [f64]) -> f64,
         (first_coarse, [red, black]): (usize, [&mut [f64]; 2]),
-    ) -> f64 {
-        let natural = natural_of(&mut self.residuals[s % 3]);
+    ) {
         let emitted = if s == n {
             n / 2
         } else if s % 2 == 1 && (s == 1 || s >= first + 2) {
             s / 2
         } else {
-            return natural;
+            return;
         };
         let middle = 2 * emitted;
-        let [below, above] = super::layout::mirrored(n, middle);
+        let [below, above] = mirrored(n, middle);
         let residuals = [below, middle, above].map(|s| &self.residuals[s % 3][..]);
         let slab = slab::<D>(n / 2);
         let own = (emitted - first_coarse) * slab..(emitted - first_coarse + 1) * slab;
@@ -161,38 +171,54 @@ impl Buffers {
             let [long, short] = long_and_short(at.r + at.s, halves);
             deinterleave(&self.sums.row, long, short);
         }
-        natural
     }
 }
 
-#[inline(always)]
-fn add_or_set(set: bool, sums: &mut [f64], row: &[f64]) {
-    let pairs = sums.iter_mut().zip(row);
-    if set {
-        pairs.for_each(|(sum, value)| *sum = *value);
-    } else {
-        pairs.for_each(|(sum, value)| *sum += value);
+/// Sums over rows of the coarser grid, at even and at odd columns, beside a row of black nodes.
+#[derive(Clone, Copy)]
+struct Neighbours<'a> {
+    /// Whether every other node of the row lies at a column of the coarser grid; otherwise all lie between two.
+    long: bool,
+    even: &'a [f64],
+    odd: &'a [f64],
+}
+
+impl Neighbours<'_> {
+    /// The sum at the `m`-th black node.
+    #[inline(always)]
+    fn at(self, m: usize) -> f64 {
+        let Self { long, even, odd } = self;
+        let of_column = |m: usize| if m.is_multiple_of(2) { even[m / 2] } else { odd[m / 2] };
+        if long { of_column(m) } else { of_column(m) + of_column(m + 1) }
+    }
+
+    /// Replaces each `t` of an even number of places by `with(t, sum)`.
+    #[inline(always)]
+    fn combine(self, target: &mut [f64], with: impl Fn(f64, f64) -> f64) {
+        let Self { long, even, odd } = self;
+        let (pairs, _) = target.as_chunks_mut::<2>();
+        let len = pairs.len();
+        let (west, odd, east) = (&even[..len], &odd[..len], &even[1..len + 1]);
+        if long {
+            for ((pair, west), odd) in pairs.iter_mut().zip(west).zip(odd) {
+                *pair = [with(pair[0], *west), with(pair[1], *odd)];
+            }
+        } else {
+            for (((pair, west), odd), east) in pairs.iter_mut().zip(west).zip(odd).zip(east) {
+                *pair = [with(pair[0], west + odd), with(pair[1], odd + east)];
+            }
+        }
     }
 }
 
-/// The sums at the black nodes of a row, from those at even and odd columns of the coarser grid: the sums
-/// themselves if every other node of the finer row is below one, else those of two neighbours.
+/// Adds a row to a sum, which if `first` is another row.
 #[inline(always)]
-fn means(long: bool, even: &[f64], odd: &[f64], row: &mut [f64]) {
-    let cells = row.len() - 1;
-    let (pairs, end) = row.as_chunks_mut::<2>();
-    let (west, east) = (&even[..pairs.len()], &even[even.len() - pairs.len()..]);
-    if long {
-        for ((pair, even), odd) in pairs.iter_mut().zip(even).zip(odd) {
-            *pair = [*even, *odd];
-        }
-        if let [end] = end {
-            *end = even[cells / 2];
-        }
+fn add(first: bool, sum: &mut [f64], other: &[f64], row: &[f64]) {
+    let pairs = sum.iter_mut().zip(row);
+    if first {
+        pairs.zip(other).for_each(|((sum, row), other)| *sum = other + row);
     } else {
-        for (((pair, west), odd), east) in pairs.iter_mut().zip(west).zip(odd).zip(east) {
-            *pair = [west + odd, odd + east];
-        }
+        pairs.for_each(|(sum, row)| *sum += row);
     }
 }
 
@@ -219,16 +245,17 @@ pub(super) fn slab_residual<D: Dimension>(
 /// One slab of the load of the coarser grid: full weighting of the load of the finer one. Returns its
 /// largest entry before the division by couplings.
 pub(super) fn restrict_load<D: Weighting>(
-    fine: &Level,
+    n: usize,
+    load: &[Rows; 2],
     s: usize,
     [red, black]: [&mut [f64]; 2],
     sums: &mut Sums,
 ) -> f64 {
-    let (half, slab) = (fine.n / 2, slab::<D>(fine.n));
+    let (half, slab) = (n / 2, slab::<D>(n));
     let mut largest = 0.0;
     for at in At::of_slab::<D>(half, s) {
-        let load = |colour: Colour, s: usize| &fine.load[colour as usize][s * slab..(s + 1) * slab];
-        D::weigh_load(at, load, sums);
+        let of_slab = |colour: Colour, s: usize| &load[colour as usize][s * slab..(s + 1) * slab];
+        D::weigh_load(at, of_slab, sums);
         let row = &sums.row;
         let ends = 0.5 * worse(row[0].abs(), row[half].abs());
         largest = worse(largest, at.share::<D>() * worse(max_abs(&row[1..half]), ends));

@@ -240,7 +240,7 @@ impl PublishedTable {
         if !(self.delta_a_factor >= 1.0 && self.delta_a_factor.is_finite()) {
             let factor = self.delta_a_factor;
             return Some(format!(
-                "delta_a_factor = {factor} must be a number from 1 on, such as 1.5"
+                "has delta_a_factor = {factor}, which must be a number from 1 on, such as 1.5"
             ));
         }
         None

@@ -123,6 +123,7 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
         say(&format!("multigrid, h = 1/{cells}"));
         let (grid, load) = timed(cells)?;
         let mut workspace = Multigrid::new(cells).map_err(|e| e.to_string())?;
+        let mut y = vec![0.0; load.len()];
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
@@ -131,7 +132,12 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
                 (Goal::Floor, square::Goal::RoundingFloor),
             ] {
                 let params = MultigridParams { goal: asked, ..MultigridParams::default() };
-                let mut solve = || workspace.solve(&load, None, &params, |_| ());
+                // What a caller waits for: the solution in the order of the load.
+                let mut solve = || {
+                    let outcome = workspace.solve(&load, None, &params, |_| ());
+                    workspace.write_solution(&mut y);
+                    outcome
+                };
                 let outcome = solve().map_err(|e| e.to_string())?;
                 let (seconds, spread) = pool.install(|| {
                     time(plan.repeats, || {

@@ -128,7 +128,7 @@ fn an_energy_beyond_double_precision_comes_with_its_reason() {
     let said = project.run(&[&args[..], &["--json"]].concat());
     assert!(said.json()["energy"].is_null(), "{said:?}");
     assert!(said.json()["warnings"][0].as_str().unwrap().contains("square of f"), "{said:?}");
-    assert!(project.run(&args).out.lines().all(|line| line.len() < 200), "no number in full");
+    assert!(project.run(&args).out.contains(", integral -1.000e160\n"), "no number in full");
 }
 
 #[test]
@@ -243,12 +243,12 @@ fn a_count_that_was_cut_off_is_no_match() {
 fn published_values_that_are_no_numbers_are_refused() {
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     for (from, to, remedy) in [
-        ("delta_a = [1e-4", "delta_a = [nan", "positive number"),
-        ("delta_a = [1e-4", "delta_a = [0.0", "positive number"),
+        ("delta_a = [1e-4", "delta_a = [nan", "delta_a"),
+        ("delta_a = [1e-4", "delta_a = [0.0", "delta_a"),
         ("delta_a_factor = 1e30", "delta_a_factor = inf", "delta_a_factor"),
         ("delta_a_factor = 1e30", "delta_a_factor = 0.5", "delta_a_factor"),
         ("count_share = 0.1", "count_share = nan", "count_share"),
-        ("counts = [[1, 2], [1, 100000]]", "counts = [[], []]", "no counts"),
+        ("counts = [[1, 2], [1, 100000]]", "counts = [[], []]", "table 1"),
     ] {
         project.write("pipeline/paper.toml", PAPER.replace(from, to));
         for command in ["run", "diff"] {

@@ -56,7 +56,9 @@ fn solve_json_has_every_promised_field() {
     let energy = json["energy"].as_f64().unwrap();
     assert!((-1.0..0.0).contains(&energy), "below the energy of v = 0: {energy}");
     let kkt = |name: &str| json["kkt"][name].as_f64().unwrap_or_else(|| panic!("{name}"));
-    assert!(kkt("stationarity") >= 0.0 && kkt("complementarity") >= 0.0);
+    assert!(kkt("stationarity") >= 0.0 && kkt("max_min") >= 0.0);
+    // The sum of v r of an approximation has either sign.
+    assert!(kkt("complementarity").abs() < 1e-2, "{json}");
     assert!(kkt("min_y").abs() < 1e-2 && kkt("min_lambda") > -0.1, "{json}");
     for phase in ["setup", "solve"] {
         assert!((0.0..10.0).contains(&json["seconds"][phase].as_f64().unwrap()), "{phase}");
