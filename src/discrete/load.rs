@@ -70,9 +70,10 @@ pub fn integral(f: &Source) -> f64 {
             let (mut means, mut row) = (Means::new(grid, f), vec![0.0; grid.cells()]);
             let rows = (0..grid.cells()).map(|j| {
                 means.row(j, &mut row);
-                row.iter().sum::<f64>()
+                // Each mean is scaled before the sum, which huge values would overflow.
+                row.iter().map(|mean| mean * (grid.h() * grid.h())).sum::<f64>()
             });
-            rows.sum::<f64>() * grid.h() * grid.h()
+            rows.sum()
         }
         Source::Exact(_) => exact(grid(64), f, Diagonal::Rising).iter().sum(),
     }

@@ -12,6 +12,8 @@ pub fn integral(f: &Source) -> f64 {
             // Any grid will do, best one with few pieces in each cell.
             let n = pieces.len().clamp(2, 16).next_power_of_two();
             let cells = Planes { n, background: *background, pieces };
+            // The parts are scaled before the sum, which huge values would overflow.
+            let volume = 1.0 / n.pow(3) as f64;
             let plane = |k: usize| {
                 let mut sum = 0.0;
                 let mut rows = cells.rows();
@@ -19,11 +21,11 @@ pub fn integral(f: &Source) -> f64 {
                 for j in 0..n {
                     rows.row([j, k], &mut values, |_, background, pieces| {
                         cell.set(background, pieces);
-                        sum += cell.integral();
+                        sum += volume * cell.integral();
                     });
-                    sum += values.iter().sum::<f64>();
+                    sum += values.iter().map(|value| volume * value).sum::<f64>();
                 }
-                sum / n.pow(3) as f64
+                sum
             };
             (0..n).into_par_iter().map(plane).collect::<Vec<_>>().iter().sum()
         }
