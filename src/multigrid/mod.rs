@@ -91,3 +91,15 @@ pub struct Outcome {
     pub kkt: f64,
     pub work_units: f64,
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::pass::tests::compare;
+
+    #[test]
+    fn vector_instructions_do_not_change_a_bit() {
+        compare::<super::square::Square>(36);
+        compare::<super::square::Square>(128);
+        compare::<super::cube::Cube>(12);
+    }
+}

@@ -6,7 +6,6 @@
 
 use super::buffers::{Buffers, Sums};
 use super::layout::{At, Dimension, mirrored, rows_per_slab, slab};
-use super::level::Level;
 use super::rows::{Colour, Rows, deinterleave, long_and_short, max_abs, stride, worse};
 use super::stencil::{Boundary, Row, coupling, edges};
 
@@ -212,16 +211,17 @@ pub(super) fn slab_residual<D: Dimension>(
 /// One slab of the load of the coarser grid: full weighting of the load of the finer one. Returns its
 /// largest entry before the division by couplings.
 pub(super) fn restrict_load<D: Weighting>(
-    fine: &Level,
+    n: usize,
+    load: &[Rows; 2],
     s: usize,
     [red, black]: [&mut [f64]; 2],
     sums: &mut Sums,
 ) -> f64 {
-    let (half, slab) = (fine.n / 2, slab::<D>(fine.n));
+    let (half, slab) = (n / 2, slab::<D>(n));
     let mut largest = 0.0;
     for at in At::of_slab::<D>(half, s) {
-        let load = |colour: Colour, s: usize| &fine.load[colour as usize][s * slab..(s + 1) * slab];
-        D::weigh_load(at, load, sums);
+        let of_slab = |colour: Colour, s: usize| &load[colour as usize][s * slab..(s + 1) * slab];
+        D::weigh_load(at, of_slab, sums);
         let row = &sums.row;
         let ends = 0.5 * worse(row[0].abs(), row[half].abs());
         largest = worse(largest, at.share::<D>() * worse(max_abs(&row[1..half]), ends));
