@@ -1,6 +1,7 @@
 //! Formats of numbers, and ways to round the operations of the iteration.
 
-use super::lanes::V;
+use super::LANES;
+use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A format of floating-point numbers.
@@ -45,6 +46,34 @@ impl Number for f32 {
     }
     fn fused(x: Self, y: Self, z: Self) -> Self {
         libm::fmaf(x, y, z)
+    }
+}
+
+/// A number per lane.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct V<N>(pub [N; LANES]);
+
+impl<N: Number> Add for V<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l] + other.0[l]))
+    }
+}
+
+impl<N: Number> Mul for V<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l] * other.0[l]))
+    }
+}
+
+impl<N: Number> V<N> {
+    #[inline(always)]
+    pub(super) fn all(value: f64) -> Self {
+        Self([N::of(value); LANES])
     }
 }
 

@@ -1,11 +1,10 @@
 //! The iterates of several runs on one grid, node by node with a number per run, and what is measured of them.
 
 use super::LANES;
-use super::arithmetic::{Arithmetic, Number};
+use super::arithmetic::{Arithmetic, Number, V};
 use crate::discrete::grid::Grid;
 use crate::saddle::Pair;
 use std::array::from_fn;
-use std::ops::{Add, Mul};
 
 /// Order in which a sweep visits the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -31,34 +30,6 @@ pub enum Measure {
     Inner,
     /// `|A y - F|` inside, `|min(y, A y - F)|` on the boundary.
     Kkt,
-}
-
-/// A number per lane.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-pub struct V<N>(pub [N; LANES]);
-
-impl<N: Number> Add for V<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l] + other.0[l]))
-    }
-}
-
-impl<N: Number> Mul for V<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l] * other.0[l]))
-    }
-}
-
-impl<N: Number> V<N> {
-    #[inline(always)]
-    fn all(value: f64) -> Self {
-        Self([N::of(value); LANES])
-    }
 }
 
 /// A boundary node and the neighbours its row of the stiffness matrix refers to.

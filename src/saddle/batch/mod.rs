@@ -8,8 +8,8 @@
 mod arithmetic;
 mod lanes;
 
-pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed};
-pub use lanes::{Lanes, Measure, Order, V};
+pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed, V};
+pub use lanes::{Lanes, Measure, Order};
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::Prolongation;
