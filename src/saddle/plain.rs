@@ -1,13 +1,10 @@
 //! The paper's method (7)-(13), node by node as the paper writes it: the definition.
 //!
-//! It looks for the saddle point of the modified Lagrange functional (7),
-//!
+//! It looks for the saddle point of the modified Lagrange functional (7)
 //! `M(y, a) = 1/2 <A y, y> - <F, y> + h / (2 r) sum_b (((a_b - r y_b)^+)^2 - a_b^2)`,
-//!
-//! with y at all nodes and the multiplier `a >= 0` at the boundary nodes b. One iteration is a
-//! Gauss-Seidel sweep (9)-(11) for y and a step (12) for a; it is repeated until (13) holds.
-//! Whatever else runs this method, [`solve_nested`](super::solve_nested) before all, gives the same numbers
-//! to the last bit. The order of additions is therefore part of the definition.
+//! with y at all nodes and the multiplier `a >= 0` at the boundary nodes b: a Gauss-Seidel sweep (9)-(11)
+//! for y and a step (12) for a, until (13) holds. What else runs this method gives the same numbers to
+//! the last bit; the order of additions is therefore part of the definition.
 
 use super::{Pair, StopRule};
 use crate::discrete::grid::Grid;
