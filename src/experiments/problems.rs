@@ -2,7 +2,28 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
+use crate::discrete::transfer::Prolongation;
+use serde::Serialize;
 use std::f64::consts::TAU;
+
+/// One of the paper's problems, on the grids and with the parameters of its table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Problem {
+    /// Number of its table.
+    pub number: u8,
+    /// f in the notation of scenes.
+    pub f: String,
+    /// Quadrature of the load under the paper's stopping rules.
+    pub load: LoadRule,
+    /// Interpolation to the next grid.
+    pub prolongation: Prolongation,
+    /// Cells per side of the nested grids.
+    pub grids: Vec<usize>,
+    /// The paper's values of r.
+    pub r: Vec<f64>,
+    /// Cap on iterations per grid under the paper's stopping rules.
+    pub max_iterations: usize,
+}
 
 /// Nodal load of `f` on `n` by `n` cells, less the constant that makes its sum `-deficit` times the sum
 /// of absolute values; without `deficit` as it is. Row-major, `(n + 1)^2` numbers.

@@ -1,8 +1,8 @@
 //! How far the published counts depend on rounding: the runs of the tables repeated with disturbed arithmetic.
 
 use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::{LoadRule, load};
-use crate::discrete::transfer::Prolongation;
+use crate::discrete::load::load;
+use crate::experiments::problems::Problem;
 use crate::identify::random::Random;
 use crate::problem::source::Source;
 use crate::saddle::batch::{Arithmetic, AsDefined, Fused, LANES, Nested, Reversed, V, run_nested};
@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug, Serialize)]
 pub struct Plan {
     /// The tables whose counts are disturbed.
-    pub tables: Vec<TablePlan>,
+    pub tables: Vec<Problem>,
     /// Largest relative disturbances, ascending.
     pub sizes: Vec<f64>,
     /// Repetitions for the least size; a count that any of them changes is fragile.
@@ -26,26 +26,9 @@ pub struct Plan {
     pub seed: u64,
 }
 
-/// One table of counts.
-#[derive(Clone, Debug, Serialize)]
-pub struct TablePlan {
-    /// Its number in the paper.
-    pub number: u8,
-    /// Right-hand side, as scenes write it.
-    pub f: String,
-    /// Quadrature of the load vector.
-    pub load: LoadRule,
-    /// Interpolation to the next grid.
-    pub prolongation: Prolongation,
-    /// Cells per side, coarsest grid first.
-    pub grids: Vec<usize>,
-    /// Duality parameters.
-    pub r: Vec<f64>,
-}
-
 impl Plan {
     /// The sizes and repetitions of the book.
-    pub fn new(tables: Vec<TablePlan>) -> Self {
+    pub fn new(tables: Vec<Problem>) -> Self {
         let sizes = (2..=15).rev().map(|k| 1.0 / libm::pow(10.0, f64::from(k))).collect();
         Self { tables, sizes, repetitions: 100, further: 16, seed: 1 }
     }
@@ -160,7 +143,7 @@ pub fn rounding(plan: &Plan) -> Result<Rounding, String> {
 
 /// The undisturbed runs of a table.
 struct Undisturbed<'a> {
-    plan: &'a TablePlan,
+    plan: &'a Problem,
     grids: Vec<Grid>,
     loads: Vec<Vec<f64>>,
     /// Per r, the counts.
@@ -178,7 +161,7 @@ struct Repetition {
     stream: u64,
 }
 
-fn disturb(plan: &Plan, table: &TablePlan) -> Result<Table, String> {
+fn disturb(plan: &Plan, table: &Problem) -> Result<Table, String> {
     let f: Source = table.f.parse().map_err(|e| format!("{e}"))?;
     let grids = nested(&table.grids).map_err(|e| e.to_string())?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, table.load)).collect();

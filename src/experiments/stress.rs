@@ -7,7 +7,7 @@ mod runs;
 pub use crowd::Crowd;
 pub use facts::{Exponents, Facts, Plateau, Span};
 
-use super::rounding::TablePlan;
+use super::problems::Problem;
 use super::trial::Trial;
 use runs::{Bench, single};
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ pub struct Plan {
     ///
     /// Where a solution is needed f is averaged on its jumps: with the paper's side taken there, the load
     /// of problem 1 has a positive sum and nothing to converge to.
-    pub problems: Vec<TablePlan>,
+    pub problems: Vec<Problem>,
     /// Cells per side on which the paper's iteration runs.
     pub coarse: usize,
     /// Cells per side on which multigrid runs.
@@ -38,7 +38,7 @@ pub struct Plan {
 
 impl Plan {
     /// The sizes of the book.
-    pub fn new(problems: Vec<TablePlan>) -> Self {
+    pub fn new(problems: Vec<Problem>) -> Self {
         Self {
             problems,
             coarse: 16,

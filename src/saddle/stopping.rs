@@ -53,8 +53,6 @@ impl fmt::Display for StopRule {
 pub enum StopReason {
     /// The stopping rule was met.
     Converged,
-    /// The stopping rule was met, but y is no solution: see [`Outcome::checked`](super::Outcome::checked).
-    NotASolution,
     /// The cap on iterations was hit first.
     IterationLimit,
     /// A value left the range of numbers: y, a, or what is reported of them, is infinite or NaN.
@@ -67,7 +65,6 @@ impl fmt::Display for StopReason {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
             Self::Converged => "converged",
-            Self::NotASolution => "not-a-solution",
             Self::IterationLimit => "iteration-limit",
             Self::Diverged => "diverged",
             Self::Interrupted => "interrupted",

@@ -5,23 +5,25 @@ use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
 use signorini::discrete::load::{LoadRule, load};
 use signorini::discrete::transfer::Prolongation;
-use signorini::experiments::rounding::{self, TablePlan, rounding};
+use signorini::experiments::problems::Problem;
+use signorini::experiments::rounding::{self, rounding};
 use signorini::experiments::stress::{self, Stress, stress};
 use signorini::experiments::trial::Trial;
 use signorini::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
-fn tables(grids: &[usize]) -> Vec<TablePlan> {
+fn tables(grids: &[usize]) -> Vec<Problem> {
     ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"]
         .iter()
         .zip(1..)
-        .map(|(f, number)| TablePlan {
+        .map(|(f, number)| Problem {
             number,
             f: (*f).into(),
             load: LoadRule::default(),
             prolongation: Prolongation::Bilinear,
             grids: grids.into(),
             r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
+            max_iterations: 100_000,
         })
         .collect()
 }

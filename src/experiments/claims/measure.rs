@@ -1,9 +1,10 @@
 //! The runs behind the claims, spread over threads; every count is the same however they are spread.
 
-use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Problem, Row, Table, VARIANTS};
+use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Row, Table, VARIANTS};
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
+use crate::experiments::problems::Problem;
 use crate::problem::source::Source;
 use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};

@@ -5,8 +5,7 @@ mod verdict;
 
 pub use verdict::{Gain, GainAt, Range, Spread, Tally, Verdict, Verdicts};
 
-use crate::discrete::load::LoadRule;
-use crate::discrete::transfer::Prolongation;
+use crate::experiments::problems::Problem;
 use crate::saddle::{Method, StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
@@ -30,25 +29,6 @@ pub struct Plan {
     pub compared_from: usize,
     /// Weight of the proximal term.
     pub weight: f64,
-}
-
-/// One of the paper's problems.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Problem {
-    /// Its number.
-    pub number: u8,
-    /// f in the notation of scenes.
-    pub f: String,
-    /// Quadrature of the load under the paper's stopping rules.
-    pub load: LoadRule,
-    /// Interpolation to the next grid.
-    pub prolongation: Prolongation,
-    /// Cells per side of the nested grids.
-    pub grids: Vec<usize>,
-    /// The paper's values of r.
-    pub r: Vec<f64>,
-    /// Cap on iterations per grid under the paper's stopping rules.
-    pub max_iterations: usize,
 }
 
 impl Plan {

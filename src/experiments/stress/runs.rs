@@ -1,13 +1,12 @@
 //! The runs of the experiments, one function per kind of stress.
 
 use super::{
-    Attained, Changed, Deficit, Duality, Floor, Load, Plan, Scaling, Single, Start, TablePlan,
-    Tolerance,
+    Attained, Changed, Deficit, Duality, Floor, Load, Plan, Scaling, Single, Start, Tolerance,
 };
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
-use crate::experiments::problems::nodal_load;
+use crate::experiments::problems::{Problem, nodal_load};
 use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
 use crate::multigrid::Goal;
@@ -222,14 +221,14 @@ fn single_floor(grid: Grid, load: &[f64], iterations: usize) -> Attained {
 }
 
 /// The counts of a table in single precision against those in double.
-pub(super) fn single(table: &TablePlan) -> Result<Single, String> {
+pub(super) fn single(table: &Problem) -> Result<Single, String> {
     let f: Source = table.f.parse().map_err(|e| format!("{e}"))?;
     let grids = nested(&table.grids).map_err(|e| e.to_string())?;
     let double: Vec<_> = grids.iter().map(|&grid| load(grid, &f, table.load)).collect();
     let single: Vec<Vec<f32>> =
         double.iter().map(|load| load.iter().map(|&f| f32::of(f)).collect()).collect();
     fn counts<N: Number>(
-        table: &TablePlan,
+        table: &Problem,
         grids: &[Grid],
         loads: &[Vec<N>],
     ) -> Vec<Vec<Option<usize>>> {

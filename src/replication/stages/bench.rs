@@ -4,6 +4,7 @@ mod claims;
 mod stability;
 
 use super::{artifact, cost, figures, to_json};
+use crate::experiments::problems::Problem;
 use crate::experiments::{self, accuracy};
 use crate::figures::{Caption, Chart, charts};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -29,9 +30,9 @@ pub fn tasks(project: &Project) -> Vec<Task> {
     tasks
 }
 
-/// The problem of a scene as the claims are measured on it, if it belongs to a published table.
-pub fn problem(scene: &Scene) -> Option<experiments::claims::Problem> {
-    Some(experiments::claims::Problem {
+/// The problem of a scene as experiments take it, if it belongs to a published table.
+pub fn problem(scene: &Scene) -> Option<Problem> {
+    Some(Problem {
         number: scene.paper_table?,
         f: scene.f.to_string(),
         load: scene.load,

@@ -1,7 +1,7 @@
 //! The experiments on stability and their pictures.
 
-use super::{Drawn, drawn, result, task};
-use crate::experiments::rounding::{self, Rounding, TablePlan, rounding};
+use super::{Drawn, drawn, problem, result, task};
+use crate::experiments::rounding::{self, Rounding, rounding};
 use crate::experiments::stress::{self, Deficit, Duality, Floor, Stress, Tolerance, stress};
 use crate::experiments::trial::Trial;
 use crate::figures::{Caption, Chart, Curve, FragilityPanel, fragility};
@@ -10,20 +10,7 @@ use crate::replication::project::Project;
 
 /// The tasks of both experiments: they start from the paper's problems.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
-    let mut tables: Vec<TablePlan> = project
-        .problems()
-        .into_iter()
-        .filter_map(|scene| {
-            Some(TablePlan {
-                number: scene.paper_table?,
-                f: scene.f.to_string(),
-                load: scene.load,
-                prolongation: scene.prolongation,
-                grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
-                r: scene.r.clone(),
-            })
-        })
-        .collect();
+    let mut tables: Vec<_> = project.problems().into_iter().filter_map(problem).collect();
     tables.sort_by_key(|table| table.number);
     vec![
         task("stress", stress::Plan::new(tables.clone()), stress),
