@@ -192,16 +192,16 @@ fn widened(from: Place, to: Place) -> [Place; 2] {
     let [a, b] = [from, to].map(|place| Place::new(place.corner, place.t));
     let factor = std::f64::consts::SQRT_2;
     let corner =
-        if b.t > 0.0 && b.from_corner(b.corner) - a.from_corner(b.corner) > b.t - 1e-3 * b.t {
+        if b.t > 0.0 && b.distance_from(b.corner) - a.distance_from(b.corner) > b.t - 1e-3 * b.t {
             Some(b.corner)
-        } else if a.t < 0.0 && b.from_corner(a.corner) > 1e-3 * a.t {
+        } else if a.t < 0.0 && b.distance_from(a.corner) > 1e-3 * a.t {
             Some(a.corner)
         } else {
             None
         };
     match corner {
         Some(corner) => {
-            let (before, after) = (-a.from_corner(corner), b.from_corner(corner));
+            let (before, after) = (-a.distance_from(corner), b.distance_from(corner));
             let least = 0.5 * before.max(after);
             [
                 Place::new(corner, -factor * before.max(least)),

@@ -162,7 +162,7 @@ fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
             let whole = half * half;
             let mut power = if arcs % 2 == 1 { half } else { Complex::new(1.0, 0.0) };
             let mut row = 0;
-            if arcs % 2 == 0 {
+            if arcs.is_multiple_of(2) {
                 rows[0].push(1.0);
                 power = whole;
                 row = 1;
@@ -202,7 +202,7 @@ fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) ->
 /// Whether the corner nearest to an end lies near, in the gap next to it.
 fn relative(places: &[Place], j: usize) -> bool {
     let t = places[j].t;
-    let begins = j % 2 == 0;
+    let begins = j.is_multiple_of(2);
     t.abs() < 0.05 && (t > 0.0) == begins
 }
 

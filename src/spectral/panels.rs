@@ -34,13 +34,13 @@ impl Place {
         Self { corner: corner as i32, t: if t[0] > -t[1] { t[0] } else { t[1] } }
     }
 
-    pub fn from_corner(self, corner: i32) -> f64 {
+    pub fn distance_from(self, corner: i32) -> f64 {
         self.t + f64::from(self.corner - corner)
     }
 
     /// Length of the border from `other` to here.
     pub fn after(self, other: Self) -> f64 {
-        self.from_corner(other.corner) - other.t
+        self.distance_from(other.corner) - other.t
     }
 
     /// The same point, at most one turn after `start`.
@@ -191,7 +191,7 @@ impl Ends {
         let mut product = 1.0;
         for (j, (place, own)) in self.places.iter().zip(&self.angles).enumerate() {
             let sine = if near == Some(j) {
-                let t = place.from_corner(panel.corner);
+                let t = place.distance_from(panel.corner);
                 let t = if panel.reversed() { t } else { t + node.offset };
                 half_sine(t, node.offset)
             } else {
@@ -293,7 +293,7 @@ impl Cutter<'_> {
             }
             _ => {
                 let corner = Place::new(from.corner, from.t + 0.5 * length).corner;
-                let [from, to] = ends.map(|end| end.from_corner(corner));
+                let [from, to] = ends.map(|end| end.distance_from(corner));
                 self.panels.push(Panel {
                     corner,
                     from,

@@ -12,9 +12,11 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let Domain::Square { f, integral, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
-    if args.h.is_some() || args.load.is_some() || args.out.is_some() {
+    let given =
+        [args.h.is_some(), args.load.is_some(), args.out.is_some(), problem.accuracy.is_some()];
+    if given.contains(&true) {
         return Err(Error::input(
-            "--solver spectral has no grid: leave out --h, --load and --out, or use --solver multigrid",
+            "--solver spectral has no grid: leave out --h, --load, --out and --accuracy, or use --solver multigrid",
         ));
     }
     let start = Instant::now();
