@@ -4,7 +4,7 @@ use crate::explore::book;
 use signorini::report::{ReportError, build, pages};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tera::Context;
 
 #[test]
@@ -76,8 +76,9 @@ fn twice_gives_the_same_bytes() {
     let pictures = once.iter().filter(|(name, _)| name.starts_with("figures/"));
     sources.extend(pictures.map(|(name, bytes)| (format!("src/{name}"), bytes.clone())));
     sources.insert("src/results.csv".into(), once["results.csv"].clone());
-    let twice = build(&sources, &scratch("twice")).unwrap();
-    assert!(!scratch("twice").exists());
+    let scratch = tempfile::tempdir().unwrap();
+    let twice = build(&sources, scratch.path()).unwrap();
+    assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 0);
     for (name, bytes) in twice.iter().filter(|(name, _)| name.ends_with(".html")) {
         assert!(*bytes == once[name], "{name} differs");
     }
@@ -167,10 +168,6 @@ fn tree(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     files
-}
-
-fn scratch(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("scratch-{name}"))
 }
 
 fn html(book: &BTreeMap<String, Vec<u8>>) -> BTreeMap<&str, String> {

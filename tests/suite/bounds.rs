@@ -1,5 +1,7 @@
 //! The guaranteed bounds: brackets of reference energies, effectivity, and answers that are wrong.
 
+#![allow(clippy::excessive_precision)] // Reference values stand with all digits of their source.
+
 use signorini::bounds::{Bounds, NoBound, bounds};
 use signorini::discrete::grid::Grid;
 use signorini::discrete::load::{Diagonal, LoadRule, load};

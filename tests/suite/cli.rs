@@ -95,7 +95,8 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
 #[test]
 fn the_recovered_solution_is_written_at_twice_the_nodes() {
     let project = Project::with(TABLE);
-    let args = ["solve", "a", "--h", "1/16", "--out", "w.npy", "--recover"];
+    let args =
+        ["solve", "a", "--h", "1/16", "--solver", "multigrid", "--out", "w.npy", "--recover"];
     assert_eq!(project.run(&args).code, Some(0));
     let bytes = std::fs::read(project.path("w.npy")).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..80]).contains("(33, 33)"));

@@ -46,6 +46,9 @@ fn commands_run_and_outputs_are_true() {
     fs::create_dir(project.join("target")).unwrap();
     let mut ran = follow("README.md", project);
     assert!(ran >= 8, "only {ran} commands found in the README");
+    // The scene put in on the way is gone again, and so is what it had drawn.
+    run("cargo run --release", project);
+    assert!(!project.join("figures/mine-surface.svg").exists());
     assert_eq!(run("cargo run --release", project).stdout, b"nothing to do\n");
     assert!(project.join("report/book/index.html").is_file());
     assert!(project.join("target/v.svg").is_file());

@@ -1,5 +1,7 @@
 //! The spectral solver against digits computed in quadruple precision, its own identities and multigrid.
 
+#![allow(clippy::excessive_precision)] // Reference values stand with all digits of their source.
+
 use crate::common::Dice;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::load::{Diagonal, LoadRule, integral, load};

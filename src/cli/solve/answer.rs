@@ -144,7 +144,7 @@ impl Answer {
     /// What the conditions of the solution say against an answer, from y and F alone.
     fn disagreement(&self, relative: f64, energy: f64) -> Option<String> {
         let gap = self.complementarity.abs();
-        if !(relative <= SOLVED) {
+        if relative.is_nan() || relative > SOLVED {
             Some(format!("the KKT residual is {relative:.2} of the load"))
         } else if energy > 0.0 {
             Some(format!("the energy {energy:.3e} is above that of v = 0"))

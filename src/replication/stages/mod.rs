@@ -95,16 +95,19 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     }
     tasks.extend(identify::tasks(project, scenes)?);
     tasks.extend(figures::tasks(project, scenes));
-    if scenes.len() == project.scenes.len() && !project.templates.is_empty() {
+    let whole = scenes.len() == project.scenes.len() && !project.templates.is_empty();
+    if whole {
         tasks.extend(results::task(project));
         if report::left_out(project).is_none() {
             tasks.extend(bench::tasks(project));
             tasks.extend(bench::pictures());
             tasks.extend(timings::pictures(project));
         }
-        tasks.push(report::task(project, &tasks));
     }
     tasks.sort_by_key(|task| Stage::ALL.iter().position(|stage| stage.has(&task.id)));
+    if whole {
+        tasks.push(report::task(project, &tasks));
+    }
     if let Some(stage) = only {
         let mut wanted: BTreeSet<String> =
             tasks.iter().filter(|task| stage.has(&task.id)).map(|task| task.id.clone()).collect();
