@@ -1,17 +1,7 @@
-//! Contact as a result: the arcs of the boundary that carry reactions, their ends and forces.
+//! The arcs of the boundary that carry reactions, their ends and forces.
 
+use crate::discrete::contact::{ContactArc, reach};
 use crate::discrete::grid::Grid;
-
-/// A part of the boundary in contact.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct ContactArc {
-    /// Where it begins, going anticlockwise: an estimate within the cell.
-    pub from: [f64; 2],
-    /// Where it ends; the same point as `from` if all of the boundary is in contact.
-    pub to: [f64; 2],
-    /// The reactions on it together.
-    pub force: f64,
-}
 
 /// The arcs of boundary nodes with reactions `a`, for the boundary values `v`, both in boundary order.
 pub(super) fn arcs(grid: Grid, v: &[f64], a: &[f64]) -> Vec<ContactArc> {
@@ -30,8 +20,8 @@ pub(super) fn arcs(grid: Grid, v: &[f64], a: &[f64]) -> Vec<ContactArc> {
                 let before = [at(start + nodes - 1), at(start + nodes - 2)].map(|b| v[b]);
                 let after = [at(b), at(b + 1)].map(|b| v[b]);
                 arcs.push(ContactArc {
-                    from: point(grid, start as f64 - reach(before)),
-                    to: point(grid, last as f64 + reach(after)),
+                    from: point(grid, start as f64 - reach(before).clamp(0.0, 1.0)),
+                    to: point(grid, last as f64 + reach(after).clamp(0.0, 1.0)),
                     force: (start..=last).map(|b| a[at(b)]).sum(),
                 });
                 first = None;
@@ -40,13 +30,6 @@ pub(super) fn arcs(grid: Grid, v: &[f64], a: &[f64]) -> Vec<ContactArc> {
         }
     }
     arcs
-}
-
-/// How far contact reaches beyond its last node, in cells, from the next two values: they grow like the
-/// distance to the power 3/2, so that their powers 2/3 lie on a line.
-fn reach(values: [f64; 2]) -> f64 {
-    let [near, far] = values.map(|v| libm::cbrt(v * v));
-    if far > near { (1.0 - near / (far - near)).clamp(0.0, 1.0) } else { 0.5 }
 }
 
 /// The point of the boundary at the distance `p h` from the lower left corner, anticlockwise.

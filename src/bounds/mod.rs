@@ -50,8 +50,7 @@ mod recovery;
 mod residual;
 mod walk;
 
-pub use contact::ContactArc;
-
+use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
 use std::borrow::Cow;
@@ -68,7 +67,7 @@ pub struct Bounds {
     pub error: [f64; 2],
     /// A bound of the L2 norm of `grad (u - w)`, w the recovery, which is piecewise quadratic.
     pub recovered: f64,
-    /// Where v touches, anticlockwise, with estimated ends.
+    /// Where v touches, with ends estimated within the cell.
     pub contact: Vec<ContactArc>,
 }
 

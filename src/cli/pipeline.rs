@@ -140,8 +140,9 @@ impl Workplace {
         Ok((summary, differences))
     }
 
-    /// The right to write to project and cache.
+    /// The right to write to project and cache, for a project whose record of times can be read.
     fn lock(&self) -> Result<[Lock; 2]> {
+        self.project.check_timings()?;
         Ok([Exports::lock(&self.project.root)?, self.store.lock()?])
     }
 

@@ -1,6 +1,7 @@
 //! The discrete problem: grid, stiffness matrix, load vector, transfer between grids, optimality conditions, norms.
 
 pub mod cells;
+pub mod contact;
 pub mod cube;
 pub mod grid;
 pub mod kkt;

@@ -296,6 +296,21 @@ impl<G: Geometry> Multigrid<G> {
     }
 }
 
+/// Solves one problem with `n` cells per side and returns its solution in the order of the load.
+pub(super) fn solve<G: Geometry>(
+    n: usize,
+    load: &[f64],
+    start: Option<&[f64]>,
+    params: &MultigridParams,
+    monitor: impl FnMut(&Progress),
+) -> Result<(Vec<f64>, Outcome), InputError> {
+    let mut workspace = Multigrid::<G>::new(n)?;
+    let outcome = workspace.solve(load, start, params, monitor)?;
+    let mut solution = vec![0.0; load.len()];
+    workspace.write_solution(&mut solution);
+    Ok((solution, outcome))
+}
+
 impl<G: Geometry> Hierarchy for Multigrid<G> {
     fn cycle(&mut self, last: bool) -> f64 {
         let (finest, correct) = (self.levels.len() - 1, Correct(G::OVERCORRECTION));

@@ -6,7 +6,7 @@ use crate::pipeline::files::{read_if_there, read_text, read_tree};
 use crate::replication::paper::Paper;
 use crate::replication::scene::Scene;
 use crate::report::CommandHelp;
-use crate::timing::recorded;
+use crate::timing::recorded::{self, Timings};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -77,6 +77,16 @@ impl Project {
             templates,
             commands: Vec::new,
         })
+    }
+
+    /// Refuses a broken record of times. Not part of [`Project::read`]: a run that has nothing to do
+    /// need not parse what tasks of an earlier run have parsed.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line of the mistake and the remedy.
+    pub fn check_timings(&self) -> Result<()> {
+        let Some(text) = &self.timings_text else { return Ok(()) };
+        Timings::parse(&String::from_utf8_lossy(text)).map(drop)
     }
 
     /// The scenes with these names, each once, or all if no name is given.

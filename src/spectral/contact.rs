@@ -2,6 +2,7 @@
 
 use super::panels::{Ends, Place};
 use super::trace::{Trace, UNRESOLVED};
+use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 
 /// Arcs and gaps shorter than this are left out.
@@ -32,16 +33,14 @@ pub(super) fn from_grid(grid: Grid, y: &[f64]) -> Vec<Place> {
     }
     let mut places = Vec::new();
     for run in runs(&free, false) {
-        // The nodes beyond the last ones in contact, and v^(2/3) there, which is linear next to an end.
         for (node, step) in [(run.start, many - 1), (run.end - 1, 1)] {
-            let power = |k: usize| {
-                let root = libm::cbrt(at(node + k * step));
-                root * root
-            };
-            let (one, two) = (power(1), power(2));
-            let fraction = if two > one { (1.0 - one / (two - one)).clamp(-0.3, 0.9) } else { 0.5 };
             let corner = (0..=2).any(|k| (node + k * step) % n == 0);
-            let fraction = if corner { 0.5 } else { fraction } * grid.h();
+            let fraction = if corner {
+                0.5
+            } else {
+                reach([1, 2].map(|k| at(node + k * step))).clamp(-0.3, 0.9)
+            };
+            let fraction = fraction * grid.h();
             let t = if step == 1 { fraction } else { -fraction };
             places.push(Place::new(3, (node % many) as f64 * grid.h() + t));
         }

@@ -72,6 +72,7 @@ mod sources;
 mod start;
 mod trace;
 
+use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
 use complex::Complex;
@@ -118,16 +119,6 @@ pub enum SpectralError {
     /// A solution was found that fails a check.
     #[error("a check of the solution failed: {0}")]
     Unchecked(Checks),
-}
-
-/// A part of the border in contact, anticlockwise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactArc {
-    pub from: [f64; 2],
-    /// The same as `from` where all of the border is in contact.
-    pub to: [f64; 2],
-    /// Integral of dv/dn over the arc.
-    pub force: f64,
 }
 
 /// What must hold of a solution and was not used to find it.

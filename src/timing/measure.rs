@@ -11,9 +11,9 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::law::{R, Track};
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
-use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
-use crate::multigrid::square::{self, Multigrid, multigrid};
+use crate::multigrid::square::{Multigrid, multigrid};
+use crate::multigrid::{self, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz};
@@ -128,8 +128,8 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
             for (goal, asked) in [
-                (Goal::Discretisation, square::Goal::DiscretisationError),
-                (Goal::Floor, square::Goal::RoundingFloor),
+                (Goal::Discretisation, multigrid::Goal::DiscretisationError),
+                (Goal::Floor, multigrid::Goal::RoundingFloor),
             ] {
                 let params = MultigridParams { goal: asked, ..MultigridParams::default() };
                 // What a caller waits for: the solution in the order of the load.
@@ -234,8 +234,8 @@ fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
             }),
         )],
         _ => {
-            use square::Goal::{DiscretisationError, RoundingFloor};
-            let to = |(words, goal): (&str, square::Goal)| -> (String, f64, Solve<'static>) {
+            use multigrid::Goal::{DiscretisationError, RoundingFloor};
+            let to = |(words, goal): (&str, multigrid::Goal)| -> (String, f64, Solve<'static>) {
                 let solve = move |tracks: &[Track]| {
                     let Track { grid, load, .. } = tracks.last()?;
                     let params = MultigridParams { goal, ..MultigridParams::default() };

@@ -6,7 +6,8 @@ use crate::common::Dice;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini::discrete::stiffness::energy;
-use signorini::multigrid::square::{MultigridParams, multigrid};
+use signorini::multigrid::MultigridParams;
+use signorini::multigrid::square::multigrid;
 use signorini::problem::source::Source;
 use signorini::spectral::{Params, Solution, SpectralError, spectral};
 

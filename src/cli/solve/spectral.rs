@@ -4,8 +4,9 @@ use super::SolveArgs;
 use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
+use crate::discrete::contact::ContactArc;
 use crate::pipeline::error::{Error, Result};
-use crate::spectral::{ContactArc, Params, Solution, SpectralError, spectral};
+use crate::spectral::{Params, Solution, SpectralError, spectral};
 use std::time::Instant;
 
 pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
@@ -26,10 +27,6 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let resolution = solution.energy / finer.energy - 1.0;
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
-        let arc = |arc: &ContactArc| {
-            let ContactArc { from, to, force } = arc;
-            serde_json::json!({ "from": from, "to": to, "force": force })
-        };
         let checks = finer.checks;
         return say_json(&serde_json::json!({
             "schema": 1,
@@ -41,7 +38,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
             "stop": "converged",
             "energy": finer.energy,
             "integral_f": integral,
-            "contact": finer.contact.iter().map(arc).collect::<Vec<_>>(),
+            "contact": finer.contact,
             "value": {
                 "centre": finer.value(0.0, 0.0),
                 "lower_left": lower_left,

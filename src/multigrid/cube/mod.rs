@@ -78,11 +78,7 @@ pub fn multigrid(
     params: &MultigridParams,
     monitor: impl FnMut(&Progress),
 ) -> Result<(Vec<f64>, Outcome), InputError> {
-    let mut workspace = Multigrid::new(n)?;
-    let outcome = workspace.solve(load, start, params, monitor)?;
-    let mut solution = vec![0.0; load.len()];
-    workspace.write_solution(&mut solution);
-    Ok((solution, outcome))
+    hierarchy::solve::<Cube>(n, load, start, params, monitor)
 }
 
 /// The same by the primal-dual active set method with a direct solver, for any `n` from 2: the oracle.

@@ -44,7 +44,7 @@ use super::hierarchy::{self, Geometry};
 use super::input::InputError;
 use super::layout::Dimension;
 use super::level::Level;
-pub use super::{Goal, MultigridParams, Outcome, Progress};
+use super::{MultigridParams, Outcome, Progress};
 
 /// The unit square.
 pub struct Square;
@@ -94,9 +94,5 @@ pub fn multigrid(
     params: &MultigridParams,
     monitor: impl FnMut(&Progress),
 ) -> Result<(Vec<f64>, Outcome), InputError> {
-    let mut workspace = Multigrid::new(n)?;
-    let outcome = workspace.solve(load, start, params, monitor)?;
-    let mut solution = vec![0.0; load.len()];
-    workspace.write_solution(&mut solution);
-    Ok((solution, outcome))
+    hierarchy::solve::<Square>(n, load, start, params, monitor)
 }
