@@ -57,6 +57,11 @@ fn places() -> [[Place; 6]; 2] {
     })
 }
 
+/// The largest absolute value of some numbers; those that are NaN are passed over.
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
 /// Errors of the nodal vector `y` on triangles cut by rising diagonals; `load` gives the multiplier.
 ///
 /// The sums are taken row by row, in the same order on any number of threads.

@@ -1,7 +1,7 @@
-//! Errors against known solutions, and what multigrid pays for them in work units and bytes.
+//! Errors against known solutions, and what they cost multigrid in work units and bytes.
 
-use super::law::{self, Law, Race};
 use super::problems::{paper_loads, stress_loads};
+use super::work::{self, Comparison, CostLaw};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::{Errors, errors, lumped};
@@ -22,8 +22,8 @@ pub struct Plan {
     pub others: Vec<usize>,
     /// Right-hand sides, and grids, on which the cost law of the paper's method is measured.
     pub laws: Vec<(String, Vec<usize>)>,
-    /// Nested grids of the race between multigrid and the saddle-point methods.
-    pub race: Vec<usize>,
+    /// Nested grids on which multigrid is compared with the saddle-point methods.
+    pub compared: Vec<usize>,
 }
 
 impl Default for Plan {
@@ -36,7 +36,7 @@ impl Default for Plan {
                 // Problem 2: finer grids take too long for an experiment that is part of every run.
                 ("quadrant(ll)=-6; else=1.998".into(), vec![4, 8, 16, 32]),
             ],
-            race: vec![8, 16, 32, 64],
+            compared: vec![8, 16, 32, 64],
         }
     }
 }
@@ -49,9 +49,9 @@ pub struct Findings {
     /// Cost on the paper's problems and the stress loads, grid by grid.
     pub others: Vec<Cost>,
     /// Cost laws of the paper's method.
-    pub laws: Vec<Law>,
+    pub laws: Vec<CostLaw>,
     /// Multigrid and the saddle-point methods side by side.
-    pub race: Race,
+    pub comparison: Comparison,
     /// What the chapter says of all this in words.
     pub facts: Facts,
 }
@@ -140,14 +140,14 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
         || {
             rayon::join(
                 || others(&plan.others),
-                || rayon::join(|| law::laws(&plan.laws), || law::race(&plan.race)),
+                || rayon::join(|| work::laws(&plan.laws), || work::compare(&plan.compared)),
             )
         },
     );
     let problems = known.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let (others, (laws, race)) = (rest.0?, rest.1);
+    let (others, (laws, comparison)) = (rest.0?, rest.1);
     let facts = Facts::of(&problems, &others);
-    Ok(Findings { facts, problems, others, laws: laws?, race: race? })
+    Ok(Findings { facts, problems, others, laws: laws?, comparison: comparison? })
 }
 
 fn known(exact: Exact, cells: &[usize]) -> Result<Known, String> {

@@ -6,13 +6,39 @@
 pub mod accuracy;
 pub mod claims;
 pub mod cube;
-pub mod law;
 pub mod problems;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;
 pub mod targets;
 pub mod trial;
+pub mod work;
+
+use serde::{Deserialize, Serialize};
+
+/// Least and greatest of some numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Range {
+    /// Least.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+impl Range {
+    /// `None` without numbers.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        values.into_iter().fold(None, |range: Option<Self>, x| {
+            let (least, greatest) = range.map_or((x, x), |r| (r.least.min(x), r.greatest.max(x)));
+            Some(Self { least, greatest })
+        })
+    }
+}
+
+/// The double nearest to a power of ten.
+pub fn power_of_ten(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().expect("a number")
+}
 
 /// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.
 ///

@@ -3,11 +3,11 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// One of the paper's problems, on the grids and with the parameters of its table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Problem {
     /// Number of its table.
     pub number: u8,

@@ -1,19 +1,22 @@
 //! What breaks the solvers, and at which values: extreme parameters, data, tolerances, starts and precision.
 
-mod crowd;
-mod facts;
+mod random;
 mod runs;
+mod summary;
 
-pub use crowd::Crowd;
-pub use facts::{Exponents, Facts, Plateau, Span};
+pub use random::Random;
+pub use summary::{Plateau, Summary};
 
+use super::Range;
 use super::problems::Problem;
 use super::trial::Trial;
-use runs::{Bench, single};
+use runs::{Runs, single};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::ops::Index;
 
 /// What the experiments depend on.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// The paper's problems.
     ///
@@ -30,10 +33,11 @@ pub struct Plan {
     pub strict: f64,
     /// Cap on the iterations of the paper's method.
     pub cap: usize,
-    /// The deficit where it is not what is varied.
+    /// The deficit where it is not what is varied: minus the sum of the load over the sum of its absolute
+    /// values.
     pub deficit: f64,
     /// Number of random problems.
-    pub crowd: usize,
+    pub random: usize,
 }
 
 impl Plan {
@@ -47,140 +51,85 @@ impl Plan {
             strict: 1e-8,
             cap: 20_000,
             deficit: 0.3,
-            crowd: 2000,
+            random: 2000,
         }
     }
 }
 
+/// Runs with one value of what is varied.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Case<X> {
+    /// What is varied.
+    pub x: X,
+    /// By method or rule: `signed` and `strict` are the paper's method under the signed rule, and under the
+    /// printed one together with the dual one; `multigrid` goes to the rounding floor unless a tolerance
+    /// is varied.
+    #[serde(flatten)]
+    pub trials: BTreeMap<String, Trial>,
+}
+
+impl<X> Case<X> {
+    fn new<const N: usize>(x: X, trials: [(&str, Trial); N]) -> Self {
+        Self { x, trials: trials.map(|(name, trial)| (name.into(), trial)).into() }
+    }
+}
+
+impl<X> Index<&str> for Case<X> {
+    type Output = Trial;
+
+    fn index(&self, name: &str) -> &Trial {
+        &self.trials[name]
+    }
+}
+
+/// One case after the other.
+pub type Series<X> = Vec<Case<X>>;
+
 /// What was found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stress {
-    /// As in the [`Plan`].
-    pub coarse: usize,
-    /// As in the [`Plan`].
-    pub fine: usize,
-    /// As in the [`Plan`].
-    pub tolerance: f64,
-    /// As in the [`Plan`].
-    pub strict: f64,
-    /// As in the [`Plan`].
-    pub cap: usize,
-    /// As in the [`Plan`].
-    pub deficit: f64,
-    /// The paper's method over r, one list per problem.
-    pub duality: Vec<Vec<Duality>>,
-    /// The last problem with f multiplied.
-    pub scaling: Vec<Scaling>,
-    /// f constant on quadrants with nearly zero mean, the odd quadrant positive and then negative.
-    pub deficits: [Vec<Deficit>; 2],
-    /// Tolerances down to and below the rounding floor, one list per problem.
-    pub tolerances: Vec<Vec<Tolerance>>,
-    /// What rounding leaves, on each grid.
-    pub floors: Vec<Floor>,
-    /// Starts that are not near anything.
-    pub starts: Vec<Start>,
-    /// Jumps of f.
-    pub jumps: Vec<Load>,
-    /// Spikes of f in one node.
-    pub spikes: Vec<Load>,
+    /// What was asked for.
+    pub plan: Plan,
+    /// Over r, one series per problem: `signed` with the paper's tolerance, `strict`.
+    pub duality: Vec<Series<f64>>,
+    /// The last problem with f multiplied by a power of ten, whose exponent is varied: the signed rule with
+    /// the tolerance multiplied as well (`scaled`) and as it is (`fixed`), `multigrid`.
+    pub scaling: Series<i32>,
+    /// Over the deficit, f constant on quadrants, the odd one positive and then negative: `strict`, `multigrid`.
+    pub deficits: [Series<f64>; 2],
+    /// Over the tolerance, relative to the largest load, down to and below the rounding floor, one series
+    /// per problem: `signed`, `strict`, `multigrid`.
+    pub tolerances: Vec<Series<f64>>,
+    /// What rounding leaves, over the cells per side: `multigrid`, and on coarse grids `strict` after many
+    /// iterations.
+    pub floors: Series<f64>,
+    /// The same in single precision.
+    pub single_floors: Vec<Attained>,
+    /// Starts that are not near anything, by their names: `strict`, `multigrid`.
+    pub starts: Series<String>,
+    /// Over the size of a jump of f beside 1: `multigrid`.
+    pub jumps: Series<f64>,
+    /// Over the size of a spike of f in one node: `multigrid`.
+    pub spikes: Series<f64>,
     /// Random problems.
-    pub crowd: Crowd,
+    pub random: Random,
     /// The tables' counts in single precision.
     pub single: Vec<Single>,
     /// All runs together.
     pub tally: Tally,
     /// What the prose of the book rests on.
-    pub facts: Facts,
+    pub summary: Summary,
 }
 
-/// One r.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Duality {
-    /// Duality parameter.
-    pub r: f64,
-    /// Stopped by the signed rule with the paper's tolerance.
-    pub signed: Trial,
-    /// Stopped by the printed rule and the dual one with the strict tolerance.
-    pub strict: Trial,
-}
-
-/// One factor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scaling {
-    /// Decimal logarithm of what f is multiplied by.
-    pub exponent: i32,
-    /// The paper's method, tolerance multiplied as well.
-    pub scaled: Trial,
-    /// The paper's method, tolerance as it is.
-    pub fixed: Trial,
-    /// Multigrid.
-    pub multigrid: Trial,
-}
-
-/// One deficit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Deficit {
-    /// Minus the sum of the load over the sum of its absolute values.
-    pub deficit: f64,
-    /// The paper's method under the strict rule.
-    pub saddle: Trial,
-    /// Multigrid, to the rounding floor.
-    pub multigrid: Trial,
-}
-
-/// One tolerance.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tolerance {
-    /// Bound relative to the largest load.
-    pub tolerance: f64,
-    /// The paper's method under the signed rule with this bound.
-    pub signed: Trial,
-    /// The paper's method under the strict rule with this bound.
-    pub strict: Trial,
-    /// Multigrid asked for this natural residual.
-    pub multigrid: Trial,
-}
-
-/// One grid.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Floor {
-    /// Cells per side.
-    pub cells: usize,
-    /// Multigrid, to the rounding floor.
-    pub multigrid: Trial,
-    /// The paper's method after many iterations; only on coarse grids.
-    pub saddle: Option<Trial>,
-    /// The same in single precision.
-    pub single: Option<Attained>,
-}
-
-/// What a run in single precision comes to, judged in double.
+/// What a run of the paper's method in single precision comes to, judged in double.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attained {
+    /// Cells per side.
+    pub cells: usize,
     /// Natural residual over `|F|_inf`.
     pub kkt: f64,
     /// Natural residual over `max |y|` and the epsilon of single precision.
     pub floor: f64,
-}
-
-/// One start.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Start {
-    /// In words.
-    pub name: String,
-    /// The paper's method under the strict rule.
-    pub saddle: Trial,
-    /// Multigrid, to the rounding floor.
-    pub multigrid: Trial,
-}
-
-/// One load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Load {
-    /// Size of the jump or spike beside f of size 1.
-    pub size: f64,
-    /// Multigrid, to the rounding floor.
-    pub multigrid: Trial,
 }
 
 /// A table in single precision.
@@ -215,33 +164,27 @@ pub struct Tally {
     /// Runs whose solver says something of the KKT residual.
     pub claims: usize,
     /// Those of them that are wrong.
-    pub denied: usize,
+    pub wrong: usize,
     /// Runs that returned something that is not a number and did not say so.
-    pub silent: usize,
+    pub unreported: usize,
     /// Runs over r under the signed rule.
     pub signed: usize,
     /// Those of them in which it was met with a KKT residual as large as the load.
-    pub met_far: usize,
+    pub signed_unsolved: usize,
 }
 
 impl Stress {
     /// Every run.
-    pub fn trials(&self) -> Vec<&Trial> {
-        let of_r = self.duality.iter().flatten().flat_map(|case| [&case.signed, &case.strict]);
-        let of_f = self.scaling.iter().flat_map(|c| [&c.scaled, &c.fixed, &c.multigrid]);
-        let deficits = self.deficits.iter().flatten().flat_map(|c| [&c.saddle, &c.multigrid]);
-        let tolerances =
-            self.tolerances.iter().flatten().flat_map(|c| [&c.signed, &c.strict, &c.multigrid]);
-        let floors = self.floors.iter().flat_map(|c| [Some(&c.multigrid), c.saddle.as_ref()]);
-        let starts = self.starts.iter().flat_map(|c| [&c.saddle, &c.multigrid]);
-        let loads = self.jumps.iter().chain(&self.spikes).map(|case| &case.multigrid);
-        of_r.chain(of_f)
-            .chain(deficits)
-            .chain(tolerances)
-            .chain(floors.flatten())
-            .chain(starts)
-            .chain(loads)
-            .collect()
+    pub fn trials(&self) -> impl Iterator<Item = &Trial> {
+        fn of<'a, X: 'a>(
+            series: impl IntoIterator<Item = &'a Series<X>>,
+        ) -> impl Iterator<Item = &'a Trial> {
+            series.into_iter().flatten().flat_map(|case| case.trials.values())
+        }
+        let over_numbers = self.duality.iter().chain(&self.deficits).chain(&self.tolerances);
+        of(over_numbers.chain([&self.floors, &self.jumps, &self.spikes]))
+            .chain(of([&self.scaling]))
+            .chain(of([&self.starts]))
     }
 
     fn tally(&self) -> Tally {
@@ -249,13 +192,12 @@ impl Stress {
         for trial in self.trials() {
             tally.runs += 1;
             tally.claims += usize::from(trial.holds.is_some());
-            tally.denied += usize::from(trial.holds == Some(false));
-            let told = ["diverged", "refused"].contains(&trial.stop.as_str());
-            tally.silent += usize::from(trial.kkt.is_none() && !told);
+            tally.wrong += usize::from(trial.holds == Some(false));
+            tally.unreported += usize::from(trial.kkt.is_none() && !trial.says_that_it_failed());
         }
-        let signed = self.duality.iter().flatten().map(|case| &case.signed);
+        let signed = self.duality.iter().flatten().map(|case| &case["signed"]);
         tally.signed = signed.clone().count();
-        tally.met_far = signed.filter(|t| t.stop == "converged" && t.kkt >= Some(1.0)).count();
+        tally.signed_unsolved = signed.filter(|t| t.converged() && t.kkt >= Some(1.0)).count();
         tally
     }
 }
@@ -265,28 +207,24 @@ impl Stress {
 /// # Errors
 /// If f cannot be read, or grids do not nest.
 pub fn stress(plan: &Plan) -> Result<Stress, String> {
-    let bench = Bench::new(plan)?;
+    let runs = Runs::new(plan)?;
     let mut stress = Stress {
-        coarse: plan.coarse,
-        fine: plan.fine,
-        tolerance: plan.tolerance,
-        strict: plan.strict,
-        cap: plan.cap,
-        deficit: plan.deficit,
-        duality: (0..bench.loads.len()).map(|problem| bench.duality(problem)).collect(),
-        scaling: bench.scaling(),
-        deficits: [1.0, -1.0].map(|odd| bench.deficits(odd)),
-        tolerances: (0..bench.loads.len()).map(|problem| bench.tolerances(problem)).collect(),
-        floors: bench.floors(),
-        starts: bench.starts(),
-        jumps: bench.jumps(),
-        spikes: bench.spikes(),
-        crowd: Crowd::of(plan.crowd),
+        plan: plan.clone(),
+        duality: runs.loads.iter().map(|loads| runs.duality(loads)).collect(),
+        scaling: runs.scaling(),
+        deficits: [1.0, -1.0].map(|odd| runs.deficits(odd)),
+        tolerances: runs.loads.iter().map(|loads| runs.tolerances(loads)).collect(),
+        floors: runs.floors(),
+        single_floors: runs.single_floors(),
+        starts: runs.starts(),
+        jumps: runs.jumps(),
+        spikes: runs.spikes(),
+        random: Random::of(plan.random),
         single: plan.problems.iter().map(single).collect::<Result<_, _>>()?,
         tally: Tally::default(),
-        facts: Facts::default(),
+        summary: Summary::default(),
     };
     stress.tally = stress.tally();
-    stress.facts = Facts::of(&stress);
+    stress.summary = Summary::of(&stress);
     Ok(stress)
 }

@@ -9,9 +9,9 @@ use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use serde::{Deserialize, Serialize};
 
 /// How a run ended, and what [`kkt`] says of the vector it returned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
-    /// The solver's own word; `refused` if it did not begin.
+    /// How the solver says that it ended; `refused` if it did not begin.
     pub stop: String,
     /// Iterations, or cycles on the finest grid.
     pub steps: usize,
@@ -50,22 +50,23 @@ impl Trial {
         }
     }
 
+    /// Whether the solver says that it reached its goal.
+    pub fn converged(&self) -> bool {
+        self.stop == "converged"
+    }
+
+    /// Whether the solver says that there is no result.
+    pub fn says_that_it_failed(&self) -> bool {
+        ["diverged", "refused"].contains(&self.stop.as_str())
+    }
+
     /// By how much two ways to compute a residual may differ, adding in another order.
     fn slack(&self) -> f64 {
         SLACK * f64::EPSILON * self.size.unwrap_or(f64::NAN)
     }
 
     fn refused() -> Self {
-        Self {
-            stop: "refused".into(),
-            steps: 0,
-            work: 0.0,
-            kkt: None,
-            floor: None,
-            size: None,
-            contact: 0,
-            holds: None,
-        }
+        Self { stop: "refused".into(), ..Self::default() }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::experiments::accuracy::Findings;
 use crate::experiments::exponent;
 use crate::experiments::targets::Target;
 use crate::timing::measure::{SOLVERS, TIMED};
-use crate::timing::recorded::{Goal, Reached, Scaling, Timings, arrivals};
+use crate::timing::recorded::{Goal, Reached, Scaling, Timings, to_discretisation};
 use serde::Serialize;
 
 /// Recorded times, digested.
@@ -269,7 +269,7 @@ impl Race {
         let times = SOLVERS.map(|solver| {
             let mine: Vec<_> =
                 lines.iter().filter(|l| l.solver == solver && l.problem == problem).collect();
-            arrivals(&mine).collect::<Vec<_>>()
+            to_discretisation(&mine).collect::<Vec<_>>()
         });
         let mut grids: Vec<usize> = times.iter().flatten().map(|(cells, _)| *cells).collect();
         grids.sort_unstable();

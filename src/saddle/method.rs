@@ -22,6 +22,7 @@ use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
+use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -188,7 +189,6 @@ impl<'a> Steps<'a> {
         assert!(r > 0.0, "the duality parameter r must be positive");
         assert!(load.len() == grid.nodes());
         let shift = method.weight() * grid.h() * grid.h();
-        let largest = load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
         Self {
             grid,
             load,
@@ -197,7 +197,7 @@ impl<'a> Steps<'a> {
             boundary: grid.boundary().collect(),
             gradient: Gradient::new(grid, r, 0.0),
             inner: Gradient::new(grid, r, shift),
-            bound: method.inner_bound(largest),
+            bound: method.inner_bound(largest(load)),
             shift,
             target: load.to_vec(),
             iterations: 0,

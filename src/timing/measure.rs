@@ -9,8 +9,8 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
-use crate::experiments::law::{R, Track};
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
+use crate::experiments::work::{OnGrid, R};
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
 use crate::multigrid::square::{Multigrid, multigrid};
 use crate::multigrid::{self, MultigridParams};
@@ -70,9 +70,9 @@ pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String
     };
     let mut solver = Vec::new();
     for problem in PROBLEMS.into_iter().skip(usize::from(plan.quick)) {
-        let tracks = tracks(problem, plan)?;
+        let levels = levels(problem, plan)?;
         for name in &plan.solvers {
-            solver.extend(reached(name, problem, &tracks, plan, &mut say)?);
+            solver.extend(reached(name, problem, &levels, plan, &mut say)?);
         }
     }
     let peer = Vec::new();
@@ -160,39 +160,39 @@ fn timed(cells: usize) -> Result<(Grid, Vec<f64>), String> {
     Ok((grid, load(grid, &Source::Exact(TIMED), LoadRule::default())))
 }
 
-fn tracks(problem: Exact, plan: &Plan) -> Result<Vec<Track>, String> {
+fn levels(problem: Exact, plan: &Plan) -> Result<Vec<OnGrid>, String> {
     let finest = if plan.quick { 32 } else { plan.finest.min(1024) };
     let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
-    grids.map(|cells| Track::new(problem, Grid::new(cells).map_err(|e| e.to_string())?)).collect()
+    grids.map(|cells| OnGrid::new(problem, Grid::new(cells).map_err(|e| e.to_string())?)).collect()
 }
 
 /// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
-type Solve<'a> = Box<dyn Fn(&[Track]) -> Option<Vec<f64>> + 'a>;
+type Solve<'a> = Box<dyn Fn(&[OnGrid]) -> Option<Vec<f64>> + 'a>;
 
 /// One solver on all grids from 1/16 on, for all its goals.
 fn reached(
     name: &str,
     problem: Exact,
-    tracks: &[Track],
+    levels: &[OnGrid],
     plan: &Plan,
     say: &mut impl FnMut(&str),
 ) -> Result<Vec<Reached>, String> {
     let goals = goals(name);
     let mut before: BTreeMap<usize, f64> = BTreeMap::new();
     let mut measured = Vec::new();
-    for k in 2..=tracks.len() {
-        let track = &tracks[k - 1];
-        let cells = track.grid.cells();
+    for k in 2..=levels.len() {
+        let level = &levels[k - 1];
+        let cells = level.grid.cells();
         say(&format!("{name}, {}, h = 1/{cells}", problem.name()));
         for (g, (goal, growth, solve)) in goals.iter().enumerate() {
             if before.get(&g).is_some_and(|seconds| growth * seconds > LONGEST) {
                 continue;
             }
-            let y = solve(&tracks[..k]).ok_or_else(|| {
+            let y = solve(&levels[..k]).ok_or_else(|| {
                 format!("{name} does not reach {goal} on {}, h = 1/{cells}", problem.name())
             })?;
             let (seconds, spread) = time(plan.repeats, || {
-                solve(&tracks[..k]);
+                solve(&levels[..k]);
             });
             before.insert(g, seconds);
             measured.push(Reached {
@@ -200,9 +200,9 @@ fn reached(
                 problem: problem.name().into(),
                 cells,
                 goal: goal.clone(),
-                error: track.error(&y),
-                discretisation: track.discretisation,
-                kkt: kkt(track.grid, &y, &track.load).relative,
+                error: level.error(&y),
+                discretisation: level.discretisation,
+                kkt: kkt(level.grid, &y, &level.load).relative,
                 seconds,
                 spread,
             });
@@ -215,7 +215,7 @@ fn reached(
 fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
     let saddle = |method: Method| {
         let to = |target: f64| -> (String, f64, Solve<'static>) {
-            let solve = move |tracks: &[Track]| nested(method, target, tracks);
+            let solve = move |levels: &[OnGrid]| nested(method, target, levels);
             (format!("relative KKT {target:e}"), 16.0, Box::new(solve))
         };
         TARGETS.map(to).into_iter().collect()
@@ -227,8 +227,8 @@ fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
         "active-set" => vec![(
             "contact set at rest".into(),
             8.0,
-            Box::new(|tracks: &[Track]| {
-                let Track { grid, load, .. } = tracks.last()?;
+            Box::new(|levels: &[OnGrid]| {
+                let OnGrid { grid, load, .. } = levels.last()?;
                 let params = ActiveSetParams::default();
                 Some(active_set(grid.cells(), load, None, &params, |_| ()).ok()?.0)
             }),
@@ -236,8 +236,8 @@ fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
         _ => {
             use multigrid::Goal::{DiscretisationError, RoundingFloor};
             let to = |(words, goal): (&str, multigrid::Goal)| -> (String, f64, Solve<'static>) {
-                let solve = move |tracks: &[Track]| {
-                    let Track { grid, load, .. } = tracks.last()?;
+                let solve = move |levels: &[OnGrid]| {
+                    let OnGrid { grid, load, .. } = levels.last()?;
                     let params = MultigridParams { goal, ..MultigridParams::default() };
                     Some(multigrid(grid.cells(), load, None, &params, |_| ()).ok()?.0)
                 };
@@ -252,11 +252,11 @@ fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
 }
 
 /// A saddle-point method from zero over the nested grids, each left when the target is met.
-fn nested(method: Method, target: f64, tracks: &[Track]) -> Option<Vec<f64>> {
-    let mut pair = Pair::zero(tracks[0].grid);
-    for (k, Track { grid, load, .. }) in tracks.iter().enumerate() {
+fn nested(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
+    let mut pair = Pair::zero(levels[0].grid);
+    for (k, OnGrid { grid, load, .. }) in levels.iter().enumerate() {
         if k > 0 {
-            pair = pair.prolonged(tracks[k - 1].grid, Prolongation::default());
+            pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
         let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
         sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, done)?;

@@ -1,6 +1,6 @@
 //! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
 
-use crate::experiments::law::ARRIVED;
+use crate::experiments::work::REACHED;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -171,13 +171,13 @@ pub struct Peer {
 }
 
 /// Per grid, the least time in which the error came down to that of the discretisation.
-pub fn arrivals(lines: &[&Reached]) -> impl Iterator<Item = (usize, f64)> {
+pub fn to_discretisation(lines: &[&Reached]) -> impl Iterator<Item = (usize, f64)> {
     let mut grids: Vec<usize> = lines.iter().map(|line| line.cells).collect();
     grids.dedup();
     grids.into_iter().filter_map(|cells| {
         let there = lines
             .iter()
-            .filter(|line| line.cells == cells && line.error <= ARRIVED * line.discretisation);
+            .filter(|line| line.cells == cells && line.error <= REACHED * line.discretisation);
         Some((cells, there.map(|line| line.seconds).min_by(f64::total_cmp)?))
     })
 }

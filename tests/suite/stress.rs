@@ -1,4 +1,4 @@
-//! Extreme parameters, data, tolerances, starts and precision: no solver may hang, lie, or return nonsense.
+//! Extreme parameters, data, tolerances, starts and precision: no solver may hang, claim what is wrong, or return nonsense.
 
 use proptest::prelude::*;
 use signorini::discrete::grid::Grid;
@@ -8,7 +8,6 @@ use signorini::discrete::transfer::Prolongation;
 use signorini::experiments::problems::Problem;
 use signorini::experiments::rounding::{self, rounding};
 use signorini::experiments::stress::{self, Stress, stress};
-use signorini::experiments::trial::Trial;
 use signorini::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
@@ -34,85 +33,86 @@ fn found() -> &'static Stress {
 }
 
 #[test]
-fn no_run_hangs_lies_or_returns_nonsense() {
+fn every_run_ends_and_says_what_is_so() {
     let found = found();
     for trial in found.trials() {
         assert!(trial.steps <= 100_000, "{trial:?}");
         assert!(trial.holds != Some(false), "{trial:?}");
-        let told = ["diverged", "refused"].contains(&trial.stop.as_str());
-        assert!(told || trial.kkt.is_some(), "{trial:?}");
+        assert!(trial.says_that_it_failed() || trial.kkt.is_some(), "{trial:?}");
     }
-    assert_eq!((found.tally.denied, found.tally.silent), (0, 0));
+    assert_eq!((found.tally.wrong, found.tally.unreported), (0, 0));
 }
 
 #[test]
 fn the_signed_rule_is_met_far_from_the_solution_and_no_tolerance_mends_it() {
-    let plateau = found().facts.plateau.expect("in problem 2");
+    let plateau = found().summary.plateau.expect("in problem 2");
     assert_eq!((plateau.problem, plateau.steps), (2, 240));
     assert!(plateau.tolerances.least <= 1e-14 && plateau.tolerances.greatest >= 1e-6);
     assert!(plateau.kkt > 0.05);
-    let met = |trial: &Trial| trial.stop == "converged";
     for case in found().duality.iter().flatten() {
-        assert!(met(&case.signed) && case.signed.kkt > Some(0.1), "{case:?}");
+        assert!(case["signed"].converged() && case["signed"].kkt > Some(0.1), "{case:?}");
     }
 }
 
 #[test]
-fn large_r_breaks_nothing_and_the_strict_rule_keeps_its_word() {
-    let strict = found().strict;
+fn large_r_breaks_nothing_and_the_strict_rule_bounds_the_residual() {
+    let strict = found().plan.strict;
     for case in found().duality.iter().flatten() {
-        if case.r >= 1.0 {
-            assert_eq!(case.strict.stop, "converged", "{case:?}");
+        if case.x >= 1.0 {
+            assert_eq!(case["strict"].stop, "converged", "{case:?}");
         }
-        if case.strict.stop == "converged" {
+        if case["strict"].converged() {
             // A change of a below the tolerance bounds y only by the tolerance over r.
-            assert!(case.strict.kkt <= Some(1.001 * strict * (1.0 / case.r).max(1.0)), "{case:?}");
+            assert!(
+                case["strict"].kkt <= Some(1.001 * strict * (1.0 / case.x).max(1.0)),
+                "{case:?}"
+            );
         }
     }
 }
 
 #[test]
 fn the_unit_of_f_changes_nothing_but_an_absolute_tolerance() {
-    let plain = found().scaling.iter().find(|case| case.exponent == 0).unwrap();
+    let plain = found().scaling.iter().find(|case| case.x == 0).unwrap();
     for case in &found().scaling {
         // 10^k f is rounded anew, and the last cycle only finds that nothing improves any more.
-        let cycles = case.multigrid.steps.abs_diff(plain.multigrid.steps);
-        assert!(cycles <= 1, "1e{}", case.exponent);
-        assert_eq!(case.multigrid.stop, "rounding-floor");
-        assert_eq!(case.scaled.steps, plain.scaled.steps, "1e{}", case.exponent);
-        let (kkt, want) = (case.scaled.kkt.unwrap(), plain.scaled.kkt.unwrap());
-        assert!((kkt / want - 1.0).abs() < 1e-9, "1e{}", case.exponent);
-        if case.exponent < 0 {
-            assert_eq!(case.fixed.steps, 1, "1e{}", case.exponent);
+        let cycles = case["multigrid"].steps.abs_diff(plain["multigrid"].steps);
+        assert!(cycles <= 1, "1e{}", case.x);
+        assert_eq!(case["multigrid"].stop, "rounding-floor");
+        assert_eq!(case["scaled"].steps, plain["scaled"].steps, "1e{}", case.x);
+        let (kkt, want) = (case["scaled"].kkt.unwrap(), plain["scaled"].kkt.unwrap());
+        assert!((kkt / want - 1.0).abs() < 1e-9, "1e{}", case.x);
+        if case.x < 0 {
+            assert_eq!(case["fixed"].steps, 1, "1e{}", case.x);
         }
     }
 }
 
 #[test]
 fn multigrid_stands_a_vanishing_integral_jumps_and_spikes() {
-    for case in found().deficits.iter().flatten().filter(|case| case.deficit >= 1e-12) {
-        assert_eq!(case.multigrid.stop, "rounding-floor", "{case:?}");
-        assert!(case.multigrid.work < 70.0, "{case:?}");
+    for case in found().deficits.iter().flatten().filter(|case| case.x >= 1e-12) {
+        assert_eq!(case["multigrid"].stop, "rounding-floor", "{case:?}");
+        assert!(case["multigrid"].work < 70.0, "{case:?}");
     }
     for case in found().jumps.iter().chain(&found().spikes) {
-        assert_eq!(case.multigrid.stop, "rounding-floor", "{case:?}");
-        assert!(case.multigrid.work < 70.0, "{case:?}");
+        assert_eq!(case["multigrid"].stop, "rounding-floor", "{case:?}");
+        assert!(case["multigrid"].work < 70.0, "{case:?}");
     }
 }
 
 #[test]
-fn multigrid_solves_a_crowd_of_random_problems() {
-    let crowd = &found().crowd;
-    assert!(crowd.problems >= 1000);
-    assert_eq!((crowd.unsolved, crowd.denied), (0, 0), "{crowd:?}");
-    assert!(crowd.most <= 30, "{crowd:?}");
+fn multigrid_solves_random_problems() {
+    let random = &found().random;
+    assert!(random.problems >= 1000);
+    assert_eq!((random.unsolved, random.wrong), (0, 0), "{random:?}");
+    assert!(random.most <= 30, "{random:?}");
 }
 
 #[test]
 fn what_is_not_a_number_is_never_a_result() {
-    for case in found().starts.iter().filter(|case| case.name.contains("in one node")) {
-        assert_eq!(case.multigrid.stop, "refused");
-        assert_eq!(case.saddle.stop, "diverged");
+    for case in found().starts.iter().filter(|case| case.x.contains("in one node")) {
+        assert_eq!(case["multigrid"].stop, "refused");
+        assert_eq!(case["strict"].stop, "diverged");
     }
     let grid = Grid::new(8).unwrap();
     let good = load(grid, &"else=-1".parse().unwrap(), LoadRule::default());
@@ -134,7 +134,7 @@ fn what_is_not_a_number_is_never_a_result() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let plan = stress::Plan { cap: 500, crowd: 8, ..stress::Plan::new(tables(&[4, 8])) };
+    let plan = stress::Plan { cap: 500, random: 8, ..stress::Plan::new(tables(&[4, 8])) };
     let shaken = rounding::Plan { repetitions: 8, ..rounding::Plan::new(tables(&[4, 8])) };
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -4,6 +4,7 @@ use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Row, Table, VARIAN
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::largest;
 use crate::experiments::problems::Problem;
 use crate::problem::source::Source;
 use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
@@ -145,7 +146,7 @@ impl<'a> Case<'a> {
 
     fn direct(&self, plan: &Plan, level: usize, runs: &[Direct]) -> Done {
         let (grid, load) = (self.grids[level], &self.solvable[level]);
-        let scale = load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
+        let scale = largest(load);
         let job = |of: &Direct| Job {
             load,
             start: &self.starts[level],

@@ -3,8 +3,9 @@
 mod measure;
 mod verdict;
 
-pub use verdict::{Gain, GainAt, Range, Spread, Tally, Verdict, Verdicts};
+pub use verdict::{Ratios, Spread, Tally, Verdict, Verdicts};
 
+use crate::experiments::power_of_ten;
 use crate::experiments::problems::Problem;
 use crate::saddle::{Method, StopReason, StopRule};
 use serde::{Deserialize, Serialize};
@@ -52,18 +53,14 @@ impl Plan {
         let (low, high) = self.decades;
         let step = |k: i32| match k.rem_euclid(self.per_decade) {
             // Powers of ten as the paper writes them, to the last bit.
-            0 => decade(k.div_euclid(self.per_decade)),
+            0 => power_of_ten(k.div_euclid(self.per_decade)),
             rest => {
                 let fraction = f64::from(rest) / f64::from(self.per_decade);
-                decade(k.div_euclid(self.per_decade)) * libm::exp10(fraction)
+                power_of_ten(k.div_euclid(self.per_decade)) * libm::exp10(fraction)
             }
         };
         (low * self.per_decade..=high * self.per_decade).map(step).collect()
     }
-}
-
-fn decade(power: i32) -> f64 {
-    if power < 0 { 1.0 / 10f64.powi(-power) } else { 10f64.powi(power) }
 }
 
 /// What was found.

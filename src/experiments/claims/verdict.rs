@@ -1,6 +1,7 @@
 //! Verdicts on the claims: each is split into cases that hold or do not, by a bound stated here.
 
 use super::{Cell, Count, Measure, Measured, Row, VARIANTS};
+use crate::experiments::Range;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
 
@@ -70,29 +71,21 @@ pub struct Verdicts {
     /// The same of the printed rule.
     pub dual_costs_printed: Tally,
     /// Factors by which it multiplies them, in the same order: signed, printed.
-    pub dual_factors: [Range; 2],
+    pub dual_factors: [Option<Range>; 2],
     /// Cheaper than Uzawa's algorithm with exact inner minimisation.
     pub cheaper: Tally,
     /// Cheaper than every variant of it.
     pub cheapest: Tally,
-    /// Per variant, then the best of all variants in each cell.
-    pub gains: Vec<Gain>,
-    /// The same per r, over all problems, grids and targets.
-    pub gains_at: Vec<GainAt>,
+    /// Sweeps of each variant of Uzawa's algorithm over those of Arrow-Hurwicz, then of the best of all
+    /// variants in each cell, per target.
+    pub gains: Vec<Ratios>,
+    /// The same per r, over all problems, grids and targets: exact inner minimisation, and the best variant.
+    pub gains_at: Vec<[Ratios; 2]>,
     /// The same with each method at its own best r, per problem, grid and target: exact inner
     /// minimisation, and the best variant.
-    pub gains_at_best: [Range; 2],
+    pub gains_at_best: [Option<Range>; 2],
     /// The gain over exact inner minimisation depends on r, per problem, grid and target.
     pub gain_depends_on_r: Tally,
-}
-
-/// Least and greatest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Range {
-    /// Least.
-    pub least: f64,
-    /// Greatest.
-    pub greatest: f64,
 }
 
 /// How much the counts of a row vary, as greatest over least.
@@ -112,36 +105,24 @@ pub struct Spread {
     pub capped: bool,
 }
 
-/// Sweeps of a variant of Uzawa's algorithm over those of Arrow-Hurwicz.
+/// Sweeps of a variant of Uzawa's algorithm over those of Arrow-Hurwicz, in the cells where these got
+/// there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Gain {
+pub struct Ratios {
     /// Which variant.
     pub name: String,
-    /// KKT residual over the largest component of F.
-    pub target: f64,
+    /// KKT residual over the largest component of F, if it is the same in all cells.
+    pub target: Option<f64>,
+    /// Duality parameter, if it is the same in all cells.
+    pub r: Option<f64>,
     /// Cells in which Arrow-Hurwicz takes fewer sweeps.
     pub cheaper: Tally,
     /// Cells in which the variant hit the cap: their ratio is a lower bound.
     pub capped: usize,
-    /// Cells left out because Arrow-Hurwicz hit the cap too.
-    pub left_out: usize,
-    /// Median of the ratios.
+    /// Median of the ratios; NaN without cells, as is their range.
     pub median: f64,
     /// Their range.
     pub range: Range,
-}
-
-/// Sweeps of Uzawa's algorithm over those of Arrow-Hurwicz at one r.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GainAt {
-    /// Duality parameter.
-    pub r: f64,
-    /// With exact inner minimisation.
-    pub exact: Range,
-    /// The best variant of each cell.
-    pub best: Range,
-    /// Cells in which exact inner minimisation hit the cap.
-    pub capped: usize,
 }
 
 impl Verdicts {
@@ -162,13 +143,10 @@ impl Verdicts {
         };
         let ends = || problems.first().zip(problems.last());
         let targets: Vec<f64> = problems.first().map(targets).unwrap_or_default();
-        let gains: Vec<Gain> = targets.iter().flat_map(|target| gains(problems, *target)).collect();
-        let cheaper = |name: &str| {
-            let of = |gain: &&Gain| gain.name == name;
-            let holds: usize = gains.iter().filter(of).map(|gain| gain.cheaper.holds).sum();
-            let cases: usize = gains.iter().filter(of).map(|gain| gain.cheaper.cases).sum();
-            Tally::of((0..cases).map(|k| k < holds))
-        };
+        let of = |variant: usize| Ratios::of(variant, problems, None, None);
+        let per_target =
+            |&target| (0..=BEST).map(move |k| Ratios::of(k, problems, Some(target), None));
+        let per_r = |r| [0, BEST].map(|variant| Ratios::of(variant, problems, None, Some(r)));
         Self {
             depends_on_r: Tally::of(spreads.iter().map(|spread| spread.paper > EQUAL)),
             depends_on_large_r: Tally::of(spreads.iter().map(|spread| spread.large > EQUAL)),
@@ -184,26 +162,14 @@ impl Verdicts {
             ),
             dual_costs: many(&signed),
             dual_costs_printed: many(&printed),
-            dual_factors: [Range::of(&signed), Range::of(&printed)],
-            cheaper: cheaper(VARIANTS[0].name),
-            cheapest: cheaper(BEST),
+            dual_factors: [Range::of(signed), Range::of(printed)],
+            cheaper: of(0).cheaper,
+            cheapest: of(BEST).cheaper,
             gain_depends_on_r: Tally::of(problems.iter().flat_map(gain_depends_on_r)),
-            gains,
-            gains_at: gains_at(problems),
-            gains_at_best: [
-                gains_at_best(problems, |counts| counts[0]),
-                gains_at_best(problems, best),
-            ],
+            gains: targets.iter().flat_map(per_target).collect(),
+            gains_at: compared(problems).into_iter().map(per_r).collect(),
+            gains_at_best: [0, BEST].map(|variant| gains_at_best(problems, variant)),
             spreads,
-        }
-    }
-}
-
-impl Range {
-    fn of(values: &[f64]) -> Self {
-        Self {
-            least: values.iter().copied().fold(f64::INFINITY, f64::min),
-            greatest: values.iter().copied().fold(0.0, f64::max),
         }
     }
 }
@@ -216,20 +182,20 @@ fn finest(problem: &Measured) -> impl Iterator<Item = &Row> {
 
 fn spreads<'a>(r: &'a [f64], problem: &'a Measured) -> impl Iterator<Item = Spread> {
     let paper: Vec<f64> = problem.tables[0].lines.iter().map(|line| line.r).collect();
-    let Range { least, greatest } = Range::of(&paper);
+    let Range { least, greatest } = Range::of(paper).unwrap_or_default();
     finest(problem).map(move |row| {
         let within = |low: f64, high: f64| {
             let counts = r.iter().zip(&row.counts).filter(move |(r, _)| low <= **r && **r <= high);
-            counts.map(|(_, count)| count.iterations as f64).collect::<Vec<_>>()
+            let range = Range::of(counts.map(|(_, count)| count.iterations as f64));
+            range.map_or(f64::NAN, |range| range.greatest / range.least)
         };
-        let spread = |range: Range| range.greatest / range.least;
         let inside = r.iter().zip(&row.counts).filter(|(r, _)| least <= **r && **r <= greatest);
         Spread {
             problem: problem.number,
             cells: row.cells,
             measure: row.measure,
-            paper: spread(Range::of(&within(least, greatest))),
-            large: spread(Range::of(&within(10.0, f64::INFINITY))),
+            paper: within(least, greatest),
+            large: within(10.0, f64::INFINITY),
             capped: inside.into_iter().any(|(_, count)| count.reached().is_none()),
         }
     })
@@ -250,88 +216,70 @@ fn targets(problem: &Measured) -> Vec<f64> {
     targets
 }
 
-/// Name of the best variant in each cell.
-const BEST: &str = "the best of these";
+/// Stands for the best variant of each cell, after the numbers of [`VARIANTS`].
+const BEST: usize = VARIANTS.len();
 
-fn gains(problems: &[Measured], target: f64) -> Vec<Gain> {
-    let cells = || problems.iter().flat_map(|p| &p.cells).filter(|cell| cell.target == target);
-    let left_out = cells().filter(|cell| cell.arrow_hurwicz.reached().is_none()).count();
-    let gain = |name: &str, pick: &dyn Fn(&[Count; 4]) -> Count| {
-        let pairs: Vec<_> = cells()
-            .filter_map(|cell| Some((cell.arrow_hurwicz.reached()?, pick(&cell.uzawa))))
-            .collect();
-        let mut ratios: Vec<f64> =
-            pairs.iter().map(|(ours, theirs)| theirs.iterations as f64 / *ours as f64).collect();
-        let cheaper = Tally::of(ratios.iter().map(|ratio| *ratio > 1.0));
+impl Cell {
+    /// The count of a variant: in no case more than the cap.
+    fn uzawa(&self, variant: usize) -> Count {
+        let best =
+            || self.uzawa.iter().min_by_key(|count| (count.reached().is_none(), count.iterations));
+        *self.uzawa.get(variant).or_else(best).expect("there are variants")
+    }
+
+    /// Its sweeps over those of Arrow-Hurwicz, if these got there.
+    fn ratio(&self, variant: usize) -> Option<f64> {
+        Some(self.uzawa(variant).iterations as f64 / self.arrow_hurwicz.reached()? as f64)
+    }
+}
+
+impl Ratios {
+    /// Over the cells with this target and this r, where they are given.
+    fn of(variant: usize, problems: &[Measured], target: Option<f64>, r: Option<f64>) -> Self {
+        let cells = problems.iter().flat_map(|problem| &problem.cells).filter(|cell| {
+            target.is_none_or(|target| cell.target == target) && r.is_none_or(|r| cell.r == r)
+        });
+        let cells: Vec<_> =
+            cells.filter_map(|cell| Some((cell.ratio(variant)?, cell.uzawa(variant)))).collect();
+        let mut ratios: Vec<f64> = cells.iter().map(|(ratio, _)| *ratio).collect();
         ratios.sort_by(f64::total_cmp);
-        Gain {
-            name: name.into(),
+        Self {
+            name: VARIANTS.get(variant).map_or("the best of these", |variant| variant.name).into(),
             target,
-            cheaper,
-            capped: pairs.iter().filter(|(_, theirs)| theirs.reached().is_none()).count(),
-            left_out,
+            r,
+            cheaper: Tally::of(ratios.iter().map(|ratio| *ratio > 1.0)),
+            capped: cells.iter().filter(|(_, count)| count.reached().is_none()).count(),
             median: ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN),
-            range: Range::of(&ratios),
+            range: Range::of(ratios).unwrap_or(Range { least: f64::NAN, greatest: f64::NAN }),
         }
-    };
-    let mut gains: Vec<_> = (0..VARIANTS.len())
-        .map(|variant| gain(VARIANTS[variant].name, &|counts| counts[variant]))
-        .collect();
-    gains.push(gain(BEST, &best));
-    gains
+    }
 }
 
-/// The variant with the fewest sweeps.
-fn best(counts: &[Count; 4]) -> Count {
-    let least = counts.iter().min_by_key(|count| (count.reached().is_none(), count.iterations));
-    *least.expect("four of them")
-}
-
-fn gains_at(problems: &[Measured]) -> Vec<GainAt> {
+/// The values of r at which methods are compared, ascending.
+fn compared(problems: &[Measured]) -> Vec<f64> {
     let mut all: Vec<f64> = problems.iter().flat_map(|p| &p.cells).map(|cell| cell.r).collect();
     all.sort_by(f64::total_cmp);
     all.dedup();
-    let at = |r: f64| {
-        let cells = || problems.iter().flat_map(|p| &p.cells).filter(move |cell| cell.r == r);
-        let range = |pick: fn(&[Count; 4]) -> Count| {
-            let ratio = |cell: &Cell| {
-                let ours = cell.arrow_hurwicz.reached()?;
-                Some(pick(&cell.uzawa).iterations as f64 / ours as f64)
-            };
-            Range::of(&cells().filter_map(ratio).collect::<Vec<_>>())
-        };
-        let capped = cells().filter(|cell| cell.uzawa[0].reached().is_none()).count();
-        GainAt { r, exact: range(|counts| counts[0]), best: range(best), capped }
-    };
-    all.into_iter().map(at).collect()
+    all
 }
 
-fn gains_at_best(problems: &[Measured], pick: fn(&[Count; 4]) -> Count) -> Range {
+/// The cells that differ in r only, together.
+fn rows(problem: &Measured) -> impl Iterator<Item = &[Cell]> {
+    problem.cells.chunk_by(|a, b| a.cells == b.cells && a.target == b.target)
+}
+
+fn gains_at_best(problems: &[Measured], variant: usize) -> Option<Range> {
     let ratio = |cells: &[Cell]| {
         let ours = cells.iter().filter_map(|cell| cell.arrow_hurwicz.reached()).min()?;
-        let theirs = cells.iter().map(|cell| pick(&cell.uzawa).iterations).min()?;
+        let theirs = cells.iter().map(|cell| cell.uzawa(variant).iterations).min()?;
         Some(theirs as f64 / ours as f64)
     };
-    let rows = problems.iter().flat_map(|problem| problem.cells.chunk_by(same_row));
-    Range::of(&rows.filter_map(ratio).collect::<Vec<_>>())
-}
-
-/// Whether two cells differ in r only.
-fn same_row(a: &Cell, b: &Cell) -> bool {
-    a.cells == b.cells && a.target == b.target
+    Range::of(problems.iter().flat_map(rows).filter_map(ratio))
 }
 
 /// Whether the gain over exact inner minimisation varies with r, per grid and target.
 fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
-    let vary = |cells: &[Cell]| {
-        let ratios: Vec<f64> = cells
-            .iter()
-            .filter_map(|cell| {
-                Some(cell.uzawa[0].iterations as f64 / cell.arrow_hurwicz.reached()? as f64)
-            })
-            .collect();
-        let range = Range::of(&ratios);
-        range.greatest > EQUAL * range.least
-    };
-    problem.cells.chunk_by(same_row).map(vary).collect()
+    let ratios = |cells: &[Cell]| Range::of(cells.iter().filter_map(|cell| cell.ratio(0)));
+    let vary = |range: Option<Range>| range.is_some_and(|r| r.greatest > EQUAL * r.least);
+    rows(problem).map(|cells| vary(ratios(cells))).collect()
 }

@@ -1,11 +1,11 @@
 //! The runs of the experiments, one function per kind of stress.
 
-use super::{
-    Attained, Changed, Deficit, Duality, Floor, Load, Plan, Scaling, Single, Start, Tolerance,
-};
+use super::{Attained, Case, Changed, Plan, Series, Single};
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::largest;
+use crate::experiments::power_of_ten;
 use crate::experiments::problems::{Problem, nodal_load};
 use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
@@ -17,10 +17,15 @@ use rayon::prelude::*;
 
 /// The duality parameter where it is not what is varied.
 const R: f64 = 10.0;
+/// Cells per side of the grids on which the rounding floor is measured.
+const GRIDS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 /// How many times the usual cap iterations may take where the rounding floor is to be reached.
 const LONGER: usize = 2;
 
-pub(super) struct Bench<'a> {
+/// The finest grid on which the paper's method reaches its floor in good time.
+const SLOW: usize = 32;
+
+pub(super) struct Runs<'a> {
     plan: &'a Plan,
     coarse: Grid,
     fine: Grid,
@@ -28,7 +33,7 @@ pub(super) struct Bench<'a> {
     pub(super) loads: Vec<[Vec<f64>; 2]>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> Runs<'a> {
     pub(super) fn new(plan: &'a Plan) -> Result<Self, String> {
         let grid = |n: usize| Grid::new(n).map_err(|e| e.to_string());
         let (coarse, fine) = (grid(plan.coarse)?, grid(plan.fine)?);
@@ -56,101 +61,112 @@ impl<'a> Bench<'a> {
         saddle(self.coarse, load, &params, Pair::zero(self.coarse))
     }
 
-    pub(super) fn duality(&self, problem: usize) -> Vec<Duality> {
-        let load = &self.loads[problem][0];
-        let exponents: Vec<i32> = (-8..=12).collect();
-        let of_r = |&exponent: &i32| {
-            let r = power_of_ten(exponent);
-            Duality {
-                r,
-                signed: self.signed(load, r, self.plan.tolerance),
-                strict: self.strict(load, r, Pair::zero(self.coarse)),
-            }
-        };
-        exponents.par_iter().map(of_r).collect()
+    /// Multigrid to the rounding floor, on the fine grid.
+    fn multigrid(&self, load: &[f64], start: Option<&[f64]>) -> Trial {
+        multi(self.fine, load, Goal::RoundingFloor, start)
     }
 
-    pub(super) fn scaling(&self) -> Vec<Scaling> {
+    pub(super) fn duality(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
+        over(-8..=12, power_of_ten, |r| {
+            [
+                ("signed", self.signed(load, r, self.plan.tolerance)),
+                ("strict", self.strict(load, r, Pair::zero(self.coarse))),
+            ]
+        })
+    }
+
+    pub(super) fn scaling(&self) -> Series<i32> {
         const EXPONENTS: [i32; 15] =
             [-305, -300, -200, -150, -100, -50, -10, 0, 10, 50, 100, 150, 200, 300, 305];
         let Some([coarse, fine]) = self.loads.last() else { return Vec::new() };
-        let of_factor = |&exponent: &i32| {
-            let factor = power_of_ten(exponent);
-            let scaled = |load: &[f64]| load.iter().map(|f| f * factor).collect::<Vec<_>>();
-            let (coarse, fine) = (scaled(coarse), scaled(fine));
-            Scaling {
-                exponent,
-                scaled: self.signed(&coarse, R, self.plan.tolerance * factor),
-                fixed: self.signed(&coarse, R, self.plan.tolerance),
-                multigrid: multi(self.fine, &fine, Goal::RoundingFloor, None),
-            }
-        };
-        EXPONENTS.par_iter().map(of_factor).collect()
+        over(
+            EXPONENTS,
+            |exponent| exponent,
+            |exponent| {
+                let factor = power_of_ten(exponent);
+                let scaled = |load: &[f64]| load.iter().map(|f| f * factor).collect::<Vec<_>>();
+                let (coarse, fine) = (scaled(coarse), scaled(fine));
+                [
+                    ("scaled", self.signed(&coarse, R, self.plan.tolerance * factor)),
+                    ("fixed", self.signed(&coarse, R, self.plan.tolerance)),
+                    ("multigrid", self.multigrid(&fine, None)),
+                ]
+            },
+        )
     }
 
-    pub(super) fn deficits(&self, odd: f64) -> Vec<Deficit> {
-        let exponents: Vec<i32> = (1..=14).collect();
-        let of_deficit = |&exponent: &i32| {
-            let deficit = power_of_ten(-exponent);
-            let zero = Pair::zero(self.coarse);
-            let load = quadrants(self.coarse, odd, deficit);
-            Deficit {
-                deficit,
-                saddle: self.strict(&load, R, zero),
-                multigrid: multi(
-                    self.fine,
-                    &quadrants(self.fine, odd, deficit),
-                    Goal::RoundingFloor,
-                    None,
-                ),
-            }
-        };
-        exponents.par_iter().map(of_deficit).collect()
+    pub(super) fn deficits(&self, odd: f64) -> Series<f64> {
+        over((-14..=-1).rev(), power_of_ten, |deficit| {
+            let coarse = quadrants(self.coarse, odd, deficit);
+            let fine = quadrants(self.fine, odd, deficit);
+            [
+                ("strict", self.strict(&coarse, R, Pair::zero(self.coarse))),
+                ("multigrid", self.multigrid(&fine, None)),
+            ]
+        })
     }
 
-    pub(super) fn tolerances(&self, problem: usize) -> Vec<Tolerance> {
-        let load = &self.loads[problem][0];
-        let exponents: Vec<i32> = (1..=9).map(|k| -2 * k).collect();
-        let of_tolerance = |&exponent: &i32| {
-            let tolerance = power_of_ten(exponent);
+    pub(super) fn tolerances(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
+        over((1..=9).map(|k| -2 * k), power_of_ten, |tolerance| {
             let bound = tolerance * largest(load);
             let run = |rule| {
                 let max_iterations = LONGER * self.plan.cap;
                 let params = Params { r: R, tolerance: bound, rule, max_iterations };
                 saddle(self.coarse, load, &params, Pair::zero(self.coarse))
             };
-            Tolerance {
-                tolerance,
-                signed: run(StopRule::Signed),
-                strict: run(StopRule::PrintedDual),
-                multigrid: multi(self.coarse, load, Goal::Kkt(bound), None),
-            }
-        };
-        exponents.par_iter().map(of_tolerance).collect()
+            [
+                ("signed", run(StopRule::Signed)),
+                ("strict", run(StopRule::PrintedDual)),
+                ("multigrid", multi(self.coarse, load, Goal::Kkt(bound), None)),
+            ]
+        })
     }
 
-    pub(super) fn floors(&self) -> Vec<Floor> {
-        /// The finest grid on which the paper's method reaches its floor in good time.
-        const SLOW: usize = 32;
+    pub(super) fn floors(&self) -> Series<f64> {
         let of_grid = |&cells: &usize| {
-            let grid = Grid::new(cells).expect("not below the least");
-            let load = quadrants(grid, -1.0, self.plan.deficit);
-            // Iterations grow as the square of the cells; so many more than it needs.
-            let max_iterations = 60 * cells * cells;
+            let (grid, load, max_iterations) = self.to_the_floor(cells);
             let params =
                 Params { r: R, tolerance: 0.0, rule: StopRule::PrintedDual, max_iterations };
-            let slow = cells <= SLOW;
-            Floor {
-                cells,
-                multigrid: multi(grid, &load, Goal::RoundingFloor, None),
-                saddle: slow.then(|| saddle(grid, &load, &params, Pair::zero(grid))),
-                single: slow.then(|| single_floor(grid, &load, max_iterations)),
+            let mut case = Case::new(
+                cells as f64,
+                [("multigrid", multi(grid, &load, Goal::RoundingFloor, None))],
+            );
+            if cells <= SLOW {
+                let strict = saddle(grid, &load, &params, Pair::zero(grid));
+                case.trials.insert("strict".into(), strict);
             }
+            case
         };
-        [4, 8, 16, 32, 64, 128, 256].par_iter().map(of_grid).collect()
+        GRIDS.par_iter().map(of_grid).collect()
     }
 
-    pub(super) fn starts(&self) -> Vec<Start> {
+    /// The paper's iteration in single precision.
+    pub(super) fn single_floors(&self) -> Vec<Attained> {
+        let of_grid = |&cells: &usize| {
+            let (grid, load, cap) = self.to_the_floor(cells);
+            let narrow: Vec<f32> = load.iter().map(|&f| f32::of(f)).collect();
+            // No gradient is below minus infinity: the rule is never met.
+            let goal = Until::Rule(StopRule::Signed, f64::NEG_INFINITY);
+            let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
+            let job = Job { load: &narrow, start, method, r: R, goal, cap };
+            let ends = run(grid, &[job], &mut AsDefined);
+            let wide = &ends[0].pair.y;
+            let judged = kkt(grid, wide, &load);
+            let unit = f64::from(f32::EPSILON) * largest(wide);
+            Attained { cells, kkt: judged.relative, floor: judged.natural / unit }
+        };
+        let slow: Vec<_> = GRIDS.into_iter().filter(|&cells| cells <= SLOW).collect();
+        slow.par_iter().map(of_grid).collect()
+    }
+
+    /// Grid, load and cap with which the paper's method reaches its rounding floor.
+    fn to_the_floor(&self, cells: usize) -> (Grid, Vec<f64>, usize) {
+        let grid = Grid::new(cells).expect("not below the least");
+        // Iterations grow as the square of the cells; so many more than it needs.
+        (grid, quadrants(grid, -1.0, self.plan.deficit), 60 * cells * cells)
+    }
+
+    pub(super) fn starts(&self) -> Series<String> {
         let load = |grid| quadrants(grid, -1.0, self.plan.deficit);
         type Of = fn(usize, usize, &mut Random) -> f64;
         let starts: [(&str, Of); 9] = [
@@ -171,16 +187,16 @@ impl<'a> Bench<'a> {
             };
             let pair = Pair { y: field(self.coarse), ..Pair::zero(self.coarse) };
             let (load, start) = ([load(self.coarse), load(self.fine)], field(self.fine));
-            Start {
-                name: name.into(),
-                saddle: self.strict(&load[0], R, pair),
-                multigrid: multi(self.fine, &load[1], Goal::RoundingFloor, Some(&start)),
-            }
+            let trials = [
+                ("strict", self.strict(&load[0], R, pair)),
+                ("multigrid", self.multigrid(&load[1], Some(&start))),
+            ];
+            Case::new(name.into(), trials)
         };
         starts.par_iter().map(of_start).collect()
     }
 
-    pub(super) fn jumps(&self) -> Vec<Load> {
+    pub(super) fn jumps(&self) -> Series<f64> {
         self.loads_of_size(|x, y, size| match (x <= 0.0, y <= 0.0) {
             (true, true) => -size,
             (true, false) => 0.3 * size,
@@ -188,36 +204,29 @@ impl<'a> Bench<'a> {
         })
     }
 
-    pub(super) fn spikes(&self) -> Vec<Load> {
+    pub(super) fn spikes(&self) -> Series<f64> {
         let h = self.fine.h();
         self.loads_of_size(|x, y, size| {
             if (x - 0.25).abs().max((y - 0.125).abs()) < 0.5 * h { size } else { -1.0 }
         })
     }
 
-    fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64 + Sync) -> Vec<Load> {
-        let exponents: Vec<i32> = (0..=15).collect();
-        let of_size = |&exponent: &i32| {
-            let size = power_of_ten(exponent);
+    fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64 + Sync) -> Series<f64> {
+        over(0..=15, power_of_ten, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
-            Load { size, multigrid: multi(self.fine, &load, Goal::RoundingFloor, None) }
-        };
-        exponents.par_iter().map(of_size).collect()
+            [("multigrid", self.multigrid(&load, None))]
+        })
     }
 }
 
-/// The paper's iteration in single precision.
-fn single_floor(grid: Grid, load: &[f64], iterations: usize) -> Attained {
-    let narrow: Vec<f32> = load.iter().map(|&f| f32::of(f)).collect();
-    // No gradient is below minus infinity: the rule is never met.
-    let goal = Until::Rule(StopRule::Signed, f64::NEG_INFINITY);
-    let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
-    let job = Job { load: &narrow, start, method, r: R, goal, cap: iterations };
-    let ends = run(grid, &[job], &mut AsDefined);
-    let wide = &ends[0].pair.y;
-    let judged = kkt(grid, wide, load);
-    let unit = f64::from(f32::EPSILON) * largest(wide);
-    Attained { kkt: judged.relative, floor: judged.natural / unit }
+/// The runs for each power of ten, side by side, as a function `x` of its exponent.
+fn over<X: Copy + Send, const N: usize>(
+    exponents: impl IntoIterator<Item = i32>,
+    x: impl Fn(i32) -> X + Sync,
+    runs: impl Fn(X) -> [(&'static str, Trial); N] + Sync,
+) -> Series<X> {
+    let exponents: Vec<i32> = exponents.into_iter().collect();
+    exponents.par_iter().map(|&exponent| Case::new(x(exponent), runs(x(exponent)))).collect()
 }
 
 /// The counts of a table in single precision against those in double.
@@ -259,13 +268,4 @@ fn quadrants(grid: Grid, odd: f64, deficit: f64) -> Vec<f64> {
         Some(deficit),
         |x, y| if x <= 0.0 && y <= 0.0 { odd } else { -odd / 3.0 },
     )
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |largest, f| f.abs().max(largest))
-}
-
-/// The double nearest to a power of ten.
-fn power_of_ten(exponent: i32) -> f64 {
-    format!("1e{exponent}").parse().expect("a number")
 }

@@ -2,10 +2,10 @@
 
 use super::bench::{Drawn, drawn};
 use crate::experiments::accuracy::{Findings, Level};
-use crate::experiments::law::{Law, Run};
+use crate::experiments::work::{CostLaw, Run};
 use crate::figures::{Caption, Chart, Curve, Stroke};
 use crate::timing::measure::SOLVERS;
-use crate::timing::recorded::{Goal, Reached, Scaling, Timings, arrivals};
+use crate::timing::recorded::{Goal, Reached, Scaling, Timings, to_discretisation};
 
 /// A line of slope `power` over the range of the others, all of which it passes by at this `factor`
 /// of the one that comes nearest.
@@ -55,45 +55,45 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
 
 /// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
 pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
-    let race = &found.race;
+    let compared = &found.comparison;
     let trace = |column: usize| -> Vec<Curve> {
         let of = |run: &Run| {
             let points = run.trace.iter().map(|point| (point[0], point[column])).collect();
-            // Hundreds of looks at a saddle-point method would hide their own line.
+            // Rings at hundreds of checks would hide the line.
             let stroke = if run.trace.len() > 40 { Stroke::Line } else { Stroke::Marked };
             Curve { label: run.method.clone(), points, stroke }
         };
-        race.runs.iter().map(of).collect()
+        compared.runs.iter().map(of).collect()
     };
     let mut errors = trace(2);
     let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let ends = work.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
-    let error = race.discretisation;
+    let error = compared.discretisation;
     errors.push(Curve::reference("discretisation error", vec![(ends.0, error), (ends.1, error)]));
-    let mut arrivals: Vec<_> = race
+    let mut reached: Vec<_> = compared
         .runs
         .iter()
-        .map(|run| Curve::marked(&run.method, run.arrivals.iter().map(|a| (a.1, a.3)).collect()))
+        .map(|run| Curve::marked(&run.method, run.reached.iter().map(|a| (a.1, a.3)).collect()))
         .collect();
-    arrivals.push(slope("order 1", &arrivals[..1], -1.0, 0.15));
-    let finest = |law: &&Law| law.target < 1e-5;
+    reached.push(slope("order 1", &reached[..1], -1.0, 0.15));
+    let finest = |law: &&CostLaw| law.target < 1e-5;
     let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
     laws.push(slope("order 2", &laws, 2.0, 0.2));
     let panels = [
         Chart {
-            title: format!("Residual on the grid 1/{}", race.cells),
+            title: format!("Residual on the grid 1/{}", compared.cells),
             axes: ["work units", "relative KKT residual"],
             curves: trace(1),
         },
         Chart {
-            title: format!("Error on the grid 1/{}", race.cells),
+            title: format!("Error on the grid 1/{}", compared.cells),
             axes: ["work units", "error at the nodes"],
             curves: errors,
         },
         Chart {
             title: "To the discretisation error".into(),
             axes: ["unknowns visited", "error at the nodes"],
-            curves: arrivals,
+            curves: reached,
         },
         Chart {
             title: "The law of the paper's method".into(),
@@ -104,7 +104,7 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
     drawn(caption, 2, &panels)
 }
 
-fn law_line(law: &Law) -> Curve {
+fn law_line(law: &CostLaw) -> Curve {
     let f = law.f.trim_start_matches("exact(").trim_end_matches(')');
     let f = if f.contains('=') { "problem 2" } else { f };
     let start = if law.nested { "nested" } else { "from zero" };
@@ -143,7 +143,7 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Drawn {
     let solvers = ["multigrid", "active-set", "arrow-hurwicz", "uzawa"].map(|solver| {
         let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        Curve::marked(in_words(solver), arrivals(&mine).map(per_unknown).collect())
+        Curve::marked(in_words(solver), to_discretisation(&mine).map(per_unknown).collect())
     });
     let panel = |title: &str, curves: Vec<Curve>| Chart {
         title: title.into(),

@@ -2,7 +2,7 @@
 
 use super::{Drawn, drawn, problem, result, task};
 use crate::experiments::rounding::{self, Rounding, rounding};
-use crate::experiments::stress::{self, Deficit, Duality, Floor, Stress, Tolerance, stress};
+use crate::experiments::stress::{self, Attained, Case, Series, Stress, stress};
 use crate::experiments::trial::Trial;
 use crate::figures::{Caption, Chart, Curve, FragilityPanel, fragility};
 use crate::pipeline::{Inputs, Task};
@@ -42,15 +42,18 @@ fn panel(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) 
     Chart { title: title.into(), axes, curves }
 }
 
-/// A curve with a ring at each point where the value is positive.
-fn marked<T>(
+/// A curve with a ring at each case in which the method ran and the value is positive.
+fn marked(
     label: impl Into<String>,
-    cases: &[T],
-    x: impl Fn(&T) -> f64,
-    y: impl Fn(&T) -> Option<f64>,
+    cases: &[Case<f64>],
+    method: &str,
+    value: impl Fn(&Trial) -> Option<f64>,
 ) -> Curve {
-    let points = cases.iter().filter_map(|case| Some((x(case), y(case).filter(|y| *y > 0.0)?)));
-    Curve::marked(label, points.collect())
+    let of = |case: &Case<f64>| {
+        let value = value(case.trials.get(method)?).filter(|value| *value > 0.0)?;
+        Some((case.x, value))
+    };
+    Curve::marked(label, cases.iter().filter_map(of).collect())
 }
 
 fn steps(trial: &Trial) -> Option<f64> {
@@ -61,18 +64,14 @@ fn steps(trial: &Trial) -> Option<f64> {
 pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Drawn {
     let found: Stress = result(inputs, "stress")?;
     let curves = |value: fn(&Trial) -> Option<f64>| {
-        let of_problem = |(k, cases): (usize, &Vec<Duality>)| {
+        let of_problem = |(k, cases): (usize, &Series<f64>)| {
             let label = |rule: &str| format!("{rule} rule, problem {}", k + 1);
-            let r = |case: &Duality| case.r;
-            [
-                marked(label("signed"), cases, r, |case| value(&case.signed)),
-                marked(label("strict"), cases, r, |case| value(&case.strict)),
-            ]
+            ["signed", "strict"].map(|rule| marked(label(rule), cases, rule, value))
         };
         found.duality.iter().enumerate().flat_map(of_problem).collect::<Vec<_>>()
     };
     let mut residual = curves(|trial| trial.kkt);
-    let ends = found.duality.first().and_then(|cases| Some((cases.first()?.r, cases.last()?.r)));
+    let ends = found.duality.first().and_then(|cases| Some((cases.first()?.x, cases.last()?.x)));
     if let Some((low, high)) = ends {
         let line = vec![(low, 1.0), (high, 1.0)];
         residual.push(Curve::reference("as large as the load", line));
@@ -92,13 +91,11 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Drawn {
         .iter()
         .enumerate()
         .map(|(k, cases)| {
-            let tolerance = |case: &Tolerance| case.tolerance;
-            let mut curves = vec![
-                marked("signed rule", cases, tolerance, |case| case.signed.kkt),
-                marked("strict rule", cases, tolerance, |case| case.strict.kkt),
-                marked("multigrid", cases, tolerance, |case| case.multigrid.kkt),
-            ];
-            let asked = cases.iter().map(|case| (case.tolerance, case.tolerance)).collect();
+            let named =
+                [("signed rule", "signed"), ("strict rule", "strict"), ("multigrid", "multigrid")];
+            let mut curves: Vec<_> =
+                named.map(|(label, name)| marked(label, cases, name, |trial| trial.kkt)).into();
+            let asked = cases.iter().map(|case| (case.x, case.x)).collect();
             curves.push(Curve::reference("as asked", asked));
             let axes = ["tolerance over the load", "KKT residual"];
             panel(format!("Problem {}", k + 1), axes, curves)
@@ -110,15 +107,12 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Drawn {
 /// Work and contact as the integral of f tends to zero.
 pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Drawn {
     let found: Stress = result(inputs, "stress")?;
-    let deficit = |case: &Deficit| case.deficit;
     let (mut work, mut contact) = (Vec::new(), Vec::new());
     for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
-        let label = |method: &str| format!("{method}, {way}");
-        work.push(marked(label("Arrow-Hurwicz"), cases, deficit, |case| steps(&case.saddle)));
-        work.push(marked(label("multigrid"), cases, deficit, |case| Some(case.multigrid.work)));
-        contact.push(marked(label("multigrid"), cases, deficit, |case| {
-            Some(case.multigrid.contact as f64)
-        }));
+        let multigrid = format!("multigrid, {way}");
+        work.push(marked(format!("Arrow-Hurwicz, {way}"), cases, "strict", steps));
+        work.push(marked(&multigrid, cases, "multigrid", |trial| Some(trial.work)));
+        contact.push(marked(multigrid, cases, "multigrid", |trial| Some(trial.contact as f64)));
     }
     let parts = [
         panel("Work", ["deficit", "sweeps of the finest grid"], work),
@@ -130,18 +124,19 @@ pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Drawn {
 /// What rounding leaves of the residual, over the grids.
 pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Drawn {
     let found: Stress = result(inputs, "stress")?;
-    let cells = |case: &Floor| case.cells as f64;
-    let floors = &found.floors;
-    let residual = vec![
-        marked("multigrid, double", floors, cells, |case| case.multigrid.kkt),
-        marked("Arrow-Hurwicz, double", floors, cells, |case| case.saddle.as_ref()?.kkt),
-        marked("Arrow-Hurwicz, single", floors, cells, |case| Some(case.single?.kkt)),
-    ];
-    let units = vec![
-        marked("multigrid, double", floors, cells, |case| case.multigrid.floor),
-        marked("Arrow-Hurwicz, double", floors, cells, |case| case.saddle.as_ref()?.floor),
-        marked("Arrow-Hurwicz, single", floors, cells, |case| Some(case.single?.floor)),
-    ];
+    let curves = |double: fn(&Trial) -> Option<f64>, single: fn(&Attained) -> f64| {
+        let single = |of: &Attained| (of.cells as f64, single(of));
+        vec![
+            marked("multigrid, double", &found.floors, "multigrid", double),
+            marked("Arrow-Hurwicz, double", &found.floors, "strict", double),
+            Curve::marked(
+                "Arrow-Hurwicz, single",
+                found.single_floors.iter().map(single).collect(),
+            ),
+        ]
+    };
+    let residual = curves(|trial| trial.kkt, |single| single.kkt);
+    let units = curves(|trial| trial.floor, |single| single.floor);
     let parts = [
         panel("Over the load", ["1/h", "KKT residual"], residual),
         panel("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),

@@ -1,9 +1,9 @@
-//! Random problems, many of them: what nobody thought of.
+//! Many random problems.
 
 use crate::discrete::grid::Grid;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::multi;
-use crate::identify::random::Random;
+use crate::identify::random::Random as Numbers;
 use crate::multigrid::Goal;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ const WAVES: usize = 12;
 
 /// How multigrid fares with them, to the rounding floor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Crowd {
+pub struct Random {
     /// Their number.
     pub problems: usize,
     /// Cells per side of the coarsest grid.
@@ -30,10 +30,10 @@ pub struct Crowd {
     /// How often it did not come to the rounding floor.
     pub unsolved: usize,
     /// How often its claim was wrong.
-    pub denied: usize,
+    pub wrong: usize,
 }
 
-impl Crowd {
+impl Random {
     pub(super) fn of(problems: usize) -> Self {
         let trials: Vec<_> = (0..problems).into_par_iter().map(trial).collect();
         let cycles = || trials.iter().map(|trial| trial.steps);
@@ -45,14 +45,14 @@ impl Crowd {
             mean: cycles().sum::<usize>() as f64 / problems as f64,
             most: cycles().max().unwrap_or(0),
             unsolved: count(&|trial| trial.stop != "rounding-floor"),
-            denied: count(&|trial| trial.holds == Some(false)),
+            wrong: count(&|trial| trial.holds == Some(false)),
         }
     }
 }
 
 /// Waves of random amplitude, noise of random size, and a deficit from 10^-8 to 10^-0.3.
 fn trial(number: usize) -> super::Trial {
-    let mut random = Random::new(SEED, number as u64);
+    let mut random = Numbers::new(SEED, number as u64);
     let n = COARSEST[random.below(2)] << (1 + random.below(DOUBLINGS));
     let amplitudes: [f64; WAVES] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
     let noise: Vec<f64> = (0..(n + 1) * (n + 1)).map(|_| random.unit() - 0.5).collect();

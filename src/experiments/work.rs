@@ -1,4 +1,4 @@
-//! The price of the paper's method: sweeps against the width of the grid, and a race against multigrid.
+//! The work of the paper's method: its sweeps against the width of the grid, and its work beside multigrid's.
 
 use super::exponent;
 use super::saddle::{Checks, loose_uzawa, sweeps_until};
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 /// How many sweeps Arrow-Hurwicz takes to a residual, from grid to grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Law {
+pub struct CostLaw {
     /// f in the notation of scenes.
     pub f: String,
     /// Whether each grid starts from the solution on the grid before, or from zero.
@@ -32,7 +32,7 @@ pub struct Law {
 
 /// Multigrid and the saddle-point methods on one problem.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Race {
+pub struct Comparison {
     /// Name of the problem.
     pub name: String,
     /// Cells per side of the finest grid.
@@ -43,7 +43,7 @@ pub struct Race {
     pub runs: Vec<Run>,
 }
 
-/// One method in the race.
+/// One method in a [`Comparison`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
     /// Its name in words.
@@ -51,7 +51,7 @@ pub struct Run {
     /// On the finest grid: work units, with those of coarser grids; relative natural residual; error.
     pub trace: Vec<[f64; 3]>,
     /// Per grid: cells, unknowns visited up to the discretisation error, work units, error reached.
-    pub arrivals: Vec<(usize, f64, f64, f64)>,
+    pub reached: Vec<(usize, f64, f64, f64)>,
 }
 
 /// The duality parameter: above about 10 it makes no difference to these counts.
@@ -59,7 +59,7 @@ pub const R: f64 = 10.0;
 /// Relative natural residuals.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
 /// The discretisation error is reached when the error is at most this many times as large.
-pub const ARRIVED: f64 = 1.1;
+pub const REACHED: f64 = 1.1;
 /// Two per cent of the sweeps between checks.
 const CHECKS: Checks = Checks { share: 50, cap: 1_000_000 };
 
@@ -67,9 +67,9 @@ const CHECKS: Checks = Checks { share: 50, cap: 1_000_000 };
 ///
 /// # Errors
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
-pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<Law>, String> {
+pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<CostLaw>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
-    let laws: Vec<Result<[Law; 2], String>> = runs
+    let laws: Vec<Result<[CostLaw; 2], String>> = runs
         .into_par_iter()
         .map(|((f, cells), nested)| {
             let grids = grid::nested(cells).map_err(|e| e.to_string())?;
@@ -79,7 +79,7 @@ pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<Law>, String> {
     Ok(laws.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
-fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[Law; 2], String> {
+fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[CostLaw; 2], String> {
     let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
     let mut sweeps = [Vec::new(), Vec::new()];
     let mut pair = Pair::zero(grids[0]);
@@ -101,7 +101,7 @@ fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[Law; 2], String> {
     let mut of_target = TARGETS.into_iter().zip(sweeps).map(|(target, sweeps)| {
         let points: Vec<_> = sweeps.iter().map(|&(n, s)| (n as f64, s as f64)).collect();
         let exponent = exponent(&points[points.len().saturating_sub(3)..]);
-        Law { f: f.into(), nested, target, sweeps, exponent }
+        CostLaw { f: f.into(), nested, target, sweeps, exponent }
     });
     let mut next = || of_target.next().ok_or("a law for each target");
     Ok([next()?, next()?])
@@ -110,23 +110,23 @@ fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[Law; 2], String> {
 /// Runs multigrid, Arrow-Hurwicz and Uzawa to the discretisation error on each of the nested grids.
 ///
 /// # Errors
-/// A sentence if grids do not nest, or a method does not arrive.
-pub fn race(cells: &[usize]) -> Result<Race, String> {
+/// A sentence if grids do not nest, or a method does not reach the discretisation error.
+pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
     let exact = Exact::FreeCorner;
     let grids = grid::nested(cells).map_err(|e| e.to_string())?;
-    let tracks =
-        grids.iter().map(|&grid| Track::new(exact, grid)).collect::<Result<Vec<_>, _>>()?;
-    let finest = &tracks[tracks.len() - 1];
-    let mut runs = vec![with_multigrid(&tracks)?];
+    let levels =
+        grids.iter().map(|&grid| OnGrid::new(exact, grid)).collect::<Result<Vec<_>, _>>()?;
+    let finest = &levels[levels.len() - 1];
+    let mut runs = vec![with_multigrid(&levels)?];
     for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", loose_uzawa(0.0))] {
-        runs.push(with_saddle(name, method, &tracks)?);
+        runs.push(with_saddle(name, method, &levels)?);
     }
     let (cells, discretisation) = (finest.grid.cells(), finest.discretisation);
-    Ok(Race { name: exact.name().into(), cells, discretisation, runs })
+    Ok(Comparison { name: exact.name().into(), cells, discretisation, runs })
 }
 
 /// A problem with known solution on one grid.
-pub(crate) struct Track {
+pub(crate) struct OnGrid {
     pub(crate) grid: Grid,
     pub(crate) load: Vec<f64>,
     /// The solution at the nodes.
@@ -135,16 +135,16 @@ pub(crate) struct Track {
     pub(crate) discretisation: f64,
 }
 
-impl Track {
+impl OnGrid {
     pub(crate) fn new(exact: Exact, grid: Grid) -> Result<Self, String> {
         let load = load(grid, &Source::Exact(exact), LoadRule::default());
         let (n, side) = (grid.cells(), grid.side());
         let at = |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
         let values = (0..grid.nodes()).map(at).collect();
-        let mut track = Self { grid, load, exact: values, discretisation: 0.0 };
-        let solved = multigrid(n, &track.load, None, &MultigridParams::default(), |_| ());
-        track.discretisation = track.error(&solved.map_err(|e| e.to_string())?.0);
-        Ok(track)
+        let mut level = Self { grid, load, exact: values, discretisation: 0.0 };
+        let solved = multigrid(n, &level.load, None, &MultigridParams::default(), |_| ());
+        level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
+        Ok(level)
     }
 
     /// The error of `y` in the discrete L2 norm.
@@ -153,15 +153,15 @@ impl Track {
         lumped(self.grid, &wrong)
     }
 
-    fn arrived(&self, error: f64) -> bool {
-        error <= ARRIVED * self.discretisation
+    fn is_reached(&self, error: f64) -> bool {
+        error <= REACHED * self.discretisation
     }
 }
 
-fn with_multigrid(tracks: &[Track]) -> Result<Run, String> {
-    let mut run = Run { method: "multigrid".into(), trace: Vec::new(), arrivals: Vec::new() };
-    for (k, track) in tracks.iter().enumerate() {
-        let Track { grid, load, .. } = track;
+fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
+    let mut run = Run { method: "multigrid".into(), trace: Vec::new(), reached: Vec::new() };
+    for (k, level) in levels.iter().enumerate() {
+        let OnGrid { grid, load, .. } = level;
         let unknowns = grid.nodes() as f64;
         let solve = |goal, max_cycles| {
             let params = MultigridParams { goal, max_cycles };
@@ -171,13 +171,13 @@ fn with_multigrid(tracks: &[Track]) -> Result<Run, String> {
         let limit = MultigridParams::default().max_cycles;
         let (y, outcome) = solve(Goal::DiscretisationError, limit)?;
         let units = outcome.work_units;
-        run.arrivals.push((grid.cells(), units * unknowns, units, track.error(&y)));
-        if k + 1 == tracks.len() {
+        run.reached.push((grid.cells(), units * unknowns, units, level.error(&y)));
+        if k + 1 == levels.len() {
             let cycles = solve(Goal::RoundingFloor, limit)?.1.cycles;
             for max_cycles in 0..=cycles {
                 let (y, outcome) = solve(Goal::RoundingFloor, max_cycles)?;
                 let residual = kkt(*grid, &y, load).relative;
-                run.trace.push([outcome.work_units, residual, track.error(&y)]);
+                run.trace.push([outcome.work_units, residual, level.error(&y)]);
             }
         }
     }
@@ -185,33 +185,38 @@ fn with_multigrid(tracks: &[Track]) -> Result<Run, String> {
 }
 
 /// Each grid is left as soon as its discretisation error is reached, which no real stop could know.
-fn with_saddle(name: &str, method: Method, tracks: &[Track]) -> Result<Run, String> {
-    let mut run = Run { method: name.into(), trace: Vec::new(), arrivals: Vec::new() };
+fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, String> {
+    let mut run = Run { method: name.into(), trace: Vec::new(), reached: Vec::new() };
     let mut visits = 0.0;
-    let mut pair = Pair::zero(tracks[0].grid);
-    for (k, track) in tracks.iter().enumerate() {
+    let mut pair = Pair::zero(levels[0].grid);
+    for (k, level) in levels.iter().enumerate() {
         if k > 0 {
-            pair = pair.prolonged(tracks[k - 1].grid, Prolongation::default());
+            pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
-        let (last, unknowns) = (k + 1 == tracks.len(), track.grid.nodes() as f64);
-        let (before, mut arrival) = (visits, None);
+        let (last, unknowns) = (k + 1 == levels.len(), level.grid.nodes() as f64);
+        let (before, mut reached) = (visits, None);
         let done = |sweeps: usize, pair: &Pair| {
-            let error = track.error(&pair.y);
+            let error = level.error(&pair.y);
             let visits = before + sweeps as f64 * unknowns;
-            let residual = kkt(track.grid, &pair.y, &track.load).relative;
+            let residual = kkt(level.grid, &pair.y, &level.load).relative;
             if last {
                 run.trace.push([visits / unknowns, residual, error]);
             }
-            if track.arrived(error) && arrival.is_none() {
-                arrival = Some((track.grid.cells(), visits, visits / unknowns, error));
+            if level.is_reached(error) && reached.is_none() {
+                reached = Some((level.grid.cells(), visits, visits / unknowns, error));
             }
-            arrival.is_some() && (!last || residual <= TARGETS[1])
+            reached.is_some() && (!last || residual <= TARGETS[1])
         };
-        let case = (track.grid, &track.load[..]);
+        let case = (level.grid, &level.load[..]);
         let sweeps = sweeps_until(method, case, R, CHECKS, &mut pair, done);
-        let missed = || format!("{name} does not arrive on grid 1/{}", track.grid.cells());
+        let missed = || {
+            format!(
+                "{name} does not reach the discretisation error on grid 1/{}",
+                level.grid.cells()
+            )
+        };
         visits += sweeps.ok_or_else(missed)? as f64 * unknowns;
-        run.arrivals.push(arrival.ok_or_else(missed)?);
+        run.reached.push(reached.ok_or_else(missed)?);
     }
     // The start of the first grid has cost nothing and has no place on a logarithmic axis.
     run.trace.retain(|point| point[0] > 0.0);
