@@ -36,7 +36,7 @@ pub(super) struct SolveArgs {
     /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
     #[arg(long, value_enum)]
     solver: Option<Solver>,
-    /// Quadrature of the load vector [default: the scene's, or nodal]
+    /// Quadrature of the load vector [default: the scene's, or exact]
     #[arg(long, value_enum)]
     load: Option<LoadName>,
     /// Duality parameter [default: the scene's, or 10]

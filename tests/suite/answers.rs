@@ -122,6 +122,38 @@ fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
 }
 
 #[test]
+fn loads_are_exact_unless_told_otherwise_and_one_that_misses_the_jumps_is_announced() {
+    let project = Project::with(TABLE);
+    let disc = ["solve", "--f", "disc(0.1,0,0.23)=2; else=-1", "--h", "1/32"];
+    let ball = ["solve", "--cube", "ball(0,0.1,0,0.3)=2; else=-1", "--h", "1/8"];
+    let number = |json: &Value, name: &str| json[name].as_f64().unwrap();
+    for args in [&disc[..], &ball] {
+        let json = project.run(&[args, &["--json"]].concat()).json();
+        let [sum, integral] = ["sum_load", "integral_f"].map(|name| number(&json, name));
+        assert!((sum - integral).abs() < 1e-13, "{json}");
+        assert_eq!(json["warnings"], Value::Array(Vec::new()));
+    }
+    let json = project.run(&[&disc[..], &["--json"]].concat()).json();
+    assert_eq!(json["settings"]["load"], "exact");
+    // The nodal rule misses the circle, and half of a jump along a line of the grid.
+    let missed = "values at the nodes miss where f jumps; --load exact does not";
+    project.scene("jump", &TABLE.replace("else=-1", "quadrant(ll)=2; else=-1"));
+    for args in [&[&disc[..], &["--load", "nodal"]].concat()[..], &["solve", "jump"]] {
+        let json = project.run(&[args, &["--json"]].concat()).json();
+        assert_eq!(json["settings"]["load"], "nodal");
+        let off = number(&json, "sum_load") - number(&json, "integral_f");
+        assert!(off.abs() > number(&json, "h").powi(2), "{json}");
+        let warnings = json["warnings"].as_array().unwrap();
+        assert!(warnings.iter().any(|text| text.as_str().unwrap().contains(missed)), "{json}");
+        let text = project.run(args).out;
+        assert_eq!(text.lines().filter(|line| line.contains(missed)).count(), 1, "{text}");
+    }
+    // Without a jump there is nothing to miss.
+    let said = project.run(&["solve", "--f", "else=-1", "--load", "nodal", "--json"]);
+    assert_eq!(said.json()["warnings"], Value::Array(Vec::new()));
+}
+
+#[test]
 fn an_energy_beyond_double_precision_comes_with_its_reason() {
     let project = Project::with(TABLE);
     let args = ["solve", "--f", "else=-1e160", "--h", "1/8", "--solver", "multigrid"];

@@ -106,7 +106,7 @@ fn the_recovered_solution_is_written_at_twice_the_nodes() {
 fn uzawa_solvers_agree_with_arrow_hurwicz_and_count_their_sweeps() {
     let project = Project::with(TABLE);
     let solved = |solver: &str| {
-        let args = ["solve", "--f", BUMP, "--h", "1/32", "--solver", solver];
+        let args = ["solve", "--f", BUMP, "--h", "1/32", "--load", "nodal", "--solver", solver];
         let text = project.run(&args).out;
         assert_eq!(text.contains("sweeps"), solver != "arrow-hurwicz", "{text}");
         let json = project.run(&[&args[..], &["--json"]].concat()).json();

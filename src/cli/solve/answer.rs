@@ -134,6 +134,7 @@ impl Answer {
             self.levels[last].stop = verdict.into();
         }
         self.warn_of_grids(problem);
+        self.warn_of_load(problem, sum_load);
         if !energy.is_finite() {
             self.warnings.push(
                 "the energy grows with the square of f and is beyond double precision; scale f down".into(),
@@ -180,6 +181,16 @@ impl Answer {
             warnings.push(format!("the stopping rule was not met on {grids}"));
         }
         self.warnings.extend(warnings);
+    }
+
+    /// Where the load vector is that of another f.
+    fn warn_of_load(&mut self, problem: &Problem, sum_load: f64) {
+        let (integral, n) = (problem.domain.integral(), problem.finest());
+        if problem.domain.load_slack(n).is_some_and(|slack| (sum_load - integral).abs() > slack) {
+            self.warnings.push(format!(
+                "the load vector sums to {sum_load:+.3e} on grid 1/{n}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
+            ));
+        }
     }
 
     pub fn json(&self, problem: &Problem) -> Value {

@@ -6,7 +6,7 @@ use crate::cli::formats::Format;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Kkt, kkt};
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::{self, LoadRule, load};
 use crate::discrete::norms::errors;
 use crate::discrete::stiffness::{energy, residual};
 use crate::discrete::transfer::prolong_boundary;
@@ -99,6 +99,17 @@ impl Domain {
         match *self {
             Self::Square { integral, .. } | Self::Cube { integral, .. } => integral,
         }
+    }
+
+    /// By how much the sum of a load vector may miss the integral of f, which no part of f that a grid
+    /// resolves explains: h^2 times the integral of |f|. Not for smooth f, where quadrature has its own error.
+    pub fn load_slack(&self, n: usize) -> Option<f64> {
+        let of_size = match self {
+            Self::Square { f, .. } if f.exact().is_none() => load::integral(&f.absolute()),
+            Self::Cube { f, .. } if f.exact().is_none() => cube::integral(&f.absolute()),
+            _ => return None,
+        };
+        Some(of_size / n as f64 / n as f64)
     }
 
     /// The option that gives f, as errors name it.

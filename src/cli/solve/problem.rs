@@ -69,8 +69,9 @@ impl Problem {
                     scene.map(|s| s.load),
                     rule_name,
                 );
+                let rule = rule.unwrap_or_else(|| LoadName::Exact.into());
                 let integral = solvable(&f)?;
-                Domain::Square { f, rule: rule.unwrap_or_default(), integral }
+                Domain::Square { f, rule, integral }
             }
         };
         let default = match args.accuracy {

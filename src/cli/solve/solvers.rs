@@ -116,7 +116,7 @@ impl Problem {
     fn refused(&self, e: &InputError) -> Error {
         let remedy = match (e, &self.domain) {
             (InputError::NotCoercive(_), Domain::Square { .. }) => {
-                "average f on its jumps with --load lumped-average, or lower it"
+                "use --load exact, another --h, or a lower f"
             }
             (InputError::NotCoercive(_), Domain::Cube { .. }) => "lower f somewhere",
             (InputError::GridSize(..), _) => "choose another --h",
