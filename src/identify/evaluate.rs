@@ -10,6 +10,7 @@ use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure};
 use crate::saddle::{Pair, tolerance};
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Misfit of a stop that comes too early, beyond what the measure lacks.
 const EARLY: f64 = 0.02;
@@ -78,6 +79,8 @@ pub struct Evaluator<'a> {
     basis: Arc<Vec<Vec<Vec<Vec<f64>>>>>,
     levels: Vec<Level>,
     entered: Vec<u64>,
+    /// When set, forced runs and screenings are given up.
+    halt: Option<&'a AtomicBool>,
 }
 
 /// A grid with the iterates on it.
@@ -137,7 +140,17 @@ impl<'a> Evaluator<'a> {
             Level { grid, lanes, witness: [0; LANES], load: vec![0.0; grid.nodes()] }
         };
         let levels = (0..target.levels()).map(level).collect();
-        Self { target, variant, prolongation, levels, basis, entered: vec![0; target.levels()] }
+        let entered = vec![0; target.levels()];
+        Self { target, variant, prolongation, levels, basis, entered, halt: None }
+    }
+
+    /// The same, but that a forced run ends as one that misses every count once `halt` is set.
+    pub fn halted_by(self, halt: &'a AtomicBool) -> Self {
+        Self { halt: Some(halt), ..self }
+    }
+
+    fn is_halted(&self) -> bool {
+        self.halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
     }
 
     /// How many runs have entered each grid so far.
@@ -192,6 +205,9 @@ impl<'a> Evaluator<'a> {
             let tolerance = tolerance(level + 1);
             let most = if level < limit.exact_grids { 0.0 } else { limit.misfit };
             for n in 1..=last.iter().copied().max().unwrap_or(0) {
+                if self.is_halted() {
+                    return Forced { total: f64::INFINITY, ..forced };
+                }
                 let first = self.variant.uncounted + 1;
                 let running = |k: usize| (first..=last[k]).contains(&n);
                 let mut failed = false;
@@ -252,7 +268,7 @@ impl<'a> Evaluator<'a> {
                         *run = Some((k, 0));
                     }
                 }
-                if runs.iter().all(Option::is_none) {
+                if runs.iter().all(Option::is_none) || self.is_halted() {
                     break;
                 }
                 let first = self.variant.uncounted + 1;
@@ -381,7 +397,8 @@ fn grid(level: usize) -> Grid {
 
 impl Clone for Evaluator<'_> {
     fn clone(&self) -> Self {
-        Self::with_basis(self.target, self.variant, Arc::clone(&self.basis))
+        let basis = Arc::clone(&self.basis);
+        Self { halt: self.halt, ..Self::with_basis(self.target, self.variant, basis) }
     }
 }
 

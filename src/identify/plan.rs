@@ -10,7 +10,6 @@ use super::{IdentifyError, Target};
 use crate::discrete::load::LoadRule;
 use crate::problem::source::Tie;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
 
 /// Candidates in one item of an enumeration.
 const ITEM: u64 = 4096;
@@ -20,7 +19,8 @@ const MOST: f64 = 9_007_199_254_740_992.0;
 /// What the workers tell and are told while a batch is under way.
 pub(super) struct Live<'a> {
     pub(super) stop: &'a AtomicBool,
-    pub(super) deadline: Option<Instant>,
+    /// Set some time after `stop`, or when the time is over.
+    pub(super) halt: &'a AtomicBool,
     /// Candidates tried.
     pub(super) tried: AtomicU64,
     /// Bits of the smallest objective; those of non-negative doubles are ordered like the doubles.
@@ -31,8 +31,7 @@ impl Live<'_> {
     /// Counts candidates; whether to go on.
     fn go_on(&self, tried: u64) -> bool {
         self.tried.fetch_add(tried, Ordering::Relaxed);
-        let late = self.deadline.is_some_and(|at| Instant::now() >= at);
-        !self.stop.load(Ordering::Relaxed) && !late
+        ![self.stop, self.halt].iter().any(|flag| flag.load(Ordering::Relaxed))
     }
 
     fn note(&self, objective: f64) {
@@ -189,7 +188,8 @@ impl<'a> Plan<'a> {
                 best.offer(Ranked { objective, candidate });
             }
         }
-        (tried, true)
+        // The last candidate may have been given up.
+        (tried, live.go_on(0))
     }
 
     /// One chain: moves of one or of all values, long ones first, accepted by Metropolis's rule.
@@ -254,7 +254,7 @@ impl<'a> Plan<'a> {
                 best.offer(Ranked { objective, candidate });
             }
         }
-        (steps, true)
+        (steps, live.go_on(0))
     }
 
     fn admits(&self, candidate: &Candidate) -> bool {

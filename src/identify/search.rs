@@ -76,8 +76,9 @@ pub struct Report {
 /// Searches, or goes on from a checkpoint.
 ///
 /// `observe` is called on the calling thread; after a batch it is given the state to resume from.
-/// When `stop` is set or the time is over, workers stop at the next candidate. What they found by
-/// then is reported, but their batch will be done again when the search is resumed.
+/// When `stop` is set or the time is over, workers stop within a tick, in the midst of a candidate if need
+/// be: a published count may be larger than anybody waits for. What they found by then is reported, but
+/// their batch will be done again when the search is resumed.
 ///
 /// # Errors
 /// [`IdentifyError`] if the request makes no sense or the checkpoint is of another one.
@@ -89,6 +90,7 @@ pub fn search(
     stop: &AtomicBool,
     observe: &mut dyn FnMut(&Progress, Option<&Checkpoint>),
 ) -> Result<Report, IdentifyError> {
+    let halt = AtomicBool::new(false);
     let plan = Plan::new(request, target)?;
     let mut state = match resume {
         Some(state) if state.request == *request && state.target == *target => state,
@@ -107,7 +109,7 @@ pub fn search(
     let began = Instant::now();
     let live = Live {
         stop,
-        deadline: budget.time.map(|time| began + time),
+        halt: &halt,
         tried: AtomicU64::new(0),
         best: AtomicU64::new(
             state.best.list().first().map_or(f64::INFINITY, |r| r.objective).to_bits(),
@@ -125,12 +127,17 @@ pub fn search(
             best: best.is_finite().then_some(best),
         }
     };
+    let look_up = || {
+        let late = budget.time.is_some_and(|time| began.elapsed() >= time);
+        halt.fetch_or(late || stop.load(Ordering::Relaxed), Ordering::Relaxed);
+    };
     let mut cut_short = None;
     while state.next < plan.items {
+        look_up();
         let batch = state.next..(state.next + BATCH).min(plan.items);
         let run = || {
             let items = batch.clone().collect::<Vec<_>>().into_par_iter().with_max_len(1);
-            let workspace = || plan.evaluator.clone();
+            let workspace = || plan.evaluator.clone().halted_by(&halt);
             items
                 .map_init(workspace, |e, item| plan.run(item, e, &state.best, &live))
                 .collect::<Vec<_>>()
@@ -148,7 +155,10 @@ pub fn search(
             loop {
                 match finished.recv_timeout(TICK) {
                     Ok(done) => break done,
-                    Err(RecvTimeoutError::Timeout) => observe(&progress(&state), None),
+                    Err(RecvTimeoutError::Timeout) => {
+                        observe(&progress(&state), None);
+                        look_up();
+                    }
                     Err(RecvTimeoutError::Disconnected) => break Vec::new(),
                 }
             }

@@ -246,6 +246,26 @@ fn reports_do_not_depend_on_threads_nor_on_interruptions() {
 }
 
 #[test]
+fn searches_stop_in_the_midst_of_a_candidate() {
+    // More iterations than anybody waits for: whatever ends must have looked at the flag between two.
+    let mut target = coarse(published(2), 2);
+    target.counts.iter_mut().for_each(|row| row[0] = 1_000_000_000_000);
+    let raised = AtomicBool::new(true);
+    let mut evaluator = evaluator(&target, &Variant::default()).halted_by(&raised);
+    assert!(!evaluator.forced(0, &[-6.0, 2.0, 2.0, 1.99], Limit::NONE).is_exact());
+    for method in [Method::Anneal { chains: 2, steps: 3 }, Method::Enumerate] {
+        let stop = AtomicBool::new(false);
+        // Called while the first candidate is being run.
+        let mut observe =
+            |_: &Progress, _: Option<&Checkpoint>| stop.store(true, Ordering::Relaxed);
+        let request = Request { exact_grids: 0, ..request("-6,2,1.99", method) };
+        let report =
+            search(&request, &target, Budget::default(), None, &stop, &mut observe).unwrap();
+        assert!(!report.complete && report.found.is_empty(), "{report:?}");
+    }
+}
+
+#[test]
 fn a_spent_budget_or_a_raised_flag_keeps_what_was_found() {
     let target = coarse(published(2), 3);
     let request = request("-8:4:0.25", Method::Enumerate);
