@@ -182,7 +182,7 @@ impl Workplace {
             let may = [options.force, whole];
             Exports::plan(root, plan, made, &self.store, &known.exports, may)?
         };
-        summary.exported = exports.len();
+        (summary.written, summary.removed) = exports.counts();
         summary.exports = exports.files.clone();
         summary.edited = exports.edited.clone();
         Ok((summary, exports))

@@ -139,8 +139,11 @@ fn account(summary: &Summary) -> String {
             why(&reasons)
         );
     }
-    if summary.exported > 0 {
-        text += &format!("{} files written to figures/ and report/\n", summary.exported);
+    for (count, done) in [(summary.written, "written to"), (summary.removed, "removed from")] {
+        if count > 0 {
+            let files = if count == 1 { "file" } else { "files" };
+            text += &format!("{count} {files} {done} figures/ and report/\n");
+        }
     }
     if summary.lock_file_changed && summary.ran.is_empty() {
         text += "pipeline/lock.toml brought up to date\n";
@@ -164,8 +167,11 @@ fn verdicts(summary: &Summary) -> String {
 /// What is to be said about the files in the project folder.
 pub(super) fn exports(summary: &Summary) -> String {
     let mut text = String::new();
-    if summary.exported > 0 {
+    if summary.written > 0 {
         text += "files in figures/ or report/ are missing or old\n";
+    }
+    if summary.removed > 0 {
+        text += "files in figures/ or report/ belong to nothing any more\n";
     }
     summary.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
     text

@@ -102,14 +102,14 @@ impl Exports {
         leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
-    /// How many files there are to write and to remove.
-    pub fn len(&self) -> usize {
-        self.write.len() + self.remove.len()
+    /// How many files there are to write, and how many to remove.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.write.len(), self.remove.len())
     }
 
     /// Whether the project folder already shows everything, as far as it may be changed.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.counts() == (0, 0)
     }
 
     /// Writes and removes files; the caller holds the lock of the project.

@@ -46,8 +46,10 @@ pub struct Summary {
     pub ran: Vec<Ran>,
     /// What the tasks were expected to take, before the first one ran; `None` if that is not known.
     pub expected: Option<Duration>,
-    /// Files written to or removed from the project folder, or in a dry run those that would be.
-    pub exported: usize,
+    /// Files written to the project folder, or in a dry run those that would be.
+    pub written: usize,
+    /// Files removed from there, likewise.
+    pub removed: usize,
     /// Exports that were edited by hand and are left alone.
     pub edited: Vec<String>,
     /// What is exported where, by hash.
@@ -65,7 +67,7 @@ pub struct Summary {
 impl Summary {
     /// Whether nothing was, or in a dry run would be, run or exported.
     pub fn nothing_to_do(&self) -> bool {
-        self.exported == 0
+        self.written + self.removed == 0
             && self.edited.is_empty()
             && !self.reverted
             && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)

@@ -184,10 +184,7 @@ fn a_reverted_edit_is_a_hit_and_survives_gc() {
         (back.ran(), back.lines()),
         (
             vec![],
-            vec![
-                "1 files written to figures/ and report/",
-                "pipeline/lock.toml brought up to date"
-            ]
+            vec!["1 file written to figures/ and report/", "pipeline/lock.toml brought up to date"]
         )
     );
     assert_same(&project.files("figures"), &figures);

@@ -115,7 +115,11 @@ fn figures_of_a_deleted_scene_go_unless_somebody_edited_them() {
     fs::remove_file(project.path("pipeline/scenes/a.toml")).unwrap();
     project.run(&["run", "b"]).lines();
     assert!(project.path("figures/a-surface.svg").exists(), "one scene alone removes nothing");
-    project.run(&["run"]).lines();
+    let said = project.run(&["run", "--dry-run"]);
+    assert!(said.lines().contains(&"files in figures/ or report/ belong to nothing any more"));
+    let said = project.run(&["run"]);
+    assert!(said.lines().contains(&"1 file removed from figures/ and report/"), "{said:?}");
+    assert!(!said.out.contains("written"), "{said:?}");
     let left: Vec<String> = project.files("figures").into_keys().collect();
     assert_eq!(left, ["a-source.svg", "notes.txt"]);
     assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
