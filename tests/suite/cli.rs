@@ -238,6 +238,12 @@ fn solve_refuses_in_one_line() {
     let project = Project::with(TABLE);
     for (args, remedy) in [
         (&["--f", "else=1"][..], "lower f somewhere"),
+        // Zero to the last bit only without rounding.
+        (&["--f", "quadrant(ll)=3; else=-1"], "the integral of f is 0, "),
+        (&["--f", "rect(-0.3,0.1,-0.2,0.3)=4; else=-1"], "the integral of f is 0, "),
+        (&["--f", "halfplane(1,1,0)=1; else=-1"], "the integral of f is 0, "),
+        (&["--f", "halfplane(3,1,0)=1; else=-1"], "the integral of f is 0, "),
+        (&["--cube", "halfspace(3,1,2,0)=1; else=-1"], "the integral of f is 0, "),
         (&["--f", "else=nan"], "give a decimal"),
         (&["--f", "rect(0,1,0,1)=-1"], "write e.g. 'rect("),
         (&["--f", "else=-1", "--r", "0"], "must be a positive number"),
