@@ -90,3 +90,80 @@ pub(super) fn direct(grids: &mut impl Hierarchy, goal: Goal) -> Outcome {
     };
     Outcome { stop, cycles: 0, kkt, work_units: grids.work_units() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hierarchy whose cycles and checks leave what is said here, the last first.
+    struct Told {
+        cycles: Vec<f64>,
+        checks: Vec<f64>,
+        rounding: f64,
+        scale: f64,
+    }
+
+    impl Hierarchy for Told {
+        fn cycle(&mut self, _last: bool) -> f64 {
+            self.cycles.pop().expect("no more cycles are asked for")
+        }
+        fn check(&mut self) -> f64 {
+            self.checks.pop().expect("no more checks are asked for")
+        }
+        fn rounding(&mut self) -> f64 {
+            self.rounding
+        }
+        fn load_scale(&self) -> f64 {
+            1.0
+        }
+        fn scale(&self) -> f64 {
+            self.scale
+        }
+        fn work_units(&self) -> f64 {
+            0.0
+        }
+    }
+
+    fn ended(mut told: Told, goal: Goal) -> (StopReason, usize, f64) {
+        let params = MultigridParams { goal, max_cycles: 9, ..MultigridParams::default() };
+        let outcome = iterate(&mut told, 1.0, &params, |_| ());
+        assert!(told.cycles.is_empty() && told.checks.is_empty());
+        (outcome.stop, outcome.cycles, outcome.kkt)
+    }
+
+    #[test]
+    fn a_tolerance_is_claimed_unchecked_only_well_above_rounding() {
+        for scale in [1.0, 2f64.powi(300), 2f64.powi(-300)] {
+            let told = |cycles, checks, rounding| Told { cycles, checks, rounding, scale };
+            let goal = Goal::Kkt(1e-9 * scale);
+            let end = ended(told(vec![1e-10, 1e-3], vec![], 1e-12), goal);
+            assert_eq!(end, (StopReason::Converged, 2, 1e-10 * scale));
+            // The black nodes may have more: the first check says so.
+            let end = ended(told(vec![1e-10, 9e-10], vec![2e-10, 2e-9], 1e-10), goal);
+            assert_eq!(end, (StopReason::Converged, 2, 2e-10 * scale));
+        }
+    }
+
+    #[test]
+    fn what_does_not_fall_any_more_is_at_the_floor_or_goes_on() {
+        let told = |cycles, checks| Told { cycles, checks, rounding: 1e-12, scale: 1.0 };
+        let end = ended(told(vec![6e-12, 9e-12, 1e-3], vec![7e-12]), Goal::RoundingFloor);
+        assert_eq!(end, (StopReason::RoundingFloor, 3, 7e-12));
+        // Stagnation far above the floor is none of it.
+        let end = ended(told(vec![2e-4; 9], vec![]), Goal::RoundingFloor);
+        assert_eq!(end, (StopReason::CycleLimit, 9, 2e-4));
+        let end = ended(told(vec![2e12], vec![]), Goal::RoundingFloor);
+        assert_eq!(end, (StopReason::Diverged, 1, 2e12));
+        let (stop, ..) = ended(told(vec![f64::NAN], vec![]), Goal::RoundingFloor);
+        assert_eq!(stop, StopReason::Diverged);
+    }
+
+    #[test]
+    fn the_discretisation_error_takes_two_cycles_at_least() {
+        let told = |cycles| Told { cycles, checks: vec![], rounding: 1e-12, scale: 1.0 };
+        let end = ended(told(vec![0.01, 0.04]), Goal::DiscretisationError);
+        assert_eq!(end, (StopReason::Converged, 2, 0.01));
+        let end = ended(told(vec![0.04, 0.06, 0.07]), Goal::DiscretisationError);
+        assert_eq!(end, (StopReason::Converged, 3, 0.04));
+    }
+}

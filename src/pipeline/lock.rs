@@ -58,6 +58,10 @@ mod tests {
         let refused = Lock::take(&path).unwrap_err().to_string();
         assert!(refused.contains(&format!("process {}", std::process::id())), "{refused}");
         drop(held);
-        Lock::take(&path).unwrap();
+        // What an earlier holder wrote goes whole, however long it was.
+        fs::write(&path, "process 123456789012345 of another system\n").unwrap();
+        let _held = Lock::take(&path).unwrap();
+        let says = fs::read_to_string(&path).unwrap();
+        assert_eq!(says, format!("process {}\n", std::process::id()));
     }
 }

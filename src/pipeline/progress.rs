@@ -57,7 +57,6 @@ impl Progress {
         *self.ahead() = ahead;
         match &self.bar {
             Some(bar) => {
-                bar.reset();
                 bar.set_length(tasks as u64);
                 bar.set_prefix(left);
                 bar.set_message(why.to_owned());

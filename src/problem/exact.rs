@@ -315,6 +315,25 @@ mod tests {
     }
 
     #[test]
+    fn ends_of_contact_are_reached_without_a_jump() {
+        let (corner, segment) = (Exact::FreeCorner, Exact::FreeSegment);
+        for (problem, x, y) in [
+            (segment, -0.23, -0.5),
+            (segment, 0.19, -0.5),
+            (corner, -0.09, -0.5),
+            (corner, -0.5, -0.23),
+        ] {
+            let all = |Sample { value, gradient: [gx, gy], f }: Sample| [value, gx, gy, f];
+            // The gradient changes like the root of the distance.
+            let beside = all(problem.at(x + 1e-10, y + 1e-10));
+            for (here, beside) in all(problem.at(x, y)).into_iter().zip(beside) {
+                let apart = (here - beside).abs();
+                assert!(apart < 1e-3 * (1.0 + beside.abs()), "{problem:?} {here} {beside}");
+            }
+        }
+    }
+
+    #[test]
     fn boundary_conditions_hold() {
         const POINTS: u32 = 2000;
         for problem in Exact::ALL {

@@ -257,6 +257,9 @@ mod tests {
         let message = |text: &str| text.parse::<Source>().unwrap_err().to_string();
         assert!(message("rect(0,1)=2; else=1").contains("rect(-0.25,0.25,-0.25,0.25)"));
         assert!(message("rect(1,0,0,1)=2; else=1").contains("covers nothing"));
+        assert!(message("rect(0,1,1,1)=2; else=1").contains("covers nothing"));
+        assert!(message("disc(0,0,0)=2; else=1").contains("covers nothing"));
+        assert!(message("halfplane(0,0,1)=2; else=1").contains("covers nothing"));
         assert!(message("else=nan").contains("not a finite number"));
         assert!(message("rect(0,inf,0,1)=1; else=1").contains("not a finite number"));
         assert!(message("circle(0,0,1)=2; else=1").contains("cannot read"));

@@ -19,6 +19,7 @@ mod identify;
 mod identify_cli;
 mod interruption;
 mod layout;
+mod load_symmetry;
 mod loads;
 mod multigrid;
 mod readme;

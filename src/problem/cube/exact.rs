@@ -235,6 +235,17 @@ mod tests {
     }
 
     #[test]
+    fn the_rim_of_the_free_disc_is_reached_without_a_jump() {
+        // On the rim to the last bit: 0.3918 - 0.03 is the radius.
+        let all = |Sample { value, gradient: [gx, gy, gz], f }: Sample| [value, gx, gy, gz, f];
+        let beside = all(Exact::FreeDisc.at([0.3918 + 1e-10, -0.5 + 1e-10, -0.02]));
+        for (here, beside) in all(Exact::FreeDisc.at([0.3918, -0.5, -0.02])).into_iter().zip(beside)
+        {
+            assert!((here - beside).abs() < 1e-3 * (1.0 + beside.abs()), "{here} {beside}");
+        }
+    }
+
+    #[test]
     fn boundary_conditions_hold() {
         const POINTS: u32 = 199;
         for problem in Exact::ALL {

@@ -238,6 +238,23 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_number_anywhere_meets_no_goal() {
+        let (grid, load, start) = setting();
+        for node in [0, 7, grid.nodes() / 2, grid.nodes() - 1] {
+            let mut load = load.clone();
+            load[node] = f64::NAN;
+            let rules = StopRule::ALL.map(|rule| Goal::Rule(rule, f64::MAX));
+            for goal in rules.into_iter().chain([Goal::Kkt(f64::MAX)]) {
+                let method = Method::ArrowHurwicz;
+                // One sweep leaves numbers before the node.
+                let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap: 1 };
+                let ends = run(grid, &[job], &mut AsDefined);
+                assert!(!ends[0].met, "node {node}, {goal:?}");
+            }
+        }
+    }
+
+    #[test]
     fn and_uzawa_with_and_without_the_proximal_term() {
         let (grid, load, start) = setting();
         let all = [(0.0, 3.0, false), (1.0, 3.0, true), (10.0, 1e4, false), (0.0, 1e4, true)];
