@@ -125,7 +125,7 @@ mod tests {
     }
 
     fn ended(mut told: Told, goal: Goal) -> (StopReason, usize, f64) {
-        let params = MultigridParams { goal, max_cycles: 9, ..MultigridParams::default() };
+        let params = MultigridParams { goal, max_cycles: 9 };
         let outcome = iterate(&mut told, 1.0, &params, |_| ());
         assert!(told.cycles.is_empty() && told.checks.is_empty());
         (outcome.stop, outcome.cycles, outcome.kkt)
