@@ -8,7 +8,7 @@ use super::output::{OutputFile, say, say_json, talk};
 use super::{current_folder, threads};
 use crate::identify::{
     Budget, Checkpoint, IdentifyError, Lattice, Method, Progress, Report, Request, Selection,
-    Space, Target, Variant, search, select,
+    Space, Target, Variant, merge, search, select,
 };
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
@@ -36,7 +36,9 @@ Examples:\n  \
   signorini identify --problem 2 --space quadrants        four values, by annealing\n  \
   signorini identify --problem 1 --values '2.9:3.1:0.001; -1.02:-0.98:0.001'   one range per piece\n  \
   signorini identify --problem 2 --variants --budget 300  which reading of the method does best?\n  \
-  signorini identify --values -8:4:0.002 --checkpoint long.json   Ctrl-C, and again to go on\n\n\
+  signorini identify --values -8:4:0.002 --checkpoint long.json   Ctrl-C, and again to go on\n  \
+  signorini identify --values -8:4:0.001 --part 2/8 --checkpoint 2.json   one of eight\n  \
+  signorini identify --merge [1-8].json                   what all eight found\n\n\
 The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005\n\
 (complexity); complexity counts distinct values and their decimal places. The same command finds the\n\
 same f whatever the threads. Exit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
@@ -115,6 +117,15 @@ pub(super) struct IdentifyArgs {
     /// Keep the state of the search in this file, and go on from it if it exists
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
+    /// Do only the Kth of N parts; --merge puts the checkpoints of all together
+    #[arg(long, value_name = "K/N", requires = "checkpoint")]
+    part: Option<String>,
+    /// Search no further: show what these checkpoints, of all parts of a search, have found together
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = [
+        "problem", "space", "values", "method", "chains", "steps", "exact_grids", "any_integral",
+        "variants", "budget", "seed", "top", "threads", "checkpoint", "part",
+    ])]
+    merge: Vec<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -145,12 +156,20 @@ struct States {
 const SAVE: Duration = Duration::from_secs(2);
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
+    if !args.merge.is_empty() {
+        return together(args);
+    }
     let project = Project::read(Project::find(&current_folder()?)?)?;
     let numbers: Vec<u8> = match args.problem {
         Problem::One => vec![1],
         Problem::Two => vec![2],
         Problem::Both => project.paper.table.iter().map(|table| table.number).collect(),
     };
+    if numbers.is_empty() {
+        return Err(Error::input(
+            "no published table is in pipeline/paper.toml; add one to explain",
+        ));
+    }
     let targets =
         numbers.iter().map(|&number| project.paper.target(number)).collect::<Result<Vec<_>>>()?;
     let request = request(args)?;
@@ -215,15 +234,39 @@ fn find(
         });
         answers.push(Answer { problem: number, report, seconds, rates });
     }
-    if args.json {
-        say_json(&serde_json::json!({ "schema": 1, "problems": answers }))?;
-    } else {
-        let parts: Vec<_> =
-            answers.iter().zip(targets).map(|(answer, t)| table::found(answer, t)).collect();
-        say(&(parts.join("\n") + table::LEGEND))?;
-    }
+    show(args, &answers, targets)?;
     // What was found is shown first: it was not to be had for nothing.
     failure.map_or_else(|| ended(args), Err)
+}
+
+/// Prints what was found for each table.
+fn show(args: &IdentifyArgs, answers: &[Answer], targets: &[Target]) -> Result<u8> {
+    if args.json {
+        return say_json(&serde_json::json!({ "schema": 1, "problems": answers }));
+    }
+    let parts: Vec<_> =
+        answers.iter().zip(targets).map(|(answer, t)| table::found(answer, t)).collect();
+    say(&(parts.join("\n") + table::LEGEND))
+}
+
+/// What the parts of a search have found together.
+fn together(args: &IdentifyArgs) -> Result<u8> {
+    let mut problems = BTreeMap::<u8, Vec<Checkpoint>>::new();
+    for path in &args.merge {
+        if !fs::exists(path).context("read", path)? {
+            return Err(Error::input(format!("there is no {}; name a checkpoint", path.display())));
+        }
+        for (number, state) in read_states(path)?.problems {
+            problems.entry(number).or_default().push(state);
+        }
+    }
+    let (mut answers, mut targets) = (Vec::new(), Vec::new());
+    for (problem, parts) in problems {
+        let (target, report) = merge(&parts).map_err(refused)?;
+        answers.push(Answer { problem, report, seconds: 0.0, rates: Vec::new() });
+        targets.push(target);
+    }
+    show(args, &answers, &targets)
 }
 
 /// The model selection: every variant against every table.
@@ -295,6 +338,7 @@ fn request(args: &IdentifyArgs) -> Result<Request> {
         exact_grids: args.exact_grids,
         seed: args.seed,
         top: positive(args.top as u64, "top")? as usize,
+        part: args.part.as_deref().map(str::parse).transpose().map_err(refused)?,
     })
 }
 

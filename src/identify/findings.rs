@@ -88,6 +88,7 @@ pub fn findings(
         exact_grids: 2,
         seed: 0,
         top: questions.top,
+        part: None,
     };
     let mut evaluator = Evaluator::new(target, variant, &space)?;
     let alternative = |text: &String| {

@@ -17,6 +17,7 @@
 mod evaluate;
 mod findings;
 mod identifiability;
+mod merge;
 mod plan;
 pub(crate) mod random;
 mod rank;
@@ -30,8 +31,9 @@ mod variant;
 pub use evaluate::{Evaluator, Forced, Limit, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
+pub use merge::merge;
 pub use rank::{Found, Score};
-pub use request::{Method, Request};
+pub use request::{Method, Part, Request};
 pub use search::{Budget, Checkpoint, Progress, Report, search};
 pub use select::{Selection, select};
 pub use space::{Candidate, Geometry, Lattice, Space};
@@ -95,6 +97,12 @@ pub enum IdentifyError {
         "the checkpoint belongs to a different search; delete it or repeat the command it came from"
     )]
     ForeignCheckpoint,
+    /// A text that names no part of a search.
+    #[error("`{0}` is no part of a search; write K/N with 1 <= K <= N, such as 2/8")]
+    Part(String),
+    /// Checkpoints that are not those of all parts of one search, each once and at its end.
+    #[error("{0}")]
+    Merge(String),
 }
 
 impl Target {

@@ -3,16 +3,20 @@
 use super::evaluate::Evaluator;
 use super::random::Random;
 use super::rank::{Best, Found, Ranked, evaluate, explain};
-use super::request::{Method, Request};
+use super::request::{Method, Part, Request};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Order;
 use super::{IdentifyError, Target};
 use crate::discrete::load::LoadRule;
 use crate::problem::source::Tie;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Candidates in one item of an enumeration.
 const ITEM: u64 = 4096;
+/// Items in one block: what is done for one depends on nothing outside its block, so that whole blocks
+/// can be done by different machines.
+pub(super) const BLOCK: u64 = 128;
 /// Largest number of candidates that is surely counted without rounding.
 const MOST: f64 = 9_007_199_254_740_992.0;
 
@@ -49,7 +53,8 @@ pub(super) struct Plan<'a> {
     /// One per piece, all with the same number of places.
     lattices: Vec<Lattice>,
     per_geometry: u64,
-    pub(super) items: u64,
+    /// The items of this request's part.
+    pub(super) items: Range<u64>,
     /// Whether transposing the square changes nothing but the picture.
     transposable: bool,
 }
@@ -85,6 +90,11 @@ impl<'a> Plan<'a> {
             Method::Enumerate => (product as u64, (count as u64).div_ceil(ITEM)),
             Method::Anneal { chains, .. } => (0, chains),
         };
+        // Chains know nothing of each other, so that any of them may go elsewhere.
+        let block = if request.method == Method::Enumerate { BLOCK } else { 1 };
+        let part = request.part.unwrap_or(Part { number: 1, of: 1 });
+        let share = part.share(items.div_ceil(block));
+        let items = share.start * block..(share.end * block).min(items);
         let evaluator = Evaluator::new(target, &request.variant, &geometries)?;
         let variant = &request.variant;
         let even_ties = match variant.load {
@@ -116,7 +126,7 @@ impl<'a> Plan<'a> {
         live: &Live<'_>,
     ) -> Item {
         let before = evaluator.entered().to_vec();
-        // What the batches before this one found is the same on every machine.
+        // What the batches of this block before this one found is the same on every machine.
         let mut best = so_far.successor();
         let (tried, whole) = match self.request.method {
             Method::Enumerate => self.enumerate(item, evaluator, &mut best, live),

@@ -1,11 +1,11 @@
 //! The search: exhaustive enumeration of a lattice, or annealing from many starts.
 //!
 //! Work is cut into numbered items, each with its own seed; rayon deals them out in batches of fixed
-//! size, an item knows only what earlier batches found, and results are merged in an order of their
-//! own. What is found therefore depends on the request alone, not on the number of threads or on how often the
+//! size, an item knows only what earlier batches of its block found, and results are merged in an order
+//! of their own. What is found therefore depends on the request alone, not on the number of threads or on how often the
 //! search was interrupted and resumed.
 
-use super::plan::{Live, Plan};
+use super::plan::{BLOCK, Live, Plan};
 use super::rank::{Best, Found};
 use super::request::Request;
 use super::{IdentifyError, Target};
@@ -32,13 +32,38 @@ pub struct Budget {
 /// State of a search between two batches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    request: Request,
-    target: Target,
-    next: u64,
-    best: Best,
+    pub(super) request: Request,
+    pub(super) target: Target,
+    pub(super) next: u64,
+    /// What the finished blocks found.
+    pub(super) best: Best,
+    /// What the block under way has found.
+    block: Best,
     /// Candidates tried.
-    tried: u64,
-    entered: Vec<u64>,
+    pub(super) tried: u64,
+    pub(super) entered: Vec<u64>,
+}
+
+impl Checkpoint {
+    /// Before the first item of a plan.
+    fn start(request: &Request, target: &Target, plan: &Plan) -> Self {
+        Self {
+            request: request.clone(),
+            target: target.clone(),
+            next: plan.items.start,
+            best: Best::new(request.top),
+            block: Best::new(request.top),
+            tried: 0,
+            entered: vec![0; target.levels()],
+        }
+    }
+
+    /// The best so far, with what a batch cut short has found.
+    fn all(&self, cut_short: Option<Best>) -> Best {
+        let mut all = self.best.clone();
+        all.merge(cut_short.unwrap_or_else(|| self.block.clone()));
+        all
+    }
 }
 
 /// What an observer sees, ten times a second and after each batch.
@@ -95,14 +120,7 @@ pub fn search(
     let mut state = match resume {
         Some(state) if state.request == *request && state.target == *target => state,
         Some(_) => return Err(IdentifyError::ForeignCheckpoint),
-        None => Checkpoint {
-            request: request.clone(),
-            target: target.clone(),
-            next: 0,
-            best: Best::new(request.top),
-            tried: 0,
-            entered: vec![0; target.levels()],
-        },
+        None => Checkpoint::start(request, target, &plan),
     };
     let pool =
         budget.threads.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
@@ -112,7 +130,7 @@ pub fn search(
         halt: &halt,
         tried: AtomicU64::new(0),
         best: AtomicU64::new(
-            state.best.list().first().map_or(f64::INFINITY, |r| r.objective).to_bits(),
+            state.all(None).list().first().map_or(f64::INFINITY, |r| r.objective).to_bits(),
         ),
     };
     let entered_before = state.entered.clone();
@@ -120,7 +138,7 @@ pub fn search(
         let best = f64::from_bits(live.best.load(Ordering::Relaxed));
         let since = |(now, before): (&u64, &u64)| now - before;
         Progress {
-            items: (state.next, plan.items),
+            items: (state.next - plan.items.start, plan.items.end - plan.items.start),
             tried: live.tried.load(Ordering::Relaxed),
             entered: state.entered.iter().zip(&entered_before).map(since).collect(),
             elapsed: began.elapsed(),
@@ -131,15 +149,19 @@ pub fn search(
         let late = budget.time.is_some_and(|time| began.elapsed() >= time);
         halt.fetch_or(late || stop.load(Ordering::Relaxed), Ordering::Relaxed);
     };
+    if plan.items.is_empty() {
+        // A part may be one of more parts than there are blocks.
+        observe(&progress(&state), Some(&state));
+    }
     let mut cut_short = None;
-    while state.next < plan.items {
+    while state.next < plan.items.end {
         look_up();
-        let batch = state.next..(state.next + BATCH).min(plan.items);
+        let batch = state.next..(state.next + BATCH).min(plan.items.end);
         let run = || {
             let items = batch.clone().collect::<Vec<_>>().into_par_iter().with_max_len(1);
             let workspace = || plan.evaluator.clone().halted_by(&halt);
             items
-                .map_init(workspace, |e, item| plan.run(item, e, &state.best, &live))
+                .map_init(workspace, |e, item| plan.run(item, e, &state.block, &live))
                 .collect::<Vec<_>>()
         };
         let done = std::thread::scope(|scope| {
@@ -164,26 +186,30 @@ pub fn search(
             }
         });
         let whole = !done.is_empty() && done.iter().all(|item| item.whole);
-        let mut best = state.best.clone();
-        done.iter().for_each(|item| best.merge(item.best.clone()));
+        let mut block = state.block.clone();
+        done.iter().for_each(|item| block.merge(item.best.clone()));
         if !whole {
-            cut_short = Some(best);
+            cut_short = Some(block);
             break;
         }
-        state.best = best;
+        state.block = block;
         for item in done {
             state.tried += item.tried;
             state.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
         }
         state.next = batch.end;
+        if state.next.is_multiple_of(BLOCK) || state.next == plan.items.end {
+            state.best = state.all(None);
+            state.block = Best::new(request.top);
+        }
         observe(&progress(&state), Some(&state));
     }
-    let complete = state.next == plan.items;
+    let complete = state.next == plan.items.end;
     Ok(Report {
         schema: 1,
         request: request.clone(),
         complete,
-        found: plan.explain(&cut_short.unwrap_or(state.best))?,
+        found: plan.explain(&state.all(cut_short))?,
         tried: state.tried,
         entered: state.entered,
     })

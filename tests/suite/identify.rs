@@ -83,6 +83,7 @@ fn request(values: &str, method: Method) -> Request {
         exact_grids: 2,
         seed: 7,
         top: 5,
+        part: None,
     }
 }
 

@@ -104,6 +104,52 @@ fn an_interrupted_search_goes_on_to_the_same_end() {
 }
 
 #[test]
+fn the_parts_of_a_search_are_together_the_whole() {
+    let project = project();
+    // Times and rates aside.
+    let timeless = |said: Said| {
+        let mut json = said.json();
+        let answer = json["problems"][0].as_object_mut().unwrap();
+        assert!(answer.remove("seconds").is_some() && answer.remove("rates").is_some());
+        serde_json::to_string(&json).unwrap()
+    };
+    for search in [
+        // Four blocks, on which more depends than the order.
+        &["--values", "-8:4:0.02", "--exact-grids", "1", "--top", "7"][..],
+        &["--space", "quadrants", "--values", "-8:4:0.5", "--chains", "7", "--steps", "40"],
+    ] {
+        let args = [&["identify", "--json"], search].concat();
+        let whole = timeless(project.run(&args));
+        let files = ["p1.json", "p2.json", "p3.json"];
+        for (part, file) in ["1/3", "2/3", "3/3"].into_iter().zip(files) {
+            let _ = std::fs::remove_file(project.path(file));
+            let args = [&args[..], &["--part", part, "--checkpoint", file]].concat();
+            let said = project.run(&args);
+            assert!(said.json()["problems"][0]["tried"].as_u64().unwrap() > 0, "{part}: {said:?}");
+        }
+        let merge =
+            |files: &[&str]| project.run(&[&["identify", "--json", "--merge"], files].concat());
+        assert_eq!(timeless(merge(&files)), whole);
+        assert_eq!(timeless(merge(&["p3.json", "p1.json", "p2.json"])), whole, "in any order");
+        let refusals = [
+            (&files[..2], "part 3/3 is missing; make it with --part 3/3"),
+            (&["p1.json", "p2.json", "p1.json"], "part 1/3 is given twice"),
+            (&["p1.json", "p4.json"], "there is no p4.json"),
+        ];
+        for (files, why) in refusals {
+            let said = merge(files);
+            assert!(said.refusal().contains(why), "{why}: {said:?}");
+        }
+    }
+    let one = ["identify", "--values", "-7:3:0.5", "--part", "2/3", "--checkpoint", "p2.json"];
+    assert!(project.run(&one).refusal().contains("belongs to a different search"));
+    std::fs::remove_file(project.path("p2.json")).unwrap();
+    project.run(&one);
+    let said = project.run(&["identify", "--merge", "p1.json", "p2.json", "p3.json"]);
+    assert!(said.refusal().contains("of different searches"), "{said:?}");
+}
+
+#[test]
 fn a_budget_ends_a_search_without_an_error() {
     let args = ["identify", "--values", "-8:8:0.001", "--budget", "0.2", "--json"];
     let said = project().run(&args);
@@ -124,6 +170,9 @@ fn wrong_input_is_refused_in_one_line() {
         (&["--threads", "0"], "leave it out"),
         (&["--method", "anneal", "--chains", "0"], "--chains must be at least 1"),
         (&["--top", "0"], "--top must be at least 1"),
+        (&["--part", "3/2", "--checkpoint", "c.json"], "write K/N with 1 <= K <= N"),
+        (&["--part", "0/2", "--checkpoint", "c.json"], "write K/N with 1 <= K <= N"),
+        (&["--merge", "torn.json"], "delete it or name another file"),
         (&["--checkpoint", "torn.json"], "delete it or name another file"),
         (&["--space", "blocks4", "--method", "enumerate"], "use fewer values"),
     ] {

@@ -18,7 +18,8 @@ integral    of f over the square; (2) asks for less than zero
 pub(super) fn found(answer: &Answer, target: &Target) -> String {
     let report = &answer.report;
     let head = styled(&format!("Problem {}", answer.problem), AnsiColor::Cyan);
-    let mut out = format!("{head}: {} candidates tried", report.tried);
+    let part = report.request.part.map_or(String::new(), |part| format!(", part {part}"));
+    let mut out = format!("{head}{part}: {} candidates tried", report.tried);
     let grids = report.entered.iter().enumerate().skip(1);
     grids.for_each(|(level, n)| out += &format!(", {n} on grid {}", level + 1));
     out += if report.complete { "\n" } else { "; stopped early\n" };
