@@ -214,16 +214,16 @@ impl Check {
     fn new(args: &CertificateArgs, workplace: &Workplace, summary: &Summary) -> Result<Self> {
         let project = &workplace.project;
         let tables = comparison(workplace, &summary.manifests)?.tables;
-        if tables.is_empty() {
-            return Err(Error::input(
-                "no scene has a `paper_table`; add one to compare with the paper",
-            ));
-        }
         let mut inputs: Vec<_> = project
             .scene_files
             .iter()
             .map(|(name, bytes)| (name.clone(), hash(bytes)))
-            .chain([("pipeline/paper.toml".to_owned(), hash(project.paper_text.as_bytes()))])
+            .chain(
+                project
+                    .paper_text
+                    .iter()
+                    .map(|text| ("pipeline/paper.toml".to_owned(), hash(text.as_bytes()))),
+            )
             .collect();
         let record = project.record_text.as_ref();
         inputs.extend(

@@ -28,11 +28,6 @@ pub(super) struct DiffArgs {
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    if tasks.tasks().is_empty() {
-        return Err(Error::input(
-            "no scene has a `paper_table`; add one to compare with the paper",
-        ));
-    }
     let comparison = comparison(&workplace, &bring_up_to_date(&workplace, &tasks)?)?;
     if args.json {
         say_json(&comparison)?;
@@ -54,6 +49,11 @@ pub(super) fn comparison(
         let table: TableComparison = serde_json::from_slice(&artifacts[DIFF])
             .map_err(|e| Error::input(format!("{}: {e}; run again with --force", manifest.task)))?;
         tables.push(table);
+    }
+    if tables.is_empty() {
+        return Err(Error::input(
+            "no scene has a `paper_table`; add one to compare with the paper",
+        ));
     }
     tables.sort_by_key(|table| table.table);
     Ok(Comparison { schema: 1, tables })

@@ -2,9 +2,11 @@
 
 mod bench;
 mod certificate;
+mod dag;
 mod diff;
 pub mod formats;
 mod identify;
+mod init;
 mod interrupt;
 mod man;
 mod output;
@@ -65,6 +67,7 @@ enum Command {
         signorini run problem1            what concerns one scene alone: its cells, tables, comparison\n  \
         signorini run --only figures      the figures, and what they need\n  \
         signorini run --locked            fail if anything differs from pipeline/lock.toml\n  \
+        signorini run --task diff/problem1  one task, beside others at work on the cache\n  \
         signorini run --trace t.json      what ran when on which thread; open it in ui.perfetto.dev")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
@@ -76,9 +79,9 @@ enum Command {
         after_help = "Examples:\n  signorini explain report\n  signorini explain solve/problem1"
     )]
     Explain(status::ExplainArgs),
-    /// Print the graph of tasks
-    #[command(after_help = "Example:\n  signorini dag --dot | dot -Tsvg > dag.svg")]
-    Dag(pipeline::DagArgs),
+    /// Print the graph of tasks, to look at or as a workflow for make or Snakemake
+    #[command(after_help = dag::EXAMPLES)]
+    Dag(dag::DagArgs),
     /// Compare our tables with the published ones, cell by cell
     #[command(
         after_help = "Exits with 1 if a cell is outside the tolerance declared in pipeline/paper.toml.\n\
@@ -114,6 +117,9 @@ enum Command {
         Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
         signorini certificate --output ../review")]
     Certificate(certificate::CertificateArgs),
+    /// Begin a study of your own: one scene, one page, and a run that works
+    #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
+    Init(init::InitArgs),
     /// Remove from the cache what no scene needs any more
     Gc(pipeline::GcArgs),
     /// Print a completion script for a shell
@@ -208,13 +214,14 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Run(args) => run::run(&args),
         Command::Status(args) => status::status(&args),
         Command::Explain(args) => status::explain(&args),
-        Command::Dag(args) => pipeline::dag(&args),
+        Command::Dag(args) => dag::dag(&args),
         Command::Diff(args) => diff::diff(&args),
         Command::Solve(args) => solve::solve(&args),
         Command::Identify(args) => identify::identify(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::Report(args) => pipeline::report(&args),
         Command::Certificate(args) => certificate::certificate(&args),
+        Command::Init(args) => init::init(&args),
         Command::Gc(args) => pipeline::gc(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -1,4 +1,4 @@
-//! The project as the commands work on it, and `dag`, `report`, `gc`.
+//! The project as the commands work on it, and `report`, `gc`.
 
 use super::interrupt::interrupted;
 use super::output::say;
@@ -6,8 +6,8 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Exports, Graph, Lock, LockFile, Manifest, Node, Options, Plan, Progress, Store, Summary, Times,
-    execute,
+    Exports, Lock, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times, execute,
+    work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan};
@@ -16,16 +16,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Arguments of `dag`.
-#[derive(Args)]
-pub(super) struct DagArgs {
-    /// For Mermaid, which draws it in Markdown
-    #[arg(long, conflicts_with = "dot")]
-    mermaid: bool,
-    /// For Graphviz
-    #[arg(long)]
-    dot: bool,
-}
+/// The cache of a project, if no other is named.
+pub(super) const CACHE: &str = ".signorini";
 
 /// Arguments of `report`.
 #[derive(Args)]
@@ -59,7 +51,7 @@ pub(super) struct Workplace {
 impl Workplace {
     pub fn open(cache: &CacheArgs) -> Result<Self> {
         let root = Project::find(&current_folder()?)?;
-        let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(".signorini"));
+        let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         outside_report(&root, &folder, "the cache")?;
         let mut project = Project::read(root)?;
         project.commands = super::commands;
@@ -140,6 +132,17 @@ impl Workplace {
         Ok((summary, differences))
     }
 
+    /// Runs single tasks beside other processes; only the cache is written.
+    pub fn work(&self, asked: &[String], progress: &Progress) -> Result<Summary> {
+        self.project.check_timings()?;
+        let plan = self.tasks(&[], None)?;
+        if let Some(id) = asked.iter().find(|id| plan.task(id).is_none()) {
+            return Err(Error::input(format!("no task `{id}`; `signorini dag` lists them")));
+        }
+        let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
+        work(&plan, asked, &self.store, progress)
+    }
+
     /// The right to write to project and cache, for a project whose record of times can be read.
     fn lock(&self) -> Result<[Lock; 2]> {
         self.project.check_timings()?;
@@ -217,28 +220,6 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
 /// What is to be said about a file that somebody edited.
 pub(super) fn edited(path: &str) -> String {
     format!("{path} was edited by hand; move it away, or overwrite it with --force")
-}
-
-pub(super) fn dag(args: &DagArgs) -> Result<u8> {
-    let project = Project::read(Project::find(&current_folder()?)?)?;
-    let tasks = plan(&project, &project.select(&[])?, None)?;
-    let graph = || Graph { nodes: tasks.tasks().iter().map(Node::of).collect() };
-    let mut text = String::new();
-    if args.mermaid {
-        text = graph().mermaid();
-    } else if args.dot {
-        text = graph().dot();
-    } else {
-        for task in tasks.tasks() {
-            let needs = if task.needs.is_empty() {
-                String::new()
-            } else {
-                format!(" <- {}", task.needs.join(", "))
-            };
-            text += &format!("{}{needs}\n", task.id);
-        }
-    }
-    say(&text)
 }
 
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {

@@ -20,6 +20,12 @@ pub(super) struct RunArgs {
     /// Only this stage, and what it needs
     #[arg(long, value_name = "STAGE")]
     only: Option<Stage>,
+    /// Only this task, for which all it needs must be there; writes to the cache alone, beside other
+    /// processes that do the same. May be given several times
+    #[arg(long, value_name = "ID", conflicts_with_all = [
+        "scenes", "only", "dry_run", "force", "keep_going", "jobs", "locked", "trace",
+    ])]
+    task: Vec<String>,
     /// Say what would run, and why; change nothing
     #[arg(short = 'n', long)]
     dry_run: bool,
@@ -50,6 +56,10 @@ pub(super) struct RunArgs {
 
 pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
+    if !args.task.is_empty() {
+        let ran = workplace.work(&args.task, &Progress::new(args.verbose, args.quiet))?;
+        return say(&if ran.ran.is_empty() { "nothing to do\n".into() } else { account(&ran) });
+    }
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.tasks().is_empty() {
         let remedy = match args.scenes.is_empty() {
@@ -102,7 +112,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         return say("nothing to do\n");
     }
     let left_out = report::left_out(&workplace.project);
-    if let Some(reason) = left_out.filter(|_| summary.exports.contains_key(BOOK)) {
+    let of_paper = workplace.project.paper_text.is_some();
+    if let Some(reason) = left_out.filter(|_| of_paper && summary.exports.contains_key(BOOK)) {
         talk(&format!("the book leaves out its chapters on the paper: {reason}"));
     }
     say(&account(&summary))

@@ -289,7 +289,7 @@ fn threads(jobs: usize) -> Result<ThreadPool> {
 }
 
 /// Runs a task; returns its record and the size of what it made.
-fn run(
+pub(super) fn run(
     task: &Task,
     inputs: BTreeMap<String, String>,
     needed: Vec<(String, Hashes)>,

@@ -1,8 +1,8 @@
-//! One run at a time: an advisory lock of the operating system, which dies with its process.
+//! Advisory locks of the operating system, which die with their process: for one alone, or for several.
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{Read, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
 /// Held as long as this process may write to what the lock stands for.
@@ -12,43 +12,102 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock whose file is `path`; the file and its folder are created if need be.
+    /// Takes the lock whose file is `path` alone; the file and its folder are created if need be.
     ///
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
     pub fn take(path: &Path) -> Result<Self> {
-        let folder = path.parent().expect("a lock lies in a folder");
-        fs::create_dir_all(folder).context("create", folder)?;
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)
-            .context("open", path)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                let mut holder = String::new();
-                // The holder's name is a courtesy; the refusal stands without it.
-                let _ = file.read_to_string(&mut holder);
-                return Err(Error::input(format!(
-                    "another signorini ({}) is at work in {}; wait for it",
-                    if holder.is_empty() { "unknown process" } else { holder.trim() },
-                    folder.display()
-                )));
-            }
-            Err(TryLockError::Error(e)) => return Err(e).context("lock", path),
+        let mut file = open(path)?;
+        if !tried(file.try_lock(), path)? {
+            let folder = path.parent().unwrap_or(path).display();
+            return Err(Error::input(format!(
+                "another signorini ({}) is at work in {folder}; wait for it",
+                holder(&mut file)
+            )));
         }
-        file.set_len(0).context("write", path)?;
-        writeln!(file, "process {}", std::process::id()).context("write", path)?;
+        Self::signed(file, path, &alone())
+    }
+
+    /// The same, but waits for whoever holds the lock, after `busy` was told who that is.
+    ///
+    /// # Errors
+    /// [`Error::Io`], and [`Error::Input`] where the file system has no locks.
+    pub fn wait(path: &Path, busy: &dyn Fn(&str)) -> Result<Self> {
+        let mut file = open(path)?;
+        if !tried(file.try_lock(), path)? {
+            busy(&holder(&mut file));
+            file.lock().map_err(|e| refused(&e, path))?;
+        }
+        Self::signed(file, path, &alone())
+    }
+
+    /// Takes the lock together with all others who share it; waits for one who holds it alone.
+    ///
+    /// # Errors
+    /// As [`Lock::wait`].
+    pub fn share(path: &Path, busy: &dyn Fn(&str)) -> Result<Self> {
+        let mut file = open(path)?;
+        if !tried(file.try_lock_shared(), path)? {
+            busy(&holder(&mut file));
+            file.lock_shared().map_err(|e| refused(&e, path))?;
+        }
+        // All who share it write the same, so that it does not matter who comes first.
+        Self::signed(file, path, SHARED)
+    }
+
+    /// The lock, with its holder's name in the file.
+    fn signed(mut file: File, path: &Path, name: &str) -> Result<Self> {
+        if holder(&mut file) != name {
+            let text = format!("{name}\n");
+            let write = |file: &mut File| {
+                file.rewind()?;
+                file.write_all(text.as_bytes())?;
+                file.set_len(text.len() as u64)
+            };
+            write(&mut file).context("write", path)?;
+        }
         Ok(Self { _file: file })
     }
+}
+
+/// What those who share a lock are called.
+const SHARED: &str = "`run --task`";
+
+fn alone() -> String {
+    format!("process {}", std::process::id())
+}
+
+fn open(path: &Path) -> Result<File> {
+    let folder = path.parent().expect("a lock lies in a folder");
+    fs::create_dir_all(folder).context("create", folder)?;
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false).open(path).context("open", path)
+}
+
+/// Who wrote last that it holds the lock: a courtesy, on which nothing depends.
+fn holder(file: &mut File) -> String {
+    let mut name = String::new();
+    let _ = file.rewind().and_then(|()| file.read_to_string(&mut name));
+    if name.is_empty() { "unknown process".into() } else { name.trim().into() }
+}
+
+/// Whether the lock was to be had at once.
+fn tried(lock: std::result::Result<(), TryLockError>, path: &Path) -> Result<bool> {
+    match lock {
+        Ok(()) => Ok(true),
+        Err(TryLockError::WouldBlock) => Ok(false),
+        Err(TryLockError::Error(e)) => Err(refused(&e, path)),
+    }
+}
+
+fn refused(e: &io::Error, path: &Path) -> Error {
+    Error::input(format!("cannot lock {}: {e}; use a file system that has locks", path.display()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::mpsc::channel;
 
     #[test]
     fn second_taker_is_told_who_holds_it() {
@@ -56,12 +115,36 @@ mod tests {
         let path = folder.path().join("new/lock");
         let held = Lock::take(&path).unwrap();
         let refused = Lock::take(&path).unwrap_err().to_string();
-        assert!(refused.contains(&format!("process {}", std::process::id())), "{refused}");
+        assert!(refused.contains(&alone()), "{refused}");
         drop(held);
         // What an earlier holder wrote goes whole, however long it was.
         fs::write(&path, "process 123456789012345 of another system\n").unwrap();
         let _held = Lock::take(&path).unwrap();
         let says = fs::read_to_string(&path).unwrap();
         assert_eq!(says, format!("process {}\n", std::process::id()));
+    }
+
+    #[test]
+    fn those_who_share_a_lock_keep_out_and_wait_for_who_holds_it_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lock");
+        let nobody = &|holder: &str| panic!("{holder} holds a free lock");
+        let shared = [Lock::share(&path, nobody).unwrap(), Lock::share(&path, nobody).unwrap()];
+        let refused = Lock::take(&path).unwrap_err().to_string();
+        assert!(refused.contains("(`run --task`)"), "{refused}");
+        drop(shared);
+        for shared in [true, false] {
+            let take = if shared { Lock::share } else { Lock::wait };
+            let alone = Lock::take(&path).unwrap();
+            let (send, receive) = channel();
+            let busy = |holder: &str| send.send(holder.to_owned()).unwrap();
+            std::thread::scope(|scope| {
+                let waiting = scope.spawn(|| take(&path, &busy).unwrap());
+                assert_eq!(receive.recv().unwrap(), super::alone());
+                assert!(!waiting.is_finished(), "it has not waited");
+                drop(alone);
+                waiting.join().unwrap();
+            });
+        }
     }
 }

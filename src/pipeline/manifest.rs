@@ -1,7 +1,7 @@
 //! Manifests: what a task read and wrote, whole, so that a change can be explained and not only noticed.
 
 use super::files::is_plain;
-use super::{Hashes, Plan, Task, hash};
+use super::{Hashes, Plan, Task, hash, stage};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -82,6 +82,24 @@ impl Plan {
         inputs
     }
 
+    /// A name for each task and all that it is made from: as long as nothing of that changes, the same.
+    ///
+    /// It is known before anything has run, and fit for a file or the target of a rule: the stage and
+    /// sixteen hexadecimal digits.
+    pub fn stamps(&self) -> Vec<String> {
+        let mut keys = BTreeMap::<&str, String>::new();
+        let mut stamps = Vec::with_capacity(self.tasks().len());
+        for task in self.tasks() {
+            let needs: BTreeMap<&str, &String> =
+                task.needs.iter().map(|need| (need.as_str(), &keys[need.as_str()])).collect();
+            let recipe = (&task.id, self.own_inputs(task), needs);
+            let key = hash(&serde_json::to_vec(&recipe).expect("inputs are plain data"));
+            stamps.push(format!("{}-{}", stage(&task.id), &key[..STAMP_DIGITS]));
+            keys.insert(&task.id, key);
+        }
+        stamps
+    }
+
     /// What has changed since this run among the task's inputs that no other task makes.
     pub fn own_changes(&self, task: &Task, since: &Manifest) -> Vec<Change> {
         let mut old = since.inputs.clone();
@@ -92,6 +110,16 @@ impl Plan {
 
 /// The input that stands for the code: what it is built from, with which compiler and options.
 pub(super) const PROGRAM: &str = "program";
+
+/// Digits of a key that tell stamps apart.
+const STAMP_DIGITS: usize = 16;
+
+/// Whether a file is called like a stamp.
+pub(super) fn is_stamp(name: &str) -> bool {
+    name.rsplit_once('-').is_some_and(|(_, key)| {
+        key.len() == STAMP_DIGITS && key.bytes().all(|b| b.is_ascii_hexdigit())
+    })
+}
 
 /// How the inputs begin that other tasks make.
 const ARTIFACT: &str = "artifact ";

@@ -6,10 +6,12 @@
 //! up to date if some manifest has today's inputs and its artifacts are intact; since artifacts are
 //! inputs by content, a task that reproduces them bit for bit does not disturb those that depend on it.
 
+mod engine;
 pub mod error;
 mod execute;
 mod export;
 pub(crate) mod files;
+mod garbage;
 mod graph;
 mod lock;
 mod lockfile;
@@ -19,23 +21,27 @@ mod store;
 mod summary;
 mod times;
 mod trace;
+mod worker;
 
+pub use engine::Engine;
 pub use execute::execute;
 pub use export::Exports;
+pub use garbage::Garbage;
 pub use graph::{Graph, Node};
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict, why};
 pub use progress::Progress;
 pub(crate) use progress::{bar, talk};
-pub use store::{Garbage, Hit, Store};
+pub use store::{Hit, Store};
 pub use summary::{Judged, Options, Ran, Summary};
 pub use times::{Times, brief};
 pub use trace::Trace;
+pub use worker::work;
 
 use error::{Error, Result};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Named byte strings: what a task computes.
@@ -114,6 +120,20 @@ impl Plan {
             }
         }
         Ok(Self { program: program.into(), tasks, index })
+    }
+
+    /// The tasks with a wanted id, and all they need.
+    pub fn only(mut self, wanted: impl Fn(&str) -> bool) -> Self {
+        let mut kept = BTreeSet::new();
+        for task in self.tasks.iter().rev() {
+            if wanted(&task.id) || kept.contains(&task.id) {
+                kept.insert(task.id.clone());
+                kept.extend(task.needs.iter().cloned());
+            }
+        }
+        self.tasks.retain(|task| kept.contains(&task.id));
+        self.index = self.tasks.iter().enumerate().map(|(k, task)| (task.id.clone(), k)).collect();
+        self
     }
 
     /// The tasks, each after all it needs.

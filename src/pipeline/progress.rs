@@ -96,6 +96,13 @@ impl Progress {
         self.skip(&ran.task);
     }
 
+    /// A line for whoever wonders why nothing happens.
+    pub(super) fn note(&self, line: &str) {
+        if !self.quiet {
+            talk(line);
+        }
+    }
+
     /// The last task has ended.
     pub(super) fn end(&self) {
         if let Some(bar) = &self.bar {

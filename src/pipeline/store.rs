@@ -1,10 +1,10 @@
 //! The cache on disk: artifacts by content under `objects/`, manifests by task under `tasks/`.
 
-use super::files::{is_temporary, leftovers, write_atomically};
-use super::manifest::{Manifest, Reason, changes, is_hash};
+use super::files::{leftovers, read_if_there, write_atomically};
+use super::manifest::{Manifest, Reason, changes};
 use super::{Artifacts, Hashes, Lock, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -12,11 +12,17 @@ use std::path::{Path, PathBuf};
 /// Layout of the cache; another layout lives in another folder, so that versions do not collide.
 const LAYOUT: &str = "v1";
 
+/// Folder of the locks of single tasks, in that of the layout.
+pub(super) const LOCKS: &str = "locks";
+
+/// Folder of the stamps, in that of the layout.
+pub(super) const STAMPS: &str = "stamps";
+
 /// A cache folder.
 #[derive(Debug)]
 pub struct Store {
-    cache: PathBuf,
-    root: PathBuf,
+    pub(super) cache: PathBuf,
+    pub(super) root: PathBuf,
 }
 
 /// An intact earlier run of a task with the inputs asked for.
@@ -35,19 +41,6 @@ impl Hit {
     pub(super) fn is_reverted(&self) -> bool {
         self.manifest.generation < self.latest
     }
-}
-
-/// What `gc` found that nothing refers to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Garbage {
-    /// Files.
-    pub files: usize,
-    /// Their bytes.
-    pub bytes: u64,
-    /// Files that stay.
-    pub kept_files: usize,
-    /// Their bytes.
-    pub kept_bytes: u64,
 }
 
 impl Store {
@@ -76,6 +69,42 @@ impl Store {
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
     pub fn lock(&self) -> Result<Lock> {
         Lock::take(&self.cache.join("lock"))
+    }
+
+    /// The right to write single tasks to the cache, beside others that do the same.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the file system has no locks; [`Error::Io`].
+    pub(super) fn share(&self, busy: &dyn Fn(&str)) -> Result<Lock> {
+        Lock::share(&self.cache.join("lock"), busy)
+    }
+
+    /// The right to run this task, for one who shares the cache.
+    ///
+    /// # Errors
+    /// As [`Store::share`].
+    pub(super) fn lock_task(&self, task: &str, busy: &dyn Fn(&str)) -> Result<Lock> {
+        Lock::wait(&self.root.join(LOCKS).join(hash(task.as_bytes())), busy)
+    }
+
+    /// Notes for an engine that the task with this stamp is done, by which run.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub(super) fn stamp(&self, stamp: &str, manifest: &Manifest) -> Result<()> {
+        let path = self.stamp_file(stamp);
+        let run = self.manifest_file(manifest);
+        let run = run.strip_prefix(&self.root).expect("manifests lie in the cache");
+        let text = format!("{}\n", run.display());
+        if read_if_there(&path)?.is_some_and(|there| there == text.as_bytes()) {
+            return Ok(());
+        }
+        write_atomically(&path, text.as_bytes())
+    }
+
+    /// The file that is there once the task with this stamp is done.
+    pub fn stamp_file(&self, stamp: &str) -> PathBuf {
+        self.root.join(STAMPS).join(stamp)
     }
 
     /// What killed runs left behind, if none is at work.
@@ -190,104 +219,24 @@ impl Store {
         Ok(manifest)
     }
 
-    /// Removes what the `keep` latest generations of the tasks in `wanted` do not need.
-    ///
-    /// With `dry`, only counts. Temporary files left by killed runs and other layouts go as well;
-    /// files that are none of ours stay, whatever folder was named as the cache.
-    ///
-    /// # Errors
-    /// [`Error::Io`], also if a folder cannot be listed: what is needed may be in it.
-    pub fn collect_garbage(
-        &self,
-        wanted: &BTreeSet<String>,
-        keep: usize,
-        dry: bool,
-    ) -> Result<Garbage> {
-        let mut needed = BTreeSet::new();
-        for task in wanted {
-            let folder = self.task_folder(task);
-            list(&folder).context("list", &folder)?;
-            for manifest in self.manifests(task).into_iter().take(keep) {
-                needed.insert(self.manifest_file(&manifest));
-                needed.extend(manifest.outputs.values().map(|hash| self.object(hash)));
-            }
-        }
-        let mut garbage = Garbage::default();
-        for path in self.ours()? {
-            let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
-            if needed.contains(&path) {
-                garbage.kept_files += 1;
-                garbage.kept_bytes += bytes;
-                continue;
-            }
-            garbage.files += 1;
-            garbage.bytes += bytes;
-            if !dry {
-                fs::remove_file(&path).context("remove", &path)?;
-                // Fails, as it should, at the first folder that still holds something.
-                let folders = path.ancestors().skip(1).take_while(|folder| *folder != self.cache);
-                folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
-            }
-        }
-        Ok(garbage)
-    }
-
-    fn object(&self, hash: &str) -> PathBuf {
+    pub(super) fn object(&self, hash: &str) -> PathBuf {
         self.root.join("objects").join(hash.get(..2).unwrap_or("xx")).join(hash)
     }
 
-    fn task_folder(&self, task: &str) -> PathBuf {
+    pub(super) fn task_folder(&self, task: &str) -> PathBuf {
         self.root.join("tasks").join(task)
     }
 
-    fn manifest_file(&self, manifest: &Manifest) -> PathBuf {
+    pub(super) fn manifest_file(&self, manifest: &Manifest) -> PathBuf {
         self.task_folder(&manifest.task).join(format!("{:06}.json", manifest.generation))
     }
-
-    /// The files of this layout and of all others: what lies and is called as this program does it.
-    fn ours(&self) -> Result<Vec<PathBuf>> {
-        let is_layout = |path: &PathBuf| {
-            let version = name(path).strip_prefix('v').unwrap_or_default();
-            !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
-        };
-        let mut ours = Vec::new();
-        let layouts = list(&self.cache).context("list", &self.cache)?;
-        for layout in layouts.into_iter().filter(is_layout) {
-            walk(&layout.join("objects"), &mut ours, &|path| {
-                is_hash(name(path))
-                    && path.parent().is_some_and(|two| name(path).starts_with(name(two)))
-            })?;
-            walk(&layout.join("tasks"), &mut ours, &|path| {
-                let generation = name(path).strip_suffix(".json").unwrap_or_default();
-                generation.len() >= 6 && generation.bytes().all(|b| b.is_ascii_digit())
-            })?;
-        }
-        Ok(ours)
-    }
-}
-
-/// The last part of a path; empty if it is not UTF-8, as no name of ours is.
-fn name(path: &Path) -> &str {
-    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
 }
 
 /// What a folder holds; nothing if it is not there.
-fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
+pub(super) fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
     match fs::read_dir(folder) {
         Ok(entries) => entries.map(|entry| Ok(entry?.path())).collect(),
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(Vec::new()),
         Err(e) => Err(e),
     }
-}
-
-/// Collects the temporary files and those that `is_ours` knows below a folder.
-fn walk(folder: &Path, found: &mut Vec<PathBuf>, is_ours: &dyn Fn(&Path) -> bool) -> Result<()> {
-    for path in list(folder).context("list", folder)? {
-        if path.is_dir() && !path.is_symlink() {
-            walk(&path, found, is_ours)?;
-        } else if is_ours(&path) || is_temporary(path.file_name().unwrap_or_default()) {
-            found.push(path);
-        }
-    }
-    Ok(())
 }

@@ -5,7 +5,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Paper {
     /// Duality parameters, in the order of the rows.
@@ -129,7 +129,7 @@ impl Paper {
     pub fn published(&self, number: u8) -> Result<&PublishedTable> {
         self.table.iter().find(|table| table.number == number).ok_or_else(|| {
             let known: Vec<_> = self.table.iter().map(|t| t.number.to_string()).collect();
-            let known = known.join(", ");
+            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
             Error::input(format!("pipeline/paper.toml has no table {number}; it has {known}"))
         })
     }

@@ -22,10 +22,10 @@ pub struct Project {
     pub scenes: Vec<Scene>,
     /// The scene files as read, by path in the project.
     pub scene_files: Artifacts,
-    /// The published tables.
+    /// The published tables; none in a study of something else.
     pub paper: Paper,
-    /// `pipeline/paper.toml` as read.
-    pub paper_text: String,
+    /// `pipeline/paper.toml` as read, if it is there.
+    pub paper_text: Option<String>,
     /// `pipeline/identified.toml` as read, if it is there; whoever needs it parses it.
     pub record_text: Option<Vec<u8>>,
     /// `pipeline/timings.toml` as read, if it is there; whoever needs it parses it.
@@ -47,7 +47,7 @@ impl Project {
             .map(Path::to_path_buf)
             .ok_or_else(|| {
                 Error::input(format!(
-                    "no pipeline/scenes in {} or above; run inside a clone of signorini, or use `signorini solve --f ...`",
+                    "no pipeline/scenes in {} or above; run inside a clone of signorini, begin a study with `signorini init FOLDER`, or use `signorini solve --f ...`",
                     from.display()
                 ))
             })
@@ -60,8 +60,8 @@ impl Project {
     pub fn read(root: PathBuf) -> Result<Self> {
         let (scenes, scene_files) = read_scenes(&root)?;
         let path = root.join("pipeline").join("paper.toml");
-        let paper_text = read_text(&path)?;
-        let paper = Paper::parse(&paper_text)?;
+        let paper_text = path.exists().then(|| read_text(&path)).transpose()?;
+        let paper = paper_text.as_deref().map(Paper::parse).transpose()?.unwrap_or_default();
         let record_text = read_if_there(&root.join(IDENTIFIED))?;
         let timings_text = read_if_there(&root.join(recorded::PATH))?;
         let templates = read_tree(&root.join("report"), is_not_ours)

@@ -165,8 +165,9 @@ impl Project {
     /// What a run makes, as far as it must be reproducible: objects, manifests, figures, lock file.
     pub fn made(&self) -> BTreeMap<String, Vec<u8>> {
         let mut made = BTreeMap::new();
+        let of_engines = |name: &str| name.starts_with("locks/") || name.starts_with("stamps/");
         for folder in ["figures", ".signorini/v1"] {
-            let files = self.files(folder).into_iter();
+            let files = self.files(folder).into_iter().filter(|(name, _)| !of_engines(name));
             made.extend(files.map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
         }
         made.insert("lock.toml".into(), fs::read(self.path("pipeline/lock.toml")).unwrap());
@@ -180,6 +181,13 @@ pub fn skip(why: &str) {
     let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
     assert!(!ci, "skipped in CI: {why}");
     let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
+}
+
+/// Says that a program of others, without which this one is whole, is not there to be tested with; no
+/// failure anywhere.
+pub fn absent(why: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "NOT RUN: {why}");
 }
 
 /// Waits until a process has its handler for Ctrl-C, so that the signal finds it ready.

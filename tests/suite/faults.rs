@@ -475,6 +475,6 @@ fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
         project
             .run(&["run"])
             .refusal()
-            .contains("run inside a clone of signorini, or use `signorini solve")
+            .contains("begin a study with `signorini init FOLDER`, or use `signorini solve")
     );
 }

@@ -1,5 +1,5 @@
-//! Every command in the README and in the chapter on own problems runs as written there, and the
-//! outputs shown are the true ones.
+//! Every command in the README and in the chapters that show some runs as written there, and the outputs
+//! shown are the true ones.
 
 use crate::common::copy;
 use std::fs;
@@ -57,7 +57,18 @@ fn commands_run_and_outputs_are_true() {
     ran = follow("report/templates/own-problems.md.tera", project);
     assert!(ran >= 6, "only {ran} commands found in the chapter");
     assert!(project.join("target/v.npy").is_file());
+    assert!(project.join("target/first/pipeline/scenes/plate.toml").is_file());
+
+    ran = follow("report/templates/machines.md.tera", project);
+    assert_eq!(ran, 2, "the makefile, and its use");
     changes_are_explained(project);
+}
+
+#[test]
+fn the_citation_is_of_this_version() {
+    let text = fs::read_to_string(Path::new(ROOT).join("CITATION.cff")).unwrap();
+    let version = format!("version: {}", env!("CARGO_PKG_VERSION"));
+    assert!(text.lines().any(|line| line == version), "{version}");
 }
 
 /// Does what a page says in its fenced blocks; returns how many commands that were.

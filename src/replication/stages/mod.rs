@@ -18,7 +18,6 @@ use crate::replication::scene::{Output, Scene};
 use clap::ValueEnum;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::collections::BTreeSet;
 
 /// The kinds of task, in the order in which they follow from each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
@@ -108,18 +107,11 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     if whole {
         tasks.push(report::task(project, &tasks));
     }
-    if let Some(stage) = only {
-        let mut wanted: BTreeSet<String> =
-            tasks.iter().filter(|task| stage.has(&task.id)).map(|task| task.id.clone()).collect();
-        // Needs are of earlier stages, so that one walk from the end finds them all.
-        for task in tasks.iter().rev() {
-            if wanted.contains(&task.id) {
-                wanted.extend(task.needs.iter().cloned());
-            }
-        }
-        tasks.retain(|task| wanted.contains(&task.id));
-    }
-    Plan::new(PROGRAM, tasks)
+    let plan = Plan::new(PROGRAM, tasks)?;
+    Ok(match only {
+        Some(stage) => plan.only(|id| stage.has(id)),
+        None => plan,
+    })
 }
 
 /// Pretty JSON with a final newline.

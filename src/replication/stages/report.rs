@@ -48,7 +48,8 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
     let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
     let left_out = left_out(project);
     let mut files = project.scene_files.clone();
-    files.insert("pipeline/paper.toml".into(), project.paper_text.clone().into_bytes());
+    let paper_text = project.paper_text.clone().map(String::into_bytes);
+    files.extend(paper_text.map(|text| ("pipeline/paper.toml".to_owned(), text)));
     files.extend(project.record_text.clone().map(|text| (IDENTIFIED.to_owned(), text)));
     files.extend(project.timings_text.clone().map(|text| (recorded::PATH.to_owned(), text)));
     let report_file =

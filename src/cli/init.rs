@@ -1,0 +1,46 @@
+//! `init`: begins a study of one's own, with what the program carries.
+
+use super::output::say;
+use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::files::write_atomically;
+use clap::Args;
+use std::fs;
+use std::path::PathBuf;
+
+/// Arguments of `init`.
+#[derive(Args)]
+pub(super) struct InitArgs {
+    /// Folder of the study: a new one, or an empty one
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+}
+
+/// What a study begins with: the shortest commented scene of this project, and a page that shows it.
+const FILES: [(&str, &str); 5] = [
+    ("pipeline/scenes/plate.toml", include_str!("../../pipeline/scenes/plate.toml")),
+    ("report/book.toml", include_str!("init/book.toml")),
+    ("report/templates/SUMMARY.md", include_str!("init/SUMMARY.md")),
+    ("report/templates/plate.md", include_str!("init/plate.md")),
+    (".gitignore", include_str!("init/gitignore")),
+];
+
+pub(super) fn init(args: &InitArgs) -> Result<u8> {
+    let folder = &args.folder;
+    if folder.exists() {
+        let mut entries = fs::read_dir(folder).context("list", folder)?;
+        if entries.next().is_some() {
+            return Err(Error::input(format!(
+                "{} is not empty; name a folder that is, or one that is not there yet",
+                folder.display()
+            )));
+        }
+    }
+    for (path, text) in FILES {
+        write_atomically(&folder.join(path), text.as_bytes())?;
+    }
+    say(&format!(
+        "a study with one scene, pipeline/scenes/plate.toml, and one page, report/templates/plate.md\n\
+        next: cd {} && signorini run\n",
+        folder.display()
+    ))
+}

@@ -1,0 +1,115 @@
+//! What the cache holds and nothing refers to.
+
+use super::files::is_temporary;
+use super::manifest::{is_hash, is_stamp};
+use super::store::{LOCKS, STAMPS, Store, list};
+use crate::pipeline::error::{IoContext, Result};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What `gc` found that nothing refers to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Garbage {
+    /// Files.
+    pub files: usize,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Files that stay.
+    pub kept_files: usize,
+    /// Their bytes.
+    pub kept_bytes: u64,
+}
+
+impl Store {
+    /// Removes what the `keep` latest generations of the tasks in `wanted` do not need.
+    ///
+    /// With `dry`, only counts. Temporary files left by killed runs, locks that nobody can hold
+    /// while the caller holds that of the cache, and other layouts go as well;
+    /// files that are none of ours stay, whatever folder was named as the cache.
+    ///
+    /// # Errors
+    /// [`Error::Io`], also if a folder cannot be listed: what is needed may be in it.
+    pub fn collect_garbage(
+        &self,
+        wanted: &BTreeSet<String>,
+        keep: usize,
+        dry: bool,
+    ) -> Result<Garbage> {
+        let mut needed = BTreeSet::new();
+        for task in wanted {
+            let folder = self.task_folder(task);
+            list(&folder).context("list", &folder)?;
+            for manifest in self.manifests(task).into_iter().take(keep) {
+                needed.insert(self.manifest_file(&manifest));
+                needed.extend(manifest.outputs.values().map(|hash| self.object(hash)));
+            }
+        }
+        // A stamp is true as long as the run that it names is there.
+        let folder = self.root.join(STAMPS);
+        let mut stamps = list(&folder).context("list", &folder)?;
+        stamps.retain(|stamp| {
+            let run = fs::read_to_string(stamp).unwrap_or_default();
+            needed.contains(&self.root.join(run.trim_end()))
+        });
+        needed.extend(stamps);
+        let mut garbage = Garbage::default();
+        for path in self.ours()? {
+            let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
+            if needed.contains(&path) {
+                garbage.kept_files += 1;
+                garbage.kept_bytes += bytes;
+                continue;
+            }
+            garbage.files += 1;
+            garbage.bytes += bytes;
+            if !dry {
+                fs::remove_file(&path).context("remove", &path)?;
+                // Fails, as it should, at the first folder that still holds something.
+                let folders = path.ancestors().skip(1).take_while(|folder| *folder != self.cache);
+                folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
+            }
+        }
+        Ok(garbage)
+    }
+
+    /// The files of this layout and of all others: what lies and is called as this program does it.
+    fn ours(&self) -> Result<Vec<PathBuf>> {
+        let is_layout = |path: &PathBuf| {
+            let version = name(path).strip_prefix('v').unwrap_or_default();
+            !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
+        };
+        let mut ours = Vec::new();
+        let layouts = list(&self.cache).context("list", &self.cache)?;
+        for layout in layouts.into_iter().filter(is_layout) {
+            walk(&layout.join("objects"), &mut ours, &|path| {
+                is_hash(name(path))
+                    && path.parent().is_some_and(|two| name(path).starts_with(name(two)))
+            })?;
+            walk(&layout.join("tasks"), &mut ours, &|path| {
+                let generation = name(path).strip_suffix(".json").unwrap_or_default();
+                generation.len() >= 6 && generation.bytes().all(|b| b.is_ascii_digit())
+            })?;
+            walk(&layout.join(LOCKS), &mut ours, &|path| is_hash(name(path)))?;
+            walk(&layout.join(STAMPS), &mut ours, &|path| is_stamp(name(path)))?;
+        }
+        Ok(ours)
+    }
+}
+
+/// The last part of a path; empty if it is not UTF-8, as no name of ours is.
+fn name(path: &Path) -> &str {
+    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+}
+
+/// Collects the temporary files and those that `is_ours` knows below a folder.
+fn walk(folder: &Path, found: &mut Vec<PathBuf>, is_ours: &dyn Fn(&Path) -> bool) -> Result<()> {
+    for path in list(folder).context("list", folder)? {
+        if path.is_dir() && !path.is_symlink() {
+            walk(&path, found, is_ours)?;
+        } else if is_ours(&path) || is_temporary(path.file_name().unwrap_or_default()) {
+            found.push(path);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,88 @@
+//! Runs single tasks, beside other processes and machines that do the same on one cache.
+//!
+//! All of them share the lock of the cache, so that no whole run and no `gc` comes between, and each
+//! task has a lock of its own: who comes second waits, and finds the task done. Only the cache is
+//! written, an object or manifest at a time; a process that is killed has not run its task.
+
+use super::execute::run;
+use super::manifest::{Manifest, Verdict};
+use super::store::Store;
+use super::times::Times;
+use super::{Hashes, Judged, Plan, Progress, Ran, Summary, Task};
+use crate::pipeline::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Runs those tasks of the plan that are `asked` for and not up to date, one after the other.
+///
+/// # Errors
+/// [`Error::Input`] with the command that helps if one that they need is not up to date;
+/// [`Error::Stage`] from the first task that fails; [`Error::Io`] from the cache.
+pub fn work(plan: &Plan, asked: &[String], store: &Store, progress: &Progress) -> Result<Summary> {
+    let waits =
+        |holder: &str| progress.note(&format!("waiting for {holder}, at work in the cache"));
+    let _cache = store.share(&waits)?;
+    let mut worker = Worker { store, progress, summary: Summary::default() };
+    for (task, stamp) in plan.tasks().iter().zip(plan.stamps()) {
+        let inputs = plan.inputs(task, |need| &worker.summary.manifests[need].outputs);
+        let manifest = if asked.contains(&task.id) {
+            worker.bring_up_to_date(task, inputs, &stamp)?
+        } else {
+            let hit = store.lookup(&task.id, &inputs).map_err(|reason| {
+                let id = &task.id;
+                Error::input(format!(
+                    "{id} is needed and not up to date ({reason}); first `signorini run --task {id}`"
+                ))
+            })?;
+            hit.manifest
+        };
+        worker.summary.manifests.insert(task.id.clone(), manifest);
+    }
+    Ok(worker.summary)
+}
+
+struct Worker<'a> {
+    store: &'a Store,
+    progress: &'a Progress,
+    summary: Summary,
+}
+
+impl Worker<'_> {
+    /// Runs a task under its lock, unless it turns out to be done.
+    fn bring_up_to_date(
+        &mut self,
+        task: &Task,
+        inputs: BTreeMap<String, String>,
+        stamp: &str,
+    ) -> Result<Manifest> {
+        let id = &task.id;
+        let waits = |holder: &str| {
+            self.progress.note(&format!("waiting for {holder}, at work on {id}"));
+        };
+        let _task = self.store.lock_task(id, &waits)?;
+        let (manifest, verdict) = match self.store.lookup(id, &inputs) {
+            Ok(hit) if hit.is_reverted() => (self.store.renew(hit)?, Verdict::Fresh),
+            Ok(hit) => (hit.manifest, Verdict::Fresh),
+            Err(reason) => {
+                let ahead = Times::read(self.store.folder()).ahead([id.as_str()].into_iter(), 1);
+                self.progress.begin(ahead, &reason.to_string());
+                let outputs =
+                    |need: &String| (need.clone(), self.summary.manifests[need].outputs.clone());
+                let needed: Vec<(String, Hashes)> = task.needs.iter().map(outputs).collect();
+                let start = Instant::now();
+                let made = run(task, inputs, needed, self.store, self.progress);
+                let ran = Ran { task: id.clone(), reason: reason.clone(), time: start.elapsed() };
+                self.progress.done(&ran, made.is_ok());
+                self.progress.end();
+                self.summary.ran.push(ran);
+                (made?.0, Verdict::Stale(reason))
+            }
+        };
+        self.store.stamp(stamp, &manifest)?;
+        self.summary.verdicts.push(Judged { task: id.clone(), verdict });
+        Ok(manifest)
+    }
+}
+
+#[cfg(test)]
+mod tests;
