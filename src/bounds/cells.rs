@@ -157,19 +157,15 @@ impl Strip<'_> {
         let corners = [lower.v[i], lower.v[i + 1], upper.v[i], upper.v[i + 1]];
         let recovered = x.recovered(y.bend()) + y.recovered(x.bend());
         let recovered_load = load(corners, x.bubble, y.bubble, f);
-        let mut trace = 0.0;
-        if outer.contains(&true) {
-            let cut = |bubble: [f64; 2], outer: [bool; 2]| {
-                [0, 1].map(|k| if outer[k] { 0.0 } else { bubble[k] })
-            };
-            let (cut_x, cut_y) = (
-                Axis { bubble: cut(x.bubble, [outer[2], outer[3]]), ..x },
-                Axis { bubble: cut(y.bubble, [outer[0], outer[1]]), ..y },
-            );
-            let energy = 0.5 * (cut_x.recovered(cut_y.bend()) + cut_y.recovered(cut_x.bend()));
-            trace = energy - 0.5 * recovered - load(corners, cut_x.bubble, cut_y.bubble, f)
-                + recovered_load;
-        }
+        let trace = match outer.contains(&true) {
+            true => {
+                let (cut_x, cut_y) = (x.cut([outer[2], outer[3]]), y.cut([outer[0], outer[1]]));
+                let energy = 0.5 * (cut_x.recovered(cut_y.bend()) + cut_y.recovered(cut_x.bend()));
+                energy - 0.5 * recovered - load(corners, cut_x.bubble, cut_y.bubble, f)
+                    + recovered_load
+            }
+            false => 0.0,
+        };
         let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
         let turn = (corners[0] + corners[3]) - (corners[1] + corners[2]);
         let sums = Sums {
@@ -218,6 +214,11 @@ fn difference(pair: [f64; 2]) -> f64 {
 }
 
 impl Axis {
+    /// The same without the bubbles of the edges on the boundary.
+    fn cut(self, outer: [bool; 2]) -> Self {
+        Self { bubble: [0, 1].map(|k| if outer[k] { 0.0 } else { self.bubble[k] }), ..self }
+    }
+
     /// How the bubbles of this axis bend the slope along the other.
     fn bend(&self) -> f64 {
         difference(self.bubble)

@@ -220,7 +220,7 @@ impl<'a> AllCells<'a> {
             [[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]], [[-0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]]
         {
             for ([p, q], weight) in quadrature(triangle) {
-                let value = self.f.at(x + (p + 0.5) * h, y + (q + 0.5) * h);
+                let value = self.f.at([x + (p + 0.5) * h, y + (q + 0.5) * h]);
                 sum.add([p, q], weight * value * h * h, value * h * h);
             }
         }

@@ -3,7 +3,7 @@
 use super::cells::{Cells, Moments};
 use super::grid::{Grid, MIN_CELLS};
 use crate::problem::exact::Exact;
-use crate::problem::region::Convex;
+use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -94,24 +94,8 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
     for run in contact_runs(grid, &all) {
         whole.band(pen, run, SHADE);
     }
-    for (name, (frame, ticks), data) in [("y", &upper, &ys), ("a", &lower, &multipliers)] {
-        frame.rules(pen, ticks.values());
-        frame.label_left(pen, ticks.labelled());
-        let middle = 0.5 * (frame.down.0 + frame.down.1);
-        pen.text(name, (26.0, middle), Type::size(NORMAL).italic());
-        corner_lines(pen, frame);
-        for (k, values) in data.iter().enumerate() {
-            // Closed: s = 4 is the corner s = 0 again.
-            let places = (0..=values.len()).map(|b| {
-                let s = b as f64 * grid.h();
-                frame.at(s, values[b % values.len()])
-            });
-            // The first lines are thicker, so that a later one on top does not hide them.
-            let thick = 1.5 + 0.75 * (panel.lines.len() - 1 - k).min(3) as f64;
-            pen.path(places, series(k), thick);
-        }
-        frame.outline(pen);
-    }
+    draw_plot(pen, "y", &upper, &ys, grid.h());
+    draw_plot(pen, "a", &lower, &multipliers, grid.h());
     for (k, line) in touching.iter().enumerate() {
         let y = top + PLOT + 8.0 + ROW * k as f64;
         for (from, to) in contact_runs(grid, line) {
@@ -120,12 +104,40 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
     }
     let middle = top + PLOT + 0.5 * band;
     pen.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
+    name_sides(pen, &whole);
+}
+
+/// The curves of one quantity, a line each, given at the boundary nodes, `h` apart.
+fn draw_plot(
+    pen: &mut Pen,
+    name: &str,
+    (frame, ticks): &(Frame, Ticks),
+    data: &[Vec<f64>],
+    h: f64,
+) {
+    frame.rules(pen, ticks.values());
+    frame.label_left(pen, ticks.labelled());
+    let middle = 0.5 * (frame.down.0 + frame.down.1);
+    pen.text(name, (26.0, middle), Type::size(NORMAL).italic());
+    corner_lines(pen, frame);
+    for (k, values) in data.iter().enumerate() {
+        // Closed: s = 4 is the corner s = 0 again.
+        let places = (0..=values.len()).map(|b| frame.at(b as f64 * h, values[b % values.len()]));
+        // The first lines are thicker, so that a later one on top does not hide them.
+        let thick = 1.5 + 0.75 * (data.len() - 1 - k).min(3) as f64;
+        pen.path(places, series(k), thick);
+    }
+    frame.outline(pen);
+}
+
+/// Names the sides above both plots, and the corners below.
+fn name_sides(pen: &mut Pen, whole: &Frame) {
+    let (top, bottom) = whole.down;
     for (k, side) in ["bottom", "right", "top", "left"].into_iter().enumerate() {
         let x = whole.right(k as f64 + 0.5);
         pen.text(side, (x, top - 11.0), Type::size(SMALL).color(MUTED));
     }
     let corners = ["lower left", "lower right", "upper right", "upper left", "lower left"];
-    let bottom = lower.0.down.1;
     for (k, corner) in corners.into_iter().enumerate() {
         let x = whole.right(k as f64);
         pen.path([(x, bottom), (x, bottom + 4.0)], INK, 1.0);

@@ -45,8 +45,6 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
         rasters.push(values);
     }
     let limit = if limit > 0.0 { limit } else { 1.0 };
-    let color = |value: f64| diverging(value / limit);
-
     let layout = Panels {
         count: panels.len(),
         side: SIDE,
@@ -60,44 +58,57 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
     picture.layer("", |pen| {
         for (k, (panel, values)) in panels.iter().zip(&rasters).enumerate() {
             let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
-            title(pen, &frame, panel.title);
-            match panel.f {
-                Source::Pieces { background, pieces } => {
-                    frame.band(pen, frame.x, color(*background));
-                    let polygons: Vec<_> = pieces
-                        .iter()
-                        .map(|(region, value)| (inside_square(&region.half_planes()), *value))
-                        .collect();
-                    let place = |p: &Point| frame.at(p[0], p[1]);
-                    for (polygon, value) in &polygons {
-                        if polygon.len() > 2 {
-                            pen.polygon(polygon.iter().map(place), color(*value));
-                        }
-                    }
-                    for run in polygons.iter().flat_map(|(p, _)| borders(panel.f, p)) {
-                        pen.path(run.iter().map(place), INK, 1.0);
-                    }
-                    label_regions(pen, &frame, values, color);
-                }
-                Source::Exact(_) => {
-                    let band = |value: f64| color((BANDS * value / limit).round() / BANDS * limit);
-                    paint_raster(pen, &frame, values, band);
-                }
-            }
-            frame.outline(pen);
-            frame.label_below(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
-            frame.label_left(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
-            let kind = Type::size(NORMAL).italic();
-            let (x, y) = centre(&frame);
-            pen.text("x", (x, frame.down.1 + 31.0), kind);
-            pen.text("y", (frame.across.0 - 48.0, y), kind);
+            draw_panel(pen, panel, values, frame, limit);
         }
         let middle = 0.5 * width + 10.0;
         let top = layout.foot_top() + 12.0;
         let half = 0.5 * (width - 160.0).min(420.0);
-        colour_bar(pen, (middle - half, middle + half), top, (-limit, limit), color, "f (x, y)");
+        colour_bar(
+            pen,
+            (middle - half, middle + half),
+            top,
+            (-limit, limit),
+            |value| diverging(value / limit),
+            "f (x, y)",
+        );
     })?;
     Ok(picture.finish(caption))
+}
+
+/// Colours are those of values up to `limit`; `values` is the raster of f.
+fn draw_panel(pen: &mut Pen, panel: &FMap, values: &[f64], frame: Frame, limit: f64) {
+    let color = |value: f64| diverging(value / limit);
+    title(pen, &frame, panel.title);
+    match panel.f {
+        Source::Pieces { background, pieces } => {
+            frame.band(pen, frame.x, color(*background));
+            let polygons: Vec<_> = pieces
+                .iter()
+                .map(|(region, value)| (inside_square(&region.half_planes()), *value))
+                .collect();
+            let place = |p: &Point| frame.at(p[0], p[1]);
+            for (polygon, value) in &polygons {
+                if polygon.len() > 2 {
+                    pen.polygon(polygon.iter().map(place), color(*value));
+                }
+            }
+            for run in polygons.iter().flat_map(|(p, _)| borders(panel.f, p)) {
+                pen.path(run.iter().map(place), INK, 1.0);
+            }
+            label_regions(pen, &frame, values, color);
+        }
+        Source::Exact(_) => {
+            let band = |value: f64| color((BANDS * value / limit).round() / BANDS * limit);
+            paint_raster(pen, &frame, values, band);
+        }
+    }
+    frame.outline(pen);
+    frame.label_below(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
+    frame.label_left(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
+    let kind = Type::size(NORMAL).italic();
+    let (x, y) = centre(&frame);
+    pen.text("x", (x, frame.down.1 + 31.0), kind);
+    pen.text("y", (frame.across.0 - 48.0, y), kind);
 }
 
 /// The part of the square that lies in all half-planes.
@@ -144,8 +155,7 @@ fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
             let [from, middle, to] = [0.0, 0.5, 1.0].map(|s| along((piece as f64 + s) / pieces));
             let [out, inn] = [1.0, -1.0]
                 .map(|side| [middle[0] + side * normal[0], middle[1] + side * normal[1]]);
-            let jump = out.iter().chain(&inn).all(|c| c.abs() < 0.5)
-                && f.at(out[0], out[1]) != f.at(inn[0], inn[1]);
+            let jump = out.iter().chain(&inn).all(|c| c.abs() < 0.5) && f.at(out) != f.at(inn);
             match runs.last_mut() {
                 Some(run) if jump && drawing => {
                     // Within a straight edge the last sample moves on; a new edge adds a corner.

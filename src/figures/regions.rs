@@ -13,7 +13,7 @@ fn centre(i: usize) -> f64 {
 
 /// f at the centres of the raster, row by row from below.
 pub(super) fn raster(f: &Source) -> Vec<f64> {
-    (0..RASTER * RASTER).map(|k| f.at(centre(k % RASTER), centre(k / RASTER))).collect()
+    (0..RASTER * RASTER).map(|k| f.at([centre(k % RASTER), centre(k / RASTER)])).collect()
 }
 
 /// The connected sets of raster cells with equal values, each in ascending order.
@@ -101,6 +101,6 @@ mod tests {
         assert!((ll.0 + 0.25).abs() < 1e-12 && (ll.1 + 0.25).abs() < 1e-12);
         assert!((radius - 0.25).abs() < 0.02);
         let (rest, radius) = widest(&regions[1], &values);
-        assert!(f.at(rest.0, rest.1) == -1.0 && radius > 0.25);
+        assert!(f.at([rest.0, rest.1]) == -1.0 && radius > 0.25);
     }
 }

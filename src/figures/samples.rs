@@ -111,6 +111,13 @@ fn slice_around((x0, y0): (f64, f64)) -> Slice {
 
 /// One panel, few nodes, other shapes of f, more curves than colours, a long run.
 pub(super) fn unusual() -> Vec<(String, String)> {
+    let mut figures = unusual_scenes();
+    figures.extend(unusual_charts());
+    figures
+}
+
+/// Those of maps, solutions and iterations.
+fn unusual_scenes() -> Vec<(String, String)> {
     let mut figures = Vec::new();
     let shapes =
         "disc(0.1,0.1,0.3)=1; rect(-0.5,-0.2,-0.1,0.02)=-1.5; halfplane(1,1,-0.4)=2; else=-1";
@@ -146,6 +153,11 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     let curve = |k| History { label: format!("curve number {k}"), levels: levels.clone() };
     let panel = HistoryPanel { title, grids: &grids, curves: (1..=9).map(curve).collect() };
     figures.push(("long".into(), histories(CAPTION, &[panel]).unwrap()));
+    figures
+}
+
+/// Those of numbers.
+fn unusual_charts() -> Vec<(String, String)> {
     let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
     let slope = vec![(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
     let line = |label: &str, stroke| Curve { stroke, ..Curve::marked(label, falling[3..6].into()) };
@@ -167,17 +179,17 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     let cells = [-15.0, -6.0, -2.0]
         .map(|k| vec![(1, None), (1234, Some(libm::pow(10.0, k))), (56, Some(1e-8))]);
     let panel = FragilityPanel {
-        title: title.into(),
+        title: "one".into(),
         columns: columns.into(),
         rows: rows.into(),
         cells: cells.into(),
     };
     let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
-    figures
-        .push(("fragility".into(), fragility(CAPTION, &sizes, &[panel.clone(), panel]).unwrap()));
-    figures.push(("charts".into(), charts(CAPTION, 2, false, &panels).unwrap()));
-    figures.push(("chart".into(), charts(CAPTION, 1, true, &panels[..1]).unwrap()));
-    figures
+    vec![
+        ("fragility".into(), fragility(CAPTION, &sizes, &[panel.clone(), panel]).unwrap()),
+        ("charts".into(), charts(CAPTION, 2, false, &panels).unwrap()),
+        ("chart".into(), charts(CAPTION, 1, true, &panels[..1]).unwrap()),
+    ]
 }
 
 /// All of them, by name.

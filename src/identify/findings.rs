@@ -129,5 +129,5 @@ pub fn findings(
 
 /// f in the middle of the quadrants: lower left, lower right, upper left, upper right.
 fn quadrant_values(f: &Source) -> Vec<f64> {
-    [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(x, y)| f.at(x, y)).to_vec()
+    [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(|(x, y)| f.at([x, y])).to_vec()
 }

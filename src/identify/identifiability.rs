@@ -27,10 +27,10 @@ pub struct Breaks {
     pub piece: Option<usize>,
     /// How far the value, or the factor from 1, may move down and up with every count that came
     /// out still coming out. The set of such f need not be convex: this is the part around f.
-    pub room: [f64; 2],
+    pub range: [f64; 2],
     /// Count that changes first, down and up; `None` if none did within reach.
     pub first: [Option<Cell>; 2],
-    /// `cells[k][level]`: the room that this count alone leaves, down and up, to within a factor
+    /// `cells[k][level]`: how far this count alone lets it move, down and up, to within a factor
     /// of 1.25; `None` if it never changes within reach.
     pub cells: Vec<Vec<[Option<f64>; 2]>>,
 }
@@ -107,73 +107,112 @@ impl Direction<'_> {
     }
 }
 
-/// All directions at once, down and up: first the same moves in all, then the halvings, step by step.
-fn along(
-    directions: &[Direction],
-    here: &[Vec<f64>],
-    misfits: &dyn Fn(&[Vec<f64>]) -> Vec<Misfit>,
-) -> Vec<Breaks> {
-    let held = |m: &[Vec<f64>], (k, level): Cell| m[k][level] == 0.0;
-    let all: Vec<Cell> = (0..here.len())
-        .flat_map(|k| (0..here[k].len()).map(move |level| (k, level)))
-        .filter(|&cell| held(here, cell))
-        .collect();
-    let broken = |m: &[Vec<f64>]| all.iter().copied().find(|&cell| !held(m, cell));
-    let sides = || directions.iter().enumerate().flat_map(|(d, _)| [(d, 0, -1.0), (d, 1, 1.0)]);
-    let moves = || {
-        std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
+/// Misfits of many f at once.
+type Misfits<'a> = &'a dyn Fn(&[Vec<f64>]) -> Vec<Misfit>;
+
+/// One side of a direction on which a count changes.
+struct Side {
+    direction: usize,
+    /// 0 for down, 1 for up.
+    side: usize,
+    /// The longest move known to change no count, and the shortest known to change one.
+    between: [f64; 2],
+}
+
+/// Up or down.
+fn sign(side: usize) -> f64 {
+    if side == 0 { -1.0 } else { 1.0 }
+}
+
+fn held(misfit: &[Vec<f64>], (k, level): Cell) -> bool {
+    misfit[k][level] == 0.0
+}
+
+/// The counts that come out here, of which moves may change some.
+struct Held<'a> {
+    directions: &'a [Direction<'a>],
+    cells: Vec<Cell>,
+}
+
+impl Held<'_> {
+    fn broken(&self, misfit: &[Vec<f64>]) -> Option<Cell> {
+        self.cells.iter().copied().find(|&cell| !held(misfit, cell))
+    }
+
+    fn moved(&self, direction: usize, side: usize, step: f64) -> Vec<f64> {
+        let direction = &self.directions[direction];
+        direction.moved(sign(side) * step * direction.unit())
+    }
+
+    /// Tries the same moves in all directions; writes down which counts they change, and returns the sides on
+    /// which one does.
+    fn scan(&self, breaks: &mut [Breaks], misfits: Misfits) -> Vec<Side> {
+        let steps: Vec<f64> = std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
             .take_while(|step| *step <= REACH[1])
-    };
-    let moved =
-        |d: usize, sign: f64, step: f64| directions[d].moved(sign * step * directions[d].unit());
-    let tried: Vec<_> =
-        sides().flat_map(|(d, _, sign)| moves().map(move |step| (d, sign, step))).collect();
-    let tried: Vec<_> = tried.into_iter().map(|(d, sign, step)| moved(d, sign, step)).collect();
-    let found = misfits(&tried);
-    let mut breaks: Vec<Breaks> = directions
-        .iter()
-        .map(|direction| Breaks {
-            piece: direction.piece,
-            room: [REACH[1] * direction.unit(); 2],
-            first: [None; 2],
-            cells: here.iter().map(|row| vec![[None; 2]; row.len()]).collect(),
-        })
-        .collect();
-    // The sides on which a count changes, each with the last move before and the first one after.
-    let mut open = Vec::new();
-    for ((d, side, sign), found) in sides().zip(found.chunks(moves().count())) {
-        let (breaks, mut before) = (&mut breaks[d], 0.0);
-        for (now, step) in found.iter().zip(moves()) {
-            if breaks.first[side].is_none()
-                && let Some(cell) = broken(now)
-            {
-                breaks.first[side] = Some(cell);
-                open.push((d, side, sign, before, step));
+            .collect();
+        let sides = || (0..self.directions.len()).flat_map(|d| [(d, 0), (d, 1)]);
+        let moves = sides().flat_map(|(d, side)| steps.iter().map(move |&step| (d, side, step)));
+        let tried: Vec<_> = moves.map(|(d, side, step)| self.moved(d, side, step)).collect();
+        let found = misfits(&tried);
+        let mut open = Vec::new();
+        for ((d, side), found) in sides().zip(found.chunks(steps.len())) {
+            let (breaks, mut before) = (&mut breaks[d], 0.0);
+            for (now, &step) in found.iter().zip(&steps) {
+                if breaks.first[side].is_none()
+                    && let Some(cell) = self.broken(now)
+                {
+                    breaks.first[side] = Some(cell);
+                    open.push(Side { direction: d, side, between: [before, step] });
+                }
+                for &(k, level) in &self.cells {
+                    let range = &mut breaks.cells[k][level][side];
+                    if range.is_none() && !held(now, (k, level)) {
+                        *range = Some(before * self.directions[d].unit());
+                    }
+                }
+                before = step;
             }
-            for &(k, level) in &all {
-                let room = &mut breaks.cells[k][level][side];
-                if room.is_none() && !held(now, (k, level)) {
-                    *room = Some(before * directions[d].unit());
+        }
+        open
+    }
+
+    /// Halves what is left between moves that change no count and those that do, on all sides at once.
+    fn halve(&self, open: &mut [Side], breaks: &mut [Breaks], misfits: Misfits) {
+        let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
+        for _ in 0..HALVINGS {
+            let tried: Vec<_> = open
+                .iter()
+                .map(|of| self.moved(of.direction, of.side, middle(of.between)))
+                .collect();
+            for (of, found) in open.iter_mut().zip(misfits(&tried)) {
+                let middle = middle(of.between);
+                match self.broken(&found) {
+                    Some(cell) => {
+                        of.between[1] = middle;
+                        breaks[of.direction].first[of.side] = Some(cell);
+                    }
+                    None => of.between[0] = middle,
                 }
             }
-            before = step;
         }
     }
-    for _ in 0..HALVINGS {
-        let middles: Vec<_> = open
-            .iter()
-            .map(|&(d, _, sign, low, high)| moved(d, sign, 0.5 * (low + high)))
-            .collect();
-        for ((d, side, _, low, high), found) in open.iter_mut().zip(misfits(&middles)) {
-            let middle = 0.5 * (*low + *high);
-            match broken(&found) {
-                Some(cell) => (*high, breaks[*d].first[*side]) = (middle, Some(cell)),
-                None => *low = middle,
-            }
-        }
-    }
-    for (d, side, _, low, _) in open {
-        breaks[d].room[side] = low * directions[d].unit();
+}
+
+/// All directions at once, down and up.
+fn along(directions: &[Direction], here: &[Vec<f64>], misfits: Misfits) -> Vec<Breaks> {
+    let cells = (0..here.len()).flat_map(|k| (0..here[k].len()).map(move |level| (k, level)));
+    let kept = Held { directions, cells: cells.filter(|&cell| held(here, cell)).collect() };
+    let nothing = |direction: &Direction| Breaks {
+        piece: direction.piece,
+        range: [REACH[1] * direction.unit(); 2],
+        first: [None; 2],
+        cells: here.iter().map(|row| vec![[None; 2]; row.len()]).collect(),
+    };
+    let mut breaks: Vec<Breaks> = directions.iter().map(nothing).collect();
+    let mut open = kept.scan(&mut breaks, misfits);
+    kept.halve(&mut open, &mut breaks, misfits);
+    for Side { direction, side, between } in open {
+        breaks[direction].range[side] = between[0] * directions[direction].unit();
     }
     breaks
 }

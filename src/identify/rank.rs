@@ -87,24 +87,24 @@ impl Ranked {
     }
 }
 
-/// The best `room` candidates seen.
+/// The best `most` candidates seen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Best {
-    room: usize,
+    most: usize,
     list: Vec<Ranked>,
     /// Objective above which nothing is wanted, whatever the list; `None` for no such limit.
     ceiling: Option<f64>,
 }
 
 impl Best {
-    pub(super) fn new(room: usize) -> Self {
-        Self { room: room.max(1), list: Vec::new(), ceiling: None }
+    pub(super) fn new(most: usize) -> Self {
+        Self { most: most.max(1), list: Vec::new(), ceiling: None }
     }
 
     /// An empty list that takes only what this one would.
     pub(super) fn successor(&self) -> Self {
         let bar = self.bar();
-        Self { ceiling: bar.is_finite().then_some(bar), ..Self::new(self.room) }
+        Self { ceiling: bar.is_finite().then_some(bar), ..Self::new(self.most) }
     }
 
     pub(super) fn list(&self) -> &[Ranked] {
@@ -113,7 +113,7 @@ impl Best {
 
     /// Objective above which a candidate has no place.
     pub(super) fn bar(&self) -> f64 {
-        let worst = self.list.get(self.room - 1).map_or(f64::INFINITY, |last| last.objective);
+        let worst = self.list.get(self.most - 1).map_or(f64::INFINITY, |last| last.objective);
         self.ceiling.map_or(worst, |ceiling| ceiling.min(worst))
     }
 
@@ -123,7 +123,7 @@ impl Best {
         }
         if let Err(at) = self.list.binary_search_by(|old| old.order(&new)) {
             self.list.insert(at, new);
-            self.list.truncate(self.room);
+            self.list.truncate(self.most);
         }
     }
 

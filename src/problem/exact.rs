@@ -5,6 +5,8 @@
 //! arithmetic, square roots and functions of the `libm` crate are used, so that the numbers are the
 //! same on all machines.
 
+use super::field::{Field, bump, falling, hill, product};
+use super::shape::Known;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -21,31 +23,13 @@ pub enum Exact {
     FreeCorner,
 }
 
-/// Value and first derivatives of the solution, and `f = -Laplacian`, at one point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// v.
-    pub value: f64,
-    /// Derivatives of v along x and y.
-    pub gradient: [f64; 2],
-    /// -Laplacian of v.
-    pub f: f64,
-}
+/// The solution at a point.
+pub type Sample = super::field::Sample<2>;
 
 impl Exact {
     /// Every problem.
     pub const ALL: [Self; 4] =
         [Self::FullContact, Self::Torsion, Self::FreeSegment, Self::FreeCorner];
-
-    /// The problem with this name, if there is one.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|exact| exact.name() == name)
-    }
-
-    /// All names, for messages.
-    pub fn names() -> String {
-        Self::ALL.map(Self::name).join(", ")
-    }
 
     /// The name used in `exact(name)`.
     pub fn name(self) -> &'static str {
@@ -93,6 +77,18 @@ impl Exact {
     pub fn multiplier(self, x: f64, y: f64, normal: [f64; 2]) -> f64 {
         let [gx, gy] = self.at(x, y).gradient;
         gx * normal[0] + gy * normal[1]
+    }
+}
+
+impl Known<[f64; 2]> for Exact {
+    const KNOWN: &'static [Self] = &Self::ALL;
+
+    fn name(self) -> &'static str {
+        self.name()
+    }
+
+    fn f(self, [x, y]: [f64; 2]) -> f64 {
+        self.source(x, y)
     }
 }
 
@@ -147,25 +143,20 @@ static TORSION: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
 fn free_segment(x: f64, y: f64) -> Sample {
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
-    let (value, gradient) = segment(x, t);
-    let (p, dp, ddp) = (1.0 - 4.0 * x * x, -8.0 * x, -8.0);
-    let weight = product((p, dp, ddp), (1.0 - t * t, -2.0 * t, -2.0));
-    let bump = (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t);
-    let psi = Harmonic { value, gradient };
-    psi.weighted(weight).minus(AMPLITUDE, product((p, dp, ddp), bump))
+    let load = product([hill(x), bump(t)]).scaled(AMPLITUDE);
+    product([hill(x), falling(t)]).times(segment(x, t)).minus(load).into()
 }
 
-/// Value and gradient of the harmonic function `-Im ((z - a) (z - b))^(3/2)`, `z = x + i t`, which on
+/// The harmonic function `-Im ((z - a) (z - b))^(3/2)`, `z = x + i t`, which on
 /// `t = 0` is positive between `a = -0.23` and `b = 0.19`, without slope there, and zero elsewhere.
-pub(crate) fn segment(x: f64, t: f64) -> (f64, [f64; 2]) {
+pub(super) fn segment(x: f64, t: f64) -> Field<2> {
     const LEFT: f64 = -0.23;
     const RIGHT: f64 = 0.19;
     let z = Complex { re: x, im: t };
     let (from_left, from_right) = (z.minus(LEFT), z.minus(RIGHT));
     let root = from_left.sqrt().times(from_right.sqrt());
     let derivative = root.times(from_left.plus(from_right)).scaled(1.5);
-    let Harmonic { value, gradient } = Harmonic::new(root.cubed(), derivative);
-    (value, gradient)
+    harmonic(root.cubed(), derivative)
 }
 
 /// `v = (1 - X^2) (1 - Y^2) psi - A X^2 (1 - X) Y^2 (1 - Y)`, with
@@ -181,61 +172,14 @@ fn free_corner(x: f64, y: f64) -> Sample {
     let root = from_y.sqrt().times(from_x.sqrt());
     // d zeta / dz = 2 z.
     let derivative = root.times(from_y.plus(from_x)).times(z).scaled(3.0);
-    let psi = Harmonic::new(root.cubed(), derivative);
-
-    let falling = |s: f64| (1.0 - s * s, -2.0 * s, -2.0);
-    let bump = |s: f64| (s * s * (1.0 - s), 2.0 * s - 3.0 * s * s, 2.0 - 6.0 * s);
-    psi.weighted(product(falling(x), falling(y))).minus(AMPLITUDE, product(bump(x), bump(y)))
-}
-
-/// Value, first and second derivative of a function of one variable.
-type Jet = (f64, f64, f64);
-
-/// A function given by value, gradient and Laplacian at a point.
-#[derive(Clone, Copy)]
-struct Field {
-    value: f64,
-    gradient: [f64; 2],
-    laplacian: f64,
-}
-
-/// `p(x) q(y)`.
-fn product(p: Jet, q: Jet) -> Field {
-    Field { value: p.0 * q.0, gradient: [p.1 * q.0, p.0 * q.1], laplacian: p.2 * q.0 + p.0 * q.2 }
-}
-
-impl Field {
-    /// The solution `self - amplitude * other`.
-    fn minus(self, amplitude: f64, other: Field) -> Sample {
-        Sample {
-            value: self.value - amplitude * other.value,
-            gradient: [0, 1].map(|k| self.gradient[k] - amplitude * other.gradient[k]),
-            f: amplitude * other.laplacian - self.laplacian,
-        }
-    }
+    let psi = harmonic(root.cubed(), derivative);
+    let load = product([bump(x), bump(y)]).scaled(AMPLITUDE);
+    product([falling(x), falling(y)]).times(psi).minus(load).into()
 }
 
 /// `-Im` of an analytic function.
-struct Harmonic {
-    value: f64,
-    gradient: [f64; 2],
-}
-
-impl Harmonic {
-    fn new(analytic: Complex, derivative: Complex) -> Self {
-        Self { value: -analytic.im, gradient: [-derivative.im, -derivative.re] }
-    }
-
-    /// `w psi`, with `Lap (w psi) = 2 grad w . grad psi + psi Lap w`.
-    fn weighted(&self, w: Field) -> Field {
-        let [gx, gy] = self.gradient;
-        let [wx, wy] = w.gradient;
-        Field {
-            value: w.value * self.value,
-            gradient: [wx * self.value + w.value * gx, wy * self.value + w.value * gy],
-            laplacian: 2.0 * (wx * gx + wy * gy) + self.value * w.laplacian,
-        }
-    }
+fn harmonic(analytic: Complex, derivative: Complex) -> Field<2> {
+    Field { value: -analytic.im, gradient: [-derivative.im, -derivative.re], laplacian: 0.0 }
 }
 
 #[derive(Clone, Copy)]

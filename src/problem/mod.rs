@@ -2,5 +2,7 @@
 
 pub mod cube;
 pub mod exact;
+mod field;
 pub mod region;
+pub mod shape;
 pub mod source;

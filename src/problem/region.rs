@@ -1,5 +1,7 @@
 //! Regions of the plane on which f is constant; all are convex.
 
+use super::exact::Exact;
+use super::shape::{Convex, Shape, SourceError, numbers, run};
 use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Range;
@@ -17,26 +19,6 @@ pub enum Region {
     Disc { centre: [f64; 2], radius: f64 },
 }
 
-/// A closed convex set, as the cells of a grid see it; `N` is the dimension less one.
-pub trait Convex<const N: usize>: Copy {
-    /// Which of the increasing abscissas `xs` the set holds where the other coordinates are `at`: bisection
-    /// finds the ends as [`contains`](Region::contains) has them to the last bit, since rounding is monotone.
-    fn along(&self, xs: &[f64], at: [f64; N]) -> Range<usize>;
-
-    /// Least and greatest x of the set where the other coordinates are within `strip`; nothing if it is empty there.
-    fn extent(&self, strip: [[f64; 2]; N]) -> Option<[f64; 2]>;
-
-    /// The same set in coordinates with their origin at (`x`, `at`) and this unit.
-    fn seen_from(&self, x: f64, at: [f64; N], unit: f64) -> Self;
-}
-
-/// Bisects for the run of abscissas with a property that none loses before, or gains from, `turn` on.
-pub(super) fn run(xs: &[f64], turn: usize, inside: impl Fn(f64) -> bool) -> Range<usize> {
-    let start = xs[..turn].partition_point(|&x| !inside(x));
-    let end = turn + xs[turn..].partition_point(|&x| inside(x));
-    start..end.max(start)
-}
-
 impl Region {
     /// A quadrant as an unbounded rectangle, any other region as it is.
     fn plain(self) -> Self {
@@ -44,21 +26,6 @@ impl Region {
         match self {
             Self::Quadrant { right, upper } => Self::Rect { x: half(right), y: half(upper) },
             other => other,
-        }
-    }
-
-    /// Whether the closed region holds (x, y).
-    pub fn contains(&self, x: f64, y: f64) -> bool {
-        match self.plain() {
-            Self::Rect { x: [left, right], y: [bottom, top] } => {
-                left <= x && x <= right && bottom <= y && y <= top
-            }
-            Self::HalfPlane { a, b, c } => a * x + b * y <= c,
-            Self::Disc { centre: [cx, cy], radius } => {
-                let (dx, dy) = (x - cx, y - cy);
-                dx * dx + dy * dy <= radius * radius
-            }
-            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
         }
     }
 
@@ -88,6 +55,69 @@ impl Region {
     }
 }
 
+impl Shape for Region {
+    type Point = [f64; 2];
+    type Exact = Exact;
+    const EXAMPLE: &'static str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
+
+    fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        match self.plain() {
+            Self::Rect { x: [left, right], y: [bottom, top] } => {
+                left <= x && x <= right && bottom <= y && y <= top
+            }
+            Self::HalfPlane { a, b, c } => a * x + b * y <= c,
+            Self::Disc { centre: [cx, cy], radius } => {
+                let (dx, dy) = (x - cx, y - cy);
+                dx * dx + dy * dy <= radius * radius
+            }
+            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
+        }
+    }
+
+    fn read(name: &str, text: &str) -> Option<Result<Self, SourceError>> {
+        Some(match name {
+            "rect" => numbers(text, ["rect", "x0,x1,y0,y1", "rect(-0.25,0.25,-0.25,0.25)"])
+                .map(|[x0, x1, y0, y1]| Self::Rect { x: [x0, x1], y: [y0, y1] }),
+            "halfplane" => {
+                numbers(text, ["halfplane", "a,b,c of a x + b y <= c", "halfplane(1,1,0)"])
+                    .map(|[a, b, c]| Self::HalfPlane { a, b, c })
+            }
+            "disc" => numbers(text, ["disc", "x,y,radius", "disc(0,0,0.25)"])
+                .map(|[x, y, radius]| Self::Disc { centre: [x, y], radius }),
+            "quadrant" => match QUADRANTS.iter().find(|(name, _)| *name == text.trim()) {
+                Some(&(_, quadrant)) => Ok(quadrant),
+                None => Err(SourceError::Arguments {
+                    name: "quadrant",
+                    want: "one of ll, lr, ul, ur",
+                    example: "quadrant(ll)",
+                }),
+            },
+            _ => return None,
+        })
+    }
+
+    fn is_empty(&self) -> bool {
+        match *self {
+            Self::Rect { x, y } => x[0] >= x[1] || y[0] >= y[1],
+            Self::HalfPlane { a, b, .. } => a == 0.0 && b == 0.0,
+            Self::Disc { radius, .. } => radius <= 0.0,
+            Self::Quadrant { .. } => false,
+        }
+    }
+
+    fn cover(regions: &[Self]) -> bool {
+        QUADRANTS.iter().all(|(_, quadrant)| regions.contains(quadrant))
+    }
+}
+
+/// The quadrants, each with its name: lower or upper, left or right.
+const QUADRANTS: [(&str, Region); 4] = [
+    ("ll", Region::Quadrant { right: false, upper: false }),
+    ("lr", Region::Quadrant { right: true, upper: false }),
+    ("ul", Region::Quadrant { right: false, upper: true }),
+    ("ur", Region::Quadrant { right: true, upper: true }),
+];
+
 /// A half-plane with a normal whose greatest component is 1 in size.
 fn scaled(a: f64, b: f64, c: f64) -> (f64, f64, f64) {
     let scale = a.abs().max(b.abs());
@@ -102,7 +132,7 @@ impl Convex<1> for Region {
             Self::Disc { centre, .. } => xs.partition_point(|&s| s < centre[0]),
             _ => 0,
         };
-        run(xs, turn, |x| self.contains(x, y))
+        run(xs, turn, |x| self.contains([x, y]))
     }
 
     fn extent(&self, [y]: [[f64; 2]; 1]) -> Option<[f64; 2]> {
@@ -148,14 +178,9 @@ impl fmt::Display for Region {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Rect { x, y } => write!(out, "rect({},{},{},{})", x[0], x[1], y[0], y[1]),
-            Self::Quadrant { right, upper } => {
-                let name = match (upper, right) {
-                    (false, false) => "ll",
-                    (false, true) => "lr",
-                    (true, false) => "ul",
-                    (true, true) => "ur",
-                };
-                write!(out, "quadrant({name})")
+            Self::Quadrant { .. } => {
+                let named = QUADRANTS.iter().find(|(_, quadrant)| quadrant == self);
+                write!(out, "quadrant({})", named.map_or("", |(name, _)| name))
             }
             Self::HalfPlane { a, b, c } => write!(out, "halfplane({a},{b},{c})"),
             Self::Disc { centre, radius } => {

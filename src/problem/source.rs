@@ -1,22 +1,22 @@
 //! Right-hand sides f: piecewise constants written as `rect(x0,x1,y0,y1)=v; else=v`, or a named exact problem.
 
-use crate::problem::exact::Exact;
 pub use crate::problem::region::Region;
+use crate::problem::shape::{Known, Shape, SourceError, number};
 use std::fmt;
 use std::str::FromStr;
 
-/// A right-hand side f of (1) on the square (-1/2, 1/2)^2.
+/// A right-hand side f of (1), on the square (-1/2, 1/2)^2 or, with the shapes of space, on the cube.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
+pub enum Source<S: Shape = Region> {
     /// Constant pieces painted over a background; the last piece that covers a point wins.
     Pieces {
         /// Value where no piece is.
         background: f64,
-        /// Regions with their values, in painting order.
-        pieces: Vec<(Region, f64)>,
+        /// Shapes with their values, in painting order.
+        pieces: Vec<(S, f64)>,
     },
     /// The right-hand side that belongs to a known solution.
-    Exact(Exact),
+    Exact(S::Exact),
 }
 
 /// Side from which f is taken at a point that lies on a jump: a limit along that diagonal.
@@ -34,44 +34,17 @@ pub enum Tie {
     UpperRight,
 }
 
-/// Why a text is no right-hand side.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SourceError {
-    /// Not of the grammar.
-    #[error("cannot read `{0}` in f; write e.g. 'rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1'")]
-    Syntax(String),
-    /// A region with a wrong number of arguments.
-    #[error("`{name}` takes {want}, e.g. {example}")]
-    Arguments {
-        /// Region named.
-        name: &'static str,
-        /// What it takes.
-        want: &'static str,
-        /// A correct use.
-        example: &'static str,
-    },
-    /// NaN or an infinity.
-    #[error("`{0}` in f is not a finite number; give a decimal such as -1.5")]
-    NotFinite(String),
-    /// An empty region.
-    #[error("`{0}` in f covers nothing; order its bounds and make sizes positive")]
-    EmptyRegion(String),
-    /// A name that is no known exact problem.
-    #[error("`{0}` is no exact problem; choose one of {names}", names = Exact::names())]
-    UnknownExact(String),
-}
-
 /// Distance by which a sample steps off a jump; any jump closer than this to a node counts as through it.
 const STEP_OFF: f64 = 1e-9;
 
-impl Source {
+impl<S: Shape> Source<S> {
     /// f = `value` everywhere.
     pub fn constant(value: f64) -> Self {
         Self::Pieces { background: value, pieces: Vec::new() }
     }
 
     /// The exact problem that f belongs to, if its solution is known.
-    pub fn exact(&self) -> Option<Exact> {
+    pub fn exact(&self) -> Option<S::Exact> {
         match self {
             Self::Exact(exact) => Some(*exact),
             Self::Pieces { .. } => None,
@@ -83,30 +56,32 @@ impl Source {
         match self {
             Self::Pieces { background, pieces } => Self::Pieces {
                 background: background.abs(),
-                pieces: pieces.iter().map(|(region, value)| (*region, value.abs())).collect(),
+                pieces: pieces.iter().map(|(shape, value)| (*shape, value.abs())).collect(),
             },
             Self::Exact(_) => self.clone(),
         }
     }
 
-    /// Value at (x, y); on the border of a piece, the piece's.
-    pub fn at(&self, x: f64, y: f64) -> f64 {
+    /// Value at a point; on the border of a piece, the piece's.
+    pub fn at(&self, point: S::Point) -> f64 {
         match self {
             Self::Pieces { background, pieces } => pieces
                 .iter()
                 .rev()
-                .find(|(region, _)| region.contains(x, y))
+                .find(|(shape, _)| shape.contains(point))
                 .map_or(*background, |&(_, value)| value),
-            Self::Exact(exact) => exact.source(x, y),
+            Self::Exact(exact) => exact.f(point),
         }
     }
+}
 
+impl Source {
     /// Value at (x, y), which on a jump is the limit from the side `tie` inside the square.
     pub fn sample(&self, x: f64, y: f64, tie: Tie) -> f64 {
-        if let Self::Exact(exact) = self {
-            return exact.source(x, y);
+        match self {
+            Self::Exact(exact) => exact.source(x, y),
+            Self::Pieces { .. } => self.at([tie.step_off(x, 0), tie.step_off(y, 1)]),
         }
-        self.at(tie.step_off(x, 0), tie.step_off(y, 1))
     }
 }
 
@@ -127,12 +102,12 @@ impl Tie {
 }
 
 /// The canonical text: what [`FromStr`] reads, one spelling per right-hand side.
-impl fmt::Display for Source {
+impl<S: Shape> fmt::Display for Source<S> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pieces { background, pieces } => {
-                for (region, value) in pieces {
-                    write!(out, "{region}={value}; ")?;
+                for (shape, value) in pieces {
+                    write!(out, "{shape}={value}; ")?;
                 }
                 write!(out, "else={background}")
             }
@@ -141,18 +116,16 @@ impl fmt::Display for Source {
     }
 }
 
-impl FromStr for Source {
+impl<S: Shape> FromStr for Source<S> {
     type Err = SourceError;
 
     fn from_str(text: &str) -> Result<Self, SourceError> {
         if let Some(name) = text.trim().strip_prefix("exact(").and_then(|t| t.strip_suffix(')')) {
-            return Exact::named(name.trim())
-                .map(Self::Exact)
-                .ok_or_else(|| SourceError::UnknownExact(one_line(name)));
+            return exact::<S>(name.trim()).map(Self::Exact);
         }
         let (mut background, mut pieces) = (None, Vec::new());
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
-            let syntax = || SourceError::Syntax(item.into());
+            let syntax = || SourceError::Syntax { text: item.into(), example: S::EXAMPLE };
             let (left, value) = item.split_once('=').ok_or_else(syntax)?;
             let value = number(value)?;
             if left.trim() == "else" {
@@ -160,19 +133,24 @@ impl FromStr for Source {
                     return Err(syntax());
                 }
             } else {
-                pieces.push((region(left.trim()).ok_or_else(syntax)??, value));
+                pieces.push((shape(left.trim()).ok_or_else(syntax)??, value));
             }
         }
-        // Quadrants may cover the square between them; anything else must say what lies around it.
-        let covered = [(false, false), (false, true), (true, false), (true, true)].into_iter().all(
-            |(right, upper)| pieces.iter().any(|(r, _)| *r == Region::Quadrant { right, upper }),
-        );
+        let shapes: Vec<S> = pieces.iter().map(|(shape, _)| *shape).collect();
         match background {
             Some(background) => Ok(Self::Pieces { background, pieces }),
-            None if covered => Ok(Self::Pieces { background: 0.0, pieces }),
-            None => Err(SourceError::Syntax(format!("{}` without `else=value", one_line(text)))),
+            None if S::cover(&shapes) => Ok(Self::Pieces { background: 0.0, pieces }),
+            None => Err(SourceError::NoElse(one_line(text))),
         }
     }
+}
+
+fn exact<S: Shape>(name: &str) -> Result<S::Exact, SourceError> {
+    let found = S::Exact::KNOWN.iter().find(|exact| exact.name() == name);
+    found.copied().ok_or_else(|| {
+        let names: Vec<_> = S::Exact::KNOWN.iter().map(|exact| exact.name()).collect();
+        SourceError::UnknownExact { name: one_line(name), names: names.join(", ") }
+    })
 }
 
 /// A text to be quoted in a message.
@@ -180,47 +158,13 @@ fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn number(text: &str) -> Result<f64, SourceError> {
-    let value: f64 = text.trim().parse().map_err(|_| SourceError::Syntax(text.trim().into()))?;
-    if value.is_finite() { Ok(value) } else { Err(SourceError::NotFinite(text.trim().into())) }
-}
-
 /// `None` if the text is not `name(arguments)` with a known name.
-fn region(text: &str) -> Option<Result<Region, SourceError>> {
+fn shape<S: Shape>(text: &str) -> Option<Result<S, SourceError>> {
     let (name, rest) = text.split_once('(')?;
-    let inner = rest.strip_suffix(')')?;
-    let numbers = || -> Result<Vec<f64>, SourceError> { inner.split(',').map(number).collect() };
-    let wrong = |name, want, example| SourceError::Arguments { name, want, example };
-    let parsed = match name.trim() {
-        "rect" => numbers().and_then(|n| match n[..] {
-            [x0, x1, y0, y1] => Ok(Region::Rect { x: [x0, x1], y: [y0, y1] }),
-            _ => Err(wrong("rect", "x0,x1,y0,y1", "rect(-0.25,0.25,-0.25,0.25)")),
-        }),
-        "halfplane" => numbers().and_then(|n| match n[..] {
-            [a, b, c] => Ok(Region::HalfPlane { a, b, c }),
-            _ => Err(wrong("halfplane", "a,b,c of a x + b y <= c", "halfplane(1,1,0)")),
-        }),
-        "disc" => numbers().and_then(|n| match n[..] {
-            [x, y, radius] => Ok(Region::Disc { centre: [x, y], radius }),
-            _ => Err(wrong("disc", "x,y,radius", "disc(0,0,0.25)")),
-        }),
-        "quadrant" => match inner.trim() {
-            "ll" => Ok(Region::Quadrant { right: false, upper: false }),
-            "lr" => Ok(Region::Quadrant { right: true, upper: false }),
-            "ul" => Ok(Region::Quadrant { right: false, upper: true }),
-            "ur" => Ok(Region::Quadrant { right: true, upper: true }),
-            _ => Err(wrong("quadrant", "one of ll, lr, ul, ur", "quadrant(ll)")),
-        },
-        _ => return None,
-    };
-    Some(parsed.and_then(|region| {
-        let empty = match region {
-            Region::Rect { x, y } => x[0] >= x[1] || y[0] >= y[1],
-            Region::HalfPlane { a, b, .. } => a == 0.0 && b == 0.0,
-            Region::Disc { radius, .. } => radius <= 0.0,
-            Region::Quadrant { .. } => false,
-        };
-        if empty { Err(SourceError::EmptyRegion(text.into())) } else { Ok(region) }
+    let shape = S::read(name.trim(), rest.strip_suffix(')')?)?;
+    Some(shape.and_then(|shape| match shape.is_empty() {
+        true => Err(SourceError::Empty(text.into())),
+        false => Ok(shape),
     }))
 }
 
@@ -232,10 +176,10 @@ mod tests {
     fn last_piece_wins_and_text_round_trips() {
         let text = "halfplane(1,1,0)=2; rect(-0.25,0.25,-0.25,0.25)=1.5; disc(0,0,0.1)=-7; else=-1";
         let f: Source = text.parse().unwrap();
-        assert_eq!(f.at(0.0, 0.0), -7.0);
-        assert_eq!(f.at(0.2, 0.2), 1.5);
-        assert_eq!(f.at(-0.4, -0.4), 2.0);
-        assert_eq!(f.at(0.4, 0.4), -1.0);
+        assert_eq!(f.at([0.0, 0.0]), -7.0);
+        assert_eq!(f.at([0.2, 0.2]), 1.5);
+        assert_eq!(f.at([-0.4, -0.4]), 2.0);
+        assert_eq!(f.at([0.4, 0.4]), -1.0);
         assert_eq!(f.to_string(), text);
     }
 

@@ -2,7 +2,7 @@
 
 use super::data::{Problem, Report};
 use super::results::{Results, Summary};
-use super::room::{Fixed, Searched};
+use super::search::{Fixed, Searched};
 use crate::saddle::{Outcome, StopRule, tolerance};
 use serde::Serialize;
 

@@ -8,7 +8,7 @@ mod filters;
 mod mathml;
 mod pages;
 pub mod results;
-mod room;
+mod search;
 
 pub use build::build;
 pub use data::{

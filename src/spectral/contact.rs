@@ -1,7 +1,7 @@
 //! The contact set: from a grid at first, then corrected where a sign is wrong.
 
 use super::panels::{Ends, Place};
-use super::trace::{Trace, UNRESOLVED};
+use super::trace::{Point, Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 
@@ -80,28 +80,11 @@ fn in_order(mut places: Vec<Place>) -> Vec<Place> {
 pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Option<Option<Vec<Place>>> {
     let points = &trace.points;
     let many = points.len();
-    let largest = trace.largest();
-    let contact = |i: usize| trace.panels[points[i % many].panel].contact;
-    let mut wrong: Vec<bool> = points
-        .iter()
-        .enumerate()
-        .map(|(i, p)| {
-            if contact(i) {
-                p.multiplier < -TOLERANCE[0] * largest[0] && p.place.t.abs() > UNRESOLVED
-            } else {
-                p.value < -TOLERANCE[1] * largest[1]
-            }
-        })
-        .collect();
+    let wrong = wrong(trace);
     if !wrong.contains(&true) {
         return None;
     }
-    // What is negative so near to a corner belongs to a gap found further away.
-    for i in (0..many).chain((0..many).rev()) {
-        let beside = wrong[(i + 1) % many] || wrong[(i + many - 1) % many];
-        let p = &points[i];
-        wrong[i] |= beside && contact(i) && p.multiplier < 0.0 && p.place.t.abs() <= UNRESOLVED;
-    }
+    let contact = |i: usize| trace.in_contact(i);
     let place = |i: usize| {
         let Place { corner, t } = points[i % many].place;
         Place { corner: corner + if i >= many { 4 } else { 0 }, t }
@@ -136,20 +119,51 @@ pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Option<Option<Vec<Place>>
             first = last + 1;
         }
     }
+    Some(without_short(in_turn(changes, added, ends.arcs() == 0)))
+}
+
+/// Where the multiplier is negative in contact or v elsewhere, point by point.
+fn wrong(trace: &Trace) -> Vec<bool> {
+    let points = &trace.points;
+    let many = points.len();
+    let largest = trace.largest();
+    let is_wrong = |(i, p): (usize, &Point)| {
+        if trace.in_contact(i) {
+            p.multiplier < -TOLERANCE[0] * largest[0] && p.place.t.abs() > UNRESOLVED
+        } else {
+            p.value < -TOLERANCE[1] * largest[1]
+        }
+    };
+    let mut wrong: Vec<bool> = points.iter().enumerate().map(is_wrong).collect();
+    if !wrong.contains(&true) {
+        return wrong;
+    }
+    // What is negative so near to a corner belongs to a gap found further away.
+    for i in (0..many).chain((0..many).rev()) {
+        let beside = wrong[(i + 1) % many] || wrong[(i + many - 1) % many];
+        let p = &points[i];
+        let near = p.place.t.abs() <= UNRESOLVED;
+        wrong[i] |= beside && trace.in_contact(i) && p.multiplier < 0.0 && near;
+    }
+    wrong
+}
+
+/// The ends of contact with pairs of new ones, in their order around the border.
+fn in_turn(mut changes: Vec<Place>, added: Vec<[Place; 2]>, everywhere: bool) -> Vec<Place> {
     let start = changes.first().copied().unwrap_or(Place { corner: 0, t: 0.0 });
     for pair in added {
         let pair = pair.map(|place| place.following(start));
         // With contact everywhere the first gap is what lies outside of the arc.
-        changes.extend(if ends.arcs() == 0 { [pair[1], pair[0]] } else { pair });
+        changes.extend(if everywhere { [pair[1], pair[0]] } else { pair });
     }
-    if ends.arcs() > 0 {
+    if !everywhere {
         changes.sort_by(|a, b| a.after(start).total_cmp(&b.after(start)));
     } else {
         let first = changes[0];
         changes.iter_mut().for_each(|p| *p = p.following(first));
         changes[1..].sort_by(|a, b| a.after(first).total_cmp(&b.after(first)));
     }
-    Some(without_short(changes))
+    changes
 }
 
 /// Leaves out arcs and gaps that are too short; `None` if no arc is left.

@@ -2,6 +2,7 @@
 
 use super::complex::Complex;
 use crate::problem::region::Region;
+use crate::problem::shape::Shape;
 use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
@@ -51,20 +52,6 @@ impl Curve {
             Self::Circle { centre, radius } if (z - centre).norm() > radius + SAME => Some(centre),
             _ => None,
         }
-    }
-
-    /// The height of a horizontal line.
-    pub fn level(&self) -> Option<f64> {
-        match *self {
-            Self::Line { normal, offset } if normal.re == 0.0 => Some(offset),
-            _ => None,
-        }
-    }
-
-    /// Where it meets the horizontal line at height `y`.
-    pub fn at_level(self, y: f64) -> impl Iterator<Item = f64> {
-        let level = Self::Line { normal: Complex::new(0.0, 1.0), offset: y };
-        level.meets(self).into_iter().map(move |s| level.at(s).re)
     }
 
     /// Parameters at which it meets another curve.
@@ -190,35 +177,8 @@ impl Jumps {
 
     /// f; the last region that covers a point wins.
     pub fn value(&self, x: f64, y: f64) -> f64 {
-        let covering = self.painted.iter().rev().find(|(region, _)| region.contains(x, y));
+        let covering = self.painted.iter().rev().find(|(region, _)| region.contains([x, y]));
         covering.map_or(self.background, |&(_, value)| value)
-    }
-
-    /// The integral of f over the square, by Gauss's theorem for f times z / 2.
-    pub fn integral(&self) -> f64 {
-        let along = |edge: &Edge| {
-            let [a, b] = edge.span;
-            match edge.curve {
-                Curve::Line { offset, .. } => offset * (b - a),
-                Curve::Circle { centre, radius } => {
-                    let chord = Complex::unit(b) - Complex::unit(a);
-                    radius * (radius * (b - a) + centre.cross(chord))
-                }
-            }
-        };
-        let inside: f64 = self.edges.iter().map(|edge| edge.jump() * along(edge)).sum();
-        let border = |side: Curve| {
-            let mut cuts = vec![-0.5, 0.5];
-            cuts.extend(self.curves.iter().flat_map(|&curve| side.meets(curve)));
-            cuts.retain(|s| s.abs() <= 0.5);
-            cuts.sort_by(f64::total_cmp);
-            let piece = |cut: &[f64]| {
-                let z = side.at(0.5 * (cut[0] + cut[1])).scaled(1.0 - 2.0 * PROBE);
-                0.5 * (cut[1] - cut[0]) * self.value(z.re, z.im)
-            };
-            cuts.windows(2).map(piece).sum::<f64>()
-        };
-        0.5 * (inside + SIDES.into_iter().map(border).sum::<f64>())
     }
 
     fn add_line(&mut self, line: Curve) {
@@ -242,35 +202,15 @@ impl Jumps {
 
     fn add_circle(&mut self, circle: Curve) {
         let Curve::Circle { centre, radius } = circle else { return };
-        let mut cuts: Vec<f64> = self
-            .curves
-            .iter()
-            .copied()
-            .chain(SIDES)
-            .flat_map(|other| circle.meets(other))
-            .collect();
-        cuts.sort_by(f64::total_cmp);
-        // Once around, from the first cut.
-        let first = cuts.first().copied().unwrap_or(0.0);
-        cuts.push(first + TAU);
-        if cuts.len() == 1 {
-            cuts.insert(0, 0.0);
-        }
-        let mut around = self.pieces(circle, cuts);
+        let around = self.around(circle);
         if around.iter().all(|(_, values)| values.is_none()) {
             return;
         }
-        let [before, after] = [around[around.len() - 1], around[0]];
-        if around.len() > 1 && before.1 == after.1 {
-            around[0].0[0] = before.0[0] - TAU;
-            around.pop();
-        }
-        let jump = |values: [f64; 2]| values[0] - values[1];
         if let [(_, Some(values))] = around[..] {
-            let span = [0.0, TAU];
-            if values[0] != values[1] {
+            let (span, jump) = ([0.0, TAU], values[0] - values[1]);
+            if jump != 0.0 {
                 self.edges.push(Edge { curve: circle, span, values, ends: [None; 2] });
-                self.continued.push(Continued::Circle { centre, radius, jump: jump(values) });
+                self.continued.push(Continued::Circle { centre, radius, jump });
             }
             return;
         }
@@ -280,32 +220,7 @@ impl Jumps {
                 self.edges.push(Edge { curve: circle, span, values, ends });
             }
         }
-        // A piece outside takes its jumps from its neighbours, half from each.
-        let many = around.len();
-        let mut arcs: Vec<([f64; 2], f64)> = Vec::new();
-        for (k, &([from, to], values)) in around.iter().enumerate() {
-            match values {
-                Some(values) => arcs.push(([from, to], jump(values))),
-                None => {
-                    let beside = |k: usize| around[k % many].1.map_or(0.0, jump);
-                    let middle = 0.5 * (from + to);
-                    arcs.push(([from, middle], beside(k + many - 1)));
-                    arcs.push(([middle, to], beside(k + 1)));
-                }
-            }
-        }
-        let mut joined: Vec<([f64; 2], f64)> = Vec::new();
-        for (span, jump) in arcs {
-            match joined.last_mut() {
-                Some((last, same)) if *same == jump => last[1] = span[1],
-                _ => joined.push((span, jump)),
-            }
-        }
-        let [before, after] = [joined[joined.len() - 1], joined[0]];
-        if joined.len() > 1 && before.1 == after.1 {
-            joined[0].0[0] = before.0[0] - TAU;
-            joined.pop();
-        }
+        let joined = continued(&around);
         if let [(_, jump)] = joined[..] {
             if jump != 0.0 {
                 self.continued.push(Continued::Circle { centre, radius, jump });
@@ -329,6 +244,20 @@ impl Jumps {
                 self.continued.push(Continued::Arc { centre, radius, span, jump, ends });
             }
         }
+    }
+
+    /// The pieces of a circle between the other curves and the sides, once around.
+    fn around(&self, circle: Curve) -> Vec<Piece> {
+        let others = self.curves.iter().copied().chain(SIDES);
+        let mut cuts: Vec<f64> = others.flat_map(|other| circle.meets(other)).collect();
+        cuts.sort_by(f64::total_cmp);
+        // Once around, from the first cut.
+        let first = cuts.first().copied().unwrap_or(0.0);
+        cuts.push(first + TAU);
+        if cuts.len() == 1 {
+            cuts.insert(0, 0.0);
+        }
+        closed(self.pieces(circle, cuts))
     }
 
     /// The pieces of a curve between parameters; neighbours with the same values on both sides are one.
@@ -387,6 +316,41 @@ const SIDES: [Curve; 4] = [
 
 /// A piece of a curve and f on its left and right, none outside of the square.
 type Piece = ([f64; 2], Option<[f64; 2]>);
+
+/// Pieces once around a circle with the first and the last in one where they are alike.
+fn closed<T: Copy + PartialEq>(mut around: Vec<([f64; 2], T)>) -> Vec<([f64; 2], T)> {
+    let [before, after] = [around[around.len() - 1], around[0]];
+    if around.len() > 1 && before.1 == after.1 {
+        around[0].0[0] = before.0[0] - TAU;
+        around.pop();
+    }
+    around
+}
+
+/// The jumps around a circle with those outside the square: a piece there takes its jumps from its
+/// neighbours, half from each.
+fn continued(around: &[Piece]) -> Vec<([f64; 2], f64)> {
+    let many = around.len();
+    let jump = |k: usize| around[k % many].1.map(|values| values[0] - values[1]);
+    let mut arcs: Vec<([f64; 2], f64)> = Vec::new();
+    for (k, &(span @ [from, to], _)) in around.iter().enumerate() {
+        let middle = 0.5 * (from + to);
+        let halves = match jump(k) {
+            Some(jump) => vec![(span, jump)],
+            None => vec![
+                ([from, middle], jump(k + many - 1).unwrap_or(0.0)),
+                ([middle, to], jump(k + 1).unwrap_or(0.0)),
+            ],
+        };
+        for (span, jump) in halves {
+            match arcs.last_mut() {
+                Some((last, same)) if *same == jump => last[1] = span[1],
+                _ => arcs.push((span, jump)),
+            }
+        }
+    }
+    closed(arcs)
+}
 
 /// The parameters of the points of a line in the closed square, if it meets the inside.
 fn in_square(line: Curve) -> Option<[f64; 2]> {

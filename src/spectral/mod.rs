@@ -69,11 +69,13 @@ mod panels;
 mod potential;
 mod rule;
 mod sources;
-mod start;
 mod trace;
 
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
+use crate::discrete::load::{Diagonal, LoadRule, integral, load};
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::source::Source;
 use complex::Complex;
 use newton::Problem;
@@ -190,14 +192,14 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
         return Err(SpectralError::NotPieces);
     }
     let problem = Problem::new(f);
-    let integral = problem.jumps.integral();
+    let integral = integral(f);
     if integral >= 0.0 {
         return Err(SpectralError::NotCoercive(integral));
     }
     let mut error = SpectralError::NoContactSet;
     for n in [64, 256, 1024] {
         let grid = Grid::new(n).expect("not below the least");
-        let Some(y) = start::coarse(grid, &problem.jumps) else { continue };
+        let Some(y) = coarse(grid, f) else { continue };
         match solve(&problem, contact::from_grid(grid, &y), params) {
             Err(SpectralError::NoContactSet) => {}
             Err(other) => error = other,
@@ -205,6 +207,13 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
         }
     }
     Err(error)
+}
+
+/// Nodal values up to discretisation error; `None` if the load has no negative sum.
+fn coarse(grid: Grid, f: &Source) -> Option<Vec<f64>> {
+    let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
+    let params = MultigridParams { goal: Goal::DiscretisationError, ..Default::default() };
+    multigrid(grid.cells(), &load, None, &params, |_| ()).ok().map(|(y, _)| y)
 }
 
 /// Newton's method and correction of the contact set in turn, until all signs are right.

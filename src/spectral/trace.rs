@@ -86,73 +86,19 @@ impl Trace {
     /// The total of l over the border and the energy J = -1/2 int f v, by Green's identity with psi and
     /// by Rellich's.
     pub fn energies(&self, problem: &Problem, rules: &Rules) -> Energies {
-        let jumps = &problem.jumps;
-        let bilinear = Bilinear::new(problem);
-        let values: Vec<f64> = self
-            .panels
-            .iter()
-            .map(|panel| {
-                let z = panel.middle() + panel.tangent.turned().scaled(PROBE);
-                jumps.value(z.re, z.im)
-            })
-            .collect();
-        let mut e = Energies::default();
-        // Integrals of f psi, and the second formula's of psi.
-        let (mut source, mut rellich) = (0.0, 0.0);
-        for point in &self.points {
-            let panel = &self.panels[point.panel];
-            let z = point.place.point();
-            let (tangent, normal) = (panel.tangent, -panel.tangent.turned());
-            let (psi, gradient) = bilinear.less(z, point.psi, point.gradient);
-            let (psi_n, psi_s) = (gradient.dot(normal), gradient.dot(tangent));
-            let f = values[point.panel];
-            let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
-            let Point { weight, value: v, multiplier: l, along, .. } = *point;
-            source +=
-                weight * f * (0.5 * outward * psi - square * psi_n - 0.25 * f * outward * square);
-            e.work += weight * (psi * l - v * psi_n);
-            e.force += weight * l;
-            e.integral += weight * f * 0.5 * outward;
-            let (h, h_s) = (v - psi, along - psi_s);
-            let tau = z.dot(tangent);
-            let u = z.dot(gradient) - 2.0 * psi;
-            rellich += weight
-                * (outward * (f * v + 0.5 * (l * l - along * along)) - outward * f * h
-                    + outward * h_s * psi_s
-                    - 2.0 * h * psi_n
-                    - tau * h_s * psi_n
-                    - u * (l - psi_n));
-        }
-        // What partial integration along the sides leaves at the corners, where psi vanishes but its
-        // gradient does not.
-        for (k, &z) in CORNERS.iter().enumerate() {
-            let value = self.corner_value(k as i32);
-            let (_, gradient) = bilinear.less(z, 0.0, problem.psi.gradient(z));
-            for (t, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
-                let tangent = super::panels::tangent(k as i32, t);
-                let normal = -tangent.turned();
-                rellich += sign
-                    * value
-                    * (z.dot(tangent) * gradient.dot(normal)
-                        - z.dot(normal) * gradient.dot(tangent));
-            }
-        }
-        for edge in &jumps.edges {
-            let [left, right] = edge.values;
-            for (z, normal, weight) in edge_nodes(jumps, edge, rules) {
-                let (psi, gradient) = problem.psi.value_and_gradient(z);
-                let (psi, gradient) = bilinear.less(z, psi, gradient);
-                let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
-                let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
-                    - square * gradient.dot(normal);
-                source += weight * edge.jump() * moment;
-                rellich += weight * edge.jump() * outward * psi;
-                e.integral += weight * edge.jump() * 0.5 * outward;
-            }
-        }
-        e.energy = -0.5 * (source + e.work);
-        e.rellich = -0.25 * rellich;
+        let mut sums = Sums::new(problem);
+        sums.add_border(self);
+        sums.add_corners(self);
+        sums.add_edges(rules);
+        let mut e = sums.energies;
+        e.energy = -0.5 * (sums.source + e.work);
+        e.rellich = -0.25 * sums.rellich;
         e
+    }
+
+    /// Whether its `i`-th point, counted around and around, is in contact.
+    pub fn in_contact(&self, i: usize) -> bool {
+        self.panels[self.points[i % self.points.len()].panel].contact
     }
 
     /// The largest multiplier, and the size of v: in a short gap it is far smaller than inside.
@@ -261,6 +207,90 @@ pub(super) struct Energies {
     /// Integral of f over the square.
     pub integral: f64,
     work: f64,
+}
+
+/// The integrals of [`Trace::energies`], as far as they have been summed.
+struct Sums<'a> {
+    problem: &'a Problem,
+    bilinear: Bilinear,
+    energies: Energies,
+    /// The integral of f psi.
+    source: f64,
+    /// That of psi in Rellich's identity.
+    rellich: f64,
+}
+
+impl<'a> Sums<'a> {
+    fn new(problem: &'a Problem) -> Self {
+        let (bilinear, energies) = (Bilinear::new(problem), Energies::default());
+        Self { problem, bilinear, energies, source: 0.0, rellich: 0.0 }
+    }
+
+    fn add_border(&mut self, trace: &Trace) {
+        let value = |panel: &Panel| {
+            let z = panel.middle() + panel.tangent.turned().scaled(PROBE);
+            self.problem.jumps.value(z.re, z.im)
+        };
+        let values: Vec<f64> = trace.panels.iter().map(value).collect();
+        for point in &trace.points {
+            let panel = &trace.panels[point.panel];
+            let z = point.place.point();
+            let (tangent, normal) = (panel.tangent, -panel.tangent.turned());
+            let (psi, gradient) = self.bilinear.less(z, point.psi, point.gradient);
+            let (psi_n, psi_s) = (gradient.dot(normal), gradient.dot(tangent));
+            let f = values[point.panel];
+            let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
+            let Point { weight, value: v, multiplier: l, along, .. } = *point;
+            self.source +=
+                weight * f * (0.5 * outward * psi - square * psi_n - 0.25 * f * outward * square);
+            self.energies.work += weight * (psi * l - v * psi_n);
+            self.energies.force += weight * l;
+            self.energies.integral += weight * f * 0.5 * outward;
+            let (h, h_s) = (v - psi, along - psi_s);
+            let tau = z.dot(tangent);
+            let u = z.dot(gradient) - 2.0 * psi;
+            self.rellich += weight
+                * (outward * (f * v + 0.5 * (l * l - along * along)) - outward * f * h
+                    + outward * h_s * psi_s
+                    - 2.0 * h * psi_n
+                    - tau * h_s * psi_n
+                    - u * (l - psi_n));
+        }
+    }
+
+    /// What partial integration along the sides leaves at the corners, where psi vanishes but its gradient
+    /// does not.
+    fn add_corners(&mut self, trace: &Trace) {
+        for (k, &z) in CORNERS.iter().enumerate() {
+            let value = trace.corner_value(k as i32);
+            let (_, gradient) = self.bilinear.less(z, 0.0, self.problem.psi.gradient(z));
+            for (t, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
+                let tangent = super::panels::tangent(k as i32, t);
+                let normal = -tangent.turned();
+                self.rellich += sign
+                    * value
+                    * (z.dot(tangent) * gradient.dot(normal)
+                        - z.dot(normal) * gradient.dot(tangent));
+            }
+        }
+    }
+
+    fn add_edges(&mut self, rules: &Rules) {
+        let jumps = &self.problem.jumps;
+        for edge in &jumps.edges {
+            let [left, right] = edge.values;
+            for (z, normal, weight) in edge_nodes(jumps, edge, rules) {
+                let (psi, gradient) = self.problem.psi.value_and_gradient(z);
+                let (psi, gradient) = self.bilinear.less(z, psi, gradient);
+                let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
+                let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
+                    - square * gradient.dot(normal);
+                self.source += weight * edge.jump() * moment;
+                self.rellich += weight * edge.jump() * outward * psi;
+                self.energies.integral += weight * edge.jump() * 0.5 * outward;
+            }
+        }
+    }
 }
 
 /// The bilinear function that equals psi in the corners, where l is known least.

@@ -328,10 +328,10 @@ fn room_ends_where_a_count_changes() {
                 };
                 values.iter().enumerate().map(shift).collect()
             };
-            let room = breaks.room[side];
-            assert!(evaluator.forced(0, &moved(0.99 * room), Limit::EXACT).is_exact());
+            let range = breaks.range[side];
+            assert!(evaluator.forced(0, &moved(0.99 * range), Limit::EXACT).is_exact());
             let (k, level) = breaks.first[side].unwrap();
-            let beyond = evaluator.forced(0, &moved(1.02 * room + 1e-5), Limit::NONE);
+            let beyond = evaluator.forced(0, &moved(1.02 * range + 1e-5), Limit::NONE);
             assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
         }
     }

@@ -5,7 +5,8 @@ use signorini::discrete::cube;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini::problem::cube::{Body, Source as CubeSource};
-use signorini::problem::region::{Convex, Region};
+use signorini::problem::region::Region;
+use signorini::problem::shape::{Convex, Shape};
 use signorini::problem::source::Source;
 use std::f64::consts::PI;
 
@@ -107,7 +108,7 @@ impl Quadrature<'_> {
         let mut sums = [0.0; 9];
         for pair in ends.windows(2) {
             let (p, q) = (pair[0], pair[1]);
-            let inside = |(region, _): &&(Region, f64)| region.contains(x, 0.5 * (p + q));
+            let inside = |(region, _): &&(Region, f64)| region.contains([x, 0.5 * (p + q)]);
             let value = self.pieces.iter().rev().find(inside).map_or(self.background, |p| p.1);
             let [one, y, yy] = [1, 2, 3].map(|k| value * (q.powi(k) - p.powi(k)) / f64::from(k));
             let terms = [one, x * one, y, x * y, x * x * one, yy, x * x * y, x * yy, value * one];

@@ -11,7 +11,8 @@ pub use slices::CutCube;
 pub use sweep::{Cut, Moments};
 
 use super::grid::Grid;
-use crate::problem::region::{Convex, Region};
+use crate::problem::region::Region;
+use crate::problem::shape::Convex;
 use std::ops::Range;
 
 /// Goes over the cells of a grid in rows along x; `N` is 1 on the square, 2 on the cube.

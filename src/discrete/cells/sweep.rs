@@ -7,6 +7,7 @@
 
 use super::monomials::{below_chord, beside_chord, half_chord};
 use crate::problem::region::Region;
+use crate::problem::shape::Shape;
 
 /// Integrals of f times monomials over the unit cell [-1/2, 1/2]^2, or a part of it, in the coordinates X and Y there.
 ///
@@ -94,7 +95,7 @@ impl Cut {
     }
 
     fn value(&self, x: f64, y: f64) -> f64 {
-        let covering = self.pieces.iter().find(|(region, _)| region.contains(x, y));
+        let covering = self.pieces.iter().find(|(region, _)| region.contains([x, y]));
         covering.map_or(self.background, |&(_, value)| value)
     }
 

@@ -10,6 +10,7 @@ use crate::problem::source::Source;
 use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
 /// The load towards a KKT residual: under the published one, problem 1 sums to a positive number on
 /// fine grids, and has no solution to converge to.
@@ -47,6 +48,9 @@ struct Direct {
     r: f64,
 }
 
+/// What was run, with what came out.
+type Results<'a> = [(&'a Batch, Done)];
+
 /// What a batch gives: an entry per run, of as many counts as grids were visited.
 type Done = Vec<Vec<Reached>>;
 
@@ -62,8 +66,9 @@ pub(super) fn measure(plan: &Plan) -> Result<Vec<Measured>, String> {
     let batches = batches(plan, &cases);
     let done: Vec<Done> =
         batches.par_iter().with_max_len(1).map(|batch| batch.run(plan, &cases)).collect();
-    let all: Vec<(&Batch, Done)> = batches.iter().zip(done).collect();
-    Ok(cases.iter().enumerate().map(|(k, case)| case.measured(k, plan, &all)).collect())
+    let all: Vec<_> = batches.iter().zip(done).collect();
+    let measured = |(number, case)| Gathered { number, case, plan, all: &all }.measured();
+    Ok(cases.iter().enumerate().map(measured).collect())
 }
 
 fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
@@ -160,88 +165,113 @@ impl<'a> Case<'a> {
         let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>(), &mut AsDefined);
         ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
     }
+}
 
-    /// The counts of this problem, gathered from the batches.
-    fn measured(&self, number: usize, plan: &Plan, all: &[(&Batch, Done)]) -> Measured {
-        let nested = |wanted: StopRule, wanted_r: f64| -> &Vec<Reached> {
-            let of = all.iter().find_map(|(batch, done)| match batch {
-                Batch::Nested { problem, rule, r } if *problem == number && *rule == wanted => {
-                    r.iter().position(|r| *r == wanted_r).map(|k| &done[k])
-                }
-                _ => None,
-            });
-            of.expect("every r was run")
-        };
-        let direct = |wanted: usize, target: f64, variant: Option<usize>, r: f64| -> Count {
-            let of = all.iter().find_map(|(batch, done)| match batch {
-                Batch::Direct { problem, level, runs }
-                    if *problem == number && *level == wanted =>
-                {
-                    let of =
-                        |run: &Direct| run.target == target && run.variant == variant && run.r == r;
-                    runs.iter().position(of).map(|k| done[k][0].count)
-                }
-                _ => None,
-            });
-            of.expect("every r was run")
-        };
-        let swept = plan.r();
+/// The counts of a problem, to be gathered from the batches.
+struct Gathered<'a> {
+    /// Place of the problem in the plan.
+    number: usize,
+    case: &'a Case<'a>,
+    plan: &'a Plan,
+    all: &'a Results<'a>,
+}
+
+impl Gathered<'_> {
+    fn measured(&self) -> Measured {
+        let sum = |loads: &[Vec<f64>]| loads.last().map_or(0.0, |load| load.iter().sum());
+        Measured {
+            number: self.case.problem.number,
+            sums: [sum(&self.case.published), sum(&self.case.solvable)],
+            rows: self.rows(),
+            tables: StopRule::ALL.map(|rule| self.table(rule)).into(),
+            cells: self.cells(),
+        }
+    }
+
+    /// What came out under a stopping rule, grid by grid.
+    fn nested(&self, wanted: StopRule, wanted_r: f64) -> &[Reached] {
+        let of = self.all.iter().find_map(|(batch, done)| match batch {
+            Batch::Nested { problem, rule, r } if *problem == self.number && *rule == wanted => {
+                r.iter().position(|r| *r == wanted_r).map(|k| &done[k][..])
+            }
+            _ => None,
+        });
+        of.expect("every r was run")
+    }
+
+    fn direct(&self, wanted: usize, target: f64, variant: Option<usize>, r: f64) -> Count {
+        let wanted_run =
+            |run: &Direct| run.target == target && run.variant == variant && run.r == r;
+        let of = self.all.iter().find_map(|(batch, done)| match batch {
+            Batch::Direct { problem, level, runs }
+                if *problem == self.number && *level == wanted =>
+            {
+                runs.iter().position(wanted_run).map(|k| done[k][0].count)
+            }
+            _ => None,
+        });
+        of.expect("every r was run")
+    }
+
+    /// The grids with so many cells, each with its place.
+    fn grids(&self, cells: RangeInclusive<usize>) -> impl Iterator<Item = (usize, usize)> {
+        let all = self.case.grids.iter().map(|grid| grid.cells()).enumerate();
+        all.filter(move |(_, n)| cells.contains(n))
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let swept = self.plan.r();
         let mut rows = Vec::new();
         for rule in SWEPT {
-            for (level, grid) in self.grids.iter().enumerate() {
-                let counts = swept.iter().map(|&r| nested(rule, r)[level].count).collect();
-                rows.push(Row::new(Measure::Rule(rule), grid.cells(), &swept, counts));
+            for (level, cells) in self.grids(0..=usize::MAX) {
+                let counts = swept.iter().map(|&r| self.nested(rule, r)[level].count).collect();
+                rows.push(Row::new(Measure::Rule(rule), cells, &swept, counts));
             }
         }
-        for &(target, finest) in &plan.targets {
-            let asked = |(_, grid): &(usize, &Grid)| grid.cells() <= finest;
-            for (level, grid) in self.grids.iter().enumerate().filter(asked) {
-                let counts = swept.iter().map(|&r| direct(level, target, None, r)).collect();
-                rows.push(Row::new(Measure::Kkt(target), grid.cells(), &swept, counts));
+        for &(target, finest) in &self.plan.targets {
+            for (level, cells) in self.grids(0..=finest) {
+                let counts = swept.iter().map(|&r| self.direct(level, target, None, r)).collect();
+                rows.push(Row::new(Measure::Kkt(target), cells, &swept, counts));
             }
         }
-        let tables = StopRule::ALL.map(|rule| {
-            let without = match rule {
-                StopRule::Signed | StopRule::SignedDual => StopRule::Signed,
-                StopRule::Printed | StopRule::PrintedDual => StopRule::Printed,
-            };
-            let line = |&r: &f64| {
-                let reached = nested(rule, r);
-                let last = reached[reached.len() - 1];
-                let fewer = nested(without, r)[reached.len() - 1].count.iterations;
-                Line {
-                    r,
-                    counts: reached.iter().map(|reached| reached.count).collect(),
-                    factor: last.count.iterations as f64 / fewer as f64,
-                    delta_a: last.delta_a,
-                    excess: last.delta_a / tolerance(reached.len()),
-                    kkt: last.kkt,
-                }
-            };
-            Table { rule, lines: self.problem.r.iter().map(line).collect() }
-        });
-        let mut cells = Vec::new();
-        for &(target, finest) in &plan.targets {
-            let compared = plan.compared_from..=finest;
-            let asked = |(_, grid): &(usize, &Grid)| compared.contains(&grid.cells());
-            for (level, grid) in self.grids.iter().enumerate().filter(asked) {
-                cells.extend(plan.compared_r.iter().map(|&r| Cell {
-                    cells: grid.cells(),
+        rows
+    }
+
+    fn table(&self, rule: StopRule) -> Table {
+        let without = match rule {
+            StopRule::Signed | StopRule::SignedDual => StopRule::Signed,
+            StopRule::Printed | StopRule::PrintedDual => StopRule::Printed,
+        };
+        let line = |&r: &f64| {
+            let reached = self.nested(rule, r);
+            let last = reached[reached.len() - 1];
+            let fewer = self.nested(without, r)[reached.len() - 1].count.iterations;
+            Line {
+                r,
+                counts: reached.iter().map(|reached| reached.count).collect(),
+                factor: last.count.iterations as f64 / fewer as f64,
+                delta_a: last.delta_a,
+                excess: last.delta_a / tolerance(reached.len()),
+                kkt: last.kkt,
+            }
+        };
+        Table { rule, lines: self.case.problem.r.iter().map(line).collect() }
+    }
+
+    fn cells(&self) -> Vec<Cell> {
+        let mut all = Vec::new();
+        for &(target, finest) in &self.plan.targets {
+            for (level, cells) in self.grids(self.plan.compared_from..=finest) {
+                all.extend(self.plan.compared_r.iter().map(|&r| Cell {
+                    cells,
                     target,
                     r,
-                    arrow_hurwicz: direct(level, target, None, r),
-                    uzawa: [0, 1, 2, 3].map(|variant| direct(level, target, Some(variant), r)),
+                    arrow_hurwicz: self.direct(level, target, None, r),
+                    uzawa: [0, 1, 2, 3].map(|variant| self.direct(level, target, Some(variant), r)),
                 }));
             }
         }
-        let sum = |loads: &[Vec<f64>]| loads.last().map_or(0.0, |load| load.iter().sum());
-        Measured {
-            number: self.problem.number,
-            sums: [sum(&self.published), sum(&self.solvable)],
-            rows,
-            tables: tables.into(),
-            cells,
-        }
+        all
     }
 }
 

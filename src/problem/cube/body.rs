@@ -1,6 +1,8 @@
 //! Bodies on which f is constant; all are convex.
 
-use crate::problem::region::{Convex, Region, run};
+use super::exact::Exact;
+use crate::problem::region::Region;
+use crate::problem::shape::{Convex, Shape, SourceError, numbers, run};
 use std::fmt;
 use std::ops::Range;
 
@@ -16,22 +18,6 @@ pub enum Body {
 }
 
 impl Body {
-    /// Whether the closed body holds a point.
-    pub fn contains(&self, point: [f64; 3]) -> bool {
-        match *self {
-            Self::Box(sides) => {
-                (0..3).all(|axis| sides[axis][0] <= point[axis] && point[axis] <= sides[axis][1])
-            }
-            Self::Ball { centre, radius } => {
-                let square = |axis: usize| (point[axis] - centre[axis]).powi(2);
-                (0..3).map(square).sum::<f64>() <= radius * radius
-            }
-            Self::HalfSpace { normal: [a, b, c], d } => {
-                a * point[0] + b * point[1] + c * point[2] <= d
-            }
-        }
-    }
-
     /// The body at height z, which must not be that of a face; nothing if it does not reach there.
     pub fn slice(&self, z: f64) -> Option<Region> {
         match *self {
@@ -50,6 +36,51 @@ impl Body {
             Self::HalfSpace { normal: [a, b, c], d } => {
                 Some(Region::HalfPlane { a, b, c: d - c * z })
             }
+        }
+    }
+}
+
+impl Shape for Body {
+    type Point = [f64; 3];
+    type Exact = Exact;
+    const EXAMPLE: &'static str = "box(-0.25,0.25,-0.25,0.25,-0.25,0.25)=3; ball(0,0,0.3,0.1)=2; halfspace(1,1,1,-0.5)=1; else=-1";
+
+    fn contains(&self, point: [f64; 3]) -> bool {
+        match *self {
+            Self::Box(sides) => {
+                (0..3).all(|axis| sides[axis][0] <= point[axis] && point[axis] <= sides[axis][1])
+            }
+            Self::Ball { centre, radius } => {
+                let square = |axis: usize| (point[axis] - centre[axis]).powi(2);
+                (0..3).map(square).sum::<f64>() <= radius * radius
+            }
+            Self::HalfSpace { normal: [a, b, c], d } => {
+                a * point[0] + b * point[1] + c * point[2] <= d
+            }
+        }
+    }
+
+    fn read(name: &str, text: &str) -> Option<Result<Self, SourceError>> {
+        const BOX: [&str; 3] =
+            ["box", "x0,x1,y0,y1,z0,z1", "box(-0.25,0.25,-0.25,0.25,-0.25,0.25)"];
+        const HALFSPACE: [&str; 3] =
+            ["halfspace", "a,b,c,d of a x + b y + c z <= d", "halfspace(1,1,1,-0.5)"];
+        Some(match name {
+            "box" => numbers(text, BOX)
+                .map(|[x0, x1, y0, y1, z0, z1]| Self::Box([[x0, x1], [y0, y1], [z0, z1]])),
+            "ball" => numbers(text, ["ball", "x,y,z,radius", "ball(0,0,0.3,0.1)"])
+                .map(|[x, y, z, radius]| Self::Ball { centre: [x, y, z], radius }),
+            "halfspace" => numbers(text, HALFSPACE)
+                .map(|[a, b, c, d]| Self::HalfSpace { normal: [a, b, c], d }),
+            _ => return None,
+        })
+    }
+
+    fn is_empty(&self) -> bool {
+        match *self {
+            Self::Box(sides) => sides.iter().any(|[low, high]| low >= high),
+            Self::Ball { radius, .. } => radius <= 0.0,
+            Self::HalfSpace { normal, .. } => normal == [0.0; 3],
         }
     }
 }
@@ -124,6 +155,29 @@ impl fmt::Display for Body {
             }
             Self::Ball { centre: [x, y, z], radius } => write!(out, "ball({x},{y},{z},{radius})"),
             Self::HalfSpace { normal: [a, b, c], d } => write!(out, "halfspace({a},{b},{c},{d})"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::source::Source;
+
+    #[test]
+    fn texts_are_read_and_written() {
+        for text in [
+            "else=-1",
+            "ball(0,0.1,0,0.25)=2; else=-1",
+            "box(-0.5,0,-0.5,0,-0.5,0)=1.5; ball(0,0,0,0.1)=-3; else=-1",
+            "exact(free-disc)",
+        ] {
+            assert_eq!(text.parse::<Source<Body>>().unwrap().to_string(), text);
+        }
+        for wrong in
+            ["", "box(0,1)=1; else=0", "ball(0,0,0,0)=1; else=0", "else=nan", "exact(x)", "ball=1"]
+        {
+            assert!(wrong.parse::<Source<Body>>().is_err(), "{wrong}");
         }
     }
 }

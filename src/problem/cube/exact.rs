@@ -4,9 +4,10 @@
 //! behaves like the distance to the power 3/2, the generic singularity of the problem. As on the square
 //! ([`exact`](crate::problem::exact)), the numbers are the same on all machines.
 
-use std::f64::consts::PI;
-
 use crate::problem::exact::segment;
+use crate::problem::field::{self, Field, bump, falling, hill, product};
+use crate::problem::shape::Known;
+use std::f64::consts::PI;
 
 /// The problems with known solutions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,30 +20,12 @@ pub enum Exact {
     FreeDisc,
 }
 
-/// Value and first derivatives of the solution, and `f = -Laplacian`, at one point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// v.
-    pub value: f64,
-    /// Derivatives of v along x, y and z.
-    pub gradient: [f64; 3],
-    /// -Laplacian of v.
-    pub f: f64,
-}
+/// The solution at a point.
+pub type Sample = field::Sample<3>;
 
 impl Exact {
     /// Every problem.
     pub const ALL: [Self; 3] = [Self::FullContact, Self::FreeStrip, Self::FreeDisc];
-
-    /// The problem with this name, if there is one.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|exact| exact.name() == name)
-    }
-
-    /// All names, for messages.
-    pub fn names() -> String {
-        Self::ALL.map(Self::name).join(", ")
-    }
 
     /// The name used in `exact(name)`.
     pub fn name(self) -> &'static str {
@@ -55,16 +38,28 @@ impl Exact {
 
     /// The solution at a point of the closed cube.
     pub fn at(self, point: [f64; 3]) -> Sample {
-        let Field { value, gradient, laplacian } = match self {
+        match self {
             Self::FullContact => full_contact(point),
             Self::FreeStrip => free_strip(point),
             Self::FreeDisc => free_disc(point),
-        };
-        Sample { value, gradient, f: -laplacian }
+        }
+        .into()
     }
 }
 
-fn full_contact(point: [f64; 3]) -> Field {
+impl Known<[f64; 3]> for Exact {
+    const KNOWN: &'static [Self] = &Self::ALL;
+
+    fn name(self) -> &'static str {
+        self.name()
+    }
+
+    fn f(self, point: [f64; 3]) -> f64 {
+        self.at(point).f
+    }
+}
+
+fn full_contact(point: [f64; 3]) -> Field<3> {
     let cosine = |s: f64| {
         let (sin, cos) = libm::sincos(PI * s);
         (cos, -PI * sin, -PI * PI * cos)
@@ -74,11 +69,11 @@ fn full_contact(point: [f64; 3]) -> Field {
 
 /// `v = p(x) ((1 - t^2) p(z)^2 psi(x, t) - A p(z) t^2 (1 - t))`, `p(s) = 1 - 4 s^2`, `t = y + 1/2`,
 /// with the harmonic function `psi` of the free segment on the square.
-fn free_strip([x, y, z]: [f64; 3]) -> Field {
+fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
-    let (psi, [along, inward]) = segment(x, t);
-    let psi = Field { value: psi, gradient: [along, inward, 0.0], laplacian: 0.0 };
+    let Field { value, gradient: [along, inward], laplacian } = segment(x, t);
+    let psi = Field { value, gradient: [along, inward, 0.0], laplacian };
     let (p, slope, curvature) = hill(z);
     let squared = (p * p, 2.0 * p * slope, 2.0 * (slope * slope + p * curvature));
     let load = product([hill(x), bump(t), hill(z)]).scaled(AMPLITUDE);
@@ -91,7 +86,7 @@ fn free_strip([x, y, z]: [f64; 3]) -> Field {
 /// In oblate spheroidal coordinates, `t = a m s` and `r^2 = a^2 (1 + s^2) (1 - m^2)`, it is
 /// `3/5 P_1(m) q_1(s) + 2/5 P_3(m) q_3(s)`: on the disc `s = 0` and this is `m^3`. There its slope along
 /// `t` is a quadratic in `r`, the `c + d r^2` that `psi` takes away.
-fn free_disc([x, y, z]: [f64; 3]) -> Field {
+fn free_disc([x, y, z]: [f64; 3]) -> Field<3> {
     const CENTRE: [f64; 2] = [0.03, -0.02];
     const RADIUS: f64 = 0.3618;
     const AMPLITUDE: f64 = 14.0;
@@ -139,66 +134,6 @@ fn free_disc([x, y, z]: [f64; 3]) -> Field {
     };
     let load = product([hill(x), bump(t), hill(z)]).scaled(AMPLITUDE);
     product([hill(x), falling(t), hill(z)]).times(psi).minus(load)
-}
-
-/// Value, first and second derivative of a function of one variable.
-type Jet = (f64, f64, f64);
-
-fn hill(s: f64) -> Jet {
-    (1.0 - 4.0 * s * s, -8.0 * s, -8.0)
-}
-
-fn falling(t: f64) -> Jet {
-    (1.0 - t * t, -2.0 * t, -2.0)
-}
-
-fn bump(t: f64) -> Jet {
-    (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t)
-}
-
-/// A function given by value, gradient and Laplacian at a point.
-#[derive(Clone, Copy)]
-struct Field {
-    value: f64,
-    gradient: [f64; 3],
-    laplacian: f64,
-}
-
-/// `p(x) q(y) r(z)`.
-fn product([p, q, r]: [Jet; 3]) -> Field {
-    Field {
-        value: p.0 * q.0 * r.0,
-        gradient: [p.1 * q.0 * r.0, p.0 * q.1 * r.0, p.0 * q.0 * r.1],
-        laplacian: p.2 * q.0 * r.0 + p.0 * q.2 * r.0 + p.0 * q.0 * r.2,
-    }
-}
-
-impl Field {
-    fn scaled(self, factor: f64) -> Self {
-        Self {
-            value: factor * self.value,
-            gradient: self.gradient.map(|slope| factor * slope),
-            laplacian: factor * self.laplacian,
-        }
-    }
-
-    fn times(self, other: Self) -> Self {
-        let slopes = [0, 1, 2].map(|d| (self.gradient[d], other.gradient[d]));
-        let dot: f64 = slopes.iter().map(|(a, b)| a * b).sum();
-        Self {
-            value: self.value * other.value,
-            gradient: slopes.map(|(a, b)| a * other.value + self.value * b),
-            laplacian: self.laplacian * other.value + 2.0 * dot + self.value * other.laplacian,
-        }
-    }
-
-    fn minus(self, other: Self) -> Self {
-        Self {
-            value: self.value - other.value,
-            gradient: [0, 1, 2].map(|d| self.gradient[d] - other.gradient[d]),
-            laplacian: self.laplacian - other.laplacian,
-        }
-    }
 }
 
 #[cfg(test)]

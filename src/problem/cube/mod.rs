@@ -2,8 +2,9 @@
 
 mod body;
 mod exact;
-mod source;
 
 pub use body::Body;
 pub use exact::{Exact, Sample};
-pub use source::{Source, SourceError};
+
+/// A right-hand side f on the cube (-1/2, 1/2)^3.
+pub type Source = super::source::Source<Body>;

@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Fixed {
     /// One entry per quadrant, then the common factor.
-    rooms: Vec<Room>,
+    directions: Vec<Direction>,
     /// One row per r, one entry per grid: the smallest move of a single value that changes the count.
     holds: Vec<Vec<Option<f64>>>,
     /// Counts that no single value changes within 1 % of the largest one.
@@ -28,13 +28,13 @@ pub(super) struct Fixed {
 
 /// How far a value may move alone.
 #[derive(Clone, Debug, Serialize)]
-struct Room {
+struct Direction {
     /// What moves: a quadrant, or nothing for the common factor.
     name: &'static str,
     /// Its value.
     value: f64,
     /// How far down and up.
-    room: [f64; 2],
+    range: [f64; 2],
     /// The count that changes first, down and up: r, and cells per side of the grid.
     first: [Option<(f64, usize)>; 2],
 }
@@ -57,10 +57,10 @@ impl Fixed {
     pub(super) fn of(findings: &Findings) -> Self {
         let (map, target) = (&findings.identifiability, &findings.target);
         let cell = |at: Option<(usize, usize)>| at.map(|(k, n)| (target.r[k], COARSEST << n));
-        let room = |b: &Breaks| Room {
+        let direction = |b: &Breaks| Direction {
             name: b.piece.map_or("", |p| QUADRANTS[p]),
             value: b.piece.map_or(1.0, |p| map.values[p]),
-            room: b.room,
+            range: b.range,
             first: b.first.map(cell),
         };
         let moves = |k: usize, level: usize| {
@@ -90,7 +90,7 @@ impl Fixed {
             (!hit && !equal.is_empty()).then(|| [target.r[k], target.delta_a[k], ends.0, ends.1])
         });
         Self {
-            rooms: map.directions.iter().map(room).collect(),
+            directions: map.directions.iter().map(direction).collect(),
             loose,
             holds,
             percent,

@@ -1,0 +1,86 @@
+//! Functions given by value, gradient and Laplacian at a point, from which known solutions are made.
+
+/// Value, first and second derivative of a function of one variable.
+pub(super) type Jet = (f64, f64, f64);
+
+/// `1 - 4 s^2`, zero at both ends of (-1/2, 1/2).
+pub(super) fn hill(s: f64) -> Jet {
+    (1.0 - 4.0 * s * s, -8.0 * s, -8.0)
+}
+
+/// `1 - t^2`, zero at the far end of (0, 1).
+pub(super) fn falling(t: f64) -> Jet {
+    (1.0 - t * t, -2.0 * t, -2.0)
+}
+
+/// `t^2 (1 - t)`, zero at both ends of (0, 1), at the near one with its slope.
+pub(super) fn bump(t: f64) -> Jet {
+    (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t)
+}
+
+/// Value and first derivatives of the solution, and `f = -Laplacian`, at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<const D: usize> {
+    /// v.
+    pub value: f64,
+    /// Derivatives of v along the axes.
+    pub gradient: [f64; D],
+    /// -Laplacian of v.
+    pub f: f64,
+}
+
+/// A function of `D` variables at a point.
+#[derive(Clone, Copy)]
+pub(super) struct Field<const D: usize> {
+    pub(super) value: f64,
+    pub(super) gradient: [f64; D],
+    pub(super) laplacian: f64,
+}
+
+/// The product of one function of each variable.
+pub(super) fn product<const D: usize>(factors: [Jet; D]) -> Field<D> {
+    // The product with one factor replaced by a derivative of it.
+    let with = |axis: usize, derivative: fn(&Jet) -> f64| -> f64 {
+        let factor = |(a, jet): (usize, &Jet)| if a == axis { derivative(jet) } else { jet.0 };
+        factors.iter().enumerate().map(factor).product()
+    };
+    Field {
+        value: factors.iter().map(|jet| jet.0).product(),
+        gradient: std::array::from_fn(|axis| with(axis, |jet| jet.1)),
+        laplacian: (0..D).map(|axis| with(axis, |jet| jet.2)).sum(),
+    }
+}
+
+impl<const D: usize> Field<D> {
+    pub(super) fn scaled(self, factor: f64) -> Self {
+        Self {
+            value: factor * self.value,
+            gradient: self.gradient.map(|slope| factor * slope),
+            laplacian: factor * self.laplacian,
+        }
+    }
+
+    pub(super) fn times(self, other: Self) -> Self {
+        let slopes: [_; D] = std::array::from_fn(|d| (self.gradient[d], other.gradient[d]));
+        let dot: f64 = slopes.iter().map(|(a, b)| a * b).sum();
+        Self {
+            value: self.value * other.value,
+            gradient: slopes.map(|(a, b)| a * other.value + self.value * b),
+            laplacian: self.laplacian * other.value + 2.0 * dot + self.value * other.laplacian,
+        }
+    }
+
+    pub(super) fn minus(self, other: Self) -> Self {
+        Self {
+            value: self.value - other.value,
+            gradient: std::array::from_fn(|d| self.gradient[d] - other.gradient[d]),
+            laplacian: self.laplacian - other.laplacian,
+        }
+    }
+}
+
+impl<const D: usize> From<Field<D>> for Sample<D> {
+    fn from(Field { value, gradient, laplacian }: Field<D>) -> Self {
+        Self { value, gradient, f: -laplacian }
+    }
+}

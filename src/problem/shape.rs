@@ -1,0 +1,117 @@
+//! Shapes on which f is constant, as texts name them and as the cells of a grid see them.
+
+use std::fmt;
+use std::ops::Range;
+
+/// A closed convex set on which f may be constant.
+pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
+    /// A point of the square or the cube.
+    type Point: Copy;
+    /// The problems there whose solutions are known.
+    type Exact: Known<Self::Point>;
+    /// A right-hand side, for messages.
+    const EXAMPLE: &'static str;
+
+    /// Whether the set holds a point.
+    fn contains(&self, point: Self::Point) -> bool;
+
+    /// The shape of this name; `None` if there is none. It may be [empty](Self::is_empty).
+    fn read(name: &str, arguments: &str) -> Option<Result<Self, SourceError>>;
+
+    /// Whether it has no interior.
+    fn is_empty(&self) -> bool;
+
+    /// Whether shapes cover everything between them, as far as their kinds show it.
+    fn cover(_shapes: &[Self]) -> bool {
+        false
+    }
+}
+
+/// A problem with a known solution.
+pub trait Known<Point>: Copy + fmt::Debug + PartialEq + 'static {
+    /// All of them.
+    const KNOWN: &'static [Self];
+
+    /// The name used in `exact(name)`.
+    fn name(self) -> &'static str;
+
+    /// `f = -Laplacian v` at a point.
+    fn f(self, point: Point) -> f64;
+}
+
+/// A closed convex set, as the cells of a grid see it; `N` is the dimension less one.
+pub trait Convex<const N: usize>: Copy {
+    /// Which of the increasing abscissas `xs` the set holds where the other coordinates are `at`: bisection
+    /// finds the ends as [`contains`](Shape::contains) has them to the last bit, since rounding is monotone.
+    fn along(&self, xs: &[f64], at: [f64; N]) -> Range<usize>;
+
+    /// Least and greatest x of the set where the other coordinates are within `strip`; nothing if it is empty there.
+    fn extent(&self, strip: [[f64; 2]; N]) -> Option<[f64; 2]>;
+
+    /// The same set in coordinates with their origin at (`x`, `at`) and this unit.
+    fn seen_from(&self, x: f64, at: [f64; N], unit: f64) -> Self;
+}
+
+/// Bisects for the run of abscissas with a property that none loses before, or gains from, `turn` on.
+pub(crate) fn run(xs: &[f64], turn: usize, inside: impl Fn(f64) -> bool) -> Range<usize> {
+    let start = xs[..turn].partition_point(|&x| !inside(x));
+    let end = turn + xs[turn..].partition_point(|&x| inside(x));
+    start..end.max(start)
+}
+
+/// Why a text is no right-hand side.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SourceError {
+    /// Not of the grammar.
+    #[error("cannot read `{text}` in f; write e.g. '{example}'")]
+    Syntax {
+        /// What is not.
+        text: String,
+        /// What would be.
+        example: &'static str,
+    },
+    /// Nothing is said about the rest of the domain.
+    #[error("`{0}` in f stands without `else=value`; add it for where no piece is")]
+    NoElse(String),
+    /// A shape with a wrong number of arguments.
+    #[error("`{name}` takes {want}, e.g. {example}")]
+    Arguments {
+        /// Shape named.
+        name: &'static str,
+        /// What it takes.
+        want: &'static str,
+        /// A correct use.
+        example: &'static str,
+    },
+    /// NaN or an infinity, or no number at all.
+    #[error("`{0}` in f is not a finite number; give a decimal such as -1.5")]
+    NotFinite(String),
+    /// An empty shape.
+    #[error("`{0}` in f covers nothing; order its bounds and make sizes positive")]
+    Empty(String),
+    /// A name that is no known exact problem.
+    #[error("`{name}` is no exact problem; choose one of {names}")]
+    UnknownExact {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        names: String,
+    },
+}
+
+/// A finite number.
+pub(super) fn number(text: &str) -> Result<f64, SourceError> {
+    let value: Option<f64> = text.trim().parse().ok();
+    value
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| SourceError::NotFinite(text.trim().into()))
+}
+
+/// The `N` numbers that shape `name` takes.
+pub(super) fn numbers<const N: usize>(
+    text: &str,
+    [name, want, example]: [&'static str; 3],
+) -> Result<[f64; N], SourceError> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    numbers.try_into().map_err(|_| SourceError::Arguments { name, want, example })
+}
