@@ -1,10 +1,13 @@
 //! Load vectors (6): F_i, the integral of f times the i-th hat function, by one of several rules.
 
-use super::cells::{Cells, Moments};
+mod exact;
+
+use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
 use crate::problem::exact::Exact;
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
+use exact::exact;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -209,148 +212,6 @@ fn averaged(grid: Grid, f: &Source) -> Vec<f64> {
             weigh(grid, None, j, row);
         }
     })
-}
-
-/// What a row of cells adds to the load: the value of f on each cell, and for those where it is not
-/// constant 0, and apart from that the integrals of f times the hats of the corners, over h^2.
-#[derive(Clone, Default)]
-struct HatRow {
-    values: Vec<f64>,
-    cut: Vec<(usize, Corners)>,
-}
-
-/// One number for the lower left, lower right, upper left and upper right corner of a cell.
-type Corners = [f64; 4];
-
-fn exact(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
-    let (n, side, h) = (grid.cells(), grid.side(), grid.h());
-    by_rows(grid, |first, block| {
-        let mut cells = match f {
-            Source::Pieces { background, pieces } => Some(Cells::new(grid, *background, pieces)),
-            Source::Exact(_) => None,
-        };
-        let mut read = |j: usize, row: &mut HatRow| {
-            row.values.resize(n, 0.0);
-            row.cut.clear();
-            match (&mut cells, f) {
-                (None, Source::Exact(exact)) => row
-                    .cut
-                    .extend((0..n).map(|i| (i, smooth_corners(grid, *exact, diagonal, i, j)))),
-                (Some(cells), _) => {
-                    let HatRow { values, cut } = row;
-                    cells.row(j, values, |i, cell| {
-                        let rising = diagonal == Diagonal::Rising;
-                        cut.push((i, corners(cell.triangles(rising), diagonal)));
-                    });
-                }
-                _ => unreachable!("only pieces have cells"),
-            }
-        };
-        let (mut below, mut above) = (HatRow::default(), HatRow::default());
-        if first > 0 {
-            read(first - 1, &mut above);
-        }
-        for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
-            std::mem::swap(&mut below, &mut above);
-            if j < n {
-                read(j, &mut above);
-            }
-            let rows = [(j > 0).then_some(&below), (j < n).then_some(&above)];
-            add_constant(rows.map(|row| row.map(|row| &row.values[..])), diagonal, row);
-            for (row_of_cells, at) in rows.iter().zip([[2, 3], [0, 1]]) {
-                for &(i, corners) in row_of_cells.iter().flat_map(|row| &row.cut) {
-                    row[i] += corners[at[0]];
-                    row[i + 1] += corners[at[1]];
-                }
-            }
-            row.iter_mut().for_each(|value| *value *= h * h);
-        }
-    })
-}
-
-/// Writes to a row of nodes what cells below and above it with constant f give them, over h^2.
-fn add_constant(rows: [Option<&[f64]>; 2], diagonal: Diagonal, out: &mut [f64]) {
-    // Integrals of the hats of a cell's corners where the diagonal ends, and of the other two.
-    let (ending, other) = match diagonal {
-        Diagonal::Rising => (1.0 / 3.0, 1.0 / 6.0),
-        Diagonal::Falling => (1.0 / 6.0, 1.0 / 3.0),
-    };
-    let n = out.len() - 1;
-    // Differences, so that a constant f gives the value of f itself times the weight.
-    match rows {
-        [Some(s), Some(north)] => {
-            for i in 1..n {
-                let (sw, se, nw, ne) = (s[i - 1], s[i], north[i - 1], north[i]);
-                out[i] = ne + ending * (sw - ne) + other * ((nw - ne) + (se - ne));
-            }
-            out[0] = 0.5 * north[0] + other * (s[0] - north[0]);
-            out[n] = 0.5 * s[n - 1] + other * (north[n - 1] - s[n - 1]);
-        }
-        [None, Some(north)] => {
-            for i in 1..n {
-                out[i] = 0.5 * north[i] + other * (north[i - 1] - north[i]);
-            }
-            (out[0], out[n]) = (ending * north[0], other * north[n - 1]);
-        }
-        [Some(s), None] => {
-            for i in 1..n {
-                out[i] = 0.5 * s[i] + ending * (s[i - 1] - s[i]);
-            }
-            (out[0], out[n]) = (other * s[0], ending * s[n - 1]);
-        }
-        [None, None] => unreachable!("every row of nodes has cells beside it"),
-    }
-}
-
-/// The corners' shares of f on the triangles below and above a diagonal.
-fn corners([below, above]: [Moments; 2], diagonal: Diagonal) -> Corners {
-    let ([bf, bx, by, ..], [af, ax, ay, ..]) = (below.f, above.f);
-    match diagonal {
-        Diagonal::Rising => {
-            [0.5 * bf - bx + (0.5 * af - ay), bx - by, ay - ax, 0.5 * bf + by + (0.5 * af + ax)]
-        }
-        Diagonal::Falling => {
-            [-bx - by, 0.5 * bf + bx + (0.5 * af - ay), 0.5 * bf + by + (0.5 * af - ax), ax + ay]
-        }
-    }
-}
-
-/// The same for a smooth f, by quadrature.
-fn smooth_corners(grid: Grid, f: Exact, diagonal: Diagonal, i: usize, j: usize) -> Corners {
-    let at = |k: usize| [grid.coordinate(i + (k & 1)), grid.coordinate(j + (k >> 1))];
-    let triangles = match diagonal {
-        Diagonal::Rising => [[0, 1, 3], [0, 3, 2]],
-        Diagonal::Falling => [[0, 1, 2], [1, 3, 2]],
-    };
-    let mut corners = [0.0; 4];
-    for triangle in triangles {
-        let parts = radon(triangle.map(at), |x, y| f.source(x, y));
-        for (k, part) in triangle.into_iter().zip(parts) {
-            corners[k] += 0.5 * part;
-        }
-    }
-    corners
-}
-
-/// Means over a triangle of f times each hat by Radon's seven-point rule, exact for degree 5 (Stroud, T2:5-1).
-fn radon(triangle: [[f64; 2]; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
-    let root = 15f64.sqrt();
-    let (near, far) = ((6.0 - root) / 21.0, (6.0 + root) / 21.0);
-    let (w_near, w_far) = ((155.0 - root) / 1200.0, (155.0 + root) / 1200.0);
-    let mut points = [([1.0 / 3.0; 3], 9.0 / 40.0); 7];
-    for (k, (s, w)) in [(near, w_near), (far, w_far)].into_iter().enumerate() {
-        let t = 1.0 - 2.0 * s;
-        points[1 + 3 * k..][..3].copy_from_slice(&[([t, s, s], w), ([s, t, s], w), ([s, s, t], w)]);
-    }
-    let mut parts = [0.0; 3];
-    for (hat, weight) in points {
-        let [x, y] = [0, 1].map(|d| (0..3).map(|k| hat[k] * triangle[k][d]).sum());
-        let mass = weight * f(x, y);
-        for (part, hat) in parts.iter_mut().zip(hat) {
-            *part += mass * hat;
-        }
-    }
-    parts
 }
 
 #[cfg(test)]

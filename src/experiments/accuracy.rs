@@ -6,8 +6,8 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::{Errors, errors, lumped};
 use crate::discrete::stiffness::energy;
-use crate::multigrid::square::Multigrid;
-use crate::multigrid::{Goal, MultigridParams, Outcome};
+use crate::multigrid::square::Square;
+use crate::multigrid::{Geometry, Goal, Multigrid, MultigridParams, Outcome};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ impl Default for Plan {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Findings {
     /// The problems with known solutions.
-    pub problems: Vec<Known>,
+    pub problems: Vec<Known<Level>>,
     /// Cost on the paper's problems and the stress loads, grid by grid.
     pub others: Vec<Cost>,
     /// Cost laws of the paper's method.
@@ -56,13 +56,13 @@ pub struct Findings {
     pub facts: Facts,
 }
 
-/// A problem with known solution on all grids.
+/// A problem with known solution on all grids, on the square or on the cube.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Known {
+pub struct Known<L> {
     /// Name, as in `exact(name)`.
     pub name: String,
     /// Grid by grid.
-    pub levels: Vec<Level>,
+    pub levels: Vec<L>,
 }
 
 /// A problem with known solution on one grid.
@@ -150,12 +150,12 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
     Ok(Findings { facts, problems, others, laws: laws?, comparison: comparison? })
 }
 
-fn known(exact: Exact, cells: &[usize]) -> Result<Known, String> {
+fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
     let mut levels: Vec<Level> = Vec::new();
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = load(grid, &Source::Exact(exact), LoadRule::default());
-        let (cost, [rough, _, y]) = cost(exact.name(), grid, &load)?;
+        let (cost, [rough, _, y]) = cost::<Square>(exact.name(), n, &load)?;
         let errors = errors(grid, exact, &y, &load);
         let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
         // Twice the energy without load is the square of the H1 seminorm.
@@ -176,16 +176,20 @@ fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let loads: Vec<_> = paper_loads(n).into_iter().chain(stress_loads(n)).collect();
         let counted: Result<Vec<_>, _> =
-            loads.par_iter().map(|(name, load)| Ok(cost(name, grid, load)?.0)).collect();
+            loads.par_iter().map(|(name, load)| Ok(cost::<Square>(name, n, load)?.0)).collect();
         costs.extend(counted.map_err(|e: String| e)?);
     }
     Ok(costs)
 }
 
-/// What each goal costs, and the solution with which it was reached.
-fn cost(name: &str, grid: Grid, load: &[f64]) -> Result<(Cost, [Vec<f64>; 3]), String> {
-    let failed = |e| format!("{name} on grid 1/{}: {e}", grid.cells());
-    let mut workspace = Multigrid::new(grid.cells()).map_err(failed)?;
+/// What each goal costs with `n` cells per side, and the solution with which it was reached.
+pub(super) fn cost<G: Geometry>(
+    name: &str,
+    n: usize,
+    load: &[f64],
+) -> Result<(Cost, [Vec<f64>; 3]), String> {
+    let failed = |e| format!("{name} on grid 1/{n}: {e}");
+    let mut workspace = Multigrid::<G>::new(n).map_err(failed)?;
     let mut solve = |goal| {
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let outcome = workspace.solve(load, None, &params, |_| ()).map_err(failed)?;
@@ -194,13 +198,12 @@ fn cost(name: &str, grid: Grid, load: &[f64]) -> Result<(Cost, [Vec<f64>; 3]), S
         Ok::<_, String>((Spent::of(&outcome), y))
     };
     let [(a, ya), (b, yb), (c, yc)] = [solve(GOALS[0])?, solve(GOALS[1])?, solve(GOALS[2])?];
-    let bytes = workspace.bytes() as f64 / grid.nodes() as f64;
-    let cost = Cost { name: name.into(), cells: grid.cells(), bytes, goals: [a, b, c] };
-    Ok((cost, [ya, yb, yc]))
+    let bytes = workspace.bytes() as f64 / load.len() as f64;
+    Ok((Cost { name: name.into(), cells: n, bytes, goals: [a, b, c] }, [ya, yb, yc]))
 }
 
 impl Spent {
-    pub(super) fn of(outcome: &Outcome) -> Self {
+    fn of(outcome: &Outcome) -> Self {
         let Outcome { stop, cycles, kkt, work_units, .. } = *outcome;
         Self { work_units, cycles, kkt, stop: stop.name().into() }
     }
@@ -220,10 +223,10 @@ fn orders(coarser: &Errors, finer: &Errors) -> Errors {
 }
 
 impl Facts {
-    fn of(problems: &[Known], others: &[Cost]) -> Self {
+    fn of(problems: &[Known<Level>], others: &[Cost]) -> Self {
         let levels = || problems.iter().flat_map(|problem| &problem.levels);
         let finest = levels().map(|level| level.cost.cells).max().unwrap_or(0);
-        // A plan of coarse grids only shall still say something.
+        // A plan of coarse grids only has ranges as well.
         let from = ASYMPTOTIC.min(finest);
         let fine = || levels().filter(|level| level.cost.cells >= from);
         let observed = || fine().filter_map(|level| level.orders);

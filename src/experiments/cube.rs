@@ -1,9 +1,8 @@
 //! Errors and work units on the unit cube.
 
-use super::accuracy::{GOALS, Spent};
+use super::accuracy::{Cost, Known, cost};
 use crate::discrete::cube::{Errors, Grid, errors, load};
-use crate::multigrid::MultigridParams;
-use crate::multigrid::cube::Multigrid;
+use crate::multigrid::cube::Cube;
 use crate::problem::cube::Exact;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -25,7 +24,7 @@ impl Default for Plan {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Findings {
     /// The problems with known solutions.
-    pub problems: Vec<Known>,
+    pub problems: Vec<Known<Level>>,
     /// Greatest work units on the finest grid, goal by goal.
     pub most: [f64; 3],
     /// Greatest distance of an observed order from 2 in L2 and at the nodes, and from 1 in H1, between
@@ -35,28 +34,15 @@ pub struct Findings {
     pub bytes: f64,
 }
 
-/// A problem with known solution on all grids.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Known {
-    /// Name, as in `exact(name)`.
-    pub name: String,
-    /// Grid by grid.
-    pub levels: Vec<Level>,
-}
-
 /// A problem with known solution on one grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Level {
-    /// Cells per side.
-    pub cells: usize,
     /// Errors in L2, in the H1 seminorm, and the greatest at a node, solved to the rounding floor.
     pub errors: [f64; 3],
     /// Observed orders against the grid before.
     pub orders: Option<[f64; 3]>,
-    /// For the goals of [`super::accuracy`].
-    pub goals: [Spent; 3],
-    /// Bytes of the workspace per unknown.
-    pub bytes: f64,
+    /// What it cost.
+    pub cost: Cost,
 }
 
 /// Runs the experiment.
@@ -74,39 +60,25 @@ pub fn cube(plan: &Plan) -> Result<Findings, String> {
         orders.iter().zip([2.0, 1.0, 2.0]).map(|(p, best)| (p - best).abs()).fold(0.0, f64::max)
     };
     Ok(Findings {
-        most: [0, 1, 2].map(|goal| greatest(&|level| level.goals[goal].work_units)),
+        most: [0, 1, 2].map(|goal| greatest(&|level| level.cost.goals[goal].work_units)),
         off: greatest(&off),
-        bytes: greatest(&|level| level.bytes),
+        bytes: greatest(&|level| level.cost.bytes),
         problems,
     })
 }
 
-fn known(exact: Exact, cells: &[usize]) -> Result<Known, String> {
+fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
     let mut levels: Vec<Level> = Vec::new();
     for &n in cells {
-        let failed = |e: String| format!("{} on the cube, grid 1/{n}: {e}", exact.name());
+        let failed = |e: String| format!("on the cube, {e}");
         let grid = Grid::new(n).map_err(|e| failed(e.to_string()))?;
         let load = load(grid, |point| exact.at(point).f);
-        let mut workspace = Multigrid::new(n).map_err(|e| failed(e.to_string()))?;
-        let mut solve = |goal| {
-            let params = MultigridParams { goal, ..MultigridParams::default() };
-            let outcome = workspace.solve(&load, None, &params, |_| ());
-            outcome.map(|outcome| Spent::of(&outcome)).map_err(|e| failed(e.to_string()))
-        };
-        let goals = [solve(GOALS[0])?, solve(GOALS[1])?, solve(GOALS[2])?];
-        let mut y = vec![0.0; grid.nodes()];
-        workspace.write_solution(&mut y);
+        let (cost, [.., y]) = cost::<Cube>(exact.name(), n, &load).map_err(failed)?;
         let Errors { l2, h1, max } = errors(grid, exact, &y);
         let errors = [l2, h1, max];
         let order =
             |coarser: &Level| [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm]));
-        levels.push(Level {
-            cells: n,
-            orders: levels.last().map(order),
-            errors,
-            goals,
-            bytes: workspace.bytes() as f64 / grid.nodes() as f64,
-        });
+        levels.push(Level { orders: levels.last().map(order), errors, cost });
     }
     Ok(Known { name: exact.name().into(), levels })
 }

@@ -25,23 +25,29 @@ pub struct Problem {
     pub max_iterations: usize,
 }
 
-/// Nodal load of `f` on `n` by `n` cells, less the constant that makes its sum `-deficit` times the sum
-/// of absolute values; without `deficit` as it is. Row-major, `(n + 1)^2` numbers.
+/// A load less the multiple of `ones`, the load of f = 1, that makes its sum `-deficit` times the sum of
+/// absolute values.
+pub fn with_deficit(mut load: Vec<f64>, ones: &[f64], deficit: f64) -> Vec<f64> {
+    let sum: f64 = load.iter().sum();
+    let size: f64 = load.iter().map(|entry| entry.abs()).sum();
+    let excess = sum + deficit * size;
+    load.iter_mut().zip(ones).for_each(|(entry, one)| *entry -= one * excess);
+    load
+}
+
+/// Nodal load of `f` on `n` by `n` cells, with this deficit; without one as it is. Row-major, `(n + 1)^2`
+/// numbers.
 pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let h = 1.0 / n as f64;
     let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-    let nodes: Vec<_> = (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))).collect();
-    let weight = |(i, j): (usize, usize)| share(i) * share(j) * h * h;
+    let nodes = || (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j)));
+    let ones: Vec<f64> = nodes().map(|(i, j)| share(i) * share(j) * h * h).collect();
     let value = |(i, j): (usize, usize)| f(i as f64 * h - 0.5, j as f64 * h - 0.5);
-    let mut load: Vec<f64> = nodes.iter().map(|&node| weight(node) * value(node)).collect();
-    if let Some(deficit) = deficit {
-        let sum: f64 = load.iter().sum();
-        let size: f64 = load.iter().map(|entry| entry.abs()).sum();
-        for (entry, &node) in load.iter_mut().zip(&nodes) {
-            *entry -= weight(node) * (sum + deficit * size);
-        }
+    let load = nodes().zip(&ones).map(|(node, one)| one * value(node)).collect();
+    match deficit {
+        Some(deficit) => with_deficit(load, &ones, deficit),
+        None => load,
     }
-    load
 }
 
 /// A load with `f` constant on the quadrants, axes belonging to the lower and left ones.

@@ -18,6 +18,7 @@ mod stencil;
 mod stopping;
 mod transfer;
 
+pub use hierarchy::{Geometry, Multigrid};
 pub use input::InputError;
 
 /// Why the iteration ended.

@@ -15,7 +15,7 @@ pub(super) struct Cost {
     /// Power laws of its time, per number of threads and goal.
     fits: Vec<Fit>,
     /// All solvers to the discretisation error, per problem.
-    races: Vec<Race>,
+    comparisons: Vec<Comparison>,
     /// The noisiest medians, worst first.
     noise: Vec<Noise>,
     outdated: Option<Outdated>,
@@ -80,17 +80,17 @@ struct Fit {
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct Race {
+struct Comparison {
     problem: String,
     solvers: [&'static str; 5],
-    rows: Vec<RaceRow>,
+    rows: Vec<Row>,
     /// Per solver but multigrid: the finest grid on which it is fastest, and its time over multigrid's on
     /// the finest grid it has been run on.
     against: Vec<Against>,
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct RaceRow {
+struct Row {
     cells: usize,
     seconds: Vec<Option<f64>>,
     best: &'static str,
@@ -144,7 +144,7 @@ impl Cost {
         Self {
             grids: grids(timings),
             fits: fits(&timings.multigrid),
-            races: problems.into_iter().map(|problem| Race::of(problem, &timings.solver)).collect(),
+            comparisons: problems.into_iter().map(|problem| Comparison::of(problem, &timings.solver)).collect(),
             noise: noise(timings),
             outdated: Outdated::of(timings, accuracy),
             peers: least.zip(ratios().reduce(f64::max)).map(|(least, most)| [least, most]),
@@ -264,7 +264,7 @@ fn fits(lines: &[Scaling]) -> Vec<Fit> {
     fits
 }
 
-impl Race {
+impl Comparison {
     fn of(problem: &str, lines: &[Reached]) -> Self {
         let times = SOLVERS.map(|solver| {
             let mine: Vec<_> =
@@ -281,12 +281,12 @@ impl Race {
             let seconds: Vec<_> = (0..SOLVERS.len()).map(|k| at(k, cells)).collect();
             let there = seconds.iter().enumerate().filter_map(|(k, s)| Some((k, (*s)?)));
             let best = there.min_by(|a, b| a.1.total_cmp(&b.1)).map_or("", |(k, _)| SOLVERS[k]);
-            RaceRow { cells, seconds, best }
+            Row { cells, seconds, best }
         };
         let rows: Vec<_> = grids.into_iter().map(row).collect();
         let multigrid = SOLVERS.len() - 1;
         let against = (0..multigrid).filter_map(|k| {
-            let both = |row: &RaceRow| Some((row.cells, row.seconds[k]? / row.seconds[multigrid]?));
+            let both = |row: &Row| Some((row.cells, row.seconds[k]? / row.seconds[multigrid]?));
             let ratios: Vec<_> = rows.iter().filter_map(both).collect();
             let until = ratios.iter().filter(|(_, ratio)| *ratio <= 1.0).map(|r| r.0).max();
             let &(cells, ratio) = ratios.last()?;

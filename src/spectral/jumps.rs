@@ -1,113 +1,12 @@
 //! The curves inside the square across which f jumps.
 
 use super::complex::Complex;
-use crate::problem::region::Region;
-use crate::problem::shape::Shape;
+use super::curve::{Curve, SAME, SIDES, borders, in_square};
 use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
-/// Points closer than this count as one.
-const SAME: f64 = 1e-12;
-/// Half chords shorter than the root of this are tangencies: with decimal input they are frequent.
-const TANGENT: f64 = 1e-15;
 /// Distance from a jump at which f is read on either side of it.
 pub(super) const PROBE: f64 = 1e-9;
-
-/// A line or circle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Curve {
-    /// The points z with Re(conj(normal) z) = offset, by distance along the normal turned left.
-    Line { normal: Complex, offset: f64 },
-    /// By angle, anticlockwise.
-    Circle { centre: Complex, radius: f64 },
-}
-
-impl Curve {
-    pub fn at(self, s: f64) -> Complex {
-        match self {
-            Self::Line { normal, offset } => normal.scaled(offset) + normal.turned().scaled(s),
-            Self::Circle { centre, radius } => centre + Complex::unit(s).scaled(radius),
-        }
-    }
-
-    /// The unit normal to the right of the curve.
-    pub fn normal(self, s: f64) -> Complex {
-        match self {
-            Self::Line { normal, .. } => normal,
-            Self::Circle { .. } => Complex::unit(s),
-        }
-    }
-
-    /// Length per parameter.
-    pub fn speed(self) -> f64 {
-        match self {
-            Self::Line { .. } => 1.0,
-            Self::Circle { radius, .. } => radius,
-        }
-    }
-
-    /// Whether the branch of psi that holds at `z` is singular in the centre.
-    pub fn singular_centre(self, z: Complex) -> Option<Complex> {
-        match self {
-            Self::Circle { centre, radius } if (z - centre).norm() > radius + SAME => Some(centre),
-            _ => None,
-        }
-    }
-
-    /// Parameters at which it meets another curve.
-    fn meets(self, other: Self) -> Vec<f64> {
-        match (self, other) {
-            (Self::Line { normal, offset }, Self::Line { normal: n, offset: o }) => {
-                let slope = n.dot(normal.turned());
-                if slope.abs() < 1e-9 {
-                    Vec::new()
-                } else {
-                    vec![(o - offset * n.dot(normal)) / slope]
-                }
-            }
-            (Self::Line { normal, offset }, Self::Circle { centre, radius }) => {
-                let (foot, off) = (normal.turned().dot(centre), offset - normal.dot(centre));
-                chord(radius * radius - off * off).map_or(Vec::new(), |h| vec![foot - h, foot + h])
-            }
-            (Self::Circle { centre, radius }, Self::Line { normal, offset }) => {
-                self.cut(normal, offset - normal.dot(centre), radius)
-            }
-            (Self::Circle { centre, radius }, Self::Circle { centre: c, radius: r }) => {
-                let to = c - centre;
-                let distance = to.norm();
-                if distance < SAME {
-                    return Vec::new();
-                }
-                let along = 0.5 * (distance + (radius - r) * (radius + r) / distance);
-                self.cut(to.scaled(1.0 / distance), along, radius)
-            }
-        }
-    }
-
-    /// Angles at which a circle meets the line at `along` from its centre in a direction.
-    fn cut(self, direction: Complex, along: f64, radius: f64) -> Vec<f64> {
-        let Some(half) = chord(radius * radius - along * along) else { return Vec::new() };
-        let (middle, spread) = (direction.arg(), libm::atan2(half, along));
-        [middle - spread, middle + spread].map(|s| s - TAU * (s / TAU).floor()).to_vec()
-    }
-
-    fn same(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::Line { normal, offset }, Self::Line { normal: n, offset: o }) => {
-                (normal - n).norm() < SAME && (offset - o).abs() < SAME
-            }
-            (Self::Circle { centre, radius }, Self::Circle { centre: c, radius: r }) => {
-                (centre - c).norm() < SAME && (radius - r).abs() < SAME
-            }
-            _ => false,
-        }
-    }
-}
-
-/// The root of a squared half chord, zero at a tangency; none without points in common.
-fn chord(square: f64) -> Option<f64> {
-    (square > -TANGENT).then(|| if square < TANGENT { 0.0 } else { square.sqrt() })
-}
 
 /// A piece of a jump inside the square, between vertices or points of the border.
 #[derive(Clone, Debug)]
@@ -138,11 +37,9 @@ pub(super) enum Continued {
 }
 
 /// All jumps of f inside the square.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Jumps {
-    /// f, as regions with their values, in painting order.
-    painted: Vec<(Region, f64)>,
-    background: f64,
+    f: Source,
     /// The borders of all regions, in full.
     pub curves: Vec<Curve>,
     pub edges: Vec<Edge>,
@@ -155,16 +52,21 @@ pub(super) struct Jumps {
 
 impl Jumps {
     pub fn of(f: &Source) -> Self {
-        let Source::Pieces { pieces, background } = f else { return Self::default() };
-        let mut jumps = Self { background: *background, ..Self::default() };
-        for (region, value) in pieces {
-            for curve in borders(region) {
+        let mut jumps = Self {
+            f: f.clone(),
+            curves: Vec::new(),
+            edges: Vec::new(),
+            continued: Vec::new(),
+            vertices: Vec::new(),
+            crossings: Vec::new(),
+        };
+        if let Source::Pieces { pieces, .. } = f {
+            for curve in pieces.iter().flat_map(|(region, _)| borders(region)) {
                 // Common borders of two regions are one curve.
                 if !jumps.curves.iter().any(|&other| other.same(curve)) {
                     jumps.curves.push(curve);
                 }
             }
-            jumps.painted.push((*region, *value));
         }
         for curve in jumps.curves.clone() {
             match curve {
@@ -175,10 +77,9 @@ impl Jumps {
         jumps
     }
 
-    /// f; the last region that covers a point wins.
-    pub fn value(&self, x: f64, y: f64) -> f64 {
-        let covering = self.painted.iter().rev().find(|(region, _)| region.contains([x, y]));
-        covering.map_or(self.background, |&(_, value)| value)
+    /// f at a point.
+    pub fn value(&self, z: Complex) -> f64 {
+        self.f.at([z.re, z.im])
     }
 
     fn add_line(&mut self, line: Curve) {
@@ -269,7 +170,7 @@ impl Jumps {
             let s = 0.5 * (cut[0] + cut[1]);
             let (z, step) = (curve.at(s), curve.normal(s).scaled(PROBE));
             let inside = z.re.abs().max(z.im.abs()) < 0.5 - SAME;
-            let values = inside.then(|| [z - step, z + step].map(|z| self.value(z.re, z.im)));
+            let values = inside.then(|| [z - step, z + step].map(|z| self.value(z)));
             match pieces.last_mut() {
                 Some((span, last)) if *last == values => span[1] = cut[1],
                 _ => pieces.push(([cut[0], cut[1]], values)),
@@ -305,14 +206,6 @@ fn index(known: &mut Vec<Complex>, z: Complex) -> usize {
         known.len() - 1
     })
 }
-
-/// The lines of the sides.
-const SIDES: [Curve; 4] = [
-    Curve::Line { normal: Complex::new(1.0, 0.0), offset: -0.5 },
-    Curve::Line { normal: Complex::new(1.0, 0.0), offset: 0.5 },
-    Curve::Line { normal: Complex::new(0.0, 1.0), offset: -0.5 },
-    Curve::Line { normal: Complex::new(0.0, 1.0), offset: 0.5 },
-];
 
 /// A piece of a curve and f on its left and right, none outside of the square.
 type Piece = ([f64; 2], Option<[f64; 2]>);
@@ -350,35 +243,4 @@ fn continued(around: &[Piece]) -> Vec<([f64; 2], f64)> {
         }
     }
     closed(arcs)
-}
-
-/// The parameters of the points of a line in the closed square, if it meets the inside.
-fn in_square(line: Curve) -> Option<[f64; 2]> {
-    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    let (origin, tangent) = (line.at(0.0), line.normal(0.0).turned());
-    for (o, t) in [(origin.re, tangent.re), (origin.im, tangent.im)] {
-        if t.abs() < 1e-15 {
-            if o.abs() >= 0.5 - SAME {
-                return None;
-            }
-            continue;
-        }
-        let (a, b) = ((-0.5 - o) / t, (0.5 - o) / t);
-        (low, high) = (low.max(a.min(b)), high.min(a.max(b)));
-    }
-    (high - low > SAME).then_some([low, high])
-}
-
-/// The curves that bound a region.
-fn borders(region: &Region) -> Vec<Curve> {
-    if let Region::Disc { centre: [x, y], radius } = *region {
-        return vec![Curve::Circle { centre: Complex::new(x, y), radius }];
-    }
-    let line = |[a, b, c]: [f64; 3]| {
-        // One orientation for each line, so that common borders are found to be one.
-        let flip = if a < 0.0 || (a == 0.0 && b < 0.0) { -1.0 } else { 1.0 };
-        let scale = flip / (a * a + b * b).sqrt();
-        Curve::Line { normal: Complex::new(a, b).scaled(scale), offset: c * scale }
-    };
-    region.half_planes().into_iter().map(line).collect()
 }

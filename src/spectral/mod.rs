@@ -61,7 +61,9 @@
 
 mod complex;
 mod contact;
+mod curve;
 mod dilogarithm;
+mod energy;
 mod jumps;
 mod map;
 mod newton;
@@ -78,10 +80,11 @@ use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::source::Source;
 use complex::Complex;
+use energy::Energies;
 use newton::Problem;
 use panels::{Ends, Panel, Place};
 use sources::Rules;
-use trace::{Energies, Trace};
+use trace::Trace;
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -245,7 +248,7 @@ fn solve(problem: &Problem, start: Vec<Place>, params: Params) -> Result<Solutio
 
 impl Solution {
     fn new(problem: &Problem, ends: Vec<Place>, trace: Trace, rules: Rules, steps: usize) -> Self {
-        let Energies { energy, rellich, force, integral, .. } = trace.energies(problem, &rules);
+        let Energies { energy, rellich, force, integral, .. } = Energies::of(&trace, problem, &rules);
         let [least_multiplier, least_value] = trace.least();
         let checks = Checks {
             least_multiplier,

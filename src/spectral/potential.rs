@@ -91,7 +91,7 @@ impl Potential {
             }
         }
         let z = psi.far_from_jumps();
-        psi.background = jumps.value(z.re, z.im) - psi.source_of_jumps(z);
+        psi.background = jumps.value(z) - psi.source_of_jumps(z);
         let corners = CORNERS.map(|z| psi.gradient(z).conj());
         // Interpolation in the four corners is a discrete Fourier transform.
         let mut power = [Complex::new(0.25, 0.0); 4];

@@ -1,0 +1,205 @@
+//! The runs of a table with errors: at each update of a value, or once in the load.
+
+use super::{Cell, Plan, Row, Table};
+use crate::discrete::grid::{Grid, nested};
+use crate::discrete::load::load;
+use crate::experiments::problems::Problem;
+use crate::identify::random::Random;
+use crate::problem::source::Source;
+use crate::saddle::batch::{
+    Arithmetic, AsDefined, End, Fused, LANES, Nested, Reversed, V, run_nested,
+};
+use crate::saddle::{Iteration, Monitor, Params, StopRule, solve_nested, tolerance};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+
+/// The undisturbed runs of a table.
+struct Undisturbed<'a> {
+    plan: &'a Problem,
+    grids: Vec<Grid>,
+    loads: Vec<Vec<f64>>,
+    /// Per r, the counts.
+    counts: Vec<Vec<usize>>,
+}
+
+/// A repetition of the run for one r, with errors of this size.
+#[derive(Clone, Copy)]
+struct Repetition {
+    /// Place of r in the table.
+    row: usize,
+    /// Place in the sizes of the plan.
+    size: usize,
+    /// Where the errors come from.
+    stream: u64,
+}
+
+/// Repeats the runs of a table with errors of all sizes.
+pub(super) fn disturb(plan: &Plan, table: &Problem) -> Result<Table, String> {
+    let f: Source = table.f.parse().map_err(|e| format!("{e}"))?;
+    let grids = nested(&table.grids).map_err(|e| e.to_string())?;
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, table.load)).collect();
+    let count = |&r: &f64| {
+        let mut near = Margins::default();
+        let params = Params { r, rule: StopRule::Signed, ..Params::default() };
+        let (outcomes, _) = solve_nested(&grids, &loads, &params, table.prolongation, &mut near);
+        (outcomes.iter().map(|outcome| outcome.iterations).collect(), near)
+    };
+    let (counts, near): (Vec<_>, Vec<_>) =
+        table.r.par_iter().map(count).collect::<Vec<_>>().into_iter().unzip();
+    let table = Undisturbed { plan: table, grids, loads, counts };
+    let rows = table.rows(plan, &near)?;
+    let cells = || rows.iter().flat_map(|row: &Row| &row.cells);
+    let changed = plan
+        .sizes
+        .iter()
+        .map(|size| cells().filter(|cell| cell.flips_at.is_some_and(|at| at <= *size)).count())
+        .collect();
+    Ok(Table { number: table.plan.number, grids: table.plan.grids.clone(), rows, changed })
+}
+
+/// How near the residual came to the tolerance on each grid.
+#[derive(Default)]
+struct Margins {
+    /// Per grid: least excess over the tolerance before the stop, and what is left of it at the stop.
+    levels: Vec<(Option<f64>, f64)>,
+}
+
+impl Monitor for Margins {
+    fn wants_iterations(&self) -> bool {
+        true
+    }
+
+    fn iteration(&mut self, level: usize, iteration: &Iteration) -> ControlFlow<()> {
+        self.levels.resize(level, (None, f64::NAN));
+        let (above, below) = &mut self.levels[level - 1];
+        let excess = iteration.gradient_signed / tolerance(level) - 1.0;
+        if excess > 0.0 {
+            *above = Some(above.map_or(excess, |least| least.min(excess)));
+        } else {
+            *below = -excess;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The value of each node off by a random relative error, whose largest size is a run's own.
+struct Noisy {
+    size: [f64; LANES],
+    random: [Random; LANES],
+    /// Size and random numbers of the runs that are in no lane.
+    runs: Vec<(f64, Random)>,
+}
+
+/// `value`, off by a random relative error of at most `size`.
+#[inline(always)]
+fn off(value: f64, size: f64, random: &mut Random) -> f64 {
+    value + value * (size * (2.0 * random.unit() - 1.0))
+}
+
+impl Arithmetic<f64> for Noisy {
+    #[inline(always)]
+    fn node(&mut self, y: V<f64>) -> V<f64> {
+        V(std::array::from_fn(|l| off(y.0[l], self.size[l], &mut self.random[l])))
+    }
+    fn enter(&mut self, lane: usize, run: usize) {
+        (self.size[lane], self.random[lane]) = self.runs[run];
+    }
+    fn leave(&mut self, lane: usize, run: usize) {
+        self.runs[run].1 = self.random[lane];
+    }
+}
+
+/// One repetition of so many disturbs the load and not the iteration.
+const LOAD_EVERY: usize = 4;
+
+impl Undisturbed<'_> {
+    /// For runs of these rows with these loads, on which grids the count is another one.
+    fn changed(
+        &self,
+        runs: &[(usize, &[Vec<f64>])],
+        arithmetic: &mut impl Arithmetic<f64>,
+    ) -> Vec<Vec<bool>> {
+        // One more would show a late stop; the others let the finer grids start from about where it is.
+        let cap = |run: usize, k: usize| self.counts[runs[run].0][k] + 10;
+        let rule = StopRule::Signed;
+        let all: Vec<Nested> =
+            runs.iter().map(|&(row, loads)| Nested { loads, r: self.plan.r[row], rule }).collect();
+        let ends = run_nested(&self.grids, &all, self.plan.prolongation, cap, arithmetic);
+        let differs = |(ends, (row, _)): (Vec<End>, &(usize, _))| {
+            let pairs = ends.iter().zip(&self.counts[*row]);
+            pairs.map(|(end, want)| !end.met || end.sweeps != *want).collect()
+        };
+        ends.into_iter().zip(runs).map(differs).collect()
+    }
+
+    /// The same for every row, undisturbed but for the arithmetic.
+    fn all_changed(&self, arithmetic: &mut impl Arithmetic<f64>) -> Vec<Vec<bool>> {
+        let runs: Vec<_> = (0..self.counts.len()).map(|row| (row, &self.loads[..])).collect();
+        self.changed(&runs, arithmetic)
+    }
+
+    /// The same with relative errors: in each value whenever it is updated, or in the load, once.
+    fn disturbed(&self, plan: &Plan, some: &[Repetition], in_load: bool) -> Vec<Vec<bool>> {
+        let source = |of: &Repetition| (plan.sizes[of.size], Random::new(plan.seed, of.stream));
+        if !in_load {
+            let runs: Vec<_> = some.iter().map(|of| (of.row, &self.loads[..])).collect();
+            let (size, random) = ([0.0; LANES], [Random::new(0, 0); LANES]);
+            let mut noisy = Noisy { size, random, runs: some.iter().map(source).collect() };
+            return self.changed(&runs, &mut noisy);
+        }
+        let disturb = |of: &Repetition| -> Vec<Vec<f64>> {
+            let (size, mut random) = source(of);
+            let mut noisy =
+                |load: &Vec<f64>| load.iter().map(|&value| off(value, size, &mut random)).collect();
+            self.loads.iter().map(&mut noisy).collect()
+        };
+        let loads: Vec<_> = some.iter().map(disturb).collect();
+        let runs: Vec<_> = some.iter().zip(&loads).map(|(of, load)| (of.row, &load[..])).collect();
+        self.changed(&runs, &mut AsDefined)
+    }
+
+    fn rows(&self, plan: &Plan, near: &[Margins]) -> Result<Vec<Row>, String> {
+        if self.all_changed(&mut AsDefined).iter().flatten().any(|changed| *changed) {
+            return Err(format!("table {}: the lanes do not give the counts", self.plan.number));
+        }
+        let orders = [self.all_changed(&mut Reversed), self.all_changed(&mut Fused)];
+        let mut batches = Vec::new();
+        for (row, r) in self.plan.r.iter().enumerate() {
+            // Those that disturb the load, and the others.
+            let mut of = [Vec::new(), Vec::new()];
+            for (size, bound) in plan.sizes.iter().enumerate() {
+                let repetitions = if size == 0 { plan.repetitions } else { plan.further };
+                for repetition in 0..repetitions {
+                    let stream = bound.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition as u64;
+                    let in_load = repetition.is_multiple_of(LOAD_EVERY);
+                    of[usize::from(in_load)].push(Repetition { row, size, stream });
+                }
+            }
+            for (in_load, of) in [false, true].into_iter().zip(of) {
+                batches.extend(of.chunks(2 * LANES).map(|some| (in_load, some.to_vec())));
+            }
+        }
+        let run = |(in_load, some): &(bool, Vec<Repetition>)| self.disturbed(plan, some, *in_load);
+        let changed: Vec<_> = batches.par_iter().map(run).collect();
+        let runs: Vec<_> =
+            batches.iter().flat_map(|(_, some)| some).zip(changed.iter().flatten()).collect();
+        let cell = |row: usize, k: usize| {
+            let flipped = || runs.iter().filter(move |(of, changed)| of.row == row && changed[k]);
+            let (above, below) = near[row].levels[k];
+            Cell {
+                count: self.counts[row][k],
+                below,
+                above,
+                margin: above.map_or(below, |above| above.min(below)),
+                flips: flipped().filter(|(of, _)| of.size == 0).count(),
+                flips_at: flipped().map(|(of, _)| plan.sizes[of.size]).min_by(f64::total_cmp),
+                reordered: orders.iter().any(|changed| changed[row][k]),
+            }
+        };
+        let row = |(row, &r)| {
+            let cells = (0..self.grids.len()).map(|k| cell(row, k)).collect();
+            Row { r, cells }
+        };
+        Ok(self.plan.r.iter().enumerate().map(row).collect())
+    }
+}

@@ -1,0 +1,136 @@
+//! The methods against each other, and how a run ends.
+
+use super::*;
+use crate::discrete::load::{LoadRule, load};
+
+const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
+
+fn setting(f: &str) -> (Grid, Vec<f64>) {
+    let grid = Grid::new(16).unwrap();
+    (grid, load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage))
+}
+
+fn tight(r: f64) -> Params {
+    Params { r, tolerance: 1e-9, rule: StopRule::Printed, ..Params::default() }
+}
+
+fn uzawa(weight: f64) -> Method {
+    Method::Uzawa { weight, inner: 1e-10, loose: false }
+}
+
+/// Outcome, sweeps and last pair, from zero: plain and proximal.
+fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
+    [0.0, weight].map(|weight| {
+        let mut pair = Pair::zero(grid);
+        let (end, sweeps) = solve(grid, load, uzawa(weight), params, &mut pair, None);
+        (end, sweeps, pair)
+    })
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |worst, (a, b)| (a - b).abs().max(worst))
+}
+
+#[test]
+fn every_method_finds_the_solution_of_arrow_hurwicz() {
+    for f in PROBLEMS {
+        let (grid, load) = setting(f);
+        let mut want = Pair::zero(grid);
+        let outcome = arrow_hurwicz(grid, &load, &tight(10.0), &mut want, None);
+        assert_eq!(outcome.stop, StopReason::Converged);
+        for r in [1.0, 10.0, 1e3, 1e6] {
+            for (end, sweeps, pair) in both(grid, &load, &tight(r), 1.0) {
+                let at = format!("{f}, r = {r}: {end:?}");
+                assert_eq!(end.stop, StopReason::Converged, "{at}");
+                // Where a stays positive the gradient sees only h r of what is left of y.
+                let bound = 2e-9 * (1.0 / (grid.h() * r)).max(1.0);
+                assert!(end.kkt.natural <= bound, "{at}");
+                assert!(distance(&pair.y, &want.y) <= 1e-6, "{at}");
+                assert!(distance(&pair.a, &want.a) <= 1e-5, "{at}");
+                assert!(sweeps >= end.iterations, "{at}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
+    let (grid, load) = setting(PROBLEMS[0]);
+    let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
+    let mut ours = Pair::zero(grid);
+    let (end, sweeps) = solve(grid, &load, once, &tight(3.0), &mut ours, None);
+    let mut theirs = Pair::zero(grid);
+    assert_eq!(end, arrow_hurwicz(grid, &load, &tight(3.0), &mut theirs, None));
+    assert_eq!(sweeps, end.iterations);
+    assert_eq!(ours, theirs);
+}
+
+#[test]
+fn a_nearly_empty_contact_set_is_no_obstacle() {
+    // The mean of f is less than 1e-4 of its size; the solution leaves the boundary almost everywhere.
+    let (grid, load) = setting("quadrant(ll)=-6.001; else=2");
+    for weight in [0.1, 1.0, 10.0] {
+        let [_, (outcome, _, pair)] = both(grid, &load, &tight(10.0), weight);
+        assert_eq!(outcome.stop, StopReason::Converged, "{outcome:?}");
+        assert!(outcome.kkt.natural <= 1e-8, "{outcome:?}");
+        let contact = pair.a.iter().filter(|&&a| a > 0.0).count();
+        assert!((1..=8).contains(&contact), "{contact} nodes in contact");
+    }
+}
+
+#[test]
+fn without_a_minimum_both_end_at_a_cap() {
+    let (grid, load) = setting("else=0.5");
+    let capped = Params { max_iterations: 3000, ..tight(1.0) };
+    let [(plain, sweeps, up), (proximal, ..)] = both(grid, &load, &capped, 100.0);
+    assert_eq!((plain.stop, sweeps), (StopReason::IterationLimit, 3000));
+    assert_eq!(plain.iterations, 0, "the inner problem has no minimum");
+    let mut further = up.clone();
+    solve(grid, &load, uzawa(0.0), &capped, &mut further, None);
+    let drift = 3000.0 * 0.5 * grid.h() * grid.h() * load.iter().sum::<f64>();
+    for (low, high) in up.y.iter().zip(&further.y) {
+        assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
+    }
+    assert_eq!(proximal.stop, StopReason::IterationLimit);
+    assert!(proximal.iterations > 0, "each proximal problem has one");
+}
+
+#[test]
+fn the_cap_is_on_sweeps() {
+    let (grid, load) = setting(PROBLEMS[1]);
+    let params = Params { max_iterations: 7, ..tight(1.0) };
+    for (outcome, sweeps, _) in both(grid, &load, &params, 1.0) {
+        assert_eq!((outcome.stop, sweeps), (StopReason::IterationLimit, 7));
+    }
+}
+
+#[test]
+fn what_is_no_number_diverges() {
+    let (grid, good) = setting(PROBLEMS[0]);
+    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+        let mut load = good.clone();
+        load[grid.index(8, 8)] = bad;
+        for (outcome, sweeps, _) in both(grid, &load, &tight(1.0), 1.0) {
+            assert_eq!(outcome.stop, StopReason::Diverged, "{bad}");
+            assert!(sweeps < 100);
+        }
+    }
+    let huge: Vec<f64> = good.iter().map(|f| f * 1e308).collect();
+    for (outcome, ..) in both(grid, &huge, &tight(1.0), 1.0) {
+        assert_ne!(outcome.stop, StopReason::Converged);
+    }
+}
+
+#[test]
+fn the_monitor_sees_each_step_and_may_end_the_run() {
+    let (grid, load) = setting(PROBLEMS[1]);
+    let mut seen = 0;
+    let mut third = |iteration: &Iteration| {
+        seen = iteration.number;
+        if seen == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut pair = Pair::zero(grid);
+    let (end, _) = solve(grid, &load, uzawa(0.0), &tight(1.0), &mut pair, Some(&mut third));
+    assert_eq!((end.stop, end.iterations), (StopReason::Interrupted, 3));
+    assert_eq!(seen, 3);
+}
