@@ -25,7 +25,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         self.distance += other.distance;
         self.recovered += other.recovered;
         self.recovered_load += other.recovered_load;
@@ -49,7 +49,7 @@ const LANES: usize = 128;
 impl Strip<'_> {
     /// Sums over cells in which, and around which, f has one value; `mass` is its integral over a cell.
     #[inline(always)]
-    pub fn regular(&self, cells: Range<usize>, mass: f64) -> Sums {
+    pub(super) fn regular(&self, cells: Range<usize>, mass: f64) -> Sums {
         let (lower, upper, edges) = (self.lower, self.upper, self.edges);
         let mut parts = [[0.0; LANES]; 6];
         for start in cells.clone().step_by(LANES) {
@@ -115,7 +115,7 @@ impl Strip<'_> {
     }
 
     /// The residual times `h^2` in regular cells: its mean over the corners.
-    pub fn residuals(&self, cells: Range<usize>, mass: f64, out: &mut [f64]) {
+    pub(super) fn residuals(&self, cells: Range<usize>, mass: f64, out: &mut [f64]) {
         let (lower, upper) = (&self.lower.laplacian, &self.upper.laplacian);
         for i in cells {
             out[i] = mass + 0.25 * ((lower[i] + lower[i + 1]) + (upper[i] + upper[i + 1]));
@@ -124,7 +124,13 @@ impl Strip<'_> {
 
     /// Sums over cell `i` with moments `f`, with fluxes through its edges left, right, bottom, top that f
     /// needs, and the residual there times `h^2`. `outer` says which of the edges are on the boundary.
-    pub fn special(&self, i: usize, f: &Moments, flux: [f64; 4], outer: [bool; 4]) -> (Sums, f64) {
+    pub(super) fn special(
+        &self,
+        i: usize,
+        f: &Moments,
+        flux: [f64; 4],
+        outer: [bool; 4],
+    ) -> (Sums, f64) {
         let (lower, upper, edges) = (self.lower, self.upper, self.edges);
         let [ll, lr, ul, ur] = [
             lower.laplacian[i],

@@ -26,14 +26,14 @@ pub(super) struct Moments {
 
 impl Moments {
     /// Those of a constant f, from its integral.
-    pub fn constant(mass: f64) -> Self {
+    pub(super) fn constant(mass: f64) -> Self {
         let twelfth = mass / 12.0;
         let square = mass * mass;
         Self { one: mass, xx: twelfth, yy: twelfth, ridge: twelfth, square, ..Self::default() }
     }
 
     /// Integrals of f times the bilinear hat functions of the corners ll, lr, ul, ur.
-    pub fn masses(&self) -> [f64; 4] {
+    pub(super) fn masses(&self) -> [f64; 4] {
         let (mean, x, y) = (0.25 * self.one, 0.5 * self.x, 0.5 * self.y);
         [
             mean - x - y + self.xy,
@@ -44,7 +44,7 @@ impl Moments {
     }
 
     /// `h^2` times the square of the L2 norm of f less its best bilinear approximation.
-    pub fn oscillation(&self) -> f64 {
+    pub(super) fn oscillation(&self) -> f64 {
         let bilinear = self.one * self.one
             + 12.0 * (self.x * self.x + self.y * self.y)
             + 144.0 * self.xy * self.xy;
@@ -149,7 +149,7 @@ impl CellRow {
     }
 
     /// The end of the run with cell `i`, where f is constant, and its integral over each cell.
-    pub fn constant(&self, i: usize) -> (usize, f64) {
+    pub(super) fn constant(&self, i: usize) -> (usize, f64) {
         match self.runs[self.runs.partition_point(|&(end, _)| end <= i)] {
             (end, Data::Constant(mass)) => (end, mass),
             (_, Data::Cut(_)) => unreachable!("f is not constant there"),
@@ -157,7 +157,7 @@ impl CellRow {
     }
 
     /// Moments over cell `i`.
-    pub fn at(&self, i: usize) -> Moments {
+    pub(super) fn at(&self, i: usize) -> Moments {
         let run = self.runs.partition_point(|&(end, _)| end <= i);
         let start = if run == 0 { 0 } else { self.runs[run - 1].0 };
         match self.runs[run].1 {
@@ -181,7 +181,7 @@ pub(super) struct AllCells<'a> {
 }
 
 impl<'a> AllCells<'a> {
-    pub fn new(grid: Grid, f: &'a Source) -> Self {
+    pub(super) fn new(grid: Grid, f: &'a Source) -> Self {
         let n = grid.cells();
         let mut all = Self { grid, f, rows: Vec::new(), integral: 0.0 };
         if let Source::Pieces { background, pieces } = f {
@@ -198,7 +198,7 @@ impl<'a> AllCells<'a> {
     }
 
     /// Row `j` from below.
-    pub fn row(&self, j: usize) -> Cow<'_, CellRow> {
+    pub(super) fn row(&self, j: usize) -> Cow<'_, CellRow> {
         if let Some(row) = self.rows.get(j) {
             return Cow::Borrowed(row);
         }
@@ -207,7 +207,7 @@ impl<'a> AllCells<'a> {
     }
 
     /// Moments over cell (i, j).
-    pub fn at(&self, i: usize, j: usize) -> Moments {
+    pub(super) fn at(&self, i: usize, j: usize) -> Moments {
         self.rows.get(j).map_or_else(|| self.integrated(i, j), |row| row.at(i))
     }
 

@@ -17,7 +17,12 @@ impl Reactions {
     /// Those of the nodal vector `y`, not negative on the boundary: `A y - b` where it is at least y,
     /// scaled so that they balance f. `mass(i, j)` gives the integrals of f times the hat functions over
     /// cell (i, j), and `total` is the integral of f, which is negative.
-    pub fn new(grid: Grid, y: &[f64], mass: impl Fn(usize, usize) -> [f64; 4], total: f64) -> Self {
+    pub(super) fn new(
+        grid: Grid,
+        y: &[f64],
+        mass: impl Fn(usize, usize) -> [f64; 4],
+        total: f64,
+    ) -> Self {
         let n = grid.cells();
         let at = |i: usize, j: usize| y[grid.index(i, j)];
         let mut found: Vec<f64> = (0..grid.boundary_nodes())
@@ -76,12 +81,12 @@ pub(super) struct NodeFluxes {
 }
 
 impl NodeFluxes {
-    pub fn zero(n: usize) -> Self {
+    pub(super) fn zero(n: usize) -> Self {
         Self { seams: Vec::new(), around: vec![Around::default(); n + 1] }
     }
 
     /// Replaces this by the row between two rows of cells; one of them may be missing.
-    pub fn set(&mut self, below: Option<&CellRow>, above: Option<&CellRow>) {
+    pub(super) fn set(&mut self, below: Option<&CellRow>, above: Option<&CellRow>) {
         for &[from, to] in &self.seams {
             self.around[from..=to].fill(Around::default());
         }

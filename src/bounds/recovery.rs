@@ -30,7 +30,7 @@ pub(super) struct EdgeRow {
 }
 
 impl NodeRow {
-    pub fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize) -> Self {
         let nodes = || vec![0.0; n + 1];
         Self {
             v: nodes(),
@@ -45,7 +45,7 @@ impl NodeRow {
     /// Sets the row from its values, the differences to the rows below and above, and the reactions at
     /// its ends.
     #[inline(always)]
-    pub fn set(&mut self, v: &[f64], below: &[f64], above: &[f64], [left, right]: [f64; 2]) {
+    pub(super) fn set(&mut self, v: &[f64], below: &[f64], above: &[f64], [left, right]: [f64; 2]) {
         let n = v.len() - 1;
         self.v.copy_from_slice(v);
         for (along, (&right, &left)) in self.along[1..=n].iter_mut().zip(v[1..].iter().zip(v)) {
@@ -69,7 +69,7 @@ impl NodeRow {
 
     /// The largest |v|.
     #[inline(always)]
-    pub fn largest(&self) -> f64 {
+    pub(super) fn largest(&self) -> f64 {
         const LANES: usize = 16;
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         let (blocks, rest) = self.v.as_chunks::<LANES>();
@@ -84,7 +84,7 @@ impl NodeRow {
 
     /// Adds to the bubbles the slopes of the fluxes that f needs at its seams; `lower` to `upper` are
     /// the fluxes around the nodes of the row below, this one and the one above.
-    pub fn follow_seams(&mut self, [lower, here, upper]: [&NodeFluxes; 3], ends: [bool; 2]) {
+    pub(super) fn follow_seams(&mut self, [lower, here, upper]: [&NodeFluxes; 3], ends: [bool; 2]) {
         let n = self.bubble.len();
         let share = if ends[0] || ends[1] { 0.5 } else { 0.25 };
         let mut add = |lower: &NodeFluxes, upper: &NodeFluxes| {
@@ -103,14 +103,14 @@ impl NodeRow {
 }
 
 impl EdgeRow {
-    pub fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize) -> Self {
         let nodes = || vec![0.0; n + 1];
         Self { along: nodes(), third: nodes(), bubble: nodes() }
     }
 
     /// Sets third differences and bubbles from the second differences in the rows below and above.
     #[inline(always)]
-    pub fn set(&mut self, below: &[f64], above: &[f64]) {
+    pub(super) fn set(&mut self, below: &[f64], above: &[f64]) {
         let nodes = self.third.len();
         let (third, bubble) = (&mut self.third[..nodes], &mut self.bubble[..nodes]);
         let (below, above) = (&below[..nodes], &above[..nodes]);
@@ -121,7 +121,7 @@ impl EdgeRow {
     }
 
     /// As [`NodeRow::follow_seams`], for the edges between two rows of nodes.
-    pub fn follow_seams(&mut self, lower: &NodeFluxes, upper: &NodeFluxes) {
+    pub(super) fn follow_seams(&mut self, lower: &NodeFluxes, upper: &NodeFluxes) {
         let n = self.bubble.len() - 1;
         for_each_near(n, &[&lower.seams, &upper.seams], |i| {
             let [.., bottom, top] = through_edges(lower, upper, i);

@@ -25,7 +25,7 @@ struct Level {
 }
 
 impl Pyramid {
-    pub fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize) -> Self {
         let mut sides = vec![n];
         while sides[sides.len() - 1].is_multiple_of(2) {
             sides.push(sides[sides.len() - 1] / 2);
@@ -35,7 +35,7 @@ impl Pyramid {
     }
 
     /// Adds the next row of cells, each times `h^2`; an empty one is zero.
-    pub fn push(&mut self, row: Vec<f64>) {
+    pub(super) fn push(&mut self, row: Vec<f64>) {
         let (mut row, mut l) = (row, 0);
         while l + 1 < self.levels.len() {
             let level = &mut self.levels[l];
@@ -73,7 +73,7 @@ impl Pyramid {
     }
 
     /// The bound of `|grad w|`.
-    pub fn bound(&self) -> f64 {
+    pub(super) fn bound(&self) -> f64 {
         let (last, others) = self.levels.split_last().expect("a level at least");
         let below: f64 = others.iter().map(|level| level.variance.sqrt()).sum();
         let side = last.side as f64;

@@ -49,7 +49,7 @@ pub(super) struct Workplace {
 }
 
 impl Workplace {
-    pub fn open(cache: &CacheArgs) -> Result<Self> {
+    pub(super) fn open(cache: &CacheArgs) -> Result<Self> {
         let root = Project::find(&current_folder()?)?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         outside_report(&root, &folder, "the cache")?;
@@ -58,19 +58,19 @@ impl Workplace {
         Ok(Self { store: Store::new(&folder)?, project })
     }
 
-    pub fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {
+    pub(super) fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
     /// What [`Workplace::run`] would do; needs no lock and writes nothing.
-    pub fn judge(&self, plan: &Plan, whole: bool) -> Result<Summary> {
+    pub(super) fn judge(&self, plan: &Plan, whole: bool) -> Result<Summary> {
         let known = LockFile::read(&self.project.root)?;
         Ok(self.look(plan, whole, &known, &Progress::new(false, true))?.0)
     }
 
     /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to
     /// date. If `whole`, the plan is all there is.
-    pub fn run(
+    pub(super) fn run(
         &self,
         plan: &Plan,
         whole: bool,
@@ -112,7 +112,7 @@ impl Workplace {
 
     /// The same, but if the results differ from the lock file, nothing outside the cache is written,
     /// and it is told in which hashes they differ.
-    pub fn run_locked(
+    pub(super) fn run_locked(
         &self,
         plan: &Plan,
         options: Options,

@@ -173,7 +173,7 @@ fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
 fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
     let mut costs = Vec::new();
     for &n in cells {
-        let grid = Grid::new(n).map_err(|e| e.to_string())?;
+        Grid::new(n).map_err(|e| e.to_string())?;
         let loads: Vec<_> = paper_loads(n).into_iter().chain(stress_loads(n)).collect();
         let counted: Result<Vec<_>, _> =
             loads.par_iter().map(|(name, load)| Ok(cost::<Square>(name, n, load)?.0)).collect();

@@ -18,7 +18,7 @@ const RATIO: f64 = 1.25;
 const HALVINGS: usize = 10;
 
 /// A count of the table: row and grid, both counted from 0.
-pub type Cell = (usize, usize);
+pub(super) type Cell = (usize, usize);
 
 /// What happens along one direction in the space of values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

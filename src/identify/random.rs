@@ -2,7 +2,7 @@
 
 /// Steele, Lea and Flood's SplitMix64: a stream per item, whoever runs it.
 #[derive(Clone, Copy)]
-pub struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     /// The stream numbered `stream` of this seed.

@@ -34,7 +34,7 @@ pub struct Score {
 }
 
 /// Factor charged for a count that never came.
-pub const GIVEN_UP: f64 = 8.0;
+pub(super) const GIVEN_UP: f64 = 8.0;
 
 impl Score {
     /// What the search makes small: count misfit, then Delta a, then simplicity.

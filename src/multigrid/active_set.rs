@@ -38,6 +38,7 @@ impl Default for ActiveSetParams {
 /// What the monitor sees after each step.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
+    /// Its number, from 1.
     pub step: usize,
     /// Nodes in contact during the step.
     pub active: usize,
@@ -51,6 +52,7 @@ pub struct Outcome {
     /// `Converged` if the contact set came to rest; `RoundingFloor` if it returned to an earlier one,
     /// which happens only where multipliers or values are zero up to rounding errors.
     pub stop: StopReason,
+    /// Linear systems solved.
     pub steps: usize,
     /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)`, in units of the load.
     pub kkt: f64,

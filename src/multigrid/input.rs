@@ -3,12 +3,21 @@
 /// What can be wrong with the input of a solver.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum InputError {
+    /// So many cells per side, which must be of another form.
     #[error("{0} cells per side: must be {1}")]
     GridSize(usize, &'static str),
+    /// So many numbers, where there are more or fewer nodes.
     #[error("{found} numbers given for the {expected} nodes of the grid")]
-    Length { found: usize, expected: usize },
+    Length {
+        /// Numbers given.
+        found: usize,
+        /// Nodes.
+        expected: usize,
+    },
+    /// A field with an infinity or a NaN, or whose sum overflows.
     #[error("the {0} contains a number that is not finite, or sums to none")]
     NotFinite(&'static str),
+    /// The sum of a load that is not negative.
     #[error("the load sums to {0:e}: without a negative sum the problem has no unique solution")]
     NotCoercive(f64),
 }

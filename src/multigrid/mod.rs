@@ -62,6 +62,7 @@ pub enum Goal {
 /// Parameters of multigrid.
 #[derive(Clone, Debug)]
 pub struct MultigridParams {
+    /// When to stop.
     pub goal: Goal,
     /// Limit on the cycles on the finest grid.
     pub max_cycles: usize,
@@ -76,20 +77,24 @@ impl Default for MultigridParams {
 /// What the monitor sees after each cycle on the finest grid.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
+    /// Cycles so far.
     pub cycle: usize,
     /// Natural residual, in units of the load.
     pub kkt: f64,
+    /// Work so far, in sweeps of the finest grid.
     pub work_units: f64,
 }
 
 /// Result without the solution itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
+    /// Why it ended.
     pub stop: StopReason,
     /// Cycles on the finest grid.
     pub cycles: usize,
     /// Natural residual of the solution, in units of the load.
     pub kkt: f64,
+    /// Work in sweeps of the finest grid.
     pub work_units: f64,
 }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 /// A closed convex region of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "fields are the arguments of the notation")]
 pub enum Region {
     /// `rect(x0,x1,y0,y1)`.
     Rect { x: [f64; 2], y: [f64; 2] },

@@ -144,7 +144,10 @@ impl Cost {
         Self {
             grids: grids(timings),
             fits: fits(&timings.multigrid),
-            comparisons: problems.into_iter().map(|problem| Comparison::of(problem, &timings.solver)).collect(),
+            comparisons: problems
+                .into_iter()
+                .map(|problem| Comparison::of(problem, &timings.solver))
+                .collect(),
             noise: noise(timings),
             outdated: Outdated::of(timings, accuracy),
             peers: least.zip(ratios().reduce(f64::max)).map(|(least, most)| [least, most]),

@@ -10,57 +10,57 @@ pub(super) struct Complex {
 }
 
 impl Complex {
-    pub const fn new(re: f64, im: f64) -> Self {
+    pub(super) const fn new(re: f64, im: f64) -> Self {
         Self { re, im }
     }
 
     /// e^{i angle}.
-    pub fn unit(angle: f64) -> Self {
+    pub(super) fn unit(angle: f64) -> Self {
         let (im, re) = libm::sincos(angle);
         Self { re, im }
     }
 
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(super) fn scaled(self, factor: f64) -> Self {
         Self::new(factor * self.re, factor * self.im)
     }
 
-    pub fn conj(self) -> Self {
+    pub(super) fn conj(self) -> Self {
         Self::new(self.re, -self.im)
     }
 
     /// The vector turned to the left by a right angle.
-    pub fn turned(self) -> Self {
+    pub(super) fn turned(self) -> Self {
         Self::new(-self.im, self.re)
     }
 
     /// Re(conj(self) other), the scalar product.
-    pub fn dot(self, other: Self) -> f64 {
+    pub(super) fn dot(self, other: Self) -> f64 {
         self.re * other.re + self.im * other.im
     }
 
     /// Im(conj(self) other): positive if `other` points to the left of `self`.
-    pub fn cross(self, other: Self) -> f64 {
+    pub(super) fn cross(self, other: Self) -> f64 {
         self.re * other.im - self.im * other.re
     }
 
-    pub fn norm2(self) -> f64 {
+    pub(super) fn norm2(self) -> f64 {
         self.dot(self)
     }
 
-    pub fn norm(self) -> f64 {
+    pub(super) fn norm(self) -> f64 {
         self.norm2().sqrt()
     }
 
-    pub fn inverse(self) -> Self {
+    pub(super) fn inverse(self) -> Self {
         self.conj().scaled(1.0 / self.norm2())
     }
 
     /// The principal logarithm.
-    pub fn ln(self) -> Self {
+    pub(super) fn ln(self) -> Self {
         Self::new(0.5 * libm::log(self.norm2()), self.arg())
     }
 
-    pub fn arg(self) -> f64 {
+    pub(super) fn arg(self) -> f64 {
         libm::atan2(self.im, self.re)
     }
 }

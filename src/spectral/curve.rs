@@ -19,7 +19,7 @@ pub(super) enum Curve {
 }
 
 impl Curve {
-    pub fn at(self, s: f64) -> Complex {
+    pub(super) fn at(self, s: f64) -> Complex {
         match self {
             Self::Line { normal, offset } => normal.scaled(offset) + normal.turned().scaled(s),
             Self::Circle { centre, radius } => centre + Complex::unit(s).scaled(radius),
@@ -27,7 +27,7 @@ impl Curve {
     }
 
     /// The unit normal to the right of the curve.
-    pub fn normal(self, s: f64) -> Complex {
+    pub(super) fn normal(self, s: f64) -> Complex {
         match self {
             Self::Line { normal, .. } => normal,
             Self::Circle { .. } => Complex::unit(s),
@@ -35,7 +35,7 @@ impl Curve {
     }
 
     /// Length per parameter.
-    pub fn speed(self) -> f64 {
+    pub(super) fn speed(self) -> f64 {
         match self {
             Self::Line { .. } => 1.0,
             Self::Circle { radius, .. } => radius,
@@ -43,7 +43,7 @@ impl Curve {
     }
 
     /// Whether the branch of psi that holds at `z` is singular in the centre.
-    pub fn singular_centre(self, z: Complex) -> Option<Complex> {
+    pub(super) fn singular_centre(self, z: Complex) -> Option<Complex> {
         match self {
             Self::Circle { centre, radius } if (z - centre).norm() > radius + SAME => Some(centre),
             _ => None,
@@ -51,7 +51,7 @@ impl Curve {
     }
 
     /// Parameters at which it meets another curve.
-    pub fn meets(self, other: Self) -> Vec<f64> {
+    pub(super) fn meets(self, other: Self) -> Vec<f64> {
         match (self, other) {
             (Self::Line { normal, offset }, Self::Line { normal: n, offset: o }) => {
                 let slope = n.dot(normal.turned());
@@ -87,7 +87,7 @@ impl Curve {
         [middle - spread, middle + spread].map(|s| s - TAU * (s / TAU).floor()).to_vec()
     }
 
-    pub fn same(self, other: Self) -> bool {
+    pub(super) fn same(self, other: Self) -> bool {
         match (self, other) {
             (Self::Line { normal, offset }, Self::Line { normal: n, offset: o }) => {
                 (normal - n).norm() < SAME && (offset - o).abs() < SAME

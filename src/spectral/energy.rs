@@ -4,11 +4,10 @@ use super::complex::Complex;
 use super::curve::Curve;
 use super::jumps::{Edge, Jumps, PROBE};
 use super::newton::Problem;
-use super::panels::Panel;
+use super::panels::{Panel, distance};
 use super::potential::CORNERS;
 use super::sources::Rules;
 use super::trace::{Point, Trace};
-use std::f64::consts::TAU;
 
 /// Integrals over the border and over the square.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,7 +24,7 @@ pub(super) struct Energies {
 impl Energies {
     /// The total of l over the border and the energy J = -1/2 int f v, by Green's identity with psi and
     /// by Rellich's.
-    pub fn of(trace: &Trace, problem: &Problem, rules: &Rules) -> Self {
+    pub(super) fn of(trace: &Trace, problem: &Problem, rules: &Rules) -> Self {
         let (bilinear, energies) = (Bilinear::new(problem), Self::default());
         let mut sums = Sums { problem, bilinear, energies, source: 0.0, rellich: 0.0 };
         sums.add_border(trace);

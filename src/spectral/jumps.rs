@@ -22,7 +22,7 @@ pub(super) struct Edge {
 
 impl Edge {
     /// f on the left less f on the right.
-    pub fn jump(&self) -> f64 {
+    pub(super) fn jump(&self) -> f64 {
         self.values[0] - self.values[1]
     }
 }
@@ -51,7 +51,7 @@ pub(super) struct Jumps {
 }
 
 impl Jumps {
-    pub fn of(f: &Source) -> Self {
+    pub(super) fn of(f: &Source) -> Self {
         let mut jumps = Self {
             f: f.clone(),
             curves: Vec::new(),
@@ -78,7 +78,7 @@ impl Jumps {
     }
 
     /// f at a point.
-    pub fn value(&self, z: Complex) -> f64 {
+    pub(super) fn value(&self, z: Complex) -> f64 {
         self.f.at([z.re, z.im])
     }
 
@@ -180,7 +180,7 @@ impl Jumps {
     }
 
     /// The singular points of psi as it is near `z`: vertices, and centres of circles seen from outside.
-    pub fn singular(&self, z: Complex) -> impl Iterator<Item = Complex> {
+    pub(super) fn singular(&self, z: Complex) -> impl Iterator<Item = Complex> {
         let centres = self.edges.iter().filter_map(move |e| e.curve.singular_centre(z));
         self.vertices.iter().copied().chain(centres)
     }

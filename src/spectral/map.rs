@@ -48,7 +48,7 @@ pub(super) struct Angle {
 
 impl Angle {
     /// `t` is the distance from the corner along the border, negative before it, at most 1.
-    pub fn from_corner(t: f64) -> Self {
+    pub(super) fn from_corner(t: f64) -> Self {
         let [sn, cn, dn] = jacobi(t.abs());
         // 1 + cn and 1 - cn without cancellation.
         let (plus, minus) = if cn > 0.0 {
@@ -63,7 +63,7 @@ impl Angle {
     }
 
     /// Sine and cosine of half the angle relative to the corner that lies `corners` further back.
-    pub fn seen_from(self, corners: i32) -> [f64; 2] {
+    pub(super) fn seen_from(self, corners: i32) -> [f64; 2] {
         let [c, s] = eighth_turns(corners);
         [self.sin * c + self.cos * s, self.cos * c - self.sin * s]
     }

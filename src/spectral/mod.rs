@@ -166,6 +166,7 @@ pub struct Solution {
     pub energy: f64,
     /// Anticlockwise.
     pub contact: Vec<ContactArc>,
+    /// What it was checked by.
     pub checks: Checks,
     /// Integral of f over the square.
     pub integral: f64,
@@ -180,8 +181,11 @@ pub struct Solution {
 /// v and the multiplier dv/dn at a point of the border.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderPoint {
+    /// The point.
     pub point: [f64; 2],
+    /// v.
     pub value: f64,
+    /// dv/dn.
     pub multiplier: f64,
 }
 
@@ -248,7 +252,8 @@ fn solve(problem: &Problem, start: Vec<Place>, params: Params) -> Result<Solutio
 
 impl Solution {
     fn new(problem: &Problem, ends: Vec<Place>, trace: Trace, rules: Rules, steps: usize) -> Self {
-        let Energies { energy, rellich, force, integral, .. } = Energies::of(&trace, problem, &rules);
+        let Energies { energy, rellich, force, integral, .. } =
+            Energies::of(&trace, problem, &rules);
         let [least_multiplier, least_value] = trace.least();
         let checks = Checks {
             least_multiplier,

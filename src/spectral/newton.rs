@@ -18,24 +18,28 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    pub fn new(f: &Source) -> Self {
+    pub(super) fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
         let psi = Potential::new(&jumps);
         let crossings = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
         Self { jumps, psi, crossings }
     }
 
-    pub fn panels(&self, ends: &Ends) -> Vec<Panel> {
+    pub(super) fn panels(&self, ends: &Ends) -> Vec<Panel> {
         panels(ends, &self.crossings, &self.jumps)
     }
 
-    pub fn target(&self, panel: &Panel, t: f64) -> Target {
+    pub(super) fn target(&self, panel: &Panel, t: f64) -> Target {
         let angle = Angle::from_corner(t);
         Target { corner: panel.corner, angle, gradient: self.psi.gradient(panel.point(t)) }
     }
 
     /// Moves the ends until a step is so short that the next would be rounding; `None` if it does not.
-    pub fn newton(&self, mut places: Vec<Place>, rules: &Rules) -> Option<(Vec<Place>, usize)> {
+    pub(super) fn newton(
+        &self,
+        mut places: Vec<Place>,
+        rules: &Rules,
+    ) -> Option<(Vec<Place>, usize)> {
         const STEPS: usize = 40;
         /// Convergence is quadratic.
         const SHORT: f64 = 1e-8;

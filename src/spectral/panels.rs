@@ -18,13 +18,13 @@ pub(super) struct Place {
 
 impl Place {
     /// The same point seen from its nearest corner.
-    pub fn new(corner: i32, t: f64) -> Self {
+    pub(super) fn new(corner: i32, t: f64) -> Self {
         let corners = (t - 0.5).ceil();
         Self { corner: corner + corners as i32, t: t - corners }
     }
 
     /// The point of the border nearest to `z`, which is on it but for rounding.
-    pub fn of(z: Complex) -> Self {
+    pub(super) fn of(z: Complex) -> Self {
         let corner = (0..4)
             .min_by(|&j, &k| (CORNERS[j] - z).norm2().total_cmp(&(CORNERS[k] - z).norm2()))
             .expect("a square has corners");
@@ -34,22 +34,22 @@ impl Place {
         Self { corner: corner as i32, t: if t[0] > -t[1] { t[0] } else { t[1] } }
     }
 
-    pub fn distance_from(self, corner: i32) -> f64 {
+    pub(super) fn distance_from(self, corner: i32) -> f64 {
         self.t + f64::from(self.corner - corner)
     }
 
     /// Length of the border from `other` to here.
-    pub fn after(self, other: Self) -> f64 {
+    pub(super) fn after(self, other: Self) -> f64 {
         self.distance_from(other.corner) - other.t
     }
 
     /// The same point, at most one turn after `start`.
-    pub fn following(self, start: Self) -> Self {
+    pub(super) fn following(self, start: Self) -> Self {
         let turns = (self.after(start) / 4.0).floor() as i32;
         Self { corner: self.corner - 4 * turns, t: self.t }
     }
 
-    pub fn point(self) -> Complex {
+    pub(super) fn point(self) -> Complex {
         CORNERS[self.corner.rem_euclid(4) as usize] + tangent(self.corner, self.t).scaled(self.t)
     }
 }
@@ -104,25 +104,25 @@ pub(super) struct Node {
 
 impl Panel {
     /// The direction in which derivatives of psi enter: the tangent in contact, the inner normal elsewhere.
-    pub fn direction(&self) -> Complex {
+    pub(super) fn direction(&self) -> Complex {
         if self.contact { self.tangent } else { self.tangent.turned() }
     }
 
-    pub fn point(&self, t: f64) -> Complex {
+    pub(super) fn point(&self, t: f64) -> Complex {
         CORNERS[self.corner.rem_euclid(4) as usize] + self.tangent.scaled(t)
     }
 
-    pub fn middle(&self) -> Complex {
+    pub(super) fn middle(&self) -> Complex {
         self.point(0.5 * (self.from + self.to))
     }
 
     /// Whether nodes are counted from the end of the panel rather than from its start.
-    pub fn reversed(&self) -> bool {
+    pub(super) fn reversed(&self) -> bool {
         self.special[1].is_some()
     }
 
     /// The end of contact at one of its ends, if any.
-    pub fn end(&self) -> Option<usize> {
+    pub(super) fn end(&self) -> Option<usize> {
         match self.special {
             [Some(Special::End(end)), _] | [_, Some(Special::End(end))] => Some(end),
             _ => None,
@@ -130,13 +130,13 @@ impl Panel {
     }
 
     /// Whether a corner or crossing is at one of its ends.
-    pub fn kink(&self) -> Option<Special> {
+    pub(super) fn kink(&self) -> Option<Special> {
         self.special[0].or(self.special[1]).filter(|s| !matches!(s, Special::End(_)))
     }
 
     /// Grading of targets: v and l behave like a power of the distance from an end of contact, and
     /// their series next to corners and crossings contain logarithms.
-    pub fn target_power(&self) -> i32 {
+    pub(super) fn target_power(&self) -> i32 {
         match self.special[0].or(self.special[1]) {
             None => 1,
             Some(Special::End(_)) => 2,
@@ -145,7 +145,7 @@ impl Panel {
     }
 
     /// Nodes of a rule on (0, 1), graded like `x^power` towards the end where something is.
-    pub fn nodes(&self, rule: &[[f64; 2]], power: i32) -> impl Iterator<Item = Node> {
+    pub(super) fn nodes(&self, rule: &[[f64; 2]], power: i32) -> impl Iterator<Item = Node> {
         let Self { from, to, .. } = *self;
         let length = to - from;
         let reversed = self.reversed();
@@ -170,23 +170,23 @@ pub(super) struct Ends {
 }
 
 impl Ends {
-    pub fn new(places: Vec<Place>) -> Self {
+    pub(super) fn new(places: Vec<Place>) -> Self {
         let angles = places.iter().map(|place| Angle::from_corner(place.t)).collect();
         Self { places, angles }
     }
 
     /// Number of contact arcs; none stands for contact everywhere.
-    pub fn arcs(&self) -> usize {
+    pub(super) fn arcs(&self) -> usize {
         self.places.len() / 2
     }
 
     /// Where panels begin.
-    pub fn start(&self) -> Place {
+    pub(super) fn start(&self) -> Place {
         self.places.first().copied().unwrap_or(Place { corner: 0, t: 0.0 })
     }
 
     /// (-1)^k |P|^{1/2} at a node of a panel, P the product over all ends of 2 sin((theta - end) / 2).
-    pub fn root(&self, panel: &Panel, node: Node, angle: Angle) -> f64 {
+    pub(super) fn root(&self, panel: &Panel, node: Node, angle: Angle) -> f64 {
         let near = panel.end();
         let mut product = 1.0;
         for (j, (place, own)) in self.places.iter().zip(&self.angles).enumerate() {

@@ -65,7 +65,7 @@ struct Circle {
 type Seen = [f64; 2];
 
 impl Potential {
-    pub fn new(jumps: &Jumps) -> Self {
+    pub(super) fn new(jumps: &Jumps) -> Self {
         let mut psi = Self {
             vertices: jumps.vertices.clone(),
             lines: Vec::new(),
@@ -106,12 +106,12 @@ impl Potential {
     }
 
     /// The gradient of psi.
-    pub fn gradient(&self, z: Complex) -> Complex {
+    pub(super) fn gradient(&self, z: Complex) -> Complex {
         self.at::<false>(z).1
     }
 
     /// psi and its gradient.
-    pub fn value_and_gradient(&self, z: Complex) -> (f64, Complex) {
+    pub(super) fn value_and_gradient(&self, z: Complex) -> (f64, Complex) {
         self.at::<true>(z)
     }
 

@@ -23,7 +23,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    pub fn new(nodes: usize, levels: u32) -> Self {
+    pub(super) fn new(nodes: usize, levels: u32) -> Self {
         let plain = gauss(nodes);
         let mut near = Vec::with_capacity(nodes * (levels as usize + 1));
         let mut to = 1.0;
@@ -68,7 +68,7 @@ pub(super) struct Target {
 
 impl Sources {
     /// Nodes that serve all targets but those next to a kink.
-    pub fn plain(psi: &Potential, ends: &Ends, panels: &[Panel], rules: &Rules) -> Self {
+    pub(super) fn plain(psi: &Potential, ends: &Ends, panels: &[Panel], rules: &Rules) -> Self {
         let mut sources = Self::default();
         for panel in panels {
             let power = if panel.end().is_some() { 2 } else { 1 };
@@ -149,7 +149,7 @@ pub(super) struct Field<'a> {
 
 impl<'a> Field<'a> {
     /// Grades the panels next to kinks that are `wanted`.
-    pub fn new(
+    pub(super) fn new(
         ends: &Ends,
         panels: &'a [Panel],
         plain: &'a Sources,
@@ -174,7 +174,7 @@ impl<'a> Field<'a> {
     }
 
     /// Y at a target of panel `p`: times (-1)^k |P|^{1/2} it is l dp/dtheta in contact, dv/dtheta elsewhere.
-    pub fn at(&self, p: usize, target: &Target) -> f64 {
+    pub(super) fn at(&self, p: usize, target: &Target) -> f64 {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed() { (p + 1) % many } else { (p + many - 1) % many };

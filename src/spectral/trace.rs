@@ -1,11 +1,9 @@
 //! The solution on the border, and from it the energy.
 
 use super::complex::Complex;
-use super::jumps::{Curve, Edge, Jumps, PROBE};
 use super::map::{Angle, corner_angle, to_disc};
 use super::newton::Problem;
 use super::panels::{Ends, Node, Panel, Place, Special, distance};
-use super::potential::CORNERS;
 use super::rule::{integration, interpolation};
 use super::sources::{Field, Rules, Sources};
 use std::f64::consts::TAU;
@@ -39,7 +37,7 @@ pub(super) struct Trace {
 }
 
 impl Trace {
-    pub fn new(problem: &Problem, ends: &Ends, rules: &Rules) -> Self {
+    pub(super) fn new(problem: &Problem, ends: &Ends, rules: &Rules) -> Self {
         let panels = problem.panels(ends);
         let plain = Sources::plain(&problem.psi, ends, &panels, rules);
         let field = Field::new(ends, &panels, &plain, rules, |_| true);
@@ -84,19 +82,19 @@ impl Trace {
     }
 
     /// Whether its `i`-th point, counted around and around, is in contact.
-    pub fn in_contact(&self, i: usize) -> bool {
+    pub(super) fn in_contact(&self, i: usize) -> bool {
         self.panels[self.points[i % self.points.len()].panel].contact
     }
 
     /// The largest multiplier, and the size of v: in a short gap it is far smaller than inside.
-    pub fn largest(&self) -> [f64; 2] {
+    pub(super) fn largest(&self) -> [f64; 2] {
         let largest =
             |[l, v]: [f64; 2], p: &Point| [l.max(p.multiplier), v.max(p.value).max(p.psi.abs())];
         self.points.iter().fold([0.0; 2], largest)
     }
 
     /// The least multiplier in contact and the least v elsewhere, over the largest.
-    pub fn least(&self) -> [f64; 2] {
+    pub(super) fn least(&self) -> [f64; 2] {
         let mut least = [f64::INFINITY; 2];
         for p in &self.points {
             if !self.panels[p.panel].contact {
@@ -111,7 +109,7 @@ impl Trace {
 
     /// The harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
     /// are interpolated to parts that are no longer than their distance from `z`.
-    pub fn harmonic(&self, z: Complex, rules: &Rules) -> f64 {
+    pub(super) fn harmonic(&self, z: Complex, rules: &Rules) -> f64 {
         let image = to_disc(z);
         let n = rules.targets.len();
         let mut sum = 0.0;
@@ -157,7 +155,7 @@ impl Trace {
     }
 
     /// v in a corner.
-    pub fn corner_value(&self, corner: i32) -> f64 {
+    pub(super) fn corner_value(&self, corner: i32) -> f64 {
         let begins = |panel: &Panel| {
             panel.special[0] == Some(Special::Corner) && (panel.corner - corner).rem_euclid(4) == 0
         };

@@ -9,29 +9,30 @@ use std::time::SystemTime;
 use tempfile::TempDir;
 
 /// Both kinds of output: a table, and every figure.
-pub const EVERYTHING: &str = "[\"table\", \"source\", \"surface\", \"history\", \"contact\"]";
+pub(crate) const EVERYTHING: &str =
+    "[\"table\", \"source\", \"surface\", \"history\", \"contact\"]";
 
 /// Two cells, one table.
-pub const TABLE: &str =
+pub(crate) const TABLE: &str =
     "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4, 8]\nr = [10, 1]\noutputs = [\"table\"]\n";
 
 /// Published values for grids 1/4, 1/8 and r = 10, 1; the last count is one that nobody computes.
-pub const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\
+pub(crate) const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\
     delta_a = [1e-4, 1e-4]\ncount_share = 0.1\ncount_slack = 1000\ndelta_a_factor = 1e30\n";
 
 /// [`TABLE`] with other outputs.
-pub fn wanting(outputs: &str) -> String {
+pub(crate) fn wanting(outputs: &str) -> String {
     TABLE.replace("[\"table\"]", outputs)
 }
 
 /// A project folder with its cache inside.
-pub struct Project {
+pub(crate) struct Project {
     folder: TempDir,
 }
 
 /// What a command said and how it ended.
 #[derive(Debug)]
-pub struct Said {
+pub(crate) struct Said {
     /// Exit code; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Standard output.
@@ -53,14 +54,14 @@ impl From<Output> for Said {
 impl Said {
     /// The lines of a successful command.
     #[track_caller]
-    pub fn lines(&self) -> Vec<&str> {
+    pub(crate) fn lines(&self) -> Vec<&str> {
         assert_eq!(self.code, Some(0), "{self:?}");
         self.out.lines().collect()
     }
 
     /// The error of a command that refused with exit code 2: one line, after lines of progress at most.
     #[track_caller]
-    pub fn refusal(&self) -> &str {
+    pub(crate) fn refusal(&self) -> &str {
         assert_eq!(self.code, Some(2), "{self:?}");
         assert_eq!(self.out, "", "{self:?}");
         let mut others = self.err.lines().filter(|line| !line.contains(" to run"));
@@ -75,7 +76,7 @@ impl Said {
 
     /// Ids of the tasks that `run -v` says it ran.
     #[track_caller]
-    pub fn ran(&self) -> Vec<&str> {
+    pub(crate) fn ran(&self) -> Vec<&str> {
         assert_eq!(self.code, Some(0), "{self:?}");
         let mut ran: Vec<_> = self
             .err
@@ -88,14 +89,14 @@ impl Said {
 
     /// Standard output as JSON.
     #[track_caller]
-    pub fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {self:?}"))
     }
 }
 
 impl Project {
     /// A project with one scene, `a`.
-    pub fn with(scene: &str) -> Self {
+    pub(crate) fn with(scene: &str) -> Self {
         let project = Self { folder: tempfile::tempdir().expect("a temporary folder") };
         fs::create_dir_all(project.path("pipeline/scenes")).unwrap();
         fs::create_dir_all(project.path("report")).unwrap();
@@ -105,22 +106,22 @@ impl Project {
     }
 
     /// Writes a scene file.
-    pub fn scene(&self, name: &str, text: &str) {
+    pub(crate) fn scene(&self, name: &str, text: &str) {
         self.write(&format!("pipeline/scenes/{name}.toml"), text);
     }
 
     /// Writes a file of the project.
-    pub fn write(&self, path: &str, text: impl AsRef<[u8]>) {
+    pub(crate) fn write(&self, path: &str, text: impl AsRef<[u8]>) {
         fs::write(self.path(path), text).unwrap();
     }
 
     /// A path in the project.
-    pub fn path(&self, path: &str) -> PathBuf {
+    pub(crate) fn path(&self, path: &str) -> PathBuf {
         self.folder.path().join(path)
     }
 
     /// The binary, to be run in the project, without anything of the environment that changes its talk.
-    pub fn command(&self, args: &[&str]) -> Command {
+    pub(crate) fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
         command.args(args).current_dir(self.folder.path()).stdin(Stdio::null());
         for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"] {
@@ -130,12 +131,12 @@ impl Project {
     }
 
     /// Runs the binary to its end.
-    pub fn run(&self, args: &[&str]) -> Said {
+    pub(crate) fn run(&self, args: &[&str]) -> Said {
         self.command(args).output().expect("the binary starts").into()
     }
 
     /// Ids of the tasks that a run would run, now or after others.
-    pub fn stale(&self) -> Vec<String> {
+    pub(crate) fn stale(&self) -> Vec<String> {
         let status = self.run(&["status", "--json"]).json();
         let tasks = status["tasks"].as_object().expect("tasks by id");
         let stale = tasks.iter().filter(|(_, verdict)| verdict["state"] != "fresh");
@@ -143,7 +144,7 @@ impl Project {
     }
 
     /// All files under a folder of the project with their contents, by path from there.
-    pub fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
+    pub(crate) fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let mut files = BTreeMap::new();
         let root = self.path(folder);
         walk(&root, &mut |path| {
@@ -154,7 +155,7 @@ impl Project {
     }
 
     /// When each file under the project was last written.
-    pub fn times(&self) -> BTreeMap<PathBuf, SystemTime> {
+    pub(crate) fn times(&self) -> BTreeMap<PathBuf, SystemTime> {
         let mut times = BTreeMap::new();
         walk(self.folder.path(), &mut |path| {
             times.insert(path.into(), fs::metadata(path).unwrap().modified().unwrap());
@@ -163,7 +164,7 @@ impl Project {
     }
 
     /// What a run makes, as far as it must be reproducible: objects, manifests, figures, lock file.
-    pub fn made(&self) -> BTreeMap<String, Vec<u8>> {
+    pub(crate) fn made(&self) -> BTreeMap<String, Vec<u8>> {
         let mut made = BTreeMap::new();
         let of_engines = |name: &str| name.starts_with("locks/") || name.starts_with("stamps/");
         for folder in ["figures", ".signorini/v1"] {
@@ -176,7 +177,7 @@ impl Project {
 }
 
 /// Says that something cannot be tested here, past libtest's capture; in CI that is a failure.
-pub fn skip(why: &str) {
+pub(crate) fn skip(why: &str) {
     use std::io::Write;
     let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
     assert!(!ci, "skipped in CI: {why}");
@@ -191,7 +192,7 @@ pub fn absent(why: &str) {
 }
 
 /// Waits until a process has its handler for Ctrl-C, so that the signal finds it ready.
-pub fn wait_for_handler(child: &Child) {
+pub(crate) fn wait_for_handler(child: &Child) {
     // Signals caught, as a mask; SIGINT is number 2.
     let caught = || {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
@@ -204,7 +205,7 @@ pub fn wait_for_handler(child: &Child) {
 }
 
 /// Copies a folder of this project without what a run writes below `report`.
-pub fn copy(from: &Path, to: &Path) {
+pub(crate) fn copy(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for entry in fs::read_dir(from).unwrap() {
         let path = entry.unwrap().path();
@@ -220,7 +221,7 @@ pub fn copy(from: &Path, to: &Path) {
 
 /// How many of this fault the book says that the tests make; the fault is the first cell of its row.
 #[track_caller]
-pub fn promised(fault: &str) -> usize {
+pub(crate) fn promised(fault: &str) -> usize {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates/reliability.md.tera");
     let page = fs::read_to_string(page).unwrap();
     let row = page.lines().find_map(|line| line.strip_prefix(&format!("| {fault} | ")));
@@ -241,7 +242,7 @@ fn walk(folder: &Path, visit: &mut dyn FnMut(&Path)) {
 
 /// Compares two sets of files and names those that differ.
 #[track_caller]
-pub fn assert_same(ours: &BTreeMap<String, Vec<u8>>, theirs: &BTreeMap<String, Vec<u8>>) {
+pub(crate) fn assert_same(ours: &BTreeMap<String, Vec<u8>>, theirs: &BTreeMap<String, Vec<u8>>) {
     let names: std::collections::BTreeSet<_> = ours.keys().chain(theirs.keys()).collect();
     let differ: Vec<_> =
         names.into_iter().filter(|name| ours.get(*name) != theirs.get(*name)).collect();
@@ -249,11 +250,11 @@ pub fn assert_same(ours: &BTreeMap<String, Vec<u8>>, theirs: &BTreeMap<String, V
 }
 
 /// Deterministic numbers that look random: xorshift64*.
-pub struct Dice(pub u64);
+pub(crate) struct Dice(pub u64);
 
 impl Dice {
     /// A number below `bound`.
-    pub fn below(&mut self, bound: u64) -> u64 {
+    pub(crate) fn below(&mut self, bound: u64) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;

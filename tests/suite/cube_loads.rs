@@ -1,29 +1,25 @@
 //! Loads on the cube.
 
 use signorini::discrete::cube::{Grid, load};
+use signorini::experiments::problems::with_deficit;
 use signorini::problem::cube::Exact;
 
-/// Nodal load of `f`, less the constant that makes its sum `-deficit` times the sum of absolute values;
-/// without `deficit` as it is.
-pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
+/// Nodal load of `f` with this deficit; without one as it is.
+pub(crate) fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
     let grid = Grid::new(n).expect("fine enough");
-    let mut values = load(grid, f);
-    if let Some(deficit) = deficit {
-        let sum: f64 = values.iter().sum();
-        let size: f64 = values.iter().map(|entry| entry.abs()).sum();
-        let one = load(grid, |_| sum + deficit * size);
-        values.iter_mut().zip(one).for_each(|(entry, constant)| *entry -= constant);
+    match deficit {
+        Some(deficit) => with_deficit(load(grid, f), &load(grid, |_| 1.0), deficit),
+        None => load(grid, f),
     }
-    values
 }
 
-pub fn exact_load(problem: Exact, n: usize) -> Vec<f64> {
+pub(crate) fn exact_load(problem: Exact, n: usize) -> Vec<f64> {
     nodal_load(n, None, |point| problem.at(point).f)
 }
 
 /// Contact all over, on one face, on a disc, around a free ball, and at ever fewer nodes: on faces, edges
 /// and corners, at last at one corner.
-pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+pub(crate) fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     use std::f64::consts::TAU;
     let waves = |[x, y, z]: [f64; 3]| {
         (TAU * x).sin() + 0.7 * (3.0 * y + 1.0).cos() + 0.6 * (4.0 * z - 0.5).sin()

@@ -175,7 +175,7 @@ fn the_graph_is_what_dag_prints() {
 }
 
 /// The project's book, built once from a copy of the project with a cache of its own.
-pub fn book() -> &'static Path {
+pub(crate) fn book() -> &'static Path {
     static BOOK: OnceLock<PathBuf> = OnceLock::new();
     BOOK.get_or_init(|| {
         let said = signorini(&["run", "--only", "report"]);

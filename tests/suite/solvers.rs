@@ -1,7 +1,7 @@
 //! What every solver must stand, on the square and on the cube.
 
 /// Zero, far too high, far too low, noise, and the solution itself.
-pub fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
+pub(crate) fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
     let noise = |k: usize| (k as f64 * 12.9898).sin() * 43758.5453 % 1.0;
     [
         vec![0.0; solution.len()],
@@ -13,7 +13,7 @@ pub fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
 }
 
 /// Fails if the result depends on the number of threads, in any bit.
-pub fn assert_threads_do_not_matter(solve: impl Fn() -> Vec<f64> + Sync) {
+pub(crate) fn assert_threads_do_not_matter(solve: impl Fn() -> Vec<f64> + Sync) {
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
         pool.install(&solve)

@@ -71,7 +71,7 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    pub fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
+    pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let Solved { levels, pair, work_units } = solved;
         let n = problem.finest();
         let (_, _, flux) = problem.domain.judge(n, &pair.y, load);
@@ -193,7 +193,7 @@ impl Answer {
         }
     }
 
-    pub fn json(&self, problem: &Problem) -> Value {
+    pub(super) fn json(&self, problem: &Problem) -> Value {
         let last = self.last();
         let (n, kkt) = (problem.finest(), last.kkt);
         let per_grid = |of: fn(&Level) -> Option<usize>| -> Vec<usize> {
@@ -243,7 +243,7 @@ impl Answer {
         json
     }
 
-    pub fn text(&self, problem: &Problem) -> String {
+    pub(super) fn text(&self, problem: &Problem) -> String {
         let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
         let (f, integral) = (problem.domain.f(), problem.domain.integral());
         let mut text = match integral.abs() {

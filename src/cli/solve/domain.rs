@@ -35,7 +35,7 @@ pub(super) struct Errors {
 }
 
 impl Domain {
-    pub fn default_solver(&self) -> Solver {
+    pub(super) fn default_solver(&self) -> Solver {
         match self {
             Self::Square { .. } => Solver::ArrowHurwicz,
             Self::Cube { .. } => Solver::Multigrid,
@@ -43,7 +43,7 @@ impl Domain {
     }
 
     /// Refuses a solver that the domain does not have, or that would take too much memory.
-    pub fn check_solver(&self, solver: Solver, finest: usize) -> Result<()> {
+    pub(super) fn check_solver(&self, solver: Solver, finest: usize) -> Result<()> {
         // Finest grids on which a nodal vector or two, or a Cholesky factor, fit comfortably in memory.
         let most = match (self, solver) {
             (Self::Square { .. }, Solver::ActiveSet) => 1024,
@@ -80,14 +80,14 @@ impl Domain {
         )))
     }
 
-    pub fn dimension(&self) -> u8 {
+    pub(super) fn dimension(&self) -> u8 {
         match self {
             Self::Square { .. } => 2,
             Self::Cube { .. } => 3,
         }
     }
 
-    pub fn f(&self) -> String {
+    pub(super) fn f(&self) -> String {
         match self {
             Self::Square { f, .. } => f.to_string(),
             Self::Cube { f, .. } => f.to_string(),
@@ -95,7 +95,7 @@ impl Domain {
     }
 
     /// The integral of f.
-    pub fn integral(&self) -> f64 {
+    pub(super) fn integral(&self) -> f64 {
         match *self {
             Self::Square { integral, .. } | Self::Cube { integral, .. } => integral,
         }
@@ -103,7 +103,7 @@ impl Domain {
 
     /// By how much the sum of a load vector may miss the integral of f, which no part of f that a grid
     /// resolves explains: h^2 times the integral of |f|. Not for smooth f, where quadrature has its own error.
-    pub fn load_slack(&self, n: usize) -> Option<f64> {
+    pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
         let of_size = match self {
             Self::Square { f, .. } if f.exact().is_none() => load::integral(&f.absolute()),
             Self::Cube { f, .. } if f.exact().is_none() => cube::integral(&f.absolute()),
@@ -113,7 +113,7 @@ impl Domain {
     }
 
     /// The option that gives f, as errors name it.
-    pub fn option(&self) -> &'static str {
+    pub(super) fn option(&self) -> &'static str {
         match self {
             Self::Square { .. } => "--f",
             Self::Cube { .. } => "--cube",
@@ -121,7 +121,7 @@ impl Domain {
     }
 
     /// Load vector on the grid with `n` cells per side.
-    pub fn load(&self, n: usize) -> Vec<f64> {
+    pub(super) fn load(&self, n: usize) -> Vec<f64> {
         match self {
             Self::Square { f, rule, .. } => load(square(n), f, *rule),
             Self::Cube { f, .. } => cube::exact_load(cube(n), f),
@@ -129,7 +129,7 @@ impl Domain {
     }
 
     /// Energy, violation of the KKT conditions, and `A y - F`.
-    pub fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> (f64, Kkt, Vec<f64>) {
+    pub(super) fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> (f64, Kkt, Vec<f64>) {
         match self {
             Self::Square { .. } => {
                 let mut flux = vec![0.0; y.len()];
@@ -144,7 +144,7 @@ impl Domain {
     }
 
     /// Positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
-    pub fn boundary(&self, n: usize) -> Vec<usize> {
+    pub(super) fn boundary(&self, n: usize) -> Vec<usize> {
         match self {
             Self::Square { .. } => square(n).boundary().collect(),
             Self::Cube { .. } => {
@@ -156,7 +156,7 @@ impl Domain {
     }
 
     /// Errors, if the solution is known.
-    pub fn errors(&self, n: usize, y: &[f64], load: &[f64]) -> Option<Errors> {
+    pub(super) fn errors(&self, n: usize, y: &[f64], load: &[f64]) -> Option<Errors> {
         match self {
             Self::Square { f, .. } => {
                 let e = errors(square(n), f.exact()?, y, load);
@@ -175,7 +175,7 @@ impl Domain {
     }
 
     /// Guaranteed bounds, or why there are none.
-    pub fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Bounds, String> {
+    pub(super) fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Bounds, String> {
         match self {
             Self::Square { f, .. } => bounds(square(n), f, y).map_err(|reason| reason.to_string()),
             Self::Cube { .. } => Err("bounds are made for the square only".into()),
@@ -186,7 +186,7 @@ impl Domain {
     ///
     /// # Errors
     /// [`Error::Input`] if there is none, or it cannot be drawn.
-    pub fn recovered_file(
+    pub(super) fn recovered_file(
         &self,
         format: Format,
         n: usize,
@@ -205,7 +205,13 @@ impl Domain {
     ///
     /// # Errors
     /// [`Error::Input`] if the solution cannot be drawn.
-    pub fn file(&self, format: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
+    pub(super) fn file(
+        &self,
+        format: Format,
+        n: usize,
+        pair: &Pair,
+        name: &str,
+    ) -> Result<Vec<u8>> {
         match self {
             Self::Square { .. } => format.square(square(n), pair, name),
             Self::Cube { .. } => format.cube(cube(n), &pair.y, name),

@@ -41,7 +41,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error::Input`] with what is wrong with them.
-    pub fn read(args: &SolveArgs) -> Result<Self> {
+    pub(super) fn read(args: &SolveArgs) -> Result<Self> {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
@@ -115,16 +115,16 @@ impl Problem {
     }
 
     /// Cells per side of the finest grid.
-    pub fn finest(&self) -> usize {
+    pub(super) fn finest(&self) -> usize {
         self.grids[self.grids.len() - 1]
     }
 
-    pub fn name(&self) -> &str {
+    pub(super) fn name(&self) -> &str {
         self.scene.as_deref().unwrap_or("custom")
     }
 
     /// What the answer depends on besides f, the solver and the grids, by name.
-    pub fn settings(&self) -> Vec<(&'static str, Value)> {
+    pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
         if let Domain::Square { rule, .. } = &self.domain {
             settings.push(("load", rule_name(rule).into()));

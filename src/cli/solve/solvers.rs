@@ -17,7 +17,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error::Input`] if the solver refuses the load; [`Error::Stage`] if it diverges.
-    pub fn solve(&self) -> Result<Answer> {
+    pub(super) fn solve(&self) -> Result<Answer> {
         let start = Instant::now();
         let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };
         let loads: Vec<_> = grids.iter().map(|&n| self.domain.load(n)).collect();

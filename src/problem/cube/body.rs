@@ -8,6 +8,7 @@ use std::ops::Range;
 
 /// A closed convex body.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "fields are the arguments of the notation")]
 pub enum Body {
     /// `box(x0,x1,y0,y1,z0,z1)`.
     Box([[f64; 2]; 3]),

@@ -19,9 +19,7 @@ fn inverse_diagonal(n: usize, set: &[bool], cells: usize) -> Vec<f64> {
 #[test]
 fn the_finest_grid_sees_its_own_contact_set() {
     let n = 16;
-    for (first, last) in
-        [(3, 3), (3, 4), (5, 14), (0, 0), (15, 17), (16, 16), (60, 70), (14, 35)]
-    {
+    for (first, last) in [(3, 3), (3, 4), (5, 14), (0, 0), (15, 17), (16, 16), (60, 70), (14, 35)] {
         let inverse = inverse_diagonal(n, &set(n, first..=last), n);
         for (p, inverse) in inverse.into_iter().enumerate() {
             let inside = (first..=last).any(|q| q % (4 * n) == p);
@@ -149,9 +147,8 @@ fn ends_and_springs_are_those_of_the_lattice() {
                 std::iter::successors(Some((0, 1.0)), move |&term| Some(next(term)))
             };
             let slow: Vec<_> = series(1.5, 1.0).map(|term| term.1).take(count).collect();
-            let product = |k: usize| -> f64 {
-                series(0.5, rho).take(60).map(|(m, c)| c * slow[k - m]).sum()
-            };
+            let product =
+                |k: usize| -> f64 { series(0.5, rho).take(60).map(|(m, c)| c * slow[k - m]).sum() };
             let u = (1.0 - t) * product(count - 1) + t * product(count - 2);
             let growth = 2.0 / PI.sqrt() / (1.0 - rho).sqrt();
             count as f64 - (u / growth).powi(2)
