@@ -133,7 +133,7 @@ impl Workplace {
     }
 
     /// Runs single tasks beside other processes; only the cache is written.
-    pub fn work(&self, asked: &[String], progress: &Progress) -> Result<Summary> {
+    pub(super) fn work(&self, asked: &[String], progress: &Progress) -> Result<Summary> {
         self.project.check_timings()?;
         let plan = self.tasks(&[], None)?;
         if let Some(id) = asked.iter().find(|id| plan.task(id).is_none()) {
