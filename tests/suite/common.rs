@@ -186,7 +186,7 @@ pub(crate) fn skip(why: &str) {
 
 /// Says that a program of others, without which this one is whole, is not there to be tested with; no
 /// failure anywhere.
-pub fn absent(why: &str) {
+pub(crate) fn absent(why: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "NOT RUN: {why}");
 }
