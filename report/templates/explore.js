@@ -17,6 +17,7 @@
   let target; // what it runs to: "play", "grid", "end", or nothing
   let owed = 0; // iterations that playing is behind, with their fraction
   let before = 0; // time of the last picture
+  let spent = 0; // milliseconds of iterating since the start
   let azimuth = 0; // degrees by which the viewer has walked around the surface
 
   // ---- What is asked ----------------------------------------------------------------------------
@@ -24,7 +25,8 @@
   function asked() {
     const own = form.problem.value === "own";
     const of = data.problems.find((problem) => String(problem.number) === form.problem.value);
-    const problem = own ? { ...data.problems[0], number: 0, f: form.f.value, table: [] } : of;
+    const custom = { number: 0, f: form.f.value, table: [], truth: undefined };
+    const problem = own ? { ...data.problems[0], ...custom } : of;
     const grids = data.grids.filter((n) => n <= Number(form.finest.value));
     const r = Number(form.r.value);
     if (!(r >= 1e-3 && r <= 1e9)) throw new Error("r must be a number from 0.001 to 1000000000");
@@ -38,6 +40,7 @@
       button.setAttribute("aria-pressed", Number(button.dataset.r) === Number(form.r.value));
     }
     target = undefined;
+    spent = 0;
     try {
       run = asked();
     } catch (error) {
@@ -47,7 +50,15 @@
     for (const part of root.querySelectorAll("[data-do], .explore-shown")) {
       part.toggleAttribute("inert", !run);
     }
+    form.truth.disabled = !run || !run.problem.truth;
     return Boolean(run);
+  }
+
+  // Iterates while `more` says so; the time goes on the clock.
+  function iterate(more) {
+    const began = performance.now();
+    do run.step(); while (more());
+    spent += performance.now() - began;
   }
 
   // A changed problem is shown solved, from its best side; playing starts it over.
@@ -64,7 +75,7 @@
     step() {
       pause();
       if (run.done) restart();
-      run.step();
+      iterate(() => false);
       show();
     },
     grid() {
@@ -98,15 +109,17 @@
     const playing = target === "play" && !calm.matches;
     if (playing) owed += (Math.max(now - before, 0) / 1000) * 2 ** Number(form.speed.value);
     before = now;
-    do {
-      if (playing && owed < 1) break;
-      owed -= 1;
-      run.step();
-      // Without motion, playing goes from grid to grid.
-      if (run.level.stop && (target === "grid" || (target === "play" && calm.matches))) {
-        target = undefined;
-      }
-    } while (target && !run.done && performance.now() < until);
+    if (!playing || owed >= 1) {
+      iterate(() => {
+        owed -= 1;
+        // Without motion, playing goes from grid to grid.
+        if (run.level.stop && (target === "grid" || (target === "play" && calm.matches))) {
+          target = undefined;
+        }
+        const due = !playing || owed >= 1;
+        return target && due && !run.done && performance.now() < until;
+      });
+    }
     owed = Math.min(owed, 1);
     if (run.done) {
       if (target === "end") azimuth = uphill();
@@ -169,6 +182,7 @@
     for (const key of ["signed", "absolute", "delta", "tolerance"]) {
       find(`[data-value="${key}"]`).textContent = sci(level[key]);
     }
+    find('[data-value="spent"]').textContent = `${spent.toFixed(spent < 10 ? 1 : 0)} ms`;
     find(".explore-status").textContent = status(row);
     find('[data-do="play"]').textContent = target === "play" ? "Pause" : "Play";
   }
@@ -252,7 +266,8 @@
     const right = [cosA, sinA, 0], up = [-sinA * sinE, cosA * sinE, cosE];
     const toward = [sinA * cosE, -cosA * cosE, sinE];
     const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    const [low, high] = span(run.y), floor = low - 0.12 * (high - low);
+    const truth = form.truth.checked ? run.problem.truth : undefined;
+    const [low, high] = span(truth ? [...run.y, ...truth.v] : run.y), floor = low - 0.12 * (high - low);
     const unit = Math.min(width / 1.66, height / 1.44);
     const point = (x, y, v) => [x, y, 0.66 * ((v - floor) / (high - floor) - 0.5)];
     const place = (p) => [0.53 * width + unit * dot(p, right), 0.52 * height - unit * dot(p, up)];
@@ -324,6 +339,15 @@
       }
     }
     near.forEach(([from, to]) => mark(from, to));
+    // The true solution as a net over it: every fourth line.
+    const m = truth ? truth.cells : -1;
+    const knot = (i, j) => point(i / m - 0.5, j / m - 0.5, truth.v[j * (m + 1) + i]);
+    for (let k = 0; k <= m; k += 4) {
+      const along = Array.from({ length: m + 1 }, (_, i) => i);
+      for (const points of [along.map((i) => knot(i, k)), along.map((j) => knot(k, j))]) {
+        stroke(points, style.getPropertyValue("--explore-second"), 1.5);
+      }
+    }
     for (const [name, x, y] of [["x", 0, -fy], ["y", -fx, 0]]) {
       const [px, py] = place(point(x * 1.2, y * 1.2, floor));
       [pen.fillStyle, pen.textAlign, pen.font] = [ink, "center", `italic ${style.font}`];
@@ -439,7 +463,8 @@
 
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("change", (event) => {
-    if (event.target !== form.speed) changed();
+    if (event.target === form.truth) show();
+    else if (event.target !== form.speed) changed();
   });
   root.addEventListener("click", (event) => {
     const { do: what, r } = event.target.dataset || {};
@@ -471,7 +496,8 @@
 
   // A link may say what to show: explore.html#problem=2&r=1&rule=printed&finest=32
   for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
-    if (form.elements[name]) form.elements[name].value = value;
+    if (name === "truth") form.truth.checked = value === "1";
+    else if (form.elements[name]) form.elements[name].value = value;
   }
   root.hidden = false;
   changed();

@@ -4,7 +4,7 @@ use super::current_folder;
 use super::output::{OutputFile, say, say_json, talk};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
-use crate::timing::measure::{Plan, SOLVERS, measure};
+use crate::timing::measure::{Plan, SOLVERS, SPECTRAL, measure};
 use crate::timing::recorded::{self, Timings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -26,11 +26,16 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
     /// Only these solvers [default: all]
-    #[arg(long, value_parser = PossibleValuesParser::new(SOLVERS))]
+    #[arg(long, value_parser = PossibleValuesParser::new(all()))]
     solver: Vec<String>,
     /// Cells per side of the finest grid, a power of two [default: 4096, with --quick 128]
     #[arg(long, value_name = "N")]
     finest: Option<usize>,
+}
+
+/// Every solver by its name.
+fn all() -> impl Iterator<Item = &'static str> {
+    SOLVERS.into_iter().chain([SPECTRAL])
 }
 
 /// Finest grid of a run: 2 GB for the load vector and multigrid.
@@ -48,7 +53,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
         )));
     }
     let wanted = |name: &&str| args.solver.is_empty() || args.solver.iter().any(|s| s == name);
-    let solvers = SOLVERS.into_iter().filter(wanted);
+    let solvers = all().filter(wanted);
     let plan = Plan { repeats, quick: args.quick, solvers: solvers.collect(), finest };
     let record = if args.record { Some(Record::open()?) } else { None };
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
@@ -148,6 +153,20 @@ fn text(timings: &Timings) -> String {
             line.error,
             line.discretisation,
             line.kkt,
+            line.seconds,
+            100.0 * line.spread
+        );
+    }
+    if !timings.spectral.is_empty() {
+        text += "\nspectral: error of the energy against a finer resolution, relative\n";
+    }
+    for line in &timings.spectral {
+        text += &format!(
+            "{:<13} {:>2} nodes, {:>2} levels {:>9.1e} {:>11.6} {:>5.0}%\n",
+            line.problem,
+            line.nodes,
+            line.levels,
+            line.error,
             line.seconds,
             100.0 * line.spread
         );

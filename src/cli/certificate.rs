@@ -345,7 +345,7 @@ fn reservations(project: &Project) -> Vec<&'static str> {
     told
 }
 
-/// Both tables and all figures, with what each shows.
+/// Both tables and all figures with their data, and what each shows.
 fn files(
     workplace: &Workplace,
     summary: &Summary,
@@ -367,7 +367,11 @@ fn files(
     for path in summary.exports.keys().filter(|path| path.starts_with("figures/")) {
         let on_disk = workplace.project.root.join(path);
         let bytes = fs::read(&on_disk).context("read", &on_disk)?;
-        files.push(File::new(path, title(&bytes), bytes));
+        let comment = match path.strip_suffix(".csv") {
+            Some(picture) => format!("what {picture}.svg shows, as a table"),
+            None => title(&bytes),
+        };
+        files.push(File::new(path, comment, bytes));
     }
     Ok(files)
 }

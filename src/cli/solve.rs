@@ -58,7 +58,8 @@ pub(super) struct SolveArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write the solution: .vti for ParaView, .npy for NumPy, .svg for a picture; or vtk, npy, svg alone
+    /// Write the solution: .vti for ParaView, .npz (v, multiplier, f) or .npy (v) for NumPy, .svg for a
+    /// picture; or vtk, npz, npy, svg alone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write the recovered solution, piecewise quadratic, on half the width

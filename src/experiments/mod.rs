@@ -10,8 +10,10 @@ pub mod problems;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;
+pub mod strips;
 pub mod targets;
 pub mod trial;
+pub mod truth;
 pub mod work;
 
 use serde::{Deserialize, Serialize};

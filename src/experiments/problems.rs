@@ -6,6 +6,10 @@ use crate::discrete::transfer::Prolongation;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+/// The paper's problems by name, with f as recovered.
+pub const PAPER: [(&str, &str); 2] =
+    [("problem 1", "quadrant(ll)=3; else=-1.002"), ("problem 2", "quadrant(ll)=-6; else=1.998")];
+
 /// One of the paper's problems, on the grids and with the parameters of its table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Problem {
@@ -96,8 +100,9 @@ pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
 pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     let grid = Grid::new(n).expect("fine enough");
     let on_grid = |text: &str, rule| load(grid, &text.parse().expect("a valid f"), rule);
+    let [first, second] = PAPER;
     vec![
-        ("problem 1", on_grid("quadrant(ll)=3; else=-1.002", LoadRule::LumpedAverage)),
-        ("problem 2", on_grid("quadrant(ll)=-6; else=1.998", LoadRule::default())),
+        (first.0, on_grid(first.1, LoadRule::LumpedAverage)),
+        (second.0, on_grid(second.1, LoadRule::default())),
     ]
 }

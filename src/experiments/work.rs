@@ -4,8 +4,9 @@ use super::exponent;
 use super::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::lumped;
+use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
@@ -129,28 +130,55 @@ pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
 pub(crate) struct OnGrid {
     pub(crate) grid: Grid,
     pub(crate) load: Vec<f64>,
-    /// The solution at the nodes.
-    exact: Vec<f64>,
+    known: Known,
     /// Error of the discrete solution.
     pub(crate) discretisation: f64,
+}
+
+/// What is known of a solution.
+enum Known {
+    /// Its values at the nodes.
+    Nodes(Vec<f64>),
+    /// Its energy.
+    Energy(f64),
 }
 
 impl OnGrid {
     pub(crate) fn new(exact: Exact, grid: Grid) -> Result<Self, String> {
         let load = load(grid, &Source::Exact(exact), LoadRule::default());
-        let (n, side) = (grid.cells(), grid.side());
+        let side = grid.side();
         let at = |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
         let values = (0..grid.nodes()).map(at).collect();
-        let mut level = Self { grid, load, exact: values, discretisation: 0.0 };
-        let solved = multigrid(n, &level.load, None, &MultigridParams::default(), |_| ());
-        level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
-        Ok(level)
+        Self { grid, load, known: Known::Nodes(values), discretisation: 0.0 }.solved()
     }
 
-    /// The error of `y` in the discrete L2 norm.
+    /// A problem whose true `energy` is known; f is integrated exactly, so that energies can be compared.
+    pub(crate) fn of_energy(f: &Source, energy: f64, grid: Grid) -> Result<Self, String> {
+        let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
+        Self { grid, load, known: Known::Energy(energy), discretisation: 0.0 }.solved()
+    }
+
+    fn solved(mut self) -> Result<Self, String> {
+        let params = MultigridParams::default();
+        let solved = multigrid(self.grid.cells(), &self.load, None, &params, |_| ());
+        self.discretisation = self.error(&solved.map_err(|e| e.to_string())?.0);
+        Ok(self)
+    }
+
+    /// The error of `y` in the discrete L2 norm; or, where the energy alone is known, what the energy is too
+    /// large by, relative to it, with values that are negative on the boundary set to zero.
     pub(crate) fn error(&self, y: &[f64]) -> f64 {
-        let wrong: Vec<f64> = y.iter().zip(&self.exact).map(|(a, b)| a - b).collect();
-        lumped(self.grid, &wrong)
+        match &self.known {
+            Known::Nodes(exact) => {
+                let wrong: Vec<f64> = y.iter().zip(exact).map(|(a, b)| a - b).collect();
+                lumped(self.grid, &wrong)
+            }
+            Known::Energy(least) => {
+                let mut admissible = y.to_vec();
+                self.grid.boundary().for_each(|node| admissible[node] = y[node].max(0.0));
+                (energy(self.grid, &admissible, &self.load) - least) / least.abs()
+            }
+        }
     }
 
     fn is_reached(&self, error: f64) -> bool {

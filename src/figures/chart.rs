@@ -3,8 +3,9 @@
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend};
 use super::palette::{MUTED, RULE, series, solver};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::table::of_charts;
 use super::text::power_of_ten;
-use super::{Caption, Chart, Curve, FigureError, Stroke, finite, not_empty};
+use super::{Caption, Chart, Curve, Drawing, FigureError, Stroke, finite, not_empty};
 
 /// Width of the picture in display pixels.
 const WIDTH: f64 = 800.0;
@@ -28,7 +29,7 @@ pub fn charts(
     columns: usize,
     alike: bool,
     panels: &[Chart],
-) -> Result<String, FigureError> {
+) -> Result<Drawing, FigureError> {
     let mut labels: Vec<&str> = Vec::new();
     for panel in not_empty("panels", panels)? {
         for curve in &panel.curves {
@@ -62,7 +63,7 @@ pub fn charts(
         };
         draw(&mut picture, panel, &frame, &entries)?;
     }
-    Ok(picture.finish(caption))
+    Ok(Drawing { svg: picture.finish(caption), table: Some(of_charts(panels)) })
 }
 
 /// A colour for each label: that of its solver, or one that no solver here has. A solver that occurs
@@ -113,8 +114,10 @@ fn draw(
         }
         line(pen, false);
         for (curve, entry) in measured.iter().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
+            // A point that no line leads to must be seen.
+            let radius = if curve.points.len() > 1 { 3.5 } else { 6.0 };
             for at in places(frame, curve) {
-                pen.ring(at, 3.5, entry.color);
+                pen.ring(at, radius, entry.color);
             }
         }
         frame.outline(pen);

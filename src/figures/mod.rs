@@ -15,7 +15,9 @@ mod palette;
 mod panels;
 mod picture;
 mod regions;
+mod strips;
 mod surface;
+pub mod table;
 mod text;
 
 pub use camera::View;
@@ -25,6 +27,7 @@ pub use fragility::fragility;
 pub use history::histories;
 pub use identifiability::identifiability;
 pub use maps::maps_of_f;
+pub use strips::strips;
 pub use surface::surfaces;
 
 use crate::discrete::grid::Grid;
@@ -39,6 +42,21 @@ pub struct Caption<'a> {
     pub title: &'a str,
     /// How it was made: command, inputs, hashes.
     pub description: &'a str,
+}
+
+/// A picture, and what it shows as a table where that is more than the data it is drawn from.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// The picture.
+    pub svg: String,
+    /// CSV with a header line.
+    pub table: Option<String>,
+}
+
+impl From<String> for Drawing {
+    fn from(svg: String) -> Self {
+        Self { svg, table: None }
+    }
 }
 
 /// One panel of [`maps_of_f`].
@@ -122,6 +140,20 @@ pub struct FragilityPanel {
     pub rows: Vec<String>,
     /// Row by row, each count with the least disturbance that changes it.
     pub cells: Vec<Vec<(usize, Option<f64>)>>,
+}
+
+/// One panel of [`strips`].
+#[derive(Clone, Debug)]
+pub struct StripsPanel<'a> {
+    /// Text above the panel.
+    pub title: &'a str,
+    /// Cells per side of the grid.
+    pub cells: usize,
+    /// Name of each run, and after each of its iterations the runs of boundary nodes in contact: first,
+    /// and one past the last, anticlockwise from the lower left corner.
+    pub strips: Vec<(String, Vec<Vec<[usize; 2]>>)>,
+    /// The arcs in contact in the true solution: from and to along the boundary, in lengths of a side.
+    pub truth: &'a [[f64; 2]],
 }
 
 /// One panel of [`charts`], with logarithmic axes.

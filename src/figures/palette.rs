@@ -36,13 +36,14 @@ pub(super) const DARK: [(u32, u32); 13] = [
 
 /// The colour that a solver has in every picture, as a place in [`series`], by how its name begins.
 pub(super) fn solver(label: &str) -> Option<usize> {
-    const SOLVERS: [(&str, usize); 6] = [
+    const SOLVERS: [(&str, usize); 7] = [
         ("multigrid", 0),
         ("Arrow-Hurwicz", 1),
         ("Uzawa", 2),
         ("proximal", 3),
         ("active set", 6),
         ("best of", 4),
+        ("spectral", 5),
     ];
     SOLVERS.iter().find(|(name, _)| label.starts_with(name)).map(|(_, place)| *place)
 }

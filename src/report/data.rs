@@ -30,6 +30,8 @@ pub struct Report {
     pub timings: Option<Timings>,
     /// The figures of the chapters.
     pub figures: Figures,
+    /// The solutions to take away.
+    pub solutions: Vec<SolutionFile>,
     /// All results in one table.
     #[serde(skip)]
     pub results: Results,
@@ -210,10 +212,23 @@ pub struct Figures {
 pub struct Figure {
     /// File name in the book's folder `figures`.
     pub file: String,
+    /// Its data, by the path in the book.
+    pub data: String,
     /// The command that draws it.
     pub command: String,
     /// First twelve hexadecimal digits of the blake3 hash of the file.
     pub hash: String,
+}
+
+/// A solution in the book's folder `data`, as .npz and as .vti.
+#[derive(Clone, Debug, Serialize)]
+pub struct SolutionFile {
+    /// Its name, without ending.
+    pub name: String,
+    /// Title of the scene, and which state of it.
+    pub what: String,
+    /// Cells per side of its grid.
+    pub cells: usize,
 }
 
 /// Where the book's numbers come from.

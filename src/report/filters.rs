@@ -26,6 +26,11 @@ pub(super) fn register(tera: &mut Tera) {
     });
     // For the scripts of a page: text, lists and numbers as JSON; a number as JavaScript writes it.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
+    // Numbers of a picture, to four decimals.
+    tera.register_filter("decimals", |values: Vec<f64>, _: Kwargs, _: &State| {
+        let texts: Vec<String> = values.iter().map(|v| plain((1e4 * v).round() / 1e4)).collect();
+        format!("[{}]", texts.join(","))
+    });
     tera.register_filter("plain", |x: f64, _: Kwargs, _: &State| x.to_string());
     tera.register_function("require", require);
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));

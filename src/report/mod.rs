@@ -4,18 +4,22 @@ mod build;
 mod cost;
 mod data;
 mod facts;
+mod fields;
 mod filters;
 mod mathml;
 mod pages;
 pub mod results;
 mod search;
+mod tables;
 
 pub use build::build;
 pub use data::{
     Artifact, Column, CommandHelp, Compared, Figure, Figures, Level, Miss, Piece, Problem,
-    Provenance, Report, Row, Scene, Shape, Version,
+    Provenance, Report, Row, Scene, Shape, SolutionFile, Version,
 };
+pub use fields::Fields;
 pub use pages::{context, pages, stubs};
+pub use tables::with_data;
 
 use std::path::PathBuf;
 

@@ -83,6 +83,7 @@ use complex::Complex;
 use energy::Energies;
 use newton::Problem;
 use panels::{Ends, Panel, Place};
+use rayon::prelude::*;
 use sources::Rules;
 use trace::Trace;
 
@@ -187,6 +188,8 @@ pub struct BorderPoint {
     pub value: f64,
     /// dv/dn.
     pub multiplier: f64,
+    /// Quadrature weight with respect to the length of the border.
+    pub weight: f64,
 }
 
 /// Solves the problem for a piecewise constant f.
@@ -278,7 +281,8 @@ impl Solution {
     pub fn border(&self) -> impl Iterator<Item = BorderPoint> {
         self.trace.points.iter().map(|p| {
             let Complex { re, im } = p.place.point();
-            BorderPoint { point: [re, im], value: p.value, multiplier: p.multiplier }
+            let trace::Point { value, multiplier, weight, .. } = *p;
+            BorderPoint { point: [re, im], value, multiplier, weight }
         })
     }
 
@@ -291,6 +295,26 @@ impl Solution {
     pub fn value(&self, x: f64, y: f64) -> f64 {
         let z = Complex::new(x, y);
         self.problem.psi.value_and_gradient(z).0 + self.trace.harmonic(z, &self.rules)
+    }
+
+    /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.
+    ///
+    /// On the border it is taken a little inside, so that the error is about 1e-7 there.
+    pub fn at_nodes(&self, n: usize) -> Vec<f64> {
+        const INSIDE: f64 = 0.5 - 1e-7;
+        let [lower_right, upper_right, upper_left, lower_left] = self.corners();
+        let at = |k: usize| match (k % (n + 1), k / (n + 1)) {
+            (0, 0) => lower_left,
+            (i, 0) if i == n => lower_right,
+            (0, j) if j == n => upper_left,
+            (i, j) if i == n && j == n => upper_right,
+            (i, j) => {
+                let [x, y] = [i, j].map(|k| (k as f64 / n as f64 - 0.5).clamp(-INSIDE, INSIDE));
+                let v = self.value(x, y);
+                if [i, j].into_iter().any(|k| k == 0 || k == n) { v.max(0.0) } else { v }
+            }
+        };
+        (0..(n + 1) * (n + 1)).into_par_iter().map(at).collect()
     }
 }
 

@@ -5,10 +5,11 @@
 //! far; these checks are part of their time.
 
 use super::bandwidth;
-use crate::discrete::grid::Grid;
+use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
+use crate::experiments::problems::PAPER;
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::experiments::work::{OnGrid, R};
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
@@ -16,8 +17,11 @@ use crate::multigrid::square::{Multigrid, multigrid};
 use crate::multigrid::{self, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz};
-use crate::timing::recorded::{Goal, Machine, Reached, SCHEMA, Scaling, Sweep, Timings};
+use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use crate::spectral::{self, spectral};
+use crate::timing::recorded::{
+    Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
+};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -28,15 +32,17 @@ pub struct Plan {
     pub repeats: usize,
     /// Coarse grids and little data: to see that it works, not to record.
     pub quick: bool,
-    /// Solvers by their names in `solve --solver`; [`SOLVERS`] are all.
+    /// Solvers by their names in `solve --solver`; [`SOLVERS`] and [`SPECTRAL`] are all.
     pub solvers: Vec<&'static str>,
     /// Cells per side of the finest grid: a power of two.
     pub finest: usize,
 }
 
-/// The names of all solvers.
+/// The names of all solvers that use a grid.
 pub const SOLVERS: [&str; 5] =
     ["arrow-hurwicz", "uzawa", "uzawa-proximal", "active-set", "multigrid"];
+/// The name of the one that does not.
+pub const SPECTRAL: &str = "spectral";
 /// The problem on which multigrid is timed.
 pub const TIMED: Exact = Exact::FreeCorner;
 /// The problems with known solutions that have a part of the boundary to find.
@@ -49,7 +55,11 @@ const LONGEST: f64 = 4.0;
 const BUDGET: f64 = 2.0;
 /// A measurement shorter than this repeats the run until it is as long.
 const SHORTEST: f64 = 1e-3;
-const CHECKS: Checks = Checks { share: 8, cap: 1_000_000 };
+/// The cap is out of reach: [`LONGEST`] ends a series long before.
+const CHECKS: Checks = Checks { share: 8, cap: 1_000_000_000 };
+/// Nodes and levels of the spectral solver, from three digits to all; the last is the reference.
+const RESOLUTIONS: [(usize, u32); 8] =
+    [(6, 2), (8, 3), (10, 3), (12, 4), (14, 5), (16, 6), (20, 8), (24, 9)];
 
 /// Measures; `say` is told what comes next, once per solver, problem and grid.
 ///
@@ -69,14 +79,22 @@ pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String
         false => Vec::new(),
     };
     let mut solver = Vec::new();
-    for problem in PROBLEMS.into_iter().skip(usize::from(plan.quick)) {
-        let levels = levels(problem, plan)?;
-        for name in &plan.solvers {
-            solver.extend(reached(name, problem, &levels, plan, &mut say)?);
+    for Case { name: problem, levels, paper } in cases(plan)? {
+        for name in plan.solvers.iter().filter(|name| **name != SPECTRAL) {
+            solver.extend(reached(name, &problem, &levels, plan, &mut say)?);
+        }
+        if let Some(f) = paper.filter(|_| wanted("arrow-hurwicz")) {
+            say(&format!("arrow-hurwicz, {problem}, {PUBLISHED}"));
+            solver.push(published(&problem, f, &levels, plan)?);
         }
     }
+    let mut spectral = Vec::new();
+    for (name, f) in PAPER.into_iter().filter(|_| wanted(SPECTRAL)) {
+        say(&format!("{SPECTRAL}, {name}"));
+        spectral.extend(resolved(name, f, plan)?);
+    }
     let peer = Vec::new();
-    Ok(Timings { schema: SCHEMA, machine, bandwidth, sweep, multigrid, solver, peer })
+    Ok(Timings { schema: SCHEMA, machine, bandwidth, sweep, multigrid, solver, spectral, peer })
 }
 
 /// Median and spread of the time of `run` in seconds, after one run that does not count.
@@ -160,10 +178,87 @@ fn timed(cells: usize) -> Result<(Grid, Vec<f64>), String> {
     Ok((grid, load(grid, &Source::Exact(TIMED), LoadRule::default())))
 }
 
-fn levels(problem: Exact, plan: &Plan) -> Result<Vec<OnGrid>, String> {
+/// A problem on all grids.
+struct Case {
+    name: String,
+    levels: Vec<OnGrid>,
+    /// f, if it is the paper's.
+    paper: Option<&'static str>,
+}
+
+/// The paper's problems, judged by the energy, then those with solutions in closed form.
+fn cases(plan: &Plan) -> Result<Vec<Case>, String> {
     let finest = if plan.quick { 32 } else { plan.finest.min(1024) };
     let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
-    grids.map(|cells| OnGrid::new(problem, Grid::new(cells).map_err(|e| e.to_string())?)).collect()
+    let grids: Vec<Grid> =
+        grids.map(Grid::new).collect::<Result<_, _>>().map_err(|e| e.to_string())?;
+    let skipped = usize::from(plan.quick);
+    let mut cases = Vec::new();
+    for (name, text) in PAPER.into_iter().skip(skipped) {
+        let energy = true_energy(text, RESOLUTIONS[RESOLUTIONS.len() - 1])?;
+        let level = |grid: &Grid| OnGrid::of_energy(&source(text)?, energy, *grid);
+        let levels = grids.iter().map(level).collect::<Result<_, _>>()?;
+        cases.push(Case { name: name.into(), levels, paper: Some(text) });
+    }
+    for problem in PROBLEMS.into_iter().skip(skipped) {
+        let levels =
+            grids.iter().map(|&grid| OnGrid::new(problem, grid)).collect::<Result<_, _>>()?;
+        cases.push(Case { name: problem.name().into(), levels, paper: None });
+    }
+    Ok(cases)
+}
+
+fn source(f: &str) -> Result<Source, String> {
+    f.parse().map_err(|e| format!("{f}: {e}"))
+}
+
+fn true_energy(f: &str, (nodes, levels): (usize, u32)) -> Result<f64, String> {
+    let solution = spectral(&source(f)?, spectral::Params { nodes, levels });
+    Ok(solution.map_err(|e| format!("{f}: {e}"))?.energy)
+}
+
+/// The spectral solver at all resolutions but the reference.
+fn resolved(problem: &str, f: &str, plan: &Plan) -> Result<Vec<Spectral>, String> {
+    let [resolutions @ .., finest] = RESOLUTIONS;
+    let reference = true_energy(f, finest)?;
+    let line = |resolution: (usize, u32)| {
+        let energy = true_energy(f, resolution)?;
+        let (seconds, spread) = time(plan.repeats, || {
+            let _ = true_energy(f, resolution);
+        });
+        let error = (energy / reference - 1.0).abs().max(f64::EPSILON);
+        let (nodes, levels) = resolution;
+        Ok(Spectral { problem: problem.into(), nodes, levels, error, seconds, spread })
+    };
+    resolutions.into_iter().map(line).collect()
+}
+
+/// The paper's method as in its tables, r = 10, on the finest of its grids that is there.
+fn published(problem: &str, f: &str, levels: &[OnGrid], plan: &Plan) -> Result<Reached, String> {
+    let f = source(f)?;
+    let last = levels.iter().rev().find(|level| level.grid.cells() <= 64);
+    let level = last.ok_or("no grid for the published stop")?;
+    let cells: Vec<usize> =
+        (2..).map(|level| 1 << level).take_while(|n| *n <= level.grid.cells()).collect();
+    let grids = nested(&cells).map_err(|e| e.to_string())?;
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
+    let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };
+    let solve = || solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ()).1;
+    let y = solve().y;
+    let (seconds, spread) = time(plan.repeats, || {
+        solve();
+    });
+    Ok(Reached {
+        solver: "arrow-hurwicz".into(),
+        problem: problem.into(),
+        cells: level.grid.cells(),
+        goal: PUBLISHED.into(),
+        error: level.error(&y),
+        discretisation: level.discretisation,
+        kkt: kkt(level.grid, &y, &level.load).relative,
+        seconds,
+        spread,
+    })
 }
 
 /// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
@@ -172,7 +267,7 @@ type Solve<'a> = Box<dyn Fn(&[OnGrid]) -> Option<Vec<f64>> + 'a>;
 /// One solver on all grids from 1/16 on, for all its goals.
 fn reached(
     name: &str,
-    problem: Exact,
+    problem: &str,
     levels: &[OnGrid],
     plan: &Plan,
     say: &mut impl FnMut(&str),
@@ -183,13 +278,13 @@ fn reached(
     for k in 2..=levels.len() {
         let level = &levels[k - 1];
         let cells = level.grid.cells();
-        say(&format!("{name}, {}, h = 1/{cells}", problem.name()));
+        say(&format!("{name}, {problem}, h = 1/{cells}"));
         for (g, (goal, growth, solve)) in goals.iter().enumerate() {
             if before.get(&g).is_some_and(|seconds| growth * seconds > LONGEST) {
                 continue;
             }
             let y = solve(&levels[..k]).ok_or_else(|| {
-                format!("{name} does not reach {goal} on {}, h = 1/{cells}", problem.name())
+                format!("{name} does not reach {goal} on {problem}, h = 1/{cells}")
             })?;
             let (seconds, spread) = time(plan.repeats, || {
                 solve(&levels[..k]);
@@ -197,7 +292,7 @@ fn reached(
             before.insert(g, seconds);
             measured.push(Reached {
                 solver: name.into(),
-                problem: problem.name().into(),
+                problem: problem.into(),
                 cells,
                 goal: goal.clone(),
                 error: level.error(&y),
@@ -215,7 +310,7 @@ fn reached(
 fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
     let saddle = |method: Method| {
         let to = |target: f64| -> (String, f64, Solve<'static>) {
-            let solve = move |levels: &[OnGrid]| nested(method, target, levels);
+            let solve = move |levels: &[OnGrid]| over_grids(method, target, levels);
             (format!("relative KKT {target:e}"), 16.0, Box::new(solve))
         };
         TARGETS.map(to).into_iter().collect()
@@ -252,7 +347,7 @@ fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
 }
 
 /// A saddle-point method from zero over the nested grids, each left when the target is met.
-fn nested(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
+fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
     let mut pair = Pair::zero(levels[0].grid);
     for (k, OnGrid { grid, load, .. }) in levels.iter().enumerate() {
         if k > 0 {

@@ -24,9 +24,12 @@ pub struct Timings {
     /// Multigrid on one problem, from grid to grid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub multigrid: Vec<Scaling>,
-    /// All solvers on problems with known solutions.
+    /// All solvers that use a grid, on the paper's problems and on others with known solutions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solver: Vec<Reached>,
+    /// The spectral solver on the paper's problems, resolution by resolution.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spectral: Vec<Spectral>,
     /// Other people's solvers beside ours; entered by hand, kept by `bench --record`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peer: Vec<Peer>,
@@ -122,13 +125,14 @@ pub enum Goal {
 pub struct Reached {
     /// Its name, as in `solve --solver`.
     pub solver: String,
-    /// Name of the problem, as in `exact(name)`.
+    /// Name of the problem, as in `exact(name)`, or `problem 1` and `problem 2`.
     pub problem: String,
     /// Cells per side.
     pub cells: usize,
     /// What it was to reach, in words.
     pub goal: String,
-    /// Error against the known solution, in the discrete L2 norm.
+    /// Error against the known solution, in the discrete L2 norm; of the paper's problems, of the energy,
+    /// relative.
     #[serde(deserialize_with = "positive")]
     pub error: f64,
     /// That of the discrete solution.
@@ -137,6 +141,26 @@ pub struct Reached {
     /// Natural residual over the largest component of the load.
     pub kkt: f64,
     /// Median time, load vectors being there.
+    #[serde(deserialize_with = "positive")]
+    pub seconds: f64,
+    /// Noise.
+    pub spread: f64,
+}
+
+/// The spectral solver at one resolution.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spectral {
+    /// Name of the problem, as in [`Reached`].
+    pub problem: String,
+    /// Gauss nodes of a panel.
+    pub nodes: usize,
+    /// Panels that get shorter towards corners and jumps of f.
+    pub levels: u32,
+    /// Error of the energy against a finer resolution, relative; at least one rounding.
+    #[serde(deserialize_with = "positive")]
+    pub error: f64,
+    /// Median time from f to the energy, the start on a coarse grid included.
     #[serde(deserialize_with = "positive")]
     pub seconds: f64,
     /// Noise.
@@ -170,9 +194,13 @@ pub struct Peer {
     pub warm: bool,
 }
 
+/// The goal of a run under the stopping rule of the published tables.
+pub const PUBLISHED: &str = "published stop";
+
 /// Per grid, the least time in which the error came down to that of the discretisation.
 pub fn to_discretisation(lines: &[&Reached]) -> impl Iterator<Item = (usize, f64)> {
     let mut grids: Vec<usize> = lines.iter().map(|line| line.cells).collect();
+    grids.sort_unstable();
     grids.dedup();
     grids.into_iter().filter_map(|cells| {
         let there = lines

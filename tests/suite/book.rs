@@ -5,7 +5,9 @@ use crate::explore::book;
 use signorini::report::{ReportError, build, pages};
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write;
 use std::path::Path;
+use std::process::Command;
 use tera::Context;
 
 #[test]
@@ -162,6 +164,73 @@ fn the_table_of_results_has_every_published_count() {
         lines.filter(|line| line[rule] == "signed" && !line[paper].is_empty()).collect();
     assert_eq!(of_paper.len(), 50);
     assert!(of_paper.iter().all(|line| line[ours] == line[paper]));
+}
+
+#[test]
+fn every_table_and_figure_leads_to_its_data() {
+    let book = files();
+    let mut tables = 0;
+    for (name, html) in html(&book).into_iter().filter(|(name, _)| *name != "print.html") {
+        let main = html.split("<main>").nth(1).unwrap_or_default();
+        let main = main.split("</main>").next().unwrap();
+        // The live page makes a table of its own.
+        let shown = main.matches("<table>").count();
+        assert_eq!(main.matches("href=\"data/").count(), shown + solutions(main), "{name}");
+        tables += shown;
+        let figures = main.matches("<figure id=").count();
+        assert_eq!(main.matches(">Data</a> | made by").count(), shown + figures, "{name}");
+    }
+    let data: Vec<_> = book.iter().filter(|(name, _)| name.ends_with(".csv")).collect();
+    assert!(tables > 60 && data.len() > tables, "{tables} tables, {} files", data.len());
+    for (name, bytes) in data {
+        // A row of another length than the header would be refused.
+        let read = signorini::report::results::read_csv(bytes);
+        assert!(read.is_ok_and(|rows| rows.height() > 0), "{name}");
+    }
+    let size: usize = book.values().map(Vec::len).sum();
+    assert!(size < 8_000_000, "the book has {size} bytes");
+}
+
+/// Links to solutions.
+fn solutions(main: &str) -> usize {
+    main.matches(".npz\"").count() + main.matches(".vti\"").count()
+}
+
+#[test]
+fn the_python_of_the_page_on_data_runs() {
+    let page = fs::read_to_string(book().join("../src/data.md")).unwrap();
+    let programs: Vec<&str> =
+        page.split("```python\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files() {
+        if name.starts_with("data/") || name == "results.csv" {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, bytes).unwrap();
+        }
+    }
+    let python = |program: &str| {
+        let mut command = Command::new("python3");
+        command.args(["-c", program]).current_dir(folder.path()).env("MPLBACKEND", "Agg").output()
+    };
+    for (program, modules) in
+        programs.into_iter().zip(["import numpy, polars", "import numpy, matplotlib"])
+    {
+        if !python(modules).is_ok_and(|found| found.status.success()) {
+            // Not `skip`: what a reader may use must not be needed to test the program.
+            let _ = writeln!(std::io::stderr(), "SKIPPED: `{modules}` in python3");
+            continue;
+        }
+        let said = python(program).unwrap();
+        assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+        let text = String::from_utf8(said.stdout).unwrap();
+        if modules.contains("polars") {
+            assert!(text.starts_with("50 of 50 counts as published\n"), "{text}");
+            assert!(text.contains("problem2-solution greatest v: 1.0 inflow: 0.0015"), "{text}");
+        } else {
+            assert!(fs::read(folder.path().join("figure2.png")).unwrap().len() > 10_000);
+        }
+    }
 }
 
 /// The files of the book by their path in it.

@@ -140,7 +140,7 @@ fn printed_rule_leaves_a_residual_of_its_tolerance() {
 }
 
 #[test]
-fn solutions_are_written_as_npy_and_vti() {
+fn solutions_are_written_for_numpy_and_paraview() {
     let project = Project::with(TABLE);
     for name in ["v.npy", "v.vti"] {
         let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", name]);
@@ -170,7 +170,17 @@ fn solutions_are_written_as_npy_and_vti() {
     );
     let size = u64::from_le_bytes(vti[raw + 1..raw + 9].try_into().unwrap()) as usize;
     assert_eq!(doubles(&vti[raw + 9..raw + 9 + size]), from_npy);
-    assert_eq!(&vti[raw + 9 + size..], b"\n</AppendedData>\n</VTKFile>\n");
+    // v, the multiplier at all nodes, f in the cells.
+    let blocks = [81, 81, 64].map(|doubles: usize| 8 + 8 * doubles);
+    assert_eq!(&vti[raw + 1 + blocks.iter().sum::<usize>()..], b"\n</AppendedData>\n</VTKFile>\n");
+    for (array, offset) in [("v", 0), ("multiplier", blocks[0]), ("f", blocks[0] + blocks[1])] {
+        let line = format!("Name=\"{array}\" format=\"appended\" offset=\"{offset}\"");
+        assert!(head.contains(&line), "{head}");
+    }
+    let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", "v.npz"]);
+    assert!(said.lines().contains(&"wrote v.npz"), "{said:?}");
+    let npz = fs::read(project.path("v.npz")).unwrap();
+    assert!(npz.windows(npy.len()).any(|part| part == npy), "it contains v.npy as it is");
 
     // The name of a format alone.
     let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", "vtk"]);

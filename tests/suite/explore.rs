@@ -47,6 +47,11 @@ window.addEventListener("error", (event) => log.push(["error", event.message, ""
   choose("f", "disc(0,0,0.25)=2; else=-1"); await sleep(500); say("disc");
   choose("f", "disc(0,0)=2; else=-1"); await sleep(500); say("nonsense");
   choose("f", "else=1"); await sleep(500); say("no solution");
+  choose("problem", "2"); await sleep(500);
+  const canvas = document.querySelector(".explore canvas"), alone = canvas.toDataURL();
+  form.truth.click();
+  log.push(["truth", `${!form.truth.disabled && canvas.toDataURL() !== alone}`, ""]);
+  log.push(["spent", document.querySelector('[data-value="spent"]').textContent, ""]);
   const paths = document.querySelectorAll(".explore svg path[d^=M]").length;
   log.push(["drawn", String(paths), ""]);
   document.body.dataset.log = JSON.stringify(log);
@@ -138,6 +143,8 @@ fn the_controls_do_what_they_say() {
     assert_ne!(said["own"].1, said["disc"].1);
     assert_eq!(said["nonsense"].0, "cannot read “disc(0,0)”.");
     assert!(said["no solution"].0.contains("that discrete problem has no solution"), "{log:?}");
+    assert_eq!(said["truth"].0, "true", "the net of the true solution is drawn");
+    assert!(said["spent"].0.ends_with(" ms"), "{log:?}");
     // Two residuals, trace, multiplier, and the bar of contact.
     assert!(said["drawn"].0.parse::<usize>().unwrap() >= 4, "{log:?}");
 }

@@ -31,3 +31,4 @@ mod solvers;
 mod spectral;
 mod stress;
 mod terminal;
+mod truth;

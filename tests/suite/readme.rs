@@ -56,7 +56,7 @@ fn commands_run_and_outputs_are_true() {
 
     ran = follow("report/templates/own-problems.md.tera", project);
     assert!(ran >= 6, "only {ran} commands found in the chapter");
-    assert!(project.join("target/v.npy").is_file());
+    assert!(project.join("target/v.npz").is_file());
     assert!(project.join("target/first/pipeline/scenes/plate.toml").is_file());
 
     ran = follow("report/templates/machines.md.tera", project);

@@ -58,7 +58,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
             files += 1;
         }
     }
-    assert_eq!(files, 5, "a table and four figures: {yaml}");
+    assert_eq!(files, 7, "a table, four figures, and the data of two: {yaml}");
 
     let page = fs::read_to_string(project.path("codecheck/certificate.md")).unwrap();
     for part in [

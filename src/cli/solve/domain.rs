@@ -2,7 +2,7 @@
 
 use super::Solver;
 use crate::bounds::{Bounds, bounds, recovery};
-use crate::cli::formats::Format;
+use crate::cli::formats::{Format, picture};
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Kkt, kkt};
@@ -14,6 +14,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
 use crate::replication::scene::MAX_CELLS;
+use crate::report::Fields;
 use crate::saddle::Pair;
 use crate::timing::machine;
 use serde::Serialize;
@@ -213,8 +214,14 @@ impl Domain {
         name: &str,
     ) -> Result<Vec<u8>> {
         match self {
-            Self::Square { .. } => format.square(square(n), pair, name),
-            Self::Cube { .. } => format.cube(cube(n), &pair.y, name),
+            Self::Square { f, .. } => {
+                let fields = Fields::square(square(n), f, pair);
+                format.bytes(&fields, name, || picture(square(n), pair, name))
+            }
+            Self::Cube { f, .. } => {
+                let fields = Fields::cube(cube(n), f, &self.boundary(n), pair);
+                format.bytes(&fields, name, || Err(Format::no_picture()))
+            }
         }
     }
 }

@@ -5,8 +5,8 @@ mod stability;
 
 use super::{artifact, cost, figures, to_json};
 use crate::experiments::problems::Problem;
-use crate::experiments::{self, accuracy};
-use crate::figures::{Caption, Chart, charts};
+use crate::experiments::{self, accuracy, strips, truth};
+use crate::figures::{Caption, Chart, Drawing, StripsPanel, charts, table};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
@@ -19,12 +19,17 @@ const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
 pub fn tasks(project: &Project) -> Vec<Task> {
-    let problems = project.problems().into_iter().filter_map(problem).collect();
+    let problems: Vec<Problem> = project.problems().into_iter().filter_map(problem).collect();
+    let named = |problem: &Problem| (format!("problem {}", problem.number), problem.f.clone());
+    let truth = truth::Plan::new(problems.iter().map(named));
+    let strips = strips::Plan { problems: problems.clone() };
     let plan = experiments::claims::Plan::new(problems);
     let mut tasks = vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
         task("cube", experiments::cube::Plan::default(), experiments::cube::cube),
+        task("truth", truth, truth::truth),
+        task("strips", strips, strips::strips),
     ];
     tasks.extend(stability::tasks(project));
     tasks
@@ -67,6 +72,18 @@ pub const PICTURES: &[Picture] = &[
         experiments: &["accuracy"],
         title: "Residual, error and cost of three methods in sweeps and visits of unknowns",
         draw: |inputs, caption| cost::work(caption, &result(inputs, "accuracy")?),
+    },
+    Picture {
+        name: "ends",
+        experiments: &["truth"],
+        title: "Error of the ends of contact and of the energy against the width of the grid",
+        draw: |inputs, caption| cost::ends(caption, &result(inputs, "truth")?),
+    },
+    Picture {
+        name: "strips",
+        experiments: &["strips"],
+        title: "Contact along the boundary, iteration by iteration, for both problems and every r",
+        draw: draw_strips,
     },
     Picture {
         name: "sweep",
@@ -113,11 +130,35 @@ pub const PICTURES: &[Picture] = &[
 ];
 
 /// A picture, or why there is none.
-pub(super) type Drawn = Result<String, String>;
+pub(super) type Drawn = Result<Drawing, String>;
 
 /// Charts in rows of `columns`, each with a range of its own.
 pub(super) fn drawn(caption: Caption, columns: usize, panels: &[Chart]) -> Drawn {
     charts(caption, columns, false, panels).map_err(|e| e.to_string())
+}
+
+/// The contact of both problems, a strip for each r.
+fn draw_strips(inputs: &Inputs, caption: Caption) -> Drawn {
+    let found: Vec<strips::Strips> = result(inputs, "strips")?;
+    let titles: Vec<String> = found
+        .iter()
+        .map(|problem| format!("Problem {}, h = 1/{}", problem.number, problem.cells))
+        .collect();
+    let panels: Vec<_> = found
+        .iter()
+        .zip(&titles)
+        .map(|(problem, title)| {
+            let strips = problem.strips.iter().map(|s| (format!("r = {}", s.r), s.contact.clone()));
+            StripsPanel {
+                title,
+                cells: problem.cells,
+                strips: strips.collect(),
+                truth: &problem.truth,
+            }
+        })
+        .collect();
+    let svg = crate::figures::strips(caption, &panels).map_err(|e| e.to_string())?;
+    Ok(Drawing { svg, table: Some(table::of_strips(&panels)) })
 }
 
 /// The tasks that draw [`PICTURES`].

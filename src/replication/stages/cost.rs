@@ -1,11 +1,14 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
 use super::bench::{Drawn, drawn};
-use crate::experiments::accuracy::{Findings, Level};
+use crate::experiments::accuracy::{self, Findings};
+use crate::experiments::problems::PAPER;
+use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Run};
 use crate::figures::{Caption, Chart, Curve, Stroke};
 use crate::timing::measure::SOLVERS;
-use crate::timing::recorded::{Goal, Reached, Scaling, Timings, to_discretisation};
+use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
+use std::collections::BTreeSet;
 
 /// A line of slope `power` over the range of the others, all of which it passes by at this `factor`
 /// of the one that comes nearest.
@@ -23,8 +26,12 @@ fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
 
 /// Errors of the problems with known solutions, one panel per norm.
 pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
-    type Norm =
-        (&'static str, &'static str, fn(&Level) -> f64, &'static [(&'static str, f64, f64)]);
+    type Norm = (
+        &'static str,
+        &'static str,
+        fn(&accuracy::Level) -> f64,
+        &'static [(&'static str, f64, f64)],
+    );
     let norms: [Norm; 4] = [
         ("v in L2", "error in L2", |level| level.errors.l2, &[("order 2", -2.0, 0.12)]),
         ("v in H1", "error in H1", |level| level.errors.h1, &[("order 1", -1.0, 0.25)]),
@@ -37,7 +44,7 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
         ),
     ];
     let panels = norms.map(|(title, y, pick, slopes)| {
-        let curve = |level: &Level| (level.cost.cells as f64, pick(level));
+        let curve = |level: &accuracy::Level| (level.cost.cells as f64, pick(level));
         let mut lines: Vec<_> = found
             .problems
             .iter()
@@ -162,30 +169,123 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Drawn {
 /// Error against time, one panel per problem; of each solver the runs that no other of its own beats.
 pub(super) fn race(caption: Caption, timings: &Timings) -> Drawn {
     let mut problems: Vec<&str> = timings.solver.iter().map(|line| &line.problem[..]).collect();
-    problems.dedup();
+    problems.extend(timings.spectral.iter().map(|line| &line.problem[..]));
+    let mut seen = BTreeSet::new();
+    problems.retain(|problem| seen.insert(*problem));
     let panels: Vec<_> = problems
         .into_iter()
         .map(|problem| {
-            let front = |solver: &&str| {
-                let mine =
-                    timings.solver.iter().filter(|l| l.solver == **solver && l.problem == problem);
-                let mut points: Vec<_> = mine.map(|line| (line.seconds, line.error)).collect();
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let mut best = f64::INFINITY;
-                points.retain(|(_, error)| {
-                    *error < best && {
-                        best = *error;
-                        true
-                    }
-                });
-                Curve::marked(in_words(solver), points)
-            };
-            Chart {
-                title: problem.into(),
-                axes: ["seconds", "error at the nodes"],
-                curves: SOLVERS.iter().map(front).collect(),
+            let lines = || timings.solver.iter().filter(|line| line.problem == problem);
+            let stop = |line: &&Reached| line.goal == PUBLISHED;
+            let point = |line: &Reached| (line.seconds, line.error);
+            let mut curves = vec![Curve::marked(
+                "spectral",
+                front(
+                    timings
+                        .spectral
+                        .iter()
+                        .filter(|line| line.problem == problem)
+                        .map(|line| (line.seconds, line.error)),
+                ),
+            )];
+            for solver in SOLVERS.iter().rev() {
+                let mine = lines().filter(|line| line.solver == *solver && !stop(line));
+                curves.push(Curve::marked(in_words(solver), front(mine.map(point))));
             }
+            let published = lines().filter(stop).map(point).collect();
+            curves.push(Curve::marked("Arrow-Hurwicz, published stop", published));
+            let by_energy = PAPER.iter().any(|(name, _)| *name == problem);
+            let error =
+                if by_energy { "error of the energy, relative" } else { "error at the nodes" };
+            Chart { title: problem.into(), axes: ["seconds", error], curves }
         })
         .collect();
     drawn(caption, 2, &panels)
+}
+
+/// Points (time, error) by time, without those that an earlier one beats.
+fn front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut points: Vec<_> = points.collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = f64::INFINITY;
+    points.retain(|(_, error)| {
+        let better = *error < best;
+        best = best.min(*error);
+        better
+    });
+    points
+}
+
+/// Where contact ends, and the bracket of the energy, against the width of the grid.
+pub(super) fn ends(caption: Caption, found: &Truth) -> Drawn {
+    let with_energy =
+        || found.elements.iter().filter(|e| e.levels.iter().all(|l| l.energy.is_some()));
+    let curves = |of: fn(&Level) -> Option<f64>| -> Vec<Curve> {
+        let line = |elements: &Elements| {
+            let points = elements.levels.iter().filter_map(|l| Some((l.cells as f64, of(l)?)));
+            Curve::marked(&elements.name, points.collect())
+        };
+        with_energy().map(line).filter(|curve| !curve.points.is_empty()).collect()
+    };
+    let mut ends = curves(|level| level.ends);
+    ends.push(slope("order 3/2", &ends, -1.5, 2.5));
+    let mut brackets = curves(|level| Some(level.bracket));
+    brackets.push(slope("order 3", &brackets, -3.0, 2.5));
+    let panels = [
+        Chart {
+            title: "Ends of contact".into(),
+            axes: ["1/h", "largest error along the boundary"],
+            curves: ends,
+        },
+        Chart {
+            title: "Guaranteed bracket of the energy".into(),
+            axes: ["1/h", "width"],
+            curves: brackets,
+        },
+    ];
+    drawn(caption, 2, &panels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_another_beats_is_left_out() {
+        let points = [(2.0, 0.5), (1.0, 0.25), (3.0, 0.1), (4.0, 0.2)];
+        assert_eq!(front(points.into_iter()), [(1.0, 0.25), (3.0, 0.1)]);
+    }
+
+    const RECORD: &str = "schema = 1\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\n\
+        rustc = \"r\"\nload = 0.1\nrepeats = 9\n[bandwidth]\nmegabytes = 8\ntriad = 10\nupdate = 20\n";
+
+    fn solver(goal: &str, error: f64, seconds: f64) -> String {
+        format!(
+            "[[solver]]\nsolver = \"arrow-hurwicz\"\nproblem = \"problem 1\"\ncells = 64\n\
+            goal = \"{goal}\"\nerror = {error}\ndiscretisation = 1e-3\nkkt = 0.1\n\
+            seconds = {seconds}\nspread = 0.1\n"
+        )
+    }
+
+    #[test]
+    fn the_spectral_solver_is_drawn_where_the_record_has_it() {
+        let caption = Caption { title: "t", description: "d" };
+        let table =
+            |text: &str| race(caption, &Timings::parse(text).unwrap()).unwrap().table.unwrap();
+        let slow = RECORD.to_owned() + &solver("relative KKT 1e-2", 1e-2, 2.0);
+        let before = table(&slow);
+        assert!(before.contains("Arrow-Hurwicz,2,0.01") && !before.contains("spectral"));
+        let more = slow
+            + &solver(PUBLISHED, 0.5, 0.001)
+            + "[[spectral]]\nproblem = \"problem 1\"\nnodes = 16\nlevels = 6\nerror = 2e-13\n\
+              seconds = 0.0009\nspread = 0.01\n";
+        let after = table(&more);
+        for line in [
+            "spectral,0.0009,",
+            "Arrow-Hurwicz,2,0.01",
+            "\"Arrow-Hurwicz, published stop\",0.001,0.5",
+        ] {
+            assert!(after.contains(line), "{line}: {after}");
+        }
+    }
 }

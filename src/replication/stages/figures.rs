@@ -4,8 +4,8 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY, PAIR, read_pair};
 use super::{artifact, from_json};
 use crate::figures::{
-    Caption, ContactPanel, FMap, FigureError, History, HistoryPanel, IdentifiabilityPanel, Surface,
-    View, contact, histories, identifiability, maps_of_f, surfaces,
+    Caption, ContactPanel, Drawing, FMap, FigureError, History, HistoryPanel, IdentifiabilityPanel,
+    Surface, View, contact, histories, identifiability, maps_of_f, surfaces, table,
 };
 use crate::identify::Findings;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -86,7 +86,7 @@ fn stops(scenes: &[&Scene]) -> Task {
                 shown.push(Surface { title, grid, y, a, view, range });
             }
         }
-        surfaces(caption, 3, &shown).map_err(|e| e.to_string())
+        surfaces(caption, 3, &shown).map(Drawing::from).map_err(|e| e.to_string())
     });
     Task { parameters: hashed, ..task }
 }
@@ -119,9 +119,9 @@ pub(super) fn drawing(
     name: &str,
     title: String,
     needs: Vec<String>,
-    draw: impl Fn(&Inputs, Caption) -> Result<String, String> + Send + Sync + 'static,
+    draw: impl Fn(&Inputs, Caption) -> Result<Drawing, String> + Send + Sync + 'static,
 ) -> Task {
-    let picture = format!("{name}.svg");
+    let (picture, table) = (format!("{name}.svg"), format!("{name}.csv"));
     Task {
         id: id(name),
         parameters: BTreeMap::from([("title".into(), title.clone())]),
@@ -131,8 +131,10 @@ pub(super) fn drawing(
         work: Box::new(move |inputs| {
             let description =
                 format!("Made by `{COMMAND}` from inputs {} (blake3).", &inputs.digest[..12]);
-            let svg = draw(inputs, Caption { title: &title, description: &description })?;
-            Ok(Artifacts::from([(picture.clone(), svg.into_bytes())]))
+            let drawn = draw(inputs, Caption { title: &title, description: &description })?;
+            let mut made = Artifacts::from([(picture.clone(), drawn.svg.into_bytes())]);
+            made.extend(drawn.table.map(|text| (table.clone(), text.into_bytes())));
+            Ok(made)
         }),
     }
 }
@@ -181,12 +183,15 @@ fn draw(
     panels: &[Panel],
     inputs: &Inputs,
     caption: Caption,
-) -> Result<String, String> {
-    let picture: Result<String, FigureError> = match kind {
+) -> Result<Drawing, String> {
+    let with = |svg: Result<String, FigureError>, table: String| {
+        svg.map(|svg| Drawing { svg, table: Some(table) })
+    };
+    let picture: Result<Drawing, FigureError> = match kind {
         Output::Source => {
             let maps: Vec<_> =
                 panels.iter().map(|p| FMap { title: &p.scene.title, f: &p.scene.f }).collect();
-            maps_of_f(caption, &maps)
+            maps_of_f(caption, &maps).map(Drawing::from)
         }
         Output::Surface => {
             let pairs = panels
@@ -203,7 +208,7 @@ fn draw(
                     Surface { title, grid, y: &pair.y, a: &pair.a, view, range: None }
                 })
                 .collect();
-            surfaces(caption, 2, &panels)
+            surfaces(caption, 2, &panels).map(Drawing::from)
         }
         Output::History => {
             let histories_of = |panel: &Panel| {
@@ -218,7 +223,7 @@ fn draw(
                 let Scene { title, grids, .. } = &panel.scene;
                 shown.push(HistoryPanel { title, grids, curves: histories_of(panel)? });
             }
-            histories(caption, &shown)
+            with(histories(caption, &shown), table::of_histories(&shown))
         }
         Output::Contact => {
             let pairs_of = |panel: &Panel| {
@@ -234,7 +239,7 @@ fn draw(
                 let (title, grid) = (&panel.scene.title, panel.scene.finest());
                 shown.push(ContactPanel { title, grid, lines: pairs_of(panel)? });
             }
-            contact(caption, &shown)
+            with(contact(caption, &shown), table::of_contact(&shown))
         }
         Output::Identify => {
             let found = panels
@@ -247,7 +252,8 @@ fn draw(
                 cells: found.target.cells(),
                 others: two_valued(found),
             });
-            identifiability(caption, &shown.collect::<Vec<_>>())
+            let shown: Vec<_> = shown.collect();
+            with(identifiability(caption, &shown), table::of_identifiability(&shown))
         }
         Output::Table => return Err("a table is not a figure".into()),
     };

@@ -7,6 +7,7 @@ pub mod figures;
 pub mod identify;
 pub mod report;
 pub mod results;
+mod solutions;
 pub mod solve;
 pub mod tabulate;
 pub mod timings;

@@ -2,6 +2,7 @@
 
 use super::diff::{self, DIFF};
 use super::identify::{self, FINDINGS};
+use super::solutions::{self, Kept};
 use super::solve::{self, HISTORY, OUTCOMES, Outcomes, PAIR, read_pair};
 use super::{artifact, bench, figures, from_json, results, to_json};
 use crate::discrete::load::{LoadRule, integral};
@@ -68,12 +69,19 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
         needs,
         export: Some("report"),
         work: Box::new(move |inputs| match &left_out {
-            None => book(inputs, |templates| {
-                let report = gather(inputs, &problems, &others, &about)?;
-                let context = report::context(&report).map_err(|e| e.to_string())?;
-                report::pages(templates, &context).map_err(|e| e.to_string())
-            }),
-            Some(reason) => book(inputs, |templates| Ok(report::stubs(templates, reason))),
+            None => {
+                let solutions = solutions::all(inputs, &problems, &others)?;
+                let data = solutions.iter().flat_map(Kept::files).collect();
+                book(inputs, data, |templates| {
+                    let mut report = gather(inputs, &problems, &others, &about)?;
+                    report.solutions = solutions.iter().map(|kept| kept.file.clone()).collect();
+                    let context = report::context(&report).map_err(|e| e.to_string())?;
+                    report::pages(templates, &context).map_err(|e| e.to_string())
+                })
+            }
+            Some(reason) => {
+                book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)))
+            }
         }),
     }
 }
@@ -114,6 +122,7 @@ fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) 
             identifiability: figure(inputs, Output::Identify)?,
             bench: bench_figures(inputs),
         },
+        solutions: Vec::new(),
         results: Results::read(artifact(inputs, results::ID, results::FILE)?)?,
         bench: bench::results(inputs)?,
         commands: (about.commands)(),
@@ -127,9 +136,10 @@ fn gather(inputs: &Inputs, problems: &[Scene], others: &[Scene], about: &About) 
     })
 }
 
-/// The pages made of the templates, and the book made of the pages.
+/// The pages made of the templates, and the book made of the pages and of `data`, files by name.
 fn book(
     inputs: &Inputs,
+    mut data: Artifacts,
     pages: impl Fn(&BTreeMap<String, String>) -> Made<BTreeMap<String, String>>,
 ) -> Made<Artifacts> {
     let mut templates = BTreeMap::new();
@@ -144,8 +154,17 @@ fn book(
             files.insert(name.into(), bytes.clone());
         }
     }
-    let pages = pages(&templates)?;
+    let mut pages = pages(&templates)?;
+    for (path, page) in &mut pages {
+        let Some(name) = path.strip_prefix("src/").and_then(|path| path.strip_suffix(".md")) else {
+            continue;
+        };
+        let (with_links, tables) = report::with_data(name, page);
+        *page = with_links;
+        data.extend(tables);
+    }
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
+    files.extend(data.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes)));
     for (name, bytes) in pictures(inputs) {
         files.insert(format!("src/figures/{name}"), bytes.clone());
     }
@@ -299,7 +318,7 @@ fn text_of(inputs: &Inputs, path: &str) -> Made<String> {
     String::from_utf8(bytes.clone()).map_err(|_| format!("{path} is not UTF-8"))
 }
 
-/// Pictures by file name.
+/// Pictures and their data by file name.
 fn pictures<'a>(inputs: &'a Inputs) -> impl Iterator<Item = (&'a String, &'a Vec<u8>)> {
     inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")).flat_map(|(_, made)| made)
 }
@@ -312,11 +331,17 @@ fn figure(inputs: &Inputs, kind: Output) -> Made<Figure> {
 fn picture(inputs: &Inputs, name: &str) -> Made<Figure> {
     let file = format!("{name}.svg");
     let svg = artifact(inputs, &figures::id(name), &file)?;
-    Ok(drawn(file, svg))
+    Ok(drawn(inputs, file, svg))
 }
 
-fn drawn(file: String, svg: &[u8]) -> Figure {
-    Figure { hash: short_hash(svg), file, command: figures::COMMAND.into() }
+/// A picture; what it is drawn from is a table beside it, or a solution on the page of data.
+fn drawn(inputs: &Inputs, file: String, svg: &[u8]) -> Figure {
+    let table = file.replace(".svg", ".csv");
+    let data = match pictures(inputs).any(|(name, _)| *name == table) {
+        true => format!("figures/{table}"),
+        false => "data.html".into(),
+    };
+    Figure { hash: short_hash(svg), file, data, command: figures::COMMAND.into() }
 }
 
 /// As much of a hash as a reader compares.
@@ -342,7 +367,10 @@ fn provenance(inputs: &Inputs, about: &About) -> Provenance {
             .map(|(name, bytes)| Artifact { name: name.clone(), hash: short_hash(bytes) })
             .collect(),
         artifacts: made.map(|(name, bytes)| Artifact { name, hash: short_hash(bytes) }).collect(),
-        figures: pictures(inputs).map(|(name, svg)| drawn(name.clone(), svg)).collect(),
+        figures: pictures(inputs)
+            .filter(|(name, _)| name.ends_with(".svg"))
+            .map(|(name, svg)| drawn(inputs, name.clone(), svg))
+            .collect(),
         versions: versions(),
         graph: about.graph.clone(),
         license: env!("CARGO_PKG_LICENSE").into(),

@@ -1,12 +1,13 @@
 //! Pictures of recorded times: figure tasks whose only input is `pipeline/timings.toml`.
 
+use super::bench::Drawn;
 use super::{cost, figures};
 use crate::figures::Caption;
 use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::project::Project;
 use crate::timing::recorded::{PATH, Timings};
 
-type Draw = fn(Caption, &Timings) -> Result<String, String>;
+type Draw = fn(Caption, &Timings) -> Drawn;
 
 /// Name, title, and how it is drawn.
 const PICTURES: [(&str, &str, Draw); 2] = [

@@ -4,7 +4,7 @@ use super::{Drawn, drawn, problem, result, task};
 use crate::experiments::rounding::{self, Rounding, rounding};
 use crate::experiments::stress::{self, Attained, Case, Series, Stress, stress};
 use crate::experiments::trial::Trial;
-use crate::figures::{Caption, Chart, Curve, FragilityPanel, fragility};
+use crate::figures::{Caption, Chart, Curve, Drawing, FragilityPanel, fragility, table};
 use crate::pipeline::{Inputs, Task};
 use crate::replication::project::Project;
 
@@ -35,7 +35,8 @@ pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Drawn {
                 .collect(),
         })
         .collect();
-    fragility(caption, &found.sizes, &panels).map_err(|e| e.to_string())
+    let svg = fragility(caption, &found.sizes, &panels).map_err(|e| e.to_string())?;
+    Ok(Drawing { svg, table: Some(table::of_fragility(&panels)) })
 }
 
 fn panel(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {

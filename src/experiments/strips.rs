@@ -1,0 +1,119 @@
+//! Which boundary nodes are in contact, iteration by iteration, on the finest grid of a published table.
+
+use super::problems::Problem;
+use crate::discrete::grid::nested;
+use crate::discrete::load::load;
+use crate::problem::source::Source;
+use crate::saddle::{Method, Pair, Params, Steps, StopRule, arrow_hurwicz, on_nested, tolerance};
+use crate::spectral::spectral;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Everything the experiment depends on.
+#[derive(Clone, Debug, Serialize)]
+pub struct Plan {
+    /// The paper's problems.
+    pub problems: Vec<Problem>,
+}
+
+/// The contact of one problem, for each of the paper's r.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Strips {
+    /// Number of its table.
+    pub number: u8,
+    /// Cells per side of the grid.
+    pub cells: usize,
+    /// One per r.
+    pub strips: Vec<Strip>,
+    /// The contact arcs of the true solution: from and to, in lengths of a side along the boundary,
+    /// anticlockwise from the lower left corner; one that passes this corner ends before it begins.
+    pub truth: Vec<[f64; 2]>,
+}
+
+/// The contact of one run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Strip {
+    /// Duality parameter.
+    pub r: f64,
+    /// After each iteration, the runs of boundary nodes with a positive multiplier: first, and one past the
+    /// last, counted anticlockwise from the lower left corner.
+    pub contact: Vec<Vec<[usize; 2]>>,
+}
+
+/// Runs the paper's method under the signed rule, and watches the last grid.
+///
+/// # Errors
+/// A sentence if f cannot be read, grids do not nest, or there is no solution.
+pub fn strips(plan: &Plan) -> Result<Vec<Strips>, String> {
+    plan.problems.iter().map(of_problem).collect()
+}
+
+fn of_problem(problem: &Problem) -> Result<Strips, String> {
+    let f: Source = problem.f.parse().map_err(|e| format!("{}: {e}", problem.f))?;
+    let solution = spectral(&f, crate::spectral::Params::default())
+        .map_err(|e| format!("{}: {e}", problem.f))?;
+    let truth =
+        solution.contact.iter().map(|arc| [arc.from, arc.to].map(super::truth::place)).collect();
+    Ok(Strips {
+        number: problem.number,
+        cells: problem.grids.last().copied().unwrap_or(0),
+        strips: problem
+            .r
+            .par_iter()
+            .map(|&r| strip(problem, &f, r))
+            .collect::<Result<_, String>>()?,
+        truth,
+    })
+}
+
+fn strip(problem: &Problem, f: &Source, r: f64) -> Result<Strip, String> {
+    let grids = nested(&problem.grids).map_err(|e| e.to_string())?;
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, f, problem.load)).collect();
+    let mut contact = Vec::new();
+    on_nested(&grids, &loads, problem.prolongation, |level, grid, load, pair| {
+        let params = Params {
+            r,
+            tolerance: tolerance(level),
+            rule: StopRule::Signed,
+            max_iterations: problem.max_iterations,
+        };
+        let start = pair.clone();
+        let outcome = arrow_hurwicz(grid, load, &params, pair, None);
+        if level == grids.len() {
+            // The same iterations once more, now that their number is known.
+            let mut again = start;
+            let mut steps = Steps::new(grid, load, Method::ArrowHurwicz, r);
+            for _ in 0..outcome.iterations {
+                if steps.step(&mut again, usize::MAX).is_err() {
+                    break;
+                }
+                contact.push(runs(&again));
+            }
+        }
+        (outcome, outcome.stop)
+    });
+    Ok(Strip { r, contact })
+}
+
+/// Runs of boundary nodes with a positive multiplier.
+fn runs(pair: &Pair) -> Vec<[usize; 2]> {
+    let mut runs: Vec<[usize; 2]> = Vec::new();
+    for (b, _) in pair.a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+        match runs.last_mut() {
+            Some(run) if run[1] == b => run[1] = b + 1,
+            _ => runs.push([b, b + 1]),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_disjoint_and_ascend() {
+        let pair = Pair { y: Vec::new(), a: vec![1.0, 0.0, 2.0, 3.0, 0.0] };
+        assert_eq!(runs(&pair), [[0, 1], [2, 4]]);
+    }
+}

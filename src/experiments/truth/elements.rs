@@ -1,0 +1,208 @@
+//! Finite elements against a true solution: errors, ends of contact, and what the guaranteed bounds say.
+
+use crate::bounds::{Bounds, bounds};
+use crate::discrete::contact::ContactArc;
+use crate::discrete::grid::Grid;
+use crate::discrete::load::{Diagonal, LoadRule, load};
+use crate::discrete::norms::errors;
+use crate::discrete::stiffness::energy;
+use crate::experiments::exponent;
+use crate::multigrid::MultigridParams;
+use crate::multigrid::square::multigrid;
+use crate::problem::exact::Exact;
+use crate::problem::source::Source;
+use crate::spectral::Solution;
+use serde::{Deserialize, Serialize};
+
+/// One problem on all grids, solved by multigrid to the rounding floor.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Elements {
+    /// Name of the problem.
+    pub name: String,
+    /// f in the notation of scenes.
+    pub f: String,
+    /// Grid by grid.
+    pub levels: Vec<Level>,
+    /// Exponents of h: of the error in the energy norm and of the energy, fitted to the three finest grids, and
+    /// of the ends of contact, which jump from grid to grid, to all of them.
+    pub orders: [Option<f64>; 3],
+}
+
+/// One problem on one grid.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Level {
+    /// Cells per side.
+    pub cells: usize,
+    /// True error: L2 norm of `grad (v - v_h)`.
+    pub error: f64,
+    /// The guaranteed bounds of it, over it: at most 1, and at least 1.
+    pub effectivity: [f64; 2],
+    /// The energy of `v_h` less the true one, if that is known.
+    pub energy: Option<f64>,
+    /// Width of the guaranteed bracket of the true energy.
+    pub bracket: f64,
+    /// Whether the true energy lies in it, if that is known.
+    pub holds: Option<bool>,
+    /// The largest distance between a true end of contact and the computed one, along the boundary, if there
+    /// are as many arcs.
+    pub ends: Option<f64>,
+}
+
+/// A finite element solution and its bounds.
+struct Solved {
+    grid: Grid,
+    load: Vec<f64>,
+    y: Vec<f64>,
+    bounds: Bounds,
+}
+
+fn solve(name: &str, f: &Source, cells: usize, rule: LoadRule) -> Result<Solved, String> {
+    let failed = |e: &dyn std::fmt::Display| format!("{name}, h = 1/{cells}: {e}");
+    let grid = Grid::new(cells).map_err(|e| failed(&e))?;
+    let load = load(grid, f, rule);
+    let params = MultigridParams::default();
+    let (y, _) = multigrid(cells, &load, None, &params, |_| ()).map_err(|e| failed(&e))?;
+    let bounds = bounds(grid, f, &y).map_err(|e| failed(&e))?;
+    Ok(Solved { grid, load, y, bounds })
+}
+
+impl Elements {
+    pub(super) fn against_spectral(
+        name: &str,
+        f: &Source,
+        truth: &Solution,
+        cells: &[usize],
+    ) -> Result<Self, String> {
+        let level = |&cells: &usize| {
+            let rule = LoadRule::Exact { diagonal: Diagonal::default() };
+            let Solved { grid, load, y, bounds } = solve(name, f, cells, rule)?;
+            let energy = energy(grid, &y, &load) - truth.energy;
+            // For every w, |grad (v - w)|^2 = 2 (J(w) - J(v)) - 2 int l w.
+            let work: f64 = truth
+                .border()
+                .map(|p| p.weight * p.multiplier * on_border(grid, &y, p.point))
+                .sum();
+            let error = (2.0 * (energy - work)).max(0.0).sqrt();
+            let [low, high] = bounds.energy;
+            Ok(Level {
+                energy: Some(energy),
+                holds: Some(low <= truth.energy && truth.energy <= high),
+                ends: distance(&truth.contact, &bounds.contact),
+                ..Level::of(cells, error, &bounds)
+            })
+        };
+        let levels = cells.iter().map(level).collect::<Result<Vec<_>, String>>()?;
+        Ok(Self::of(name.into(), f.to_string(), levels))
+    }
+
+    pub(super) fn against_closed_form(exact: Exact, cells: &[usize]) -> Result<Self, String> {
+        let f = Source::Exact(exact);
+        let level = |&cells: &usize| {
+            let solved = solve(exact.name(), &f, cells, LoadRule::default())?;
+            let error = errors(solved.grid, exact, &solved.y, &solved.load).h1;
+            Ok(Level::of(cells, error, &solved.bounds))
+        };
+        let levels = cells.iter().map(level).collect::<Result<Vec<_>, String>>()?;
+        Ok(Self::of(exact.name().into(), f.to_string(), levels))
+    }
+
+    fn of(name: String, f: String, levels: Vec<Level>) -> Self {
+        let order = |finest: usize, of: &dyn Fn(&Level) -> Option<f64>| {
+            let points: Vec<_> = levels
+                .iter()
+                .rev()
+                .take(finest)
+                .filter_map(|level| Some((1.0 / level.cells as f64, of(level)?)))
+                .collect();
+            Some(exponent(&points)).filter(|order| order.is_finite())
+        };
+        let orders = [
+            order(3, &|level| Some(level.error)),
+            order(3, &|level| level.energy),
+            order(levels.len(), &|level| level.ends),
+        ];
+        Self { name, f, levels, orders }
+    }
+}
+
+impl Level {
+    fn of(cells: usize, error: f64, bounds: &Bounds) -> Self {
+        Self {
+            cells,
+            error,
+            effectivity: bounds.error.map(|bound| bound / error),
+            energy: None,
+            bracket: bounds.energy[1] - bounds.energy[0],
+            holds: None,
+            ends: None,
+        }
+    }
+}
+
+/// The nodal vector at a point of the boundary, linear between nodes.
+fn on_border(grid: Grid, y: &[f64], [x, z]: [f64; 2]) -> f64 {
+    let n = grid.cells() as f64;
+    let cell = |s: f64| {
+        let place = ((s + 0.5) * n).clamp(0.0, n);
+        let k = (place as usize).min(grid.cells() - 1);
+        (k, place - k as f64)
+    };
+    let ((i, s), (j, t)) = (cell(x), cell(z));
+    let at = |i: usize, j: usize| y[grid.index(i, j)];
+    (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(i + 1, j))
+        + t * ((1.0 - s) * at(i, j + 1) + s * at(i + 1, j + 1))
+}
+
+/// The distance along the boundary of a point from the lower left corner, anticlockwise.
+pub(in crate::experiments) fn place([x, y]: [f64; 2]) -> f64 {
+    let (right, up) = (x + 0.5, y + 0.5);
+    match () {
+        () if y == -0.5 => right,
+        () if x == 0.5 => 1.0 + up,
+        () if y == 0.5 => 3.0 - right,
+        () => 4.0 - up,
+    }
+}
+
+/// The largest distance between ends of arcs, each found arc taken for the true one that begins next to it;
+/// none without ends, or if their numbers differ.
+fn distance(truth: &[ContactArc], found: &[ContactArc]) -> Option<f64> {
+    if truth.len() != found.len() || truth.iter().chain(found).any(|arc| arc.from == arc.to) {
+        return None;
+    }
+    let apart = |p: [f64; 2], q: [f64; 2]| {
+        let d = (place(p) - place(q)).rem_euclid(4.0);
+        d.min(4.0 - d)
+    };
+    let nearest = |arc: &ContactArc| {
+        let distances =
+            found.iter().map(|other| apart(arc.from, other.from).max(apart(arc.to, other.to)));
+        distances.fold(f64::INFINITY, f64::min)
+    };
+    truth.iter().map(nearest).reduce(f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_are_compared_along_the_boundary() {
+        let arc = |from, to| ContactArc { from, to, force: 1.0 };
+        let truth = [arc([0.5, 0.2], [0.2, 0.5]), arc([-0.5, -0.1], [-0.1, -0.5])];
+        let found = [arc([-0.5, -0.2], [-0.1, -0.5]), arc([0.5, 0.2], [0.25, 0.5])];
+        assert!((distance(&truth, &found).unwrap() - 0.1).abs() < 1e-15);
+        // Across the lower left corner.
+        let [one, other] = [arc([-0.5, -0.49], [0.0, -0.5]), arc([-0.48, -0.5], [0.0, -0.5])];
+        assert!((distance(&[one], &[other]).unwrap() - 0.03).abs() < 1e-15);
+        assert_eq!(distance(&truth, &found[..1]), None);
+    }
+
+    #[test]
+    fn values_on_the_boundary_are_linear_between_nodes() {
+        let grid = Grid::new(4).unwrap();
+        let y: Vec<f64> = (0..25).map(|k| f64::from(k % 5) + 10.0 * f64::from(k / 5)).collect();
+        assert_eq!(on_border(grid, &y, [-0.125, -0.5]), 1.5);
+        assert_eq!(on_border(grid, &y, [0.5, 0.5]), 44.0);
+    }
+}

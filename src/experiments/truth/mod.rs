@@ -1,0 +1,122 @@
+//! True solutions from the spectral solver: values for reference, and finite elements measured against them.
+
+mod elements;
+mod reference;
+
+pub(super) use elements::place;
+pub use elements::{Elements, Level};
+pub use reference::{Arc, Reference, Value};
+
+use crate::problem::exact::Exact;
+use crate::problem::source::Source;
+use crate::spectral::{Params, Solution, spectral};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// What is computed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// Names, and right-hand sides in the notation of scenes.
+    pub problems: Vec<(String, String)>,
+    /// The two resolutions whose common digits are given, as nodes of a panel and levels of panels.
+    pub resolutions: [(usize, u32); 2],
+    /// Cells per side of the grids on which finite elements are measured.
+    pub cells: Vec<usize>,
+    /// Cells per side of the grid at whose nodes the solutions of the first two problems are given.
+    pub sampled: usize,
+}
+
+/// The problem whose known solution tests contact: lift, multiplier and depth are all of order one.
+pub const STRONG: (&str, &str) = ("strong-contact", "quadrant(ll)=6; else=-4");
+
+impl Plan {
+    /// The paper's problems `first`, then four others, with several arcs of contact and with discs.
+    pub fn new(first: impl IntoIterator<Item = (String, String)>) -> Self {
+        let others = [
+            ("four-arcs", "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5"),
+            STRONG,
+            ("two-discs", "disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1"),
+            ("corner-disc", "disc(0.5,0.5,0.3)=4; else=-1"),
+        ];
+        let others = others.map(|(name, f)| (name.to_owned(), f.to_owned()));
+        Self {
+            problems: first.into_iter().chain(others).collect(),
+            resolutions: [(20, 8), (24, 9)],
+            cells: vec![16, 32, 64, 128, 256],
+            sampled: 32,
+        }
+    }
+}
+
+/// What came out.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Truth {
+    /// One per problem.
+    pub references: Vec<Reference>,
+    /// Finite elements on the same problems, then on those with solutions in closed form.
+    pub elements: Vec<Elements>,
+    /// Cells per side of the grid of `samples`.
+    pub sampled: usize,
+    /// v of the first two problems at the nodes, row by row from the lower left corner.
+    pub samples: Vec<Vec<f64>>,
+    /// What the chapter says of all of them.
+    pub summary: Summary,
+}
+
+/// How well identities and bounds hold.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Summary {
+    /// The largest [`Reference::green`], its sign left out.
+    pub green: f64,
+    /// The same of [`Reference::rellich`].
+    pub rellich: f64,
+    /// Brackets of a true energy that is known.
+    pub brackets: usize,
+    /// Those that hold it.
+    pub held: usize,
+}
+
+impl Summary {
+    fn of(references: &[Reference], elements: &[Elements]) -> Self {
+        let worst = |of: fn(&Reference) -> f64| {
+            references.iter().map(|one| of(one).abs()).fold(0.0, f64::max)
+        };
+        let held = || elements.iter().flat_map(|one| &one.levels).filter_map(|level| level.holds);
+        Self {
+            green: worst(|one| one.green),
+            rellich: worst(|one| one.rellich),
+            brackets: held().count(),
+            held: held().filter(|held| *held).count(),
+        }
+    }
+}
+
+/// Runs the experiment.
+///
+/// # Errors
+/// A sentence if a right-hand side cannot be read, or there is no solution.
+pub fn truth(plan: &Plan) -> Result<Truth, String> {
+    let [rough, fine] = plan.resolutions.map(|(nodes, levels)| Params { nodes, levels });
+    let solved = |(name, text): &(String, String)| {
+        let f: Source = text.parse().map_err(|e| format!("{name}: {e}"))?;
+        let failed = |e| format!("{name}: {e}");
+        let rough = spectral(&f, rough).map_err(failed)?;
+        let fine = rough.at_resolution(fine).map_err(failed)?;
+        Ok((Reference::of(name, &f, &rough, &fine), f, fine))
+    };
+    let solved: Result<Vec<(Reference, Source, Solution)>, String> =
+        plan.problems.par_iter().map(solved).collect();
+    let solved = solved?;
+    let pieces = solved.par_iter().map(|(reference, f, solution)| {
+        Elements::against_spectral(&reference.name, f, solution, &plan.cells)
+    });
+    let closed =
+        Exact::ALL.par_iter().map(|exact| Elements::against_closed_form(*exact, &plan.cells));
+    let mut elements = pieces.collect::<Result<Vec<_>, _>>()?;
+    elements.extend(closed.collect::<Result<Vec<_>, _>>()?);
+    let samples = solved.iter().take(2).map(|(.., solution)| solution.at_nodes(plan.sampled));
+    let samples = samples.collect();
+    let references: Vec<_> = solved.into_iter().map(|(reference, ..)| reference).collect();
+    let summary = Summary::of(&references, &elements);
+    Ok(Truth { references, elements, sampled: plan.sampled, samples, summary })
+}

@@ -1,0 +1,114 @@
+//! Values of a true solution, to as many digits as two resolutions agree on.
+
+use crate::discrete::contact::ContactArc;
+use crate::problem::source::Source;
+use crate::spectral::Solution;
+use serde::{Deserialize, Serialize};
+
+/// A problem and its solution in numbers for others to compare with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Reference {
+    /// Its name.
+    pub name: String,
+    /// f in the notation of scenes.
+    pub f: String,
+    /// J(v).
+    pub energy: Value,
+    /// v(0, 0).
+    pub centre: Value,
+    /// v in the corners: lower left, lower right, upper right, upper left.
+    pub corners: [Value; 4],
+    /// Contact, anticlockwise.
+    pub contact: Vec<Arc>,
+    /// The total force plus the integral of f, over the latter: zero but for errors.
+    pub green: f64,
+    /// The energy by Rellich's identity less the energy, over the latter: zero but for errors.
+    pub rellich: f64,
+}
+
+/// An arc of contact.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Arc {
+    /// Where it begins.
+    pub from: [Value; 2],
+    /// Where it ends; the same point as `from` if all of the boundary is in contact.
+    pub to: [Value; 2],
+    /// Integral of the multiplier over it.
+    pub force: Value,
+}
+
+/// A number at the finer of two resolutions.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Value {
+    /// As a double.
+    pub value: f64,
+    /// The decimals on which both resolutions agree, at most sixteen, rounded.
+    pub digits: String,
+}
+
+impl Value {
+    fn of([rough, fine]: [f64; 2]) -> Self {
+        let written = |x: f64, places: usize| {
+            let text = format!("{x:.places$}");
+            // Minus nothing is nothing.
+            if text.trim_start_matches(['-', '0', '.']).is_empty() {
+                text.trim_start_matches('-').to_owned()
+            } else {
+                text
+            }
+        };
+        // Zero where contact is, and halves on the sides of the square, hold by construction.
+        if fine == rough && (2.0 * fine).fract() == 0.0 {
+            return Self { value: fine, digits: format!("{}", fine + 0.0) };
+        }
+        let digits = (0..=16)
+            .rev()
+            .map(|places| (written(rough, places), written(fine, places)))
+            .find(|(rough, fine)| rough == fine)
+            .map_or_else(String::new, |(_, fine)| fine);
+        Self { value: fine, digits }
+    }
+}
+
+impl Reference {
+    /// The same solution at two resolutions, the finer one last.
+    pub(super) fn of(name: &str, f: &Source, rough: &Solution, fine: &Solution) -> Self {
+        let value = |of: &dyn Fn(&Solution) -> f64| Value::of([of(rough), of(fine)]);
+        // The solver counts from the lower right corner.
+        let corners = [3, 0, 1, 2].map(|k| value(&|s| s.corners()[k]));
+        let arc = |k: usize| {
+            let of = |of: &dyn Fn(&ContactArc) -> f64| value(&|s| of(&s.contact[k]));
+            Arc {
+                from: [0, 1].map(|d| of(&|arc| arc.from[d])),
+                to: [0, 1].map(|d| of(&|arc| arc.to[d])),
+                force: of(&|arc| arc.force),
+            }
+        };
+        let arcs = rough.contact.len().min(fine.contact.len());
+        Self {
+            name: name.into(),
+            f: f.to_string(),
+            energy: value(&|s| s.energy),
+            centre: value(&|s| s.value(0.0, 0.0)),
+            corners,
+            contact: (0..arcs).map(arc).collect(),
+            green: fine.checks.green,
+            rellich: fine.checks.rellich,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_those_of_both_resolutions() {
+        let digits = |rough, fine| Value::of([rough, fine]).digits;
+        assert_eq!(digits(0.123456789, 0.123456781), "0.12345678");
+        assert_eq!(digits(-0.5, -0.5), "-0.5");
+        assert_eq!(digits(0.25, 0.25), "0.2500000000000000");
+        assert_eq!(digits(0.0, 0.0), "0");
+        assert_eq!(digits(-1e-18, 1e-18), "0.0000000000000000");
+    }
+}

@@ -1,0 +1,114 @@
+//! Contact along the boundary, iteration by iteration: one strip per run.
+
+use super::axes::Frame;
+use super::palette::{CONTACT, INK, MUTED, RULE};
+use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
+use super::text::Ticks;
+use super::{Caption, FigureError, StripsPanel, finite, not_empty};
+
+/// Width of the picture in display pixels.
+const WIDTH: f64 = 800.0;
+/// Left and right end of a row of strips.
+const ACROSS: (f64, f64) = (58.0, 790.0);
+/// Between two strips.
+const GAP: f64 = 12.0;
+/// Height of the longest strip.
+const TALL: f64 = 200.0;
+/// Height of the bar of the true contact set, and its distance from the strips.
+const BAR: (f64, f64) = (9.0, 8.0);
+/// The least width of a part of it.
+const SEEN: f64 = 3.0;
+/// Room above the strips of a panel, for its title and the names of the runs.
+const ABOVE: f64 = 60.0;
+/// Room below, for the bar, the numbers and the name of the axis.
+const BELOW: f64 = 68.0;
+
+/// Draws one row of strips per panel: red where the boundary is in contact, first iteration on top.
+///
+/// Below each strip a bar shows where the true solution touches.
+///
+/// # Errors
+/// [`FigureError`] without panels or strips, or with ends that are not finite.
+pub fn strips(caption: Caption, panels: &[StripsPanel]) -> Result<String, FigureError> {
+    for panel in not_empty("panels", panels)? {
+        not_empty("strips", &panel.strips)?;
+        finite(panel.title, "ends of contact", panel.truth.iter().flatten().copied())?;
+    }
+    let high = ABOVE + TALL + BELOW;
+    let mut picture = Picture::new(WIDTH, high * panels.len() as f64 + 24.0);
+    picture.layer("", |pen| {
+        for (k, panel) in panels.iter().enumerate() {
+            draw_panel(pen, panel, high * k as f64);
+        }
+        let y = high * panels.len() as f64 + 8.0;
+        pen.rect((ACROSS.0, y - 6.0), (ACROSS.0 + 24.0, y + 6.0), CONTACT);
+        pen.text("in contact (a > 0)", (ACROSS.0 + 32.0, y), Type::size(SMALL).left());
+        pen.rect((ACROSS.0 + 190.0, y - 4.5), (ACROSS.0 + 214.0, y + 4.5), INK);
+        let kind = Type::size(SMALL).left();
+        pen.text("contact of the true solution", (ACROSS.0 + 222.0, y), kind);
+    })?;
+    Ok(picture.finish(caption))
+}
+
+fn draw_panel(pen: &mut Pen, panel: &StripsPanel, top: f64) {
+    pen.text(panel.title, (ACROSS.0, top + 18.0), Type::size(LARGE).bold().left());
+    let count = panel.strips.len() as f64;
+    let wide = (ACROSS.1 - ACROSS.0 - GAP * (count - 1.0)) / count;
+    let longest = panel.strips.iter().map(|(_, rows)| rows.len()).max().unwrap_or(0).max(1);
+    let down = (top + ABOVE, top + ABOVE + TALL);
+    for (k, (label, rows)) in panel.strips.iter().enumerate() {
+        let left = ACROSS.0 + (wide + GAP) * k as f64;
+        let frame =
+            Frame { across: (left, left + wide), down, x: (0.0, 4.0), y: (longest as f64, 0.0) };
+        draw_strip(pen, panel, &frame, rows);
+        pen.text(label, (left + 0.5 * wide, down.0 - 12.0), Type::size(SMALL));
+        if k == 0 {
+            frame.label_left(pen, Ticks::inside(0.0, longest as f64, 5).labelled());
+        }
+    }
+    let middle = 0.5 * (down.0 + down.1);
+    pen.text("iteration", (14.0, middle), Type::size(NORMAL).upwards());
+}
+
+fn draw_strip(pen: &mut Pen, panel: &StripsPanel, frame: &Frame, rows: &[Vec<[usize; 2]>]) {
+    let end = frame.up(rows.len() as f64);
+    let at = |node: usize| frame.right(((node as f64 - 0.5) / panel.cells as f64).clamp(0.0, 4.0));
+    let mut row = 0;
+    // Rows that are alike are one rectangle.
+    for alike in rows.chunk_by(|a, b| a == b) {
+        // A little further down than it reaches, so that no seam shows.
+        let (from, to) = (frame.up(row as f64), frame.up((row + alike.len()) as f64) + 0.5);
+        let to = to.min(end);
+        for run in &alike[0] {
+            pen.rect((at(run[0]), from), (at(run[1]), to), CONTACT);
+            // Half a cell of the first node lies before the corner where the boundary closes.
+            if run[0] == 0 {
+                pen.rect((at(4 * panel.cells), from), (frame.across.1, to), CONTACT);
+            }
+        }
+        row += alike.len();
+    }
+    for corner in [1.0, 2.0, 3.0] {
+        let x = frame.right(corner);
+        pen.path([(x, frame.down.0), (x, end)], RULE, 0.75);
+    }
+    pen.outline((frame.across.0, frame.down.0), (frame.across.1, end), INK, 1.0);
+    let bar = (frame.down.1 + BAR.1, frame.down.1 + BAR.1 + BAR.0);
+    for &[from, to] in panel.truth {
+        let parts = if from < to { vec![(from, to)] } else { vec![(from, 4.0), (0.0, to)] };
+        for (from, to) in parts {
+            // At least as wide as one can see.
+            let (left, right) = (frame.right(from), frame.right(to));
+            let (left, right) = match to < 4.0 {
+                true => (left, right.max(left + SEEN)),
+                false => (left.min(right - SEEN), right),
+            };
+            pen.rect((left, bar.0), (right, bar.1), INK);
+        }
+    }
+    pen.outline((frame.across.0, bar.0), (frame.across.1, bar.1), MUTED, 0.75);
+    let below = Frame { down: (frame.down.0, bar.1), ..*frame };
+    below.label_below(pen, [0.0, 1.0, 2.0, 3.0, 4.0].map(|s| (s, format!("{s}"))));
+    let middle = 0.5 * (frame.across.0 + frame.across.1);
+    pen.text("s", (middle, bar.1 + 30.0), Type::size(NORMAL).italic());
+}

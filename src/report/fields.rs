@@ -1,0 +1,216 @@
+//! Solutions as files for other programs: NPY and NPZ for NumPy, VTK image data for ParaView.
+
+use crate::discrete::cube;
+use crate::discrete::grid::Grid;
+use crate::problem;
+use crate::problem::source::Source;
+use crate::saddle::Pair;
+
+/// A solution on the square or the cube, x running fastest in every array.
+pub struct Fields<'a> {
+    /// Cells along x, y and z; none along an axis that is not there.
+    cells: [usize; 3],
+    /// Width of a cell.
+    h: f64,
+    /// Values of v at the nodes.
+    v: &'a [f64],
+    /// The multiplier dv/dn at the nodes, zero inside.
+    multiplier: Vec<f64>,
+    /// f at the centres of the cells.
+    f: Vec<f64>,
+}
+
+impl<'a> Fields<'a> {
+    /// A solution on the square, with its multiplier at the boundary nodes.
+    pub fn square(grid: Grid, f: &Source, pair: &'a Pair) -> Self {
+        let (n, h) = (grid.cells(), grid.h());
+        let middle = |k: usize| (k as f64 + 0.5) * h - 0.5;
+        let f = (0..n * n).map(|k| f.at([middle(k % n), middle(k / n)])).collect();
+        let multiplier = scattered(grid.nodes(), grid.boundary(), &pair.a);
+        Self { cells: [n, n, 0], h, v: &pair.y, multiplier, f }
+    }
+
+    /// A solution on the cube, with its multiplier at the nodes `boundary`.
+    pub fn cube(
+        grid: cube::Grid,
+        f: &problem::cube::Source,
+        boundary: &[usize],
+        pair: &'a Pair,
+    ) -> Self {
+        let (n, h) = (grid.cells(), grid.h());
+        let middle = |k: usize| (k as f64 + 0.5) * h - 0.5;
+        let at = |k: usize| f.at([k % n, k / n % n, k / (n * n)].map(middle));
+        let f = (0..n * n * n).map(at).collect();
+        let multiplier = scattered(grid.nodes(), boundary.iter().copied(), &pair.a);
+        Self { cells: [n; 3], h, v: &pair.y, multiplier, f }
+    }
+
+    /// Lengths of an array with `more` entries than cells along each axis, the one along x last.
+    fn shape(&self, more: usize) -> Vec<usize> {
+        self.cells.iter().rev().filter(|n| **n > 0).map(|n| n + more).collect()
+    }
+
+    /// v alone, in NPY format.
+    pub fn npy(&self) -> Vec<u8> {
+        npy(&self.shape(1), self.v)
+    }
+
+    /// `v`, `multiplier` and `f` in NPZ format: NPY files in an archive that is not compressed.
+    ///
+    /// None if they do not fit into the four gigabytes that such an archive may have.
+    pub fn npz(&self) -> Option<Vec<u8>> {
+        let bytes = 8 * (self.v.len() + self.multiplier.len() + self.f.len());
+        (bytes + 4096 <= u32::MAX as usize).then(|| {
+            zip(&[
+                ("v.npy", self.npy()),
+                ("multiplier.npy", npy(&self.shape(1), &self.multiplier)),
+                ("f.npy", npy(&self.shape(0), &self.f)),
+            ])
+        })
+    }
+
+    /// VTK XML image data: points with `v` and `multiplier`, cells with `f`; raw little-endian doubles.
+    ///
+    /// Axes without cells are at 0, the others centred there.
+    pub fn vti(&self, name: &str) -> Vec<u8> {
+        let along = |of_axis: &dyn Fn(usize) -> String| self.cells.map(of_axis).join(" ");
+        let extent = along(&|n| format!("0 {n}"));
+        let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });
+        let spacing = along(&|n| if n > 0 { self.h.to_string() } else { "1".into() });
+        let block = |values: &[f64]| 8 + 8 * values.len();
+        let offsets = [0, block(self.v), block(self.v) + block(&self.multiplier)];
+        let array = |name: &str, offset: usize| {
+            format!(
+                "<DataArray type=\"Float64\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>\n"
+            )
+        };
+        let mut bytes = format!(
+            "<?xml version=\"1.0\"?>\n<!-- {name}, solution v of the scalar Signorini problem -->\n\
+            <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+            <ImageData WholeExtent=\"{extent}\" Origin=\"{origin}\" Spacing=\"{spacing}\">\n\
+            <Piece Extent=\"{extent}\"><PointData Scalars=\"v\">\n{}{}\
+            </PointData><CellData Scalars=\"f\">\n{}\
+            </CellData></Piece></ImageData>\n<AppendedData encoding=\"raw\">\n_",
+            array("v", offsets[0]),
+            array("multiplier", offsets[1]),
+            array("f", offsets[2])
+        )
+        .into_bytes();
+        for values in [self.v, &self.multiplier, &self.f] {
+            bytes.extend((8 * values.len() as u64).to_le_bytes());
+            bytes.extend(doubles(values));
+        }
+        bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+        bytes
+    }
+}
+
+/// A nodal vector with `values` at these nodes and zero elsewhere.
+fn scattered(nodes: usize, at: impl Iterator<Item = usize>, values: &[f64]) -> Vec<f64> {
+    let mut all = vec![0.0; nodes];
+    for (node, value) in at.zip(values) {
+        all[node] = *value;
+    }
+    all
+}
+
+fn doubles(values: &[f64]) -> impl Iterator<Item = u8> {
+    values.iter().flat_map(|v| v.to_le_bytes())
+}
+
+/// NPY version 1.0: an array of little-endian doubles, the last index along x.
+fn npy(shape: &[usize], values: &[f64]) -> Vec<u8> {
+    let shape: Vec<_> = shape.iter().map(usize::to_string).collect();
+    let shape = shape.join(", ");
+    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    // The data must begin at a multiple of 64 bytes; magic, version and length take ten.
+    header += &" ".repeat(63 - (10 + header.len()) % 64);
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.bytes());
+    bytes.extend(doubles(values));
+    bytes
+}
+
+/// A ZIP archive of stored files (APPNOTE 6.3), without dates: the first day that the format knows.
+fn zip(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    const DATE: u16 = 1 << 5 | 1;
+    let (mut archive, mut directory) = (Vec::new(), Vec::new());
+    let put = |out: &mut Vec<u8>, short: &[u16], long: &[u32]| {
+        out.extend(short.iter().flat_map(|n| n.to_le_bytes()));
+        out.extend(long.iter().flat_map(|n| n.to_le_bytes()));
+    };
+    for (name, bytes) in files {
+        let (offset, size, long) = (archive.len() as u32, bytes.len() as u32, name.len() as u16);
+        let sum = crc32(bytes);
+        // Version 2.0, no flags, stored, time and date; then sum and sizes, and the length of the name.
+        archive.extend(b"PK\x03\x04");
+        put(&mut archive, &[20, 0, 0, 0, DATE], &[sum, size, size]);
+        put(&mut archive, &[long, 0], &[]);
+        archive.extend(name.bytes());
+        archive.extend(bytes);
+        directory.extend(b"PK\x01\x02");
+        put(&mut directory, &[20, 20, 0, 0, 0, DATE], &[sum, size, size]);
+        put(&mut directory, &[long, 0, 0, 0, 0], &[0, offset]);
+        directory.extend(name.bytes());
+    }
+    let (count, offset) = (files.len() as u16, archive.len() as u32);
+    let size = directory.len() as u32;
+    archive.extend(directory);
+    archive.extend(b"PK\x05\x06");
+    put(&mut archive, &[0, 0, count, count], &[size, offset]);
+    put(&mut archive, &[0], &[]);
+    archive
+}
+
+/// The checksum of ZIP archives: CRC-32 of ISO 3309.
+fn crc32(bytes: &[u8]) -> u32 {
+    const TABLE: [u32; 256] = {
+        let mut table = [0; 256];
+        let mut k = 0;
+        while k < 256 {
+            let (mut c, mut bit) = (k as u32, 0);
+            while bit < 8 {
+                c = if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 };
+                bit += 1;
+            }
+            table[k] = c;
+            k += 1;
+        }
+        table
+    };
+    !bytes.iter().fold(!0, |c: u32, &byte| TABLE[((c ^ u32::from(byte)) & 255) as usize] ^ (c >> 8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn npy_header_is_aligned_and_data_follow() {
+        let y: Vec<f64> = (0..9).map(f64::from).collect();
+        let bytes = npy(&[3, 3], &y);
+        let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        assert_eq!((header % 64, bytes[header - 1], bytes.len()), (0, b'\n', header + 72));
+        assert_eq!(bytes[header + 8..header + 16], 1f64.to_le_bytes());
+    }
+
+    #[test]
+    fn the_checksum_is_that_of_the_standard() {
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+    }
+
+    #[test]
+    fn the_multiplier_is_at_the_boundary_and_f_in_the_cells() {
+        let grid = Grid::new(2).unwrap();
+        let f: Source = "quadrant(ll)=3; else=-2".parse().unwrap();
+        let pair = Pair { y: vec![1.0; 9], a: (1..=8).map(f64::from).collect() };
+        let fields = Fields::square(grid, &f, &pair);
+        assert_eq!(fields.f, [3.0, -2.0, -2.0, -2.0]);
+        // Row by row, where the boundary runs anticlockwise.
+        assert_eq!(fields.multiplier, [1.0, 2.0, 3.0, 8.0, 0.0, 4.0, 7.0, 6.0, 5.0]);
+        let archive = fields.npz().unwrap();
+        assert!(archive.starts_with(b"PK\x03\x04") && archive.len() > 25 * 8 + 3 * 128);
+    }
+}

@@ -1,0 +1,105 @@
+//! Reference values and finite elements against true solutions; contact, iteration by iteration.
+
+#![allow(clippy::excessive_precision)] // Reference values stand with all digits of their source.
+
+use signorini::discrete::load::LoadRule;
+use signorini::discrete::transfer::Prolongation;
+use signorini::experiments::problems::{PAPER, Problem};
+use signorini::experiments::strips::{self, strips};
+use signorini::experiments::truth::{Plan, Truth, Value, truth};
+use std::sync::OnceLock;
+
+fn found() -> &'static Truth {
+    static ONCE: OnceLock<Truth> = OnceLock::new();
+    ONCE.get_or_init(|| {
+        let named = PAPER.map(|(name, f)| (name.to_owned(), f.to_owned()));
+        truth(&Plan { cells: vec![16, 32, 64], sampled: 8, ..Plan::new(named) }).unwrap()
+    })
+}
+
+/// All digits but the last are those of the value computed in quadruple precision.
+#[track_caller]
+fn agrees(value: &Value, known: f64) {
+    let decimals = value.digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    assert!((12..=16).contains(&decimals), "{value:?}");
+    let printed: f64 = value.digits.parse().unwrap();
+    let last = 0.1f64.powi(decimals as i32);
+    assert!((printed - known).abs() <= 3.0 * last, "{} is not {known}", value.digits);
+}
+
+#[test]
+fn printed_digits_are_right() {
+    let one = |name: &str| found().references.iter().find(|one| one.name == name).unwrap();
+    for (name, energy, centre, end) in [
+        ("problem 1", -0.100744189417478743, 0.173341417900582503, 0.445188172822940070),
+        ("problem 2", -0.402452348899040672, 0.643250065051246157, -0.477641454445133592),
+        ("two-discs", -0.060527282639588421, -0.063103573848361069, 0.150657255623229887),
+        ("corner-disc", -0.025624898159882615, -0.054595125204661644, 0.006127028704528844),
+    ] {
+        let one = one(name);
+        agrees(&one.energy, energy);
+        agrees(&one.centre, centre);
+        // The coordinate of the first end that is not that of a side.
+        let from = &one.contact[0].from;
+        agrees(if from[0].value.abs() == 0.5 { &from[1] } else { &from[0] }, end);
+    }
+    assert_eq!(one("four-arcs").contact.len(), 4);
+    let corners = &one("problem 1").corners;
+    agrees(&corners[0], 0.496926392867702065);
+    assert_eq!(corners[2].digits, "0");
+}
+
+#[test]
+fn bounds_hold_and_are_sharp() {
+    for one in &found().elements {
+        for level in &one.levels {
+            let [below, above] = level.effectivity;
+            assert!(below <= 1.0 + 1e-9 && above >= 1.0 - 1e-9, "{}: {level:?}", one.name);
+            assert!(level.holds != Some(false), "{}: {level:?}", one.name);
+        }
+        let [below, above] = one.levels[2].effectivity;
+        assert!(below > 0.98 && above < 1.02, "{}: {:?}", one.name, one.levels[2]);
+        let [error, energy, _] = one.orders;
+        assert!((error.unwrap() - 1.0).abs() < 0.1, "{}: {:?}", one.name, one.orders);
+        assert!(energy.is_none_or(|order| (order - 2.0).abs() < 0.1), "{:?}", one.orders);
+    }
+    let summary = found().summary;
+    assert_eq!((summary.brackets, summary.held), (18, 18));
+    assert!(summary.green < 1e-11 && summary.rellich < 1e-11, "{summary:?}");
+}
+
+#[test]
+fn values_at_nodes_are_those_of_finite_elements() {
+    let [first, second] = &found().samples[..] else { panic!("two problems") };
+    assert_eq!((first.len(), second.len()), (81, 81));
+    // The corners in contact, the others, and the centre.
+    assert_eq!((first[80], second[0]), (0.0, 0.0));
+    assert!((first[0] - 0.496926392867702065).abs() < 1e-12);
+    assert!((second[40] - 0.643250065051246157).abs() < 1e-12);
+    // The rim never sinks below zero.
+    for values in [first, second] {
+        let rim = (0..81).filter(|k| k % 9 == 0 || k % 9 == 8 || *k < 9 || *k >= 72);
+        assert!(rim.clone().count() == 32 && rim.into_iter().all(|k| values[k] >= 0.0));
+    }
+}
+
+#[test]
+fn strips_are_as_long_as_the_published_counts() {
+    let problem = Problem {
+        number: 2,
+        f: PAPER[1].1.into(),
+        load: LoadRule::default(),
+        prolongation: Prolongation::default(),
+        grids: vec![4, 8, 16, 32, 64],
+        r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
+        max_iterations: 1000,
+    };
+    let found = strips(&strips::Plan { problems: vec![problem] }).unwrap();
+    let lengths: Vec<usize> = found[0].strips.iter().map(|strip| strip.contact.len()).collect();
+    assert_eq!(lengths, [34, 23, 32, 16, 36]);
+    // Where it stops far more is in contact than in truth, which is a piece around one corner.
+    let nodes: usize = found[0].strips[1].contact[22].iter().map(|run| run[1] - run[0]).sum();
+    let [[from, to]] = found[0].truth[..] else { panic!("one arc") };
+    let truth = 4.0 - from + to;
+    assert!((truth - 0.0447).abs() < 1e-4 && nodes as f64 / 64.0 > 10.0 * truth, "{nodes} {truth}");
+}
