@@ -1,5 +1,6 @@
 //! `identify`: the search for the right-hand sides of the lost Figure 1.
 
+mod args;
 mod table;
 mod watch;
 
@@ -7,129 +8,20 @@ use super::interrupt::interrupted;
 use super::output::{OutputFile, say, say_json, talk};
 use super::{current_folder, threads};
 use crate::identify::{
-    Budget, Checkpoint, IdentifyError, Lattice, Method, Progress, Report, Request, Selection,
-    Space, Target, Variant, merge, search, select,
+    Budget, Checkpoint, IdentifyError, Progress, Report, Request, Selection, Target, Variant,
+    merge, search, select,
 };
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
-use clap::{Args, ValueEnum};
+pub(super) use args::{EXAMPLES, IdentifyArgs};
+use args::{Problem, request};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use watch::Watch;
-
-/// What `identify --help` ends with.
-pub(super) const EXAMPLES: &str = "\
-How it works: f takes constant values on the pieces of a space, decimals from a list or range. A run\n\
-with the published numbers of iterations tells how far each count is from coming out (the misfit).\n\
-Grids 1 and 2 cost microseconds and discard nearly everything; the best are run in full.\n\n\
-Spaces:\n  \
-  odd-quadrant  one value on a quadrant, any of the four, and one elsewhere\n  \
-  quadrants     four values: lower left, lower right, upper left, upper right\n  \
-  rectangles    one value on a rectangle with corners on the grid 1/4, and one elsewhere\n  \
-  blocks4       sixteen values, on blocks of side 1/4\n\n\
-Examples:\n  \
-  signorini identify                                      both problems, two values, exhaustively\n  \
-  signorini identify --problem 2 --space quadrants        four values, by annealing\n  \
-  signorini identify --problem 1 --values '2.9:3.1:0.001; -1.02:-0.98:0.001'   one range per piece\n  \
-  signorini identify --problem 2 --variants --budget 300  which reading of the method does best?\n  \
-  signorini identify --values -8:4:0.002 --checkpoint long.json   Ctrl-C, and again to go on\n  \
-  signorini identify --values -8:4:0.001 --part 2/8 --checkpoint 2.json   one of eight\n  \
-  signorini identify --merge [1-8].json                   what all eight found\n\n\
-The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005\n\
-(complexity); complexity counts distinct values and their decimal places. The same command finds the\n\
-same f whatever the threads. Exit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
-
-/// Which published tables to explain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Problem {
-    /// Table 1.
-    #[value(name = "1")]
-    One,
-    /// Table 2.
-    #[value(name = "2")]
-    Two,
-    /// Every table of pipeline/paper.toml, one after the other.
-    Both,
-}
-
-/// How to go through a space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Way {
-    /// Every candidate, in order.
-    Enumerate,
-    /// Simulated annealing from random candidates.
-    Anneal,
-}
-
-/// Arguments of `identify`.
-#[derive(Args, Debug)]
-pub(super) struct IdentifyArgs {
-    /// The problem whose table f is to explain
-    #[arg(
-        long,
-        value_enum,
-        default_value = "both",
-        hide_possible_values = true,
-        value_name = "1|2|both"
-    )]
-    problem: Problem,
-    /// Family of f; see below
-    #[arg(long, default_value = "odd-quadrant")]
-    space: String,
-    /// Values f may take: MIN:MAX:STEP or a comma-separated list; with `;`, one such per piece
-    /// [default: -8:4:0.005, or coarser where the space is large]
-    #[arg(long, allow_hyphen_values = true, value_name = "LIST|MIN:MAX:STEP")]
-    values: Option<String>,
-    /// How to search [default: enumerate two values, anneal more]
-    #[arg(long, value_enum, hide_possible_values = true, value_name = "enumerate|anneal")]
-    method: Option<Way>,
-    /// Annealing: independent chains
-    #[arg(long, value_name = "N", default_value_t = 16)]
-    chains: u64,
-    /// Annealing: candidates per chain
-    #[arg(long, value_name = "N", default_value_t = 2500)]
-    steps: u64,
-    /// Enumeration: coarse grids on which every count must come out
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    exact_grids: usize,
-    /// Admit f whose integral is not negative, against (2)
-    #[arg(long)]
-    any_integral: bool,
-    /// Repeat the search under every reading of the method that differs in one choice
-    #[arg(long, conflicts_with = "checkpoint")]
-    variants: bool,
-    /// Stop after this time, shared by all searches of the command, and show what was found
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    budget: Option<f64>,
-    /// Seed of everything random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// How many candidates to keep
-    #[arg(long, value_name = "K", default_value_t = 5)]
-    top: usize,
-    /// Threads [default: one per core]; results do not depend on it
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Keep the state of the search in this file, and go on from it if it exists
-    #[arg(long, value_name = "FILE")]
-    checkpoint: Option<PathBuf>,
-    /// Do only the Kth of N parts; --merge puts the checkpoints of all together
-    #[arg(long, value_name = "K/N", requires = "checkpoint")]
-    part: Option<String>,
-    /// Search no further: show what these checkpoints, of all parts of a search, have found together
-    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = [
-        "problem", "space", "values", "method", "chains", "steps", "exact_grids", "any_integral",
-        "variants", "budget", "seed", "top", "threads", "checkpoint", "part",
-    ])]
-    merge: Vec<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
-}
 
 /// What was found for one table, and how fast.
 #[derive(Debug, Serialize)]
@@ -309,37 +201,6 @@ fn ended(args: &IdentifyArgs) -> Result<u8> {
             Ok(Error::Interrupted.exit_code())
         }
     }
-}
-
-fn request(args: &IdentifyArgs) -> Result<Request> {
-    let space: Space = args.space.parse().map_err(refused)?;
-    // Where few values are asked for, all of them; and lattices that take about a minute.
-    let (way, values) = match space {
-        Space::OddQuadrant => (Way::Enumerate, "-8:4:0.005"),
-        Space::Rectangles => (Way::Enumerate, "-8:4:0.1"),
-        Space::Quadrants => (Way::Anneal, "-8:4:0.01"),
-        Space::Blocks4 => (Way::Anneal, "-8:4:0.1"),
-    };
-    let positive = |n: u64, name: &str| {
-        if n == 0 { Err(Error::input(format!("--{name} must be at least 1"))) } else { Ok(n) }
-    };
-    Ok(Request {
-        space,
-        values: Lattice::parse_all(args.values.as_deref().unwrap_or(values)).map_err(refused)?,
-        variant: Variant::default(),
-        method: match args.method.unwrap_or(way) {
-            Way::Enumerate => Method::Enumerate,
-            Way::Anneal => Method::Anneal {
-                chains: positive(args.chains, "chains")?,
-                steps: positive(args.steps, "steps")?,
-            },
-        },
-        negative_integral: !args.any_integral,
-        exact_grids: args.exact_grids,
-        seed: args.seed,
-        top: positive(args.top as u64, "top")? as usize,
-        part: args.part.as_deref().map(str::parse).transpose().map_err(refused)?,
-    })
 }
 
 fn refused(e: IdentifyError) -> Error {
