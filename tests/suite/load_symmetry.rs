@@ -2,7 +2,7 @@
 
 use signorini::discrete::cube;
 use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, load};
+use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini::problem::cube::{Body, Source as CubeSource};
 use signorini::problem::exact::Exact;
 use signorini::problem::source::Source;
@@ -58,6 +58,15 @@ fn turning_the_cube_turns_the_load() {
             }
         }
     }
+}
+
+#[test]
+fn integrals_of_smooth_f_are_those_of_closed_forms() {
+    // f is -2 pi^2 and -3 pi^2 times the product of the cosines of pi x, pi y (and pi z).
+    let square = integral(&"exact(full-contact)".parse().unwrap());
+    assert!((square + 8.0).abs() < 1e-7, "{square}");
+    let cube = cube::integral(&"exact(full-contact)".parse().unwrap());
+    assert!((cube + 24.0 / std::f64::consts::PI).abs() < 1e-5, "{cube}");
 }
 
 #[test]
