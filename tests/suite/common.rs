@@ -105,6 +105,15 @@ impl Project {
         project
     }
 
+    /// A copy of the project that these tests belong to, without a cache.
+    pub(crate) fn whole() -> Self {
+        let project = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        for part in ["pipeline", "report", "figures"] {
+            copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join(part), &project.path(part));
+        }
+        project
+    }
+
     /// Writes a scene file.
     pub(crate) fn scene(&self, name: &str, text: &str) {
         self.write(&format!("pipeline/scenes/{name}.toml"), text);

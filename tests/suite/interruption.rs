@@ -27,7 +27,7 @@ fn long() -> Project {
 }
 
 /// What must be there again after any fault: what [`Project::made`] gives, the pages and the book.
-fn made(project: &Project) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn made(project: &Project) -> BTreeMap<String, Vec<u8>> {
     let mut made = project.made();
     for folder in ["report/src", "report/book"] {
         let files = project.files(folder).into_iter();
@@ -38,7 +38,7 @@ fn made(project: &Project) -> BTreeMap<String, Vec<u8>> {
 
 /// Starts a run and reads along until as many tasks have ended, then goes on for some microseconds
 /// more, so that what follows may find it anywhere.
-fn started(project: &Project, force: bool, tasks: u64, micros: u64) -> Child {
+pub(crate) fn started(project: &Project, force: bool, tasks: u64, micros: u64) -> Child {
     let mut command =
         project.command(if force { &["run", "-v", "--force"] } else { &["run", "-v"] });
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

@@ -32,3 +32,4 @@ mod spectral;
 mod stress;
 mod terminal;
 mod truth;
+mod whole;
