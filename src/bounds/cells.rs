@@ -122,27 +122,9 @@ impl Strip<'_> {
         }
     }
 
-    /// Sums over cell `i` with moments `f`, with fluxes through its edges left, right, bottom, top that f
-    /// needs, and the residual there times `h^2`. `outer` says which of the edges are on the boundary.
-    pub(super) fn special(
-        &self,
-        i: usize,
-        f: &Moments,
-        flux: [f64; 4],
-        outer: [bool; 4],
-    ) -> (Sums, f64) {
+    /// What cell `i` shows along x and along y.
+    fn axes(&self, i: usize) -> [Axis; 2] {
         let (lower, upper, edges) = (self.lower, self.upper, self.edges);
-        let [ll, lr, ul, ur] = [
-            lower.laplacian[i],
-            lower.laplacian[i + 1],
-            upper.laplacian[i],
-            upper.laplacian[i + 1],
-        ];
-        let slope = [
-            12.0 * f.x + 0.5 * ((lr + ur) - (ll + ul)),
-            12.0 * f.y + 0.5 * ((ul + ur) - (ll + lr)),
-        ];
-        let twist = 144.0 * f.xy + ((ll + ur) - (lr + ul));
         let natural = |row: &NodeRow| 0.5 * (row.along[i + 2] - row.along[i]);
         let x = Axis {
             along: [lower.along[i + 1], upper.along[i + 1]],
@@ -156,6 +138,31 @@ impl Strip<'_> {
             bubble: [edges.bubble[i], edges.bubble[i + 1]],
             second: [i, i + 1].map(|i| 0.5 * (lower.across[i] + upper.across[i])),
         };
+        [x, y]
+    }
+
+    /// Sums over cell `i` with moments `f`, with fluxes through its edges left, right, bottom, top that f
+    /// needs, and the residual there times `h^2`. `outer` says which of the edges are on the boundary.
+    pub(super) fn special(
+        &self,
+        i: usize,
+        f: &Moments,
+        flux: [f64; 4],
+        outer: [bool; 4],
+    ) -> (Sums, f64) {
+        let (lower, upper) = (self.lower, self.upper);
+        let [ll, lr, ul, ur] = [
+            lower.laplacian[i],
+            lower.laplacian[i + 1],
+            upper.laplacian[i],
+            upper.laplacian[i + 1],
+        ];
+        let slope = [
+            12.0 * f.x + 0.5 * ((lr + ur) - (ll + ul)),
+            12.0 * f.y + 0.5 * ((ul + ur) - (ll + lr)),
+        ];
+        let twist = 144.0 * f.xy + ((ll + ur) - (lr + ul));
+        let [x, y] = self.axes(i);
         let distance = x.distance(y.bend(), [flux[0], flux[1]], slope[0], twist)
             + y.distance(x.bend(), [flux[2], flux[3]], slope[1], twist);
         // h / (2 pi) times the norm of f less its bilinear approximation.

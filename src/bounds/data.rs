@@ -2,6 +2,7 @@
 
 use crate::discrete::cells::{Cells, Cut};
 use crate::discrete::grid::Grid;
+use crate::discrete::load::radon;
 use crate::problem::source::Source;
 use std::borrow::Cow;
 
@@ -60,18 +61,10 @@ impl Moments {
         let [below, above] = triangles.map(|(f, _)| f);
         let flipped = [above[0], above[2], above[1], above[3], 0.0, 0.0, 0.0, 0.0];
         let h2 = grid.h() * grid.h();
-        Self {
-            one: h2 * sum(0),
-            x: h2 * sum(1),
-            y: h2 * sum(2),
-            xy: h2 * sum(3),
-            xx: h2 * sum(4),
-            yy: h2 * sum(5),
-            xxy: h2 * sum(6),
-            xyy: h2 * sum(7),
-            ridge: h2 * (ridge(below) + ridge(flipped)),
-            square: h2 * h2 * (triangles[0].1 + triangles[1].1),
-        }
+        let [one, x, y, xy, xx, yy, xxy, xyy] = std::array::from_fn(|k| h2 * sum(k));
+        let ridge = h2 * (ridge(below) + ridge(flipped));
+        let square = h2 * h2 * (triangles[0].1 + triangles[1].1);
+        Self { one, x, y, xy, xx, yy, xxy, xyy, ridge, square }
     }
 
     /// Adds `mass` concentrated at (X, Y), where f times `h^2` is `value`.
@@ -228,27 +221,11 @@ impl<'a> AllCells<'a> {
     }
 }
 
-/// Radon's seven points on a triangle, exact for degree 5 (Stroud, T2:5-1), with weights.
-fn quadrature(triangle: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
-    let [p, q, r] = triangle;
+/// Radon's points on a triangle, with weights.
+fn quadrature([p, q, r]: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
     let area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]));
-    let root = 15f64.sqrt();
-    let mut points = [([0.0; 2], 0.0); 7];
-    let third = 1.0 / 3.0;
-    let mut place = |k: usize, [a, b, c]: [f64; 3], weight: f64| {
-        points[k] = ([0, 1].map(|d| a * p[d] + b * q[d] + c * r[d]), area * weight);
-    };
-    place(0, [third; 3], 9.0 / 40.0);
-    for (k, s, w) in [
-        (1, (6.0 - root) / 21.0, (155.0 - root) / 1200.0),
-        (4, (6.0 + root) / 21.0, (155.0 + root) / 1200.0),
-    ] {
-        let t = 1.0 - 2.0 * s;
-        place(k, [t, s, s], w);
-        place(k + 1, [s, t, s], w);
-        place(k + 2, [s, s, t], w);
-    }
-    points
+    radon()
+        .map(|([a, b, c], weight)| ([0, 1].map(|d| a * p[d] + b * q[d] + c * r[d]), area * weight))
 }
 
 /// The nodes around which f is not one constant, between a row of cells and the one above: inclusive

@@ -13,6 +13,7 @@ use crate::identify::{
 };
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
+use crate::timing;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
 use args::{Problem, request};
 use serde::{Deserialize, Serialize};
@@ -71,6 +72,7 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     let budget = Budget {
         time: args.budget.map(seconds).transpose()?,
         threads: args.threads.map(|count| threads("--threads", count)),
+        clock: timing::clock,
     };
     if args.variants {
         compare(args, &numbers, &targets, &request, budget)

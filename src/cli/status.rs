@@ -57,8 +57,8 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
 
 /// Columns of the terminal, where the shell or the user tells.
 fn width() -> usize {
-    let told = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse().ok());
-    told.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
+    let given = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse().ok());
+    given.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
 }
 
 /// A line for each stage: its state, how many tasks are concerned, and one of them with the reason.

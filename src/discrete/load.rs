@@ -8,6 +8,7 @@ use crate::problem::exact::Exact;
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
 use exact::exact;
+pub use exact::radon;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -5,7 +5,7 @@
 //! of their own. What is found therefore depends on the request alone, not on the number of threads or on how often the
 //! search was interrupted and resumed.
 
-use super::plan::{BLOCK, Live, Plan};
+use super::plan::{BLOCK, Item, Live, Plan};
 use super::rank::{Best, Found};
 use super::request::Request;
 use super::{IdentifyError, Target};
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Items between two checkpoints.
 const BATCH: u64 = 8;
@@ -21,12 +21,21 @@ const BATCH: u64 = 8;
 const TICK: Duration = Duration::from_millis(100);
 
 /// When to stop early; what was found until then is kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Budget {
     /// Time after which to stop, as if the stop flag had been set.
     pub time: Option<Duration>,
     /// Worker threads; none for as many as rayon's global pool has.
     pub threads: Option<usize>,
+    /// The time since some moment.
+    pub clock: fn() -> Duration,
+}
+
+impl Default for Budget {
+    /// No limit, and a clock that stands still.
+    fn default() -> Self {
+        Self { time: None, threads: None, clock: || Duration::ZERO }
+    }
 }
 
 /// State of a search between two batches.
@@ -64,6 +73,20 @@ impl Checkpoint {
         all.merge(cut_short.unwrap_or_else(|| self.block.clone()));
         all
     }
+
+    /// Adds a whole batch, of which `block` has the best, up to item `end`.
+    fn take(&mut self, done: &[Item], block: Best, end: u64, plan: &Plan) {
+        self.block = block;
+        for item in done {
+            self.tried += item.tried;
+            self.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
+        }
+        self.next = end;
+        if end.is_multiple_of(BLOCK) || end == plan.items.end {
+            self.best = self.all(None);
+            self.block = Best::new(self.request.top);
+        }
+    }
 }
 
 /// What an observer sees, ten times a second and after each batch.
@@ -98,6 +121,32 @@ pub struct Report {
     pub found: Vec<Found>,
 }
 
+/// Runs a batch on other threads, and meanwhile calls `tick` on this one, ten times a second; nothing if a
+/// worker panicked.
+fn in_pool<T: Send>(
+    pool: Option<&rayon::ThreadPool>,
+    run: impl FnOnce() -> Vec<T> + Send,
+    mut tick: impl FnMut(),
+) -> Vec<T> {
+    std::thread::scope(|scope| {
+        let (sender, finished) = channel();
+        scope.spawn(move || {
+            let done = match pool {
+                Some(pool) => pool.install(run),
+                None => run(),
+            };
+            sender.send(done)
+        });
+        loop {
+            match finished.recv_timeout(TICK) {
+                Ok(done) => return done,
+                Err(RecvTimeoutError::Timeout) => tick(),
+                Err(RecvTimeoutError::Disconnected) => return Vec::new(),
+            }
+        }
+    })
+}
+
 /// Searches, or goes on from a checkpoint.
 ///
 /// `observe` is called on the calling thread; after a batch it is given the state to resume from.
@@ -124,7 +173,8 @@ pub fn search(
     };
     let pool =
         budget.threads.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
-    let began = Instant::now();
+    let began = (budget.clock)();
+    let elapsed = || (budget.clock)().saturating_sub(began);
     let live = Live {
         stop,
         halt: &halt,
@@ -141,12 +191,12 @@ pub fn search(
             items: (state.next - plan.items.start, plan.items.end - plan.items.start),
             tried: live.tried.load(Ordering::Relaxed),
             entered: state.entered.iter().zip(&entered_before).map(since).collect(),
-            elapsed: began.elapsed(),
+            elapsed: elapsed(),
             best: best.is_finite().then_some(best),
         }
     };
     let look_up = || {
-        let late = budget.time.is_some_and(|time| began.elapsed() >= time);
+        let late = budget.time.is_some_and(|time| elapsed() >= time);
         halt.fetch_or(late || stop.load(Ordering::Relaxed), Ordering::Relaxed);
     };
     if plan.items.is_empty() {
@@ -164,26 +214,9 @@ pub fn search(
                 .map_init(workspace, |e, item| plan.run(item, e, &state.block, &live))
                 .collect::<Vec<_>>()
         };
-        let done = std::thread::scope(|scope| {
-            let (sender, finished) = channel();
-            let pool = pool.as_ref();
-            scope.spawn(move || {
-                let done = match pool {
-                    Some(pool) => pool.install(run),
-                    None => run(),
-                };
-                sender.send(done)
-            });
-            loop {
-                match finished.recv_timeout(TICK) {
-                    Ok(done) => break done,
-                    Err(RecvTimeoutError::Timeout) => {
-                        observe(&progress(&state), None);
-                        look_up();
-                    }
-                    Err(RecvTimeoutError::Disconnected) => break Vec::new(),
-                }
-            }
+        let done = in_pool(pool.as_ref(), run, || {
+            observe(&progress(&state), None);
+            look_up();
         });
         let whole = !done.is_empty() && done.iter().all(|item| item.whole);
         let mut block = state.block.clone();
@@ -192,16 +225,7 @@ pub fn search(
             cut_short = Some(block);
             break;
         }
-        state.block = block;
-        for item in done {
-            state.tried += item.tried;
-            state.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
-        }
-        state.next = batch.end;
-        if state.next.is_multiple_of(BLOCK) || state.next == plan.items.end {
-            state.best = state.all(None);
-            state.block = Best::new(request.top);
-        }
+        state.take(&done, block, batch.end, &plan);
         observe(&progress(&state), Some(&state));
     }
     let complete = state.next == plan.items.end;

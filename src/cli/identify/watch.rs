@@ -32,12 +32,12 @@ impl Watch {
             Some(bar) => {
                 bar.set_length(progress.items.1);
                 bar.set_position(progress.items.0);
-                bar.set_message(told(progress));
+                bar.set_message(in_words(progress));
             }
             None if self.spoke.elapsed() >= LINE => {
                 let (done, all) = progress.items;
                 let percent = 100 * done / all.max(1);
-                talk(&format!("{}: {percent} %, {}", self.name, told(progress)));
+                talk(&format!("{}: {percent} %, {}", self.name, in_words(progress)));
                 self.spoke = Instant::now();
             }
             None => {}
@@ -59,13 +59,13 @@ impl Watch {
         }
         if let Some(last) = &self.last {
             let time = last.elapsed.as_secs_f64();
-            talk(&format!("{}: {time:.1} s, {}", self.name, told(last)));
+            talk(&format!("{}: {time:.1} s, {}", self.name, in_words(last)));
         }
     }
 }
 
 /// Candidates, the rate at which each grid is entered, and the best so far.
-fn told(progress: &Progress) -> String {
+fn in_words(progress: &Progress) -> String {
     let seconds = progress.elapsed.as_secs_f64().max(1e-3);
     let mut text = format!("{} candidates, {}/s", short(progress.tried as f64), {
         short(progress.tried as f64 / seconds)

@@ -120,7 +120,7 @@ fn smooth_corners(grid: Grid, f: Exact, diagonal: Diagonal, i: usize, j: usize) 
     };
     let mut corners = [0.0; 4];
     for triangle in triangles {
-        let parts = radon(triangle.map(at), |x, y| f.source(x, y));
+        let parts = parts(triangle.map(at), |x, y| f.source(x, y));
         for (k, part) in triangle.into_iter().zip(parts) {
             corners[k] += 0.5 * part;
         }
@@ -128,18 +128,10 @@ fn smooth_corners(grid: Grid, f: Exact, diagonal: Diagonal, i: usize, j: usize) 
     corners
 }
 
-/// Means over a triangle of f times each hat by Radon's seven-point rule, exact for degree 5 (Stroud, T2:5-1).
-fn radon(triangle: [[f64; 2]; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
-    let root = 15f64.sqrt();
-    let (near, far) = ((6.0 - root) / 21.0, (6.0 + root) / 21.0);
-    let (w_near, w_far) = ((155.0 - root) / 1200.0, (155.0 + root) / 1200.0);
-    let mut points = [([1.0 / 3.0; 3], 9.0 / 40.0); 7];
-    for (k, (s, w)) in [(near, w_near), (far, w_far)].into_iter().enumerate() {
-        let t = 1.0 - 2.0 * s;
-        points[1 + 3 * k..][..3].copy_from_slice(&[([t, s, s], w), ([s, t, s], w), ([s, s, t], w)]);
-    }
+/// Means over a triangle of f times each hat, by quadrature.
+fn parts(triangle: [[f64; 2]; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
     let mut parts = [0.0; 3];
-    for (hat, weight) in points {
+    for (hat, weight) in radon() {
         let [x, y] = [0, 1].map(|d| (0..3).map(|k| hat[k] * triangle[k][d]).sum());
         let mass = weight * f(x, y);
         for (part, hat) in parts.iter_mut().zip(hat) {
@@ -147,4 +139,17 @@ fn radon(triangle: [[f64; 2]; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
         }
     }
     parts
+}
+
+/// Radon's seven points in a triangle, in barycentric coordinates, and their weights: exact for degree 5
+/// (Stroud, T2:5-1).
+pub fn radon() -> [([f64; 3], f64); 7] {
+    let root = 15f64.sqrt();
+    let mut points = [([1.0 / 3.0; 3], 9.0 / 40.0); 7];
+    for (k, sign) in [(1, -1.0), (4, 1.0)] {
+        let (s, w) = ((6.0 + sign * root) / 21.0, (155.0 + sign * root) / 1200.0);
+        let t = 1.0 - 2.0 * s;
+        points[k..][..3].copy_from_slice(&[([t, s, s], w), ([s, t, s], w), ([s, s, t], w)]);
+    }
+    points
 }

@@ -139,12 +139,12 @@ impl Undisturbed<'_> {
     }
 
     /// The same with relative errors: in each value whenever it is updated, or in the load, once.
-    fn disturbed(&self, plan: &Plan, some: &[Repetition], in_load: bool) -> Vec<Vec<bool>> {
+    fn disturbed(&self, plan: &Plan, batch: &[Repetition], in_load: bool) -> Vec<Vec<bool>> {
         let source = |of: &Repetition| (plan.sizes[of.size], Random::new(plan.seed, of.stream));
         if !in_load {
-            let runs: Vec<_> = some.iter().map(|of| (of.row, &self.loads[..])).collect();
+            let runs: Vec<_> = batch.iter().map(|of| (of.row, &self.loads[..])).collect();
             let (size, random) = ([0.0; LANES], [Random::new(0, 0); LANES]);
-            let mut noisy = Noisy { size, random, runs: some.iter().map(source).collect() };
+            let mut noisy = Noisy { size, random, runs: batch.iter().map(source).collect() };
             return self.changed(&runs, &mut noisy);
         }
         let disturb = |of: &Repetition| -> Vec<Vec<f64>> {
@@ -153,8 +153,8 @@ impl Undisturbed<'_> {
                 |load: &Vec<f64>| load.iter().map(|&value| off(value, size, &mut random)).collect();
             self.loads.iter().map(&mut noisy).collect()
         };
-        let loads: Vec<_> = some.iter().map(disturb).collect();
-        let runs: Vec<_> = some.iter().zip(&loads).map(|(of, load)| (of.row, &load[..])).collect();
+        let loads: Vec<_> = batch.iter().map(disturb).collect();
+        let runs: Vec<_> = batch.iter().zip(&loads).map(|(of, load)| (of.row, &load[..])).collect();
         self.changed(&runs, &mut AsDefined)
     }
 
@@ -176,13 +176,14 @@ impl Undisturbed<'_> {
                 }
             }
             for (in_load, of) in [false, true].into_iter().zip(of) {
-                batches.extend(of.chunks(2 * LANES).map(|some| (in_load, some.to_vec())));
+                batches.extend(of.chunks(2 * LANES).map(|batch| (in_load, batch.to_vec())));
             }
         }
-        let run = |(in_load, some): &(bool, Vec<Repetition>)| self.disturbed(plan, some, *in_load);
+        let run =
+            |(in_load, batch): &(bool, Vec<Repetition>)| self.disturbed(plan, batch, *in_load);
         let changed: Vec<_> = batches.par_iter().map(run).collect();
         let runs: Vec<_> =
-            batches.iter().flat_map(|(_, some)| some).zip(changed.iter().flatten()).collect();
+            batches.iter().flat_map(|(_, batch)| batch).zip(changed.iter().flatten()).collect();
         let cell = |row: usize, k: usize| {
             let flipped = || runs.iter().filter(move |(of, changed)| of.row == row && changed[k]);
             let (above, below) = near[row].levels[k];
