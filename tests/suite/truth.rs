@@ -21,7 +21,7 @@ fn found() -> &'static Truth {
 #[track_caller]
 fn agrees(value: &Value, known: f64) {
     let decimals = value.digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    assert!((12..=16).contains(&decimals), "{value:?}");
+    assert!((12..=14).contains(&decimals), "{value:?}");
     let printed: f64 = value.digits.parse().unwrap();
     let last = 0.1f64.powi(decimals as i32);
     assert!((printed - known).abs() <= 3.0 * last, "{} is not {known}", value.digits);
@@ -58,7 +58,9 @@ fn bounds_hold_and_are_sharp() {
             assert!(level.holds != Some(false), "{}: {level:?}", one.name);
         }
         let [below, above] = one.levels[2].effectivity;
-        assert!(below > 0.98 && above < 1.02, "{}: {:?}", one.name, one.levels[2]);
+        // Cells that a circle cuts add more than those that a straight jump does.
+        let most = if one.f.contains("disc") { 1.05 } else { 1.02 };
+        assert!(below > 0.98 && above < most, "{}: {:?}", one.name, one.levels[2]);
         let [error, energy, _] = one.orders;
         assert!((error.unwrap() - 1.0).abs() < 0.1, "{}: {:?}", one.name, one.orders);
         assert!(energy.is_none_or(|order| (order - 2.0).abs() < 0.1), "{:?}", one.orders);

@@ -1,4 +1,4 @@
-//! Values of a true solution, to as many digits as two resolutions agree on.
+//! Values of a true solution, to as many digits as two resolutions agree on and rounding leaves.
 
 use crate::discrete::contact::ContactArc;
 use crate::problem::source::Source;
@@ -37,12 +37,16 @@ pub struct Arc {
     pub force: Value,
 }
 
+/// Decimals that rounding leaves: beyond, both resolutions may make the same error (values in quadruple
+/// precision differ by up to 2e-14).
+const DECIMALS: usize = 14;
+
 /// A number at the finer of two resolutions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Value {
     /// As a double.
     pub value: f64,
-    /// The decimals on which both resolutions agree, at most sixteen, rounded.
+    /// The decimals on which both resolutions agree, at most [`DECIMALS`], rounded.
     pub digits: String,
 }
 
@@ -61,7 +65,7 @@ impl Value {
         if fine == rough && (2.0 * fine).fract() == 0.0 {
             return Self { value: fine, digits: format!("{}", fine + 0.0) };
         }
-        let digits = (0..=16)
+        let digits = (0..=DECIMALS)
             .rev()
             .map(|places| (written(rough, places), written(fine, places)))
             .find(|(rough, fine)| rough == fine)
@@ -107,8 +111,8 @@ mod tests {
         let digits = |rough, fine| Value::of([rough, fine]).digits;
         assert_eq!(digits(0.123456789, 0.123456781), "0.12345678");
         assert_eq!(digits(-0.5, -0.5), "-0.5");
-        assert_eq!(digits(0.25, 0.25), "0.2500000000000000");
+        assert_eq!(digits(0.25, 0.25), "0.25000000000000");
         assert_eq!(digits(0.0, 0.0), "0");
-        assert_eq!(digits(-1e-18, 1e-18), "0.0000000000000000");
+        assert_eq!(digits(-1e-18, 1e-18), "0.00000000000000");
     }
 }
