@@ -58,7 +58,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     if !args.task.is_empty() {
         let ran = workplace.work(&args.task, &Progress::new(args.verbose, args.quiet))?;
-        return say(&if ran.ran.is_empty() { "nothing to do\n".into() } else { account(&ran) });
+        return say(&if ran.ran.is_empty() { "nothing to do\n".into() } else { what_ran(&ran) });
     }
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.tasks().is_empty() {
@@ -116,7 +116,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if let Some(reason) = left_out.filter(|_| of_paper && summary.exports.contains_key(BOOK)) {
         talk(&format!("the book leaves out its chapters on the paper: {reason}"));
     }
-    say(&account(&summary))
+    say(&what_ran(&summary))
 }
 
 /// The first page of the book.
@@ -132,7 +132,7 @@ fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Dur
 }
 
 /// One line per stage that ran: how many tasks, how long, why.
-fn account(summary: &Summary) -> String {
+fn what_ran(summary: &Summary) -> String {
     let mut text = String::new();
     for stage in Stage::ALL {
         let ran: Vec<_> = summary.ran.iter().filter(|ran| stage.has(&ran.task)).collect();

@@ -312,8 +312,8 @@ pub(super) fn solve<G: Geometry>(
 }
 
 impl<G: Geometry> Hierarchy for Multigrid<G> {
-    fn cycle(&mut self, last: bool) -> f64 {
-        let (finest, correct) = (self.levels.len() - 1, Correct(G::OVERCORRECTION));
+    fn cycle(&mut self, last: bool, part: f64) -> f64 {
+        let (finest, correct) = (self.levels.len() - 1, Correct(part * G::OVERCORRECTION));
         match last {
             true => self.cycle(finest, &smooth(correct)),
             false => self.cycle(finest, &Self::smooth_twice(correct)),

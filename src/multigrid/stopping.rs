@@ -8,15 +8,17 @@ const DISCRETISATION: f64 = 0.05;
 const STAGNATION: f64 = 0.5;
 /// Natural residual of nodes that were minimised one by one, in roundings, generously.
 const FLOOR: f64 = 32.0;
+/// A residual this near to that of two cycles ago, relatively, tells of two contact sets that take turns.
+const CIRCLE: f64 = 1e-3;
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.
 const DIVERGENCE: f64 = 1e12;
 
 /// A hierarchy of grids, as far as the stopping tests know it. Residuals are natural ones, those of the
 /// scaled load.
 pub(super) trait Hierarchy {
-    /// One cycle on the finest grid; returns the residual of the red nodes. The black ones are minimised
-    /// last. The `last` cycle does not smooth for a next.
-    fn cycle(&mut self, last: bool) -> f64;
+    /// One cycle on the finest grid, with this part of the correction; returns the residual of the red nodes.
+    /// The black ones are minimised last. The `last` cycle does not smooth for a next.
+    fn cycle(&mut self, last: bool, part: f64) -> f64;
     /// Residual of all nodes.
     fn check(&mut self) -> f64;
     /// What one rounding of the largest value leaves in a residual.
@@ -37,13 +39,16 @@ pub(super) fn iterate(
 ) -> Outcome {
     let diverging = DIVERGENCE * first.max(grids.load_scale());
     let (mut kkt, mut cycles) = (first, 0);
+    let [mut previous, mut before] = [f64::INFINITY; 2];
     let stop = loop {
         if cycles == params.max_cycles {
             break StopReason::CycleLimit;
         }
         let last = params.goal == Goal::DiscretisationError && cycles > 0;
-        let previous = kkt;
-        kkt = grids.cycle(last);
+        // Each of two contact sets may lead to the other; half a correction leaves that circle.
+        let circling = (kkt - before).abs() <= CIRCLE * kkt;
+        (before, previous) = (previous, kkt);
+        kkt = grids.cycle(last, if circling { 0.5 } else { 1.0 });
         cycles += 1;
         let raw = kkt * grids.scale();
         monitor(&Progress { cycle: cycles, kkt: raw, work_units: grids.work_units() });
@@ -104,7 +109,7 @@ mod tests {
     }
 
     impl Hierarchy for Told {
-        fn cycle(&mut self, _last: bool) -> f64 {
+        fn cycle(&mut self, _last: bool, _part: f64) -> f64 {
             self.cycles.pop().expect("no more cycles are asked for")
         }
         fn check(&mut self) -> f64 {

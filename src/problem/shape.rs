@@ -71,8 +71,15 @@ pub enum SourceError {
         example: &'static str,
     },
     /// Nothing is said about the rest of the domain.
-    #[error("`{0}` in f stands without `else=value`; add it for where no piece is")]
-    NoElse(String),
+    #[error(
+        "`{text}` in f stands without `else=value` for where no piece is; write e.g. '{example}'"
+    )]
+    NoElse {
+        /// What f is.
+        text: String,
+        /// What would be right.
+        example: &'static str,
+    },
     /// A shape with a wrong number of arguments.
     #[error("`{name}` takes {want}, e.g. {example}")]
     Arguments {

@@ -140,7 +140,7 @@ impl<S: Shape> FromStr for Source<S> {
         match background {
             Some(background) => Ok(Self::Pieces { background, pieces }),
             None if S::cover(&shapes) => Ok(Self::Pieces { background: 0.0, pieces }),
-            None => Err(SourceError::NoElse(one_line(text))),
+            None => Err(SourceError::NoElse { text: one_line(text), example: S::EXAMPLE }),
         }
     }
 }

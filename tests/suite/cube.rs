@@ -1,5 +1,6 @@
 //! Solvers on the cube: accuracy, agreement, cost in work units, robustness.
 
+use crate::common::Dice;
 use crate::cube_loads::{exact_load, nodal_load, stress_loads};
 use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
@@ -236,6 +237,31 @@ fn the_workspace_can_be_used_again() {
     assert!(first == solve(&load));
 }
 
+/// Waves of these amplitudes and noise, with a negative sum.
+fn random_load(n: usize, amplitudes: &[f64], roughness: f64, deficit_exponent: f64) -> Vec<f64> {
+    nodal_load(n, Some(10_f64.powf(deficit_exponent)), |[x, y, z]| {
+        let wave = |(k, a): (usize, &f64)| {
+            let (x, y) = ((k / 4 + 1) as f64 * 2.0 * x + k as f64, (k % 4) as f64 * 2.5 * y);
+            a * x.sin() * (y + 0.3).cos() * (2.0 * z + k as f64).cos()
+        };
+        let smooth: f64 = amplitudes.iter().enumerate().map(wave).sum();
+        smooth + roughness * ((x * 517.3 + y * 917.7 + z * 311.9).sin() * 4317.5).fract()
+    })
+}
+
+/// Full corrections go round between two contact sets for six in ten thousand of these loads.
+#[test]
+fn no_two_contact_sets_take_turns() {
+    let mut dice = Dice(7);
+    let mut unit = || dice.below(1 << 32) as f64 / 2f64.powi(32);
+    for number in 0..20_000 {
+        let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * unit() - 1.0).collect();
+        let load = random_load(4, &amplitudes, unit(), -8.0 + 7.7 * unit());
+        let (_, outcome) = run(4, &load, Goal::RoundingFloor);
+        assert_eq!(outcome.stop, StopReason::RoundingFloor, "{number}: {outcome:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -247,14 +273,7 @@ proptest! {
         roughness in 0.0..1.0_f64,
         deficit_exponent in -8.0..-0.3_f64,
     ) {
-        let load = nodal_load(n, Some(10_f64.powf(deficit_exponent)), |[x, y, z]| {
-            let wave = |(k, a): (usize, &f64)| {
-                let (x, y) = ((k / 4 + 1) as f64 * 2.0 * x + k as f64, (k % 4) as f64 * 2.5 * y);
-                a * x.sin() * (y + 0.3).cos() * (2.0 * z + k as f64).cos()
-            };
-            let smooth: f64 = amplitudes.iter().enumerate().map(wave).sum();
-            smooth + roughness * ((x * 517.3 + y * 917.7 + z * 311.9).sin() * 4317.5).fract()
-        });
+        let load = random_load(n, &amplitudes, roughness, deficit_exponent);
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
         prop_assert_eq!(outcome.stop, StopReason::RoundingFloor);
         let oracle = oracle(n, &load);

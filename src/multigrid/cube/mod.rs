@@ -11,7 +11,8 @@
 //! Nested iteration from the coarsest grid, one cycle per grid, more only where the contact set of a
 //! coarse grid is far off; loads of the coarse grids by full weighting. Trilinear transfers, one sweep
 //! before and one after each correction, over-relaxed inside (Yavneh 1996). Coarse grids see two
-//! corrections per correction of the grid above, each costing an eighth of the one before.
+//! corrections per correction of the grid above, each costing an eighth of the one before. With four cells
+//! per side two contact sets may take turns (in 12 of 20 000 random problems); half a correction ends that.
 //!
 //! # Cost
 //! Values and loads of all grids, 18.3 bytes per unknown, plus rounding of rows to cache lines, three planes of
