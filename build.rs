@@ -18,12 +18,6 @@ fn main() {
     let short = version.lines().next().expect("the compiler tells its version");
     println!("cargo::rustc-env=SIGNORINI_RUSTC={short}");
 
-    // Functions with the same machine code are kept once, which takes a third off the size. Only where the
-    // linker is sure to be lld.
-    if std::env::var("TARGET").as_deref() == Ok("x86_64-unknown-linux-gnu") {
-        println!("cargo::rustc-link-arg-bins=-Wl,--icf=all");
-    }
-
     let mut digest = blake3::Hasher::new();
     // Each part with its length, so that no two lists of parts give the same bytes.
     let mut add = |part: &[u8]| {
