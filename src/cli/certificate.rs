@@ -9,11 +9,12 @@ use super::pipeline::Workplace;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
 use crate::replication::paper::TableComparison;
-use crate::replication::project::Project;
+use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::Scene;
 use crate::replication::stages::{report, tabulate};
 use crate::saddle::StopRule;
 use crate::timing::machine::COMPILER;
+use crate::timing::recorded;
 use clap::Args;
 use serde::Serialize;
 use std::fs;
@@ -214,21 +215,7 @@ impl Check {
     fn new(args: &CertificateArgs, workplace: &Workplace, summary: &Summary) -> Result<Self> {
         let project = &workplace.project;
         let tables = comparison(workplace, &summary.manifests)?.tables;
-        let mut inputs: Vec<_> = project
-            .scene_files
-            .iter()
-            .map(|(name, bytes)| (name.clone(), hash(bytes)))
-            .chain(
-                project
-                    .paper_text
-                    .iter()
-                    .map(|text| ("pipeline/paper.toml".to_owned(), hash(text.as_bytes()))),
-            )
-            .collect();
-        let record = project.record_text.as_ref();
-        inputs.extend(
-            record.map(|text| (crate::replication::project::IDENTIFIED.to_owned(), hash(text))),
-        );
+        let inputs = project.files.iter().filter(|(path, _)| *path != recorded::PATH);
         let lock = LockFile::path(&project.root);
         let lock_file = summary.lock_file();
         Ok(Self {
@@ -248,11 +235,11 @@ impl Check {
             summary: tables.iter().map(sentence).collect::<Vec<_>>().join(" "),
             differing: tables.iter().flat_map(differing).collect(),
             page_hash: String::new(),
-            libraries: report::versions().into_iter().map(|v| (v.name, v.version)).collect(),
+            libraries: report::versions(),
             reservations: reservations(project),
             files: files(workplace, summary, &tables)?,
             tables,
-            inputs,
+            inputs: inputs.map(|(path, bytes)| (path.clone(), hash(bytes))).collect(),
             tasks: summary.verdicts.len(),
             hashes: lock_file.tasks.len() + lock_file.exports.len(),
             lock_is_committed: machine::lock_is_committed(&project.root),
@@ -330,7 +317,7 @@ fn differing(table: &TableComparison) -> Vec<Differing> {
 fn reservations(project: &Project) -> Vec<&'static str> {
     let compared = || project.scenes.iter().filter(|scene| scene.paper_table.is_some());
     let mut told = Vec::new();
-    if project.record_text.is_some() {
+    if project.files.contains_key(IDENTIFIED) {
         told.push(
             "The figure that defines the right-hand sides f is lost; they are recovered from these very tables, \
             so that the agreement tests the method and not the values of f, and a cell may differ because f does.",

@@ -70,8 +70,8 @@ pub fn picture(grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
     let view = View::uphill(grid, &pair.y);
     let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view, range: None };
     let caption = Caption { title: name, description: "Made by `signorini solve`." };
-    let svg = surfaces(caption, 2, &[surface]);
-    Ok(svg.map_err(|e| Error::input(e.to_string()))?.into_bytes())
+    let drawing = surfaces(caption, 2, &[surface]).map_err(|e| Error::input(e.to_string()))?;
+    Ok(drawing.svg.into_bytes())
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ mod solve;
 mod status;
 
 use crate::pipeline::error::{Error, Result};
-use crate::report::CommandHelp;
+use crate::replication::project::CommandHelp;
 use crate::timing::machine;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use output::{say, styled, talk};

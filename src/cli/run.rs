@@ -5,6 +5,7 @@ use super::output::{OutputFile, say, talk};
 use super::pipeline::{Workplace, edited, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Progress, Summary, Times, Verdict, brief, why};
+use crate::replication::project::PAPER;
 use crate::replication::stages::{Stage, report};
 use crate::timing::machine;
 use clap::Args;
@@ -112,7 +113,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         return say("nothing to do\n");
     }
     let left_out = report::left_out(&workplace.project);
-    let of_paper = workplace.project.paper_text.is_some();
+    let of_paper = workplace.project.files.contains_key(PAPER);
     if let Some(reason) = left_out.filter(|_| of_paper && summary.exports.contains_key(BOOK)) {
         talk(&format!("the book leaves out its chapters on the paper: {reason}"));
     }

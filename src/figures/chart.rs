@@ -63,7 +63,7 @@ pub fn charts(
         };
         draw(&mut picture, panel, &frame, &entries)?;
     }
-    Ok(Drawing { svg: picture.finish(caption), table: Some(of_charts(panels)) })
+    Ok(picture.finish(caption, Some(of_charts(panels))))
 }
 
 /// A colour for each label: that of its solver, or one that no solver here has. A solver that occurs

@@ -3,8 +3,9 @@
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
 use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
+use super::table::of_contact;
 use super::text::Ticks;
-use super::{Caption, ContactPanel, FigureError, not_empty, range_with_zero, vector};
+use super::{Caption, ContactPanel, Drawing, FigureError, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
 use crate::saddle::Pair;
 
@@ -25,7 +26,7 @@ const ROW: f64 = 9.0;
 ///
 /// # Errors
 /// [`FigureError`] without panels or lines, on a vector of a wrong length, or on NaN and infinities.
-pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<String, FigureError> {
+pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         for (_, Pair { y, a }) in not_empty("lines", &panel.lines)? {
             vector(panel.title, "y", y, panel.grid.nodes())?;
@@ -56,7 +57,7 @@ pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<String, Figu
             "in contact (a > 0) in every run shown; bars: in contact, run by run",
         );
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, Some(of_contact(panels))))
 }
 
 fn legend<'a>(panel: &'a ContactPanel) -> Legend<'a> {

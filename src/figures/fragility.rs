@@ -3,8 +3,9 @@
 use super::axes::Frame;
 use super::palette::{INK, MUTED, RULE, WHITE, legible_on, viridis};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::table::of_fragility;
 use super::text::power_of_ten;
-use super::{Caption, FigureError, FragilityPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, FragilityPanel, finite, not_empty};
 use plotters::style::RGBColor;
 
 /// Width and height of a cell in display pixels.
@@ -33,7 +34,7 @@ pub fn fragility(
     caption: Caption,
     sizes: &[f64],
     panels: &[FragilityPanel],
-) -> Result<String, FigureError> {
+) -> Result<Drawing, FigureError> {
     not_empty("sizes", sizes)?;
     finite("scale", "sizes", sizes.iter().map(|size| decade(*size)))?;
     let mut wide = 0;
@@ -63,7 +64,7 @@ pub fn fragility(
         }
         draw_scale(pen, sizes, (0.5 * width, below + 50.0), color);
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, Some(of_fragility(panels))))
 }
 
 fn decade(size: f64) -> f64 {

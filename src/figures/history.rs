@@ -3,8 +3,9 @@
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, RULE, series};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
-use super::{Caption, FigureError, History, HistoryPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, History, HistoryPanel, finite, not_empty};
 use crate::saddle::{Iteration, tolerance};
 
 /// Width of the picture in display pixels.
@@ -22,7 +23,7 @@ const ACROSS: (f64, f64) = (66.0, 690.0);
 ///
 /// # Errors
 /// [`FigureError`] without panels, grids, curves or iterations, or on NaN and infinities.
-pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<String, FigureError> {
+pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         not_empty("grids", panel.grids)?;
         for curve in not_empty("curves", &panel.curves)? {
@@ -65,7 +66,7 @@ pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<String, Fi
     picture.layer("stroke-dasharray=\"4 8\"", |pen| {
         pen.path([(x + 522.0, y), (x + 550.0, y)], INK, 1.0);
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, Some(of_histories(panels))))
 }
 
 /// A panel with its scales.

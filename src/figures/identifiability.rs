@@ -4,8 +4,9 @@ use super::axes::{Frame, colour_bar, key};
 use super::palette::{CONTACT, INK, WHITE, viridis};
 use super::panels::{Panels, centre, title};
 use super::picture::{NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
+use super::table::of_identifiability;
 use super::text::Ticks;
-use super::{Caption, FigureError, IdentifiabilityPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, IdentifiabilityPanel, finite, not_empty};
 use plotters::style::RGBColor;
 
 /// Side of a panel in display pixels.
@@ -21,7 +22,7 @@ const SIDE: f64 = 290.0;
 pub fn identifiability(
     caption: Caption,
     panels: &[IdentifiabilityPanel],
-) -> Result<String, FigureError> {
+) -> Result<Drawing, FigureError> {
     let mut least = usize::MAX;
     for panel in not_empty("panels", panels)? {
         let slice = panel.slice;
@@ -60,7 +61,7 @@ pub fn identifiability(
         colour_bar(pen, (middle - half, middle + half), top, range, color, "counts that come out");
         legend(pen, (0.5 * width, top + 56.0), most, width);
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, Some(of_identifiability(panels))))
 }
 
 /// The range of an axis: each point stands for the cell around it.

@@ -6,7 +6,7 @@ use super::panels::{Panels, centre, title};
 use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
-use super::{Caption, FMap, FigureError, finite, not_empty};
+use super::{Caption, Drawing, FMap, FigureError, finite, not_empty};
 use crate::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
@@ -29,7 +29,7 @@ type Point = [f64; 2];
 ///
 /// # Errors
 /// [`FigureError::Empty`] without panels, [`FigureError::NotFinite`] if a value of f is not finite.
-pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureError> {
+pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<Drawing, FigureError> {
     not_empty("panels", panels)?;
     let mut limit = 0.0f64;
     let mut rasters = Vec::new();
@@ -72,7 +72,7 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<String, FigureErro
             "f (x, y)",
         );
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, None))
 }
 
 /// Colours are those of values up to `limit`; `values` is the raster of f.

@@ -45,18 +45,12 @@ pub struct Caption<'a> {
 }
 
 /// A picture, and what it shows as a table where that is more than the data it is drawn from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     /// The picture.
     pub svg: String,
     /// CSV with a header line.
     pub table: Option<String>,
-}
-
-impl From<String> for Drawing {
-    fn from(svg: String) -> Self {
-        Self { svg, table: None }
-    }
 }
 
 /// One panel of [`maps_of_f`].

@@ -1,7 +1,7 @@
 //! The canvas: layers of shapes drawn by plotters on a finer raster, put together into one SVG.
 
 use super::palette::{DARK, INK, WHITE};
-use super::{Caption, FigureError};
+use super::{Caption, Drawing, FigureError};
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
@@ -87,9 +87,9 @@ impl Picture {
     }
 
     /// The SVG document: scalable, shown at its size in display pixels where nothing else is said.
-    pub(super) fn finish(self, caption: Caption) -> String {
+    pub(super) fn finish(self, caption: Caption, table: Option<String>) -> Drawing {
         let (width, height) = self.canvas();
-        format!(
+        let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\">\n\
              <title>{}</title>\n<desc>{}</desc>\n<style>{}</style>\n\
@@ -100,7 +100,8 @@ impl Picture {
             escaped(caption.description),
             dark(),
             self.body
-        )
+        );
+        Drawing { svg, table }
     }
 }
 

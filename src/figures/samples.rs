@@ -87,11 +87,11 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         others: others.into(),
     });
     vec![
-        ("figure1", maps_of_f(CAPTION, &maps).unwrap()),
-        ("figure2", surfaces(CAPTION, 2, &shapes).unwrap()),
-        ("histories", histories(CAPTION, &histories_of).unwrap()),
-        ("contact", contact(CAPTION, &contacts).unwrap()),
-        ("identifiability", identifiability(CAPTION, &around).unwrap()),
+        ("figure1", maps_of_f(CAPTION, &maps).unwrap().svg),
+        ("figure2", surfaces(CAPTION, 2, &shapes).unwrap().svg),
+        ("histories", histories(CAPTION, &histories_of).unwrap().svg),
+        ("contact", contact(CAPTION, &contacts).unwrap().svg),
+        ("identifiability", identifiability(CAPTION, &around).unwrap().svg),
     ]
 }
 
@@ -128,20 +128,20 @@ fn unusual_scenes() -> Vec<(String, String)> {
         .zip(&fs)
         .map(|(title, f)| FMap { title: &title[..title.len().min(30)], f })
         .collect();
-    figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap()));
-    figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap()));
+    figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap().svg));
+    figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap().svg));
     let (grids, _, pair) = solved(SOURCES[0], 10.0, 8);
     let (title, grid, y, a) = ("one", grids[1], &pair.y, &pair.a);
     for azimuth in [0.0, 52.5, 90.0] {
         let view = View { azimuth, ..View::default() };
         let panel = Surface { title, grid, y, a, view, range: None };
-        figures.push((format!("view{azimuth}"), surfaces(CAPTION, 2, &[panel]).unwrap()));
+        figures.push((format!("view{azimuth}"), surfaces(CAPTION, 2, &[panel]).unwrap().svg));
     }
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
             .map(|label| (label.into(), pair.clone()));
     let panel = ContactPanel { title, grid, lines: lines.into() };
-    figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap()));
+    figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap().svg));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {
             let size = 1.0 / number as f64;
@@ -152,7 +152,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let levels = vec![vec![long[0]; 7], long];
     let curve = |k| History { label: format!("curve number {k}"), levels: levels.clone() };
     let panel = HistoryPanel { title, grids: &grids, curves: (1..=9).map(curve).collect() };
-    figures.push(("long".into(), histories(CAPTION, &[panel]).unwrap()));
+    figures.push(("long".into(), histories(CAPTION, &[panel]).unwrap().svg));
     figures
 }
 
@@ -186,7 +186,7 @@ fn unusual_charts() -> Vec<(String, String)> {
     };
     let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
     vec![
-        ("fragility".into(), fragility(CAPTION, &sizes, &[panel.clone(), panel]).unwrap()),
+        ("fragility".into(), fragility(CAPTION, &sizes, &[panel.clone(), panel]).unwrap().svg),
         ("charts".into(), charts(CAPTION, 2, false, &panels).unwrap().svg),
         ("chart".into(), charts(CAPTION, 1, true, &panels[..1]).unwrap().svg),
     ]

@@ -3,8 +3,9 @@
 use super::axes::Frame;
 use super::palette::{CONTACT, INK, MUTED, RULE};
 use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
+use super::table::of_strips;
 use super::text::Ticks;
-use super::{Caption, FigureError, StripsPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, StripsPanel, finite, not_empty};
 
 /// Width of the picture in display pixels.
 const WIDTH: f64 = 800.0;
@@ -29,7 +30,7 @@ const BELOW: f64 = 68.0;
 ///
 /// # Errors
 /// [`FigureError`] without panels or strips, or with ends that are not finite.
-pub fn strips(caption: Caption, panels: &[StripsPanel]) -> Result<String, FigureError> {
+pub fn strips(caption: Caption, panels: &[StripsPanel]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         not_empty("strips", &panel.strips)?;
         finite(panel.title, "ends of contact", panel.truth.iter().flatten().copied())?;
@@ -47,7 +48,7 @@ pub fn strips(caption: Caption, panels: &[StripsPanel]) -> Result<String, Figure
         let kind = Type::size(SMALL).left();
         pen.text("contact of the true solution", (ACROSS.0 + 222.0, y), kind);
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, Some(of_strips(panels))))
 }
 
 fn draw_panel(pen: &mut Pen, panel: &StripsPanel, top: f64) {

@@ -5,7 +5,7 @@ use super::camera::{Camera, Scene, UNIT};
 use super::palette::{CONTACT, INK, MUTED, RULE, SHADE, lit, viridis};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
 use super::text::Ticks;
-use super::{Caption, FigureError, Surface, not_empty, range_with_zero, vector};
+use super::{Caption, Drawing, FigureError, Surface, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
 
 /// Most cells per side that are drawn; finer grids are thinned, or the file would grow too large.
@@ -31,7 +31,7 @@ pub fn surfaces(
     caption: Caption,
     columns: usize,
     panels: &[Surface],
-) -> Result<String, FigureError> {
+) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         vector(panel.title, "y", panel.y, panel.grid.nodes())?;
         vector(panel.title, "a", panel.a, panel.grid.boundary_nodes())?;
@@ -84,7 +84,7 @@ pub fn surfaces(
         let units = if columns > 1 { (x + 390.0, y) } else { (x, y + 20.0) };
         key(pen, units, "x, y and v are dimensionless");
     })?;
-    Ok(picture.finish(caption))
+    Ok(picture.finish(caption, None))
 }
 
 /// Floor and the two far walls, with rules at the ticks.

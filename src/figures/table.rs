@@ -47,7 +47,7 @@ pub(super) fn of_charts(panels: &[Chart]) -> String {
 }
 
 /// Every iteration of every run.
-pub fn of_histories(panels: &[HistoryPanel]) -> String {
+pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut table = Table::new(&[
         "panel",
         "run",
@@ -78,7 +78,7 @@ pub fn of_histories(panels: &[HistoryPanel]) -> String {
 }
 
 /// Trace and multiplier at the nodes of the boundary, by arc length from the lower left corner.
-pub fn of_contact(panels: &[ContactPanel]) -> String {
+pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     let mut table = Table::new(&["panel", "run", "s", "y", "a"]);
     for panel in panels {
         for (run, pair) in &panel.lines {
@@ -92,7 +92,7 @@ pub fn of_contact(panels: &[ContactPanel]) -> String {
 }
 
 /// Runs of nodes in contact, as arc lengths of the first and the last, iteration by iteration.
-pub fn of_strips(panels: &[StripsPanel]) -> String {
+pub(super) fn of_strips(panels: &[StripsPanel]) -> String {
     let mut table = Table::new(&["panel", "run", "iteration", "from", "to"]);
     for panel in panels {
         let at = |node: usize| node as f64 / panel.cells as f64;
@@ -109,7 +109,7 @@ pub fn of_strips(panels: &[StripsPanel]) -> String {
 }
 
 /// The counts that come out, f by f.
-pub fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
+pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
     let mut table = Table::new(&["panel", "f there", "f elsewhere", "counts"]);
     for panel in panels {
         for (y, row) in panel.slice.y.iter().zip(&panel.slice.exact) {
@@ -122,7 +122,7 @@ pub fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
 }
 
 /// The least disturbance that changes each count; empty where none did.
-pub fn of_fragility(panels: &[FragilityPanel]) -> String {
+pub(super) fn of_fragility(panels: &[FragilityPanel]) -> String {
     let mut table = Table::new(&["panel", "row", "column", "count", "disturbance"]);
     for panel in panels {
         for (row, cells) in panel.rows.iter().zip(&panel.cells) {

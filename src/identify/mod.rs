@@ -46,7 +46,7 @@ use serde::{Deserialize, Serialize};
 pub const COARSEST: usize = 4;
 
 /// A published table: what the search is to explain.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Target {
     /// Duality parameters, one per row.
     pub r: Vec<f64>,

@@ -20,9 +20,6 @@ pub struct Score {
     pub exact: usize,
     /// Number of counts.
     pub cells: usize,
-    /// Sum over all counts of the squared logarithm of ours over the published one, in a free run;
-    /// a run that was given up counts as a factor of [`GIVEN_UP`].
-    pub log_ratios: f64,
     /// Values of Delta a that agree to the two printed digits.
     pub delta_a_exact: usize,
     /// Sum of `|ln|` of our Delta a over the published one, less what rounding allows.
@@ -33,8 +30,8 @@ pub struct Score {
     pub complexity: u32,
 }
 
-/// Factor charged for a count that never came.
-pub(super) const GIVEN_UP: f64 = 8.0;
+/// Largest factor by which a Delta a is charged to miss.
+const MOST_OFF: f64 = 8.0;
 
 impl Score {
     /// What the search makes small: count misfit, then Delta a, then simplicity.
@@ -139,7 +136,7 @@ pub(super) fn delta_a_misfit(target: &Target, delta_a: &[f64]) -> f64 {
         let unit = libm::pow(10.0, libm::log10(published).floor() - 1.0);
         let allowed = libm::log(1.0 + 0.5 * unit / published);
         let off = (libm::log(ours / published).abs() - allowed).max(0.0);
-        let most = libm::log(GIVEN_UP);
+        let most = libm::log(MOST_OFF);
         if off.is_nan() { most } else { off.min(most) }
     };
     delta_a.iter().zip(&target.delta_a).map(one).sum()
@@ -177,18 +174,14 @@ pub(super) fn explain(
     let values = candidate.values();
     let forced = evaluator.forced(candidate.geometry, &values, Limit::NONE);
     let table = evaluator.free(candidate.geometry, &values);
-    let pairs = || table.counts.iter().flatten().zip(target.counts.iter().flatten());
-    let log_ratio = |(ours, published): (&Option<usize>, &usize)| {
-        libm::log(ours.map_or(GIVEN_UP, |n| n as f64 / *published as f64)).powi(2)
-    };
+    let pairs = table.counts.iter().flatten().zip(target.counts.iter().flatten());
     let digits = |x: f64| format!("{x:.1e}");
     let same = |(a, b): &(&f64, &f64)| digits(**a) == digits(**b);
     Ok(Found {
         f,
         score: Score {
-            exact: pairs().filter(|(ours, published)| **ours == Some(**published)).count(),
+            exact: pairs.filter(|(ours, published)| **ours == Some(**published)).count(),
             cells: target.cells(),
-            log_ratios: pairs().map(log_ratio).sum(),
             delta_a_exact: table.delta_a.iter().zip(&target.delta_a).filter(same).count(),
             delta_a_misfit: delta_a_misfit(target, &forced.delta_a),
             misfit: forced.total,

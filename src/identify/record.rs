@@ -81,9 +81,6 @@ pub struct RunRecord {
     pub outcome: String,
 }
 
-/// Path in the project.
-pub const PATH: &str = "pipeline/identified.toml";
-
 impl Record {
     /// The f that are compared for this table.
     pub fn alternatives(&self, table: u8) -> &[String] {

@@ -87,66 +87,11 @@ fn plain<'a>(path: &'a Path, what: &str) -> Result<&'a str> {
     })
 }
 
-const MAKE: &str = "\
-# The tasks of this project for `make -j`, a rule for each; written by `signorini dag --make`, and by make
-# itself when the project has changed. Run it in the folder of the project; afterwards `signorini run`
-# writes figures/ and report/.
-SIGNORINI := PROGRAM
-TASK := $(SIGNORINI) run --quiet --cache-dir CACHE --task
-RAYON_NUM_THREADS ?= 1
-export RAYON_NUM_THREADS
+/// The head of the makefile; PROGRAM and CACHE stand for paths.
+const MAKE: &str = include_str!("engine/head.mk");
 
-.PHONY: all always
-all:
+/// The head of the Snakefile; PATH and FOLDER stand for paths.
+const SNAKEMAKE: &str = include_str!("engine/head.smk");
 
-this := $(lastword $(MAKEFILE_LIST))
-$(this): always
-\t@$(SIGNORINI) dag --make --cache-dir CACHE > $@.new
-\t@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
-";
-
-const SNAKEMAKE: &str = r#"# The tasks of this project for Snakemake, a job for each; written by `signorini dag --snakemake`.
-# Run it in the folder of the project; afterwards `signorini run` writes figures/ and report/.
-import json
-import os
-import subprocess
-
-SIGNORINI = config.get("signorini", "PATH")
-CACHE = config.get("cache", "FOLDER")
-
-# Asked anew each time: a task of which anything has changed has another stamp.
-LISTED = [SIGNORINI, "dag", "--json", "--cache-dir", CACHE]
-TASKS = json.loads(subprocess.run(LISTED, check=True, stdout=subprocess.PIPE).stdout)["tasks"]
-STAMP_OF = {task["id"]: task["stamp"] for task in TASKS}
-TASK_OF = {os.path.basename(task["stamp"]): task for task in TASKS}
-STAMPS = os.path.dirname(TASKS[0]["stamp"])
-COMMAND = "RAYON_NUM_THREADS={threads} {SIGNORINI} run --quiet --cache-dir {CACHE} --task {params.id:q}"
-
-
-def needs(stage):
-    return lambda wildcards: [STAMP_OF[id] for id in TASK_OF[f"{stage}-{wildcards.key}"]["needs"]]
-
-
-def task(stage):
-    return lambda wildcards: TASK_OF[f"{stage}-{wildcards.key}"]["id"]
-
-
-rule all:
-    input:
-        list(STAMP_OF.values()),
-"#;
-
-const RULE: &str = r#"
-
-rule STAGE:
-    input:
-        needs("STAGE"),
-    output:
-        STAMPS + "/STAGE-{key}",
-    params:
-        id=task("STAGE"),
-    message:
-        "{params.id}"
-    shell:
-        COMMAND
-"#;
+/// Its rule for the stage called STAGE.
+const RULE: &str = include_str!("engine/rule.smk");

@@ -33,6 +33,9 @@ pub enum Error {
 /// What every fallible function above the mathematics returns.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// Why a task could not do its work: whatever went wrong below, in words.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
 impl Error {
     /// Wrong input or configuration.
     pub fn input(text: impl Into<String>) -> Self {

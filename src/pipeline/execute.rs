@@ -315,7 +315,7 @@ pub(super) fn run(
     let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
         .map_err(|_| failed("panicked, which is a fault of the program".into()))?;
     progress.span("step", "work", start, || json!({}));
-    let made = made.map_err(failed)?;
+    let made = made.map_err(|reason| failed(reason.to_string()))?;
     let bytes = made.values().map(Vec::len).sum();
     let start = Instant::now();
     let manifest = store.record(&task.id, inputs, &made)?;

@@ -39,7 +39,7 @@ pub use times::{Times, brief};
 pub use trace::Trace;
 pub use worker::work;
 
-use error::{Error, Result};
+use error::{Error, Failure, Result};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -62,8 +62,8 @@ pub struct Inputs<'a> {
     pub scratch: &'a Path,
 }
 
-/// Computes a task's artifacts from its inputs; an error text ends the task, not the run's siblings.
-pub type Work = Box<dyn Fn(&Inputs) -> std::result::Result<Artifacts, String> + Send + Sync>;
+/// Computes a task's artifacts from its inputs; an error ends the task, not the run's siblings.
+pub type Work = Box<dyn Fn(&Inputs) -> std::result::Result<Artifacts, Failure> + Send + Sync>;
 
 /// One node of the dependency graph.
 pub struct Task {
@@ -79,6 +79,19 @@ pub struct Task {
     pub export: Option<&'static str>,
     /// The work.
     pub work: Work,
+}
+
+impl Task {
+    /// A task that reads no files, and whose artifacts stay in the cache.
+    pub fn new(
+        id: impl Into<String>,
+        parameters: BTreeMap<String, String>,
+        needs: Vec<String>,
+        work: impl Fn(&Inputs) -> std::result::Result<Artifacts, Failure> + Send + Sync + 'static,
+    ) -> Self {
+        let (id, files) = (id.into(), Artifacts::new());
+        Self { id, parameters, files, needs, export: None, work: Box::new(work) }
+    }
 }
 
 /// The stage of a task: the part of its id before the first slash.
@@ -205,13 +218,9 @@ mod tests {
 
     #[test]
     fn a_plan_without_order_is_refused() {
-        let task = |id: &str, needs: &[&str]| Task {
-            id: id.into(),
-            parameters: BTreeMap::new(),
-            files: Artifacts::new(),
-            needs: needs.iter().map(|need| (*need).to_owned()).collect(),
-            export: None,
-            work: Box::new(|_| Ok(Artifacts::new())),
+        let task = |id: &str, needs: &[&str]| {
+            let needs = needs.iter().map(|need| (*need).to_owned()).collect();
+            Task::new(id, BTreeMap::new(), needs, |_| Ok(Artifacts::new()))
         };
         let refusal = |tasks| Plan::new("program", tasks).err().map(|e| e.to_string());
         assert_eq!(refusal(vec![task("a/1", &[]), task("b/1", &["a/1"])]), None);

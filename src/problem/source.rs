@@ -116,6 +116,13 @@ impl<S: Shape> fmt::Display for Source<S> {
     }
 }
 
+/// As its text.
+impl<S: Shape> serde::Serialize for Source<S> {
+    fn serialize<T: serde::Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 impl<S: Shape> FromStr for Source<S> {
     type Err = SourceError;
 

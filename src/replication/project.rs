@@ -5,13 +5,25 @@ use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{read_if_there, read_text, read_tree};
 use crate::replication::paper::Paper;
 use crate::replication::scene::Scene;
-use crate::report::CommandHelp;
 use crate::timing::recorded::{self, Timings};
+use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Path of the published tables in the project.
+pub const PAPER: &str = "pipeline/paper.toml";
+
 /// Path of the record of the searches for f in the project.
 pub const IDENTIFIED: &str = "pipeline/identified.toml";
+
+/// A command of the program, for the book.
+#[derive(Clone, Debug, Serialize)]
+pub struct CommandHelp {
+    /// Its name; empty for the program without a command.
+    pub name: String,
+    /// What it says with `--help`.
+    pub help: String,
+}
 
 /// A folder with `pipeline/scenes/`, read and validated.
 #[derive(Debug)]
@@ -20,16 +32,11 @@ pub struct Project {
     pub root: PathBuf,
     /// All scenes, by name.
     pub scenes: Vec<Scene>,
-    /// The scene files as read, by path in the project.
-    pub scene_files: Artifacts,
     /// The published tables; none in a study of something else.
     pub paper: Paper,
-    /// `pipeline/paper.toml` as read, if it is there.
-    pub paper_text: Option<String>,
-    /// `pipeline/identified.toml` as read, if it is there; whoever needs it parses it.
-    pub record_text: Option<Vec<u8>>,
-    /// `pipeline/timings.toml` as read, if it is there; whoever needs it parses it.
-    pub timings_text: Option<Vec<u8>>,
+    /// The files under `pipeline/` as read, by path in the project: scenes, and as far as they are there
+    /// the published tables and the records of the search and of times, which whoever needs them parses.
+    pub files: Artifacts,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
     /// Tells the commands of the program, for the book; a reader of the folder alone knows none.
@@ -58,25 +65,22 @@ impl Project {
     /// # Errors
     /// [`Error::Io`] and [`Error::Input`] from its parts.
     pub fn read(root: PathBuf) -> Result<Self> {
-        let (scenes, scene_files) = read_scenes(&root)?;
-        let path = root.join("pipeline").join("paper.toml");
-        let paper_text = path.exists().then(|| read_text(&path)).transpose()?;
-        let paper = paper_text.as_deref().map(Paper::parse).transpose()?.unwrap_or_default();
-        let record_text = read_if_there(&root.join(IDENTIFIED))?;
-        let timings_text = read_if_there(&root.join(recorded::PATH))?;
+        let (scenes, mut files) = read_scenes(&root)?;
+        let path = root.join(PAPER);
+        let paper = match path.exists().then(|| read_text(&path)).transpose()? {
+            Some(text) => {
+                let paper = Paper::parse(&text)?;
+                files.insert(PAPER.into(), text.into_bytes());
+                paper
+            }
+            None => Paper::default(),
+        };
+        for record in [IDENTIFIED, recorded::PATH] {
+            files.extend(read_if_there(&root.join(record))?.map(|text| (record.into(), text)));
+        }
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
-        Ok(Self {
-            root,
-            scenes,
-            scene_files,
-            paper,
-            paper_text,
-            record_text,
-            timings_text,
-            templates,
-            commands: Vec::new,
-        })
+        Ok(Self { root, scenes, paper, files, templates, commands: Vec::new })
     }
 
     /// Refuses a broken record of times. Not part of [`Project::read`]: a run that has nothing to do
@@ -85,7 +89,7 @@ impl Project {
     /// # Errors
     /// [`Error::Input`] with the line of the mistake and the remedy.
     pub fn check_timings(&self) -> Result<()> {
-        let Some(text) = &self.timings_text else { return Ok(()) };
+        let Some(text) = self.files.get(recorded::PATH) else { return Ok(()) };
         Timings::parse(&String::from_utf8_lossy(text)).map(drop)
     }
 

@@ -43,7 +43,7 @@ impl Output {
 }
 
 /// A validated scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
     /// File name without its ending.
     pub name: String,
@@ -58,6 +58,7 @@ pub struct Scene {
     /// Interpolation to the next grid.
     pub prolongation: Prolongation,
     /// Nested grids, coarsest first.
+    #[serde(skip)]
     pub grids: Vec<Grid>,
     /// Duality parameters.
     pub r: Vec<f64>,

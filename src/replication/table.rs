@@ -1,15 +1,15 @@
 //! Tables in the paper's layout, as CSV.
 
 use crate::replication::paper::Row;
-use crate::report::results::{csv, read_csv};
 use polars::prelude::*;
+use std::io::Cursor;
 
 /// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
 /// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which.
 ///
 /// # Errors
-/// polars' words, should it fail to write.
-pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
+/// polars' own.
+pub fn table_csv(rows: &[Row], cells: &[usize]) -> PolarsResult<Vec<u8>> {
     let mut columns: Vec<Column> =
         vec![Column::new("r".into(), rows.iter().map(|row| row.r).collect::<Vec<_>>())];
     for (level, n) in cells.iter().enumerate() {
@@ -24,39 +24,55 @@ pub fn table_csv(rows: &[Row], cells: &[usize]) -> Result<Vec<u8>, String> {
             columns.push(Column::new(format!("capped 1/{n}").into(), capped));
         }
     }
-    DataFrame::new(rows.len(), columns).and_then(csv).map_err(|e| e.to_string())
+    DataFrame::new(rows.len(), columns).and_then(csv)
 }
 
 /// Reads what [`table_csv`] wrote.
 ///
 /// # Errors
-/// What is wrong with the table.
-pub fn read_table(bytes: &[u8]) -> Result<Vec<Row>, String> {
-    let frame = read_csv(bytes).map_err(|e| e.to_string())?;
+/// polars' own.
+pub fn read_table(bytes: &[u8]) -> PolarsResult<Vec<Row>> {
+    let frame = read_csv(bytes)?;
     let floats = |name: &str| -> PolarsResult<Vec<f64>> {
         let column = frame.column(name)?.cast(&DataType::Float64)?;
         Ok(column.f64()?.iter().map(|v| v.unwrap_or(f64::NAN)).collect())
     };
-    let read = || -> PolarsResult<Vec<Row>> {
-        let (r, delta_a) = (floats("r")?, floats("delta_a")?);
-        let names = frame.get_column_names().into_iter().filter(|name| name.starts_with("1/"));
-        let grids: Vec<&str> = names.map(|name| name.as_str()).collect();
-        let counts = grids.iter().map(|name| floats(name)).collect::<PolarsResult<Vec<_>>>()?;
-        let capped = |name: &&str| match frame.column(&format!("capped {name}")) {
-            Ok(column) => Ok(column.bool()?.iter().map(|v| v == Some(true)).collect()),
-            Err(_) => Ok(vec![false; frame.height()]),
-        };
-        let capped = grids.iter().map(capped).collect::<PolarsResult<Vec<_>>>()?;
-        Ok((0..frame.height())
-            .map(|k| Row {
-                r: r[k],
-                counts: counts.iter().map(|column| column[k] as usize).collect(),
-                capped: capped.iter().map(|column| column[k]).collect(),
-                delta_a: delta_a[k],
-            })
-            .collect())
+    let (r, delta_a) = (floats("r")?, floats("delta_a")?);
+    let names = frame.get_column_names().into_iter().filter(|name| name.starts_with("1/"));
+    let grids: Vec<&str> = names.map(|name| name.as_str()).collect();
+    let counts = grids.iter().map(|name| floats(name)).collect::<PolarsResult<Vec<_>>>()?;
+    let capped = |name: &&str| match frame.column(&format!("capped {name}")) {
+        Ok(column) => Ok(column.bool()?.iter().map(|v| v == Some(true)).collect()),
+        Err(_) => Ok(vec![false; frame.height()]),
     };
-    read().map_err(|e| format!("table.csv: {e}"))
+    let capped = grids.iter().map(capped).collect::<PolarsResult<Vec<_>>>()?;
+    let row = |k: usize| Row {
+        r: r[k],
+        counts: counts.iter().map(|column| column[k] as usize).collect(),
+        capped: capped.iter().map(|column| column[k]).collect(),
+        delta_a: delta_a[k],
+    };
+    Ok((0..frame.height()).map(row).collect())
+}
+
+/// CSV with a header line.
+///
+/// # Errors
+/// polars' own.
+pub fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    CsvWriter::new(&mut bytes).finish(&mut frame)?;
+    Ok(bytes)
+}
+
+/// Reads what [`csv`] wrote.
+///
+/// # Errors
+/// polars' own.
+pub fn read_csv(bytes: &[u8]) -> PolarsResult<DataFrame> {
+    // Types from all rows: a column may begin with whole numbers, or with nothing.
+    let options = CsvReadOptions::default().with_infer_schema_length(None);
+    CsvReader::new(Cursor::new(bytes)).with_options(options).finish()
 }
 
 #[cfg(test)]

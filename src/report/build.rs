@@ -23,7 +23,7 @@ pub fn build(
     scratch: &Path,
 ) -> Result<BTreeMap<String, Vec<u8>>, ReportError> {
     let text = |name: &str, bytes: &[u8]| {
-        String::from_utf8(bytes.to_vec()).map_err(|_| ReportError::NotText(name.into()))
+        String::from_utf8(bytes.to_vec()).map_err(|_| ReportError::at(name, "not UTF-8 text"))
     };
     let mut labels = Labels::new();
     for (name, bytes) in markdown(files) {
@@ -31,7 +31,7 @@ pub fn build(
     }
     let mut config = match files.get("book.toml") {
         Some(bytes) => Config::from_str(&text("book.toml", bytes)?).map_err(refused)?,
-        None => return Err(ReportError::Book("no book.toml among the files".into())),
+        None => return Err(ReportError::at("mdBook", "no book.toml among the files")),
     };
 
     // mdBook empties the first folder and may write to the second: they must be ours.
@@ -41,9 +41,8 @@ pub fn build(
     ] {
         if folder != Path::new(ours) {
             let folder = folder.display();
-            return Err(ReportError::Setting(format!(
-                "{setting} is `{folder}`, but must be `{ours}`"
-            )));
+            let wrong = format!("{setting} is `{folder}`, but must be `{ours}`");
+            return Err(ReportError::at("report/book.toml", wrong));
         }
     }
     config.build.create_missing = false;
@@ -69,11 +68,14 @@ fn markdown(files: &BTreeMap<String, Vec<u8>>) -> impl Iterator<Item = (&String,
 }
 
 fn refused(error: mdbook_driver::errors::Error) -> ReportError {
-    ReportError::Book(format!("{error:#}"))
+    ReportError::at("mdBook", format!("{error:#}"))
 }
 
-fn io(path: &Path, source: std::io::Error) -> ReportError {
-    ReportError::Io { path: path.into(), source }
+fn io(path: &Path, error: std::io::Error) -> ReportError {
+    ReportError::at(
+        path.display(),
+        format!("{error}; building the book needs this folder for itself"),
+    )
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {

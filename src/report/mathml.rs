@@ -21,11 +21,9 @@ pub(super) fn collect_labels(
             && let (_, Some(label)) = split_tag(&latex)
             && let Some(first) = labels.insert(label.into(), chapter.into())
         {
-            return Err(ReportError::DuplicateEquation {
-                chapter: chapter.into(),
-                label: label.into(),
-                first,
-            });
+            let twice =
+                format!("equation ({label}) is numbered already in {first}; tags must be unique");
+            return Err(ReportError::at(chapter, twice));
         }
     }
     Ok(())
@@ -65,10 +63,11 @@ pub(super) fn convert(
             }
             Event::Start(Tag::Link { dest_url, .. }) => {
                 if let Some(label) = dest_url.strip_prefix("eq:") {
-                    let home = labels.get(label).ok_or_else(|| ReportError::UnknownEquation {
-                        chapter: chapter.into(),
-                        label: label.into(),
-                    })?;
+                    let nowhere = || {
+                        format!("no equation is tagged ({label}), but `eq:{label}` refers to it")
+                    };
+                    let home = labels.get(label);
+                    let home = home.ok_or_else(|| ReportError::at(chapter, nowhere()))?;
                     // Chapters lie side by side in one folder.
                     let file = home.rsplit('/').next().unwrap_or(home);
                     replace(range, &format!("[({label})]({file}#eq-{label})"));
@@ -76,10 +75,11 @@ pub(super) fn convert(
             }
             Event::Text(_) => {
                 if let Some(at) = bare_dollar(markdown, range) {
-                    return Err(ReportError::UnpairedDollar {
-                        chapter: chapter.into(),
-                        line: 1 + markdown[..at].matches('\n').count(),
-                    });
+                    let line = 1 + markdown[..at].matches('\n').count();
+                    return Err(ReportError::at(
+                        format!("{chapter}:{line}"),
+                        "unpaired `$`; write `\\$` for a dollar, or close the formula",
+                    ));
                 }
             }
             _ => {}
@@ -89,8 +89,8 @@ pub(super) fn convert(
     Ok(out)
 }
 
-/// Parses as mdBook does, with formulas.
-fn parse(markdown: &str) -> impl Iterator<Item = (Event<'_>, Range<usize>)> {
+/// Parses as mdBook does, with formulas, and leaves out blocks of code.
+pub(super) fn parse(markdown: &str) -> impl Iterator<Item = (Event<'_>, Range<usize>)> {
     let options = Options::ENABLE_TABLES
         | Options::ENABLE_FOOTNOTES
         | Options::ENABLE_STRIKETHROUGH
@@ -125,10 +125,9 @@ fn bare_dollar(markdown: &str, range: Range<usize>) -> Option<usize> {
 }
 
 fn set(chapter: &str, latex: &str, display_mode: DisplayMode) -> Result<String, ReportError> {
-    let failed = |message: String| ReportError::Formula {
-        chapter: chapter.into(),
-        formula: latex.trim().into(),
-        message,
+    let failed = |message: String| {
+        let formula = latex.trim();
+        ReportError::at(chapter, format!("cannot set the formula `{formula}`: {message}"))
     };
     let storage = Storage::new();
     let events: Vec<_> = Latex::new(latex, &storage)

@@ -1,45 +1,11 @@
 //! Templates and data become Markdown.
 
-use super::cost::Cost;
-use super::data::Report;
-use super::facts::{Facts, WithFacts};
 use super::{ReportError, filters};
-use crate::experiments::targets;
-use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
 /// Ending of the templates that become a page each; the others hold components.
 const PAGE: &str = ".md.tera";
-
-/// What the templates of the book are given.
-///
-/// # Errors
-/// [`ReportError::Data`] if the results lack what the chapters are about.
-pub fn context(data: &Report) -> Result<Context, ReportError> {
-    let lacking = |what: String| ReportError::Data(what);
-    let mut context = Context::from_serialize(data).map_err(|e| lacking(e.to_string()))?;
-    context.insert("facts", &Facts::of(data).map_err(lacking)?);
-    let problems = data.problems.iter().map(|problem| WithFacts::of(&data.results, problem));
-    context.insert("problems", &problems.collect::<Result<Vec<_>, _>>().map_err(lacking)?);
-    context.insert("mermaid", &data.provenance.graph.mermaid());
-    let mut all = Vec::new();
-    if let Some(found) = experiment(data, "accuracy") {
-        all.extend(targets::of_accuracy(&found));
-        if let Some(timings) = &data.timings {
-            let cost = Cost::of(timings, &found);
-            all.extend(cost.targets());
-            context.insert("cost", &cost);
-        }
-    }
-    all.extend(experiment(data, "cube").iter().flat_map(targets::of_cube));
-    context.insert("targets", &all);
-    Ok(context)
-}
-
-fn experiment<T: DeserializeOwned>(data: &Report, name: &str) -> Option<T> {
-    serde_json::from_value(data.bench.get(name)?.clone()).ok()
-}
 
 /// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`.
 ///
@@ -47,7 +13,7 @@ fn experiment<T: DeserializeOwned>(data: &Report, name: &str) -> Option<T> {
 /// `report`, in the book's source folder, as [`super::build`] takes them.
 ///
 /// # Errors
-/// [`ReportError::Template`] with file and line.
+/// [`ReportError`] with file and line of what does not parse, or asks for something the data do not have.
 pub fn pages(
     templates: &BTreeMap<String, String>,
     context: &Context,
@@ -94,5 +60,5 @@ fn located(page: &str, error: &tera::Error) -> ReportError {
     };
     let caller =
         if page.is_empty() || page == file { String::new() } else { format!(" (for {page})") };
-    ReportError::Template { file: file.into(), line, message: message + &caller }
+    ReportError::at(format!("report/templates/{file}:{line}"), message + &caller)
 }

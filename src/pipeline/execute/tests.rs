@@ -7,14 +7,8 @@ use std::sync::atomic::AtomicUsize;
 
 /// A task that makes one artifact of what it needs.
 fn task(id: &str, needs: &[&str], make: impl Fn() -> Vec<u8> + Send + Sync + 'static) -> Task {
-    Task {
-        id: id.into(),
-        parameters: BTreeMap::new(),
-        files: Artifacts::new(),
-        needs: needs.iter().map(|need| (*need).to_owned()).collect(),
-        export: None,
-        work: Box::new(move |_| Ok(Artifacts::from([("out".into(), make())]))),
-    }
+    let needs = needs.iter().map(|need| (*need).to_owned()).collect();
+    Task::new(id, BTreeMap::new(), needs, move |_| Ok(Artifacts::from([("out".into(), make())])))
 }
 
 fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {

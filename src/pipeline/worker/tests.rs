@@ -11,18 +11,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 fn plan(value: u8, ran: &Arc<AtomicUsize>) -> Plan {
     let task = |id: &str, needs: &[&str]| {
         let ran = ran.clone();
-        Task {
-            id: id.into(),
-            parameters: BTreeMap::from([("value".into(), value.to_string())]),
-            files: Artifacts::new(),
-            needs: needs.iter().map(|need| (*need).to_owned()).collect(),
-            export: None,
-            work: Box::new(move |inputs: &Inputs| {
-                ran.fetch_add(1, Ordering::SeqCst);
-                let needed = inputs.artifacts.values().flat_map(|made| made.values().flatten());
-                Ok(Artifacts::from([("out".into(), vec![value + needed.sum::<u8>()])]))
-            }),
-        }
+        let parameters = BTreeMap::from([("value".into(), value.to_string())]);
+        let needs = needs.iter().map(|need| (*need).to_owned()).collect();
+        Task::new(id, parameters, needs, move |inputs: &Inputs| {
+            ran.fetch_add(1, Ordering::SeqCst);
+            let needed = inputs.artifacts.values().flat_map(|made| made.values().flatten());
+            Ok(Artifacts::from([("out".into(), vec![value + needed.sum::<u8>()])]))
+        })
     };
     Plan::new("program", vec![task("a/1", &[]), task("b/1", &["a/1"])]).unwrap()
 }

@@ -3,10 +3,11 @@
 mod claims;
 mod stability;
 
-use super::{artifact, cost, figures, to_json};
+use super::{cost, figures, to_json};
 use crate::experiments::problems::Problem;
 use crate::experiments::{self, accuracy, strips, truth};
-use crate::figures::{Caption, Chart, Drawing, StripsPanel, charts, table};
+use crate::figures::{Caption, Drawing, StripsPanel};
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
@@ -49,35 +50,35 @@ pub fn problem(scene: &Scene) -> Option<Problem> {
 }
 
 /// A picture of what experiments found.
-pub struct Picture {
-    /// Name in the book and of the file, without ending.
-    pub name: &'static str,
+struct Picture {
+    /// Name of the file, without ending, and in the book.
+    name: &'static str,
     /// Experiments it is drawn from.
     experiments: &'static [&'static str],
     /// Its title for readers who cannot see it.
     title: &'static str,
-    draw: fn(&Inputs, Caption) -> Drawn,
+    draw: fn(&Inputs, Caption) -> Result<Drawing, Failure>,
 }
 
 /// The pictures of the chapters on experiments.
-pub const PICTURES: &[Picture] = &[
+const PICTURES: &[Picture] = &[
     Picture {
         name: "accuracy",
         experiments: &["accuracy"],
         title: "Errors against the width of the grid, four problems with known solutions",
-        draw: |inputs, caption| cost::accuracy(caption, &result(inputs, "accuracy")?),
+        draw: |inputs, caption| Ok(cost::accuracy(caption, &result(inputs, "accuracy")?)?),
     },
     Picture {
         name: "work",
         experiments: &["accuracy"],
         title: "Residual, error and cost of three methods in sweeps and visits of unknowns",
-        draw: |inputs, caption| cost::work(caption, &result(inputs, "accuracy")?),
+        draw: |inputs, caption| Ok(cost::work(caption, &result(inputs, "accuracy")?)?),
     },
     Picture {
         name: "ends",
         experiments: &["truth"],
         title: "Error of the ends of contact and of the energy against the width of the grid",
-        draw: |inputs, caption| cost::ends(caption, &result(inputs, "truth")?),
+        draw: |inputs, caption| Ok(cost::ends(caption, &result(inputs, "truth")?)?),
     },
     Picture {
         name: "strips",
@@ -129,16 +130,8 @@ pub const PICTURES: &[Picture] = &[
     },
 ];
 
-/// A picture, or why there is none.
-pub(super) type Drawn = Result<Drawing, String>;
-
-/// Charts in rows of `columns`, each with a range of its own.
-pub(super) fn drawn(caption: Caption, columns: usize, panels: &[Chart]) -> Drawn {
-    charts(caption, columns, false, panels).map_err(|e| e.to_string())
-}
-
 /// The contact of both problems, a strip for each r.
-fn draw_strips(inputs: &Inputs, caption: Caption) -> Drawn {
+fn draw_strips(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Vec<strips::Strips> = result(inputs, "strips")?;
     let titles: Vec<String> = found
         .iter()
@@ -157,8 +150,7 @@ fn draw_strips(inputs: &Inputs, caption: Caption) -> Drawn {
             }
         })
         .collect();
-    let svg = crate::figures::strips(caption, &panels).map_err(|e| e.to_string())?;
-    Ok(Drawing { svg, table: Some(table::of_strips(&panels)) })
+    Ok(crate::figures::strips(caption, &panels)?)
 }
 
 /// The tasks that draw [`PICTURES`].
@@ -179,18 +171,13 @@ where
     P: Serialize + Send + Sync + 'static,
     R: Serialize + 'static,
 {
-    Task {
-        id: id(name),
-        parameters: parameters(&plan),
-        files: Artifacts::new(),
-        needs: Vec::new(),
-        export: None,
-        work: Box::new(move |_| Ok(Artifacts::from([(RESULT.into(), to_json(&run(&plan)?))]))),
-    }
+    Task::new(id(name), parameters(&plan), Vec::new(), move |_| {
+        Ok(Artifacts::from([(RESULT.into(), to_json(&run(&plan)?))]))
+    })
 }
 
 /// What an experiment found.
-fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
+pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
     super::from_json(inputs, &id(experiment), RESULT)
 }
 
@@ -199,9 +186,7 @@ pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, serde_json::Va
     let mut results = BTreeMap::new();
     for task in inputs.artifacts.keys() {
         if let Some(name) = task.strip_prefix("bench/") {
-            let value = serde_json::from_slice(artifact(inputs, task, RESULT)?)
-                .map_err(|e| format!("{RESULT} of {task}: {e}"))?;
-            results.insert(name.to_owned(), value);
+            results.insert(name.to_owned(), super::from_json(inputs, task, RESULT)?);
         }
     }
     Ok(results)

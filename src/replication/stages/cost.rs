@@ -1,11 +1,10 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
-use super::bench::{Drawn, drawn};
 use crate::experiments::accuracy::{self, Findings};
 use crate::experiments::problems::PAPER;
 use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Run};
-use crate::figures::{Caption, Chart, Curve, Stroke};
+use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, Stroke, charts};
 use crate::timing::measure::SOLVERS;
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
 use std::collections::BTreeSet;
@@ -25,7 +24,7 @@ fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
-pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
+pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, FigureError> {
     type Norm = (
         &'static str,
         &'static str,
@@ -57,11 +56,11 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Drawn {
         lines.extend(references);
         Chart { title: title.into(), axes: ["1/h", y], curves: lines }
     });
-    drawn(caption, 2, &panels)
+    charts(caption, 2, false, &panels)
 }
 
 /// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
-pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
+pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, FigureError> {
     let compared = &found.comparison;
     let trace = |column: usize| -> Vec<Curve> {
         let of = |run: &Run| {
@@ -108,7 +107,7 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Drawn {
             curves: laws,
         },
     ];
-    drawn(caption, 2, &panels)
+    charts(caption, 2, false, &panels)
 }
 
 fn law_line(law: &CostLaw) -> Curve {
@@ -133,7 +132,7 @@ fn in_words(solver: &str) -> &str {
 /// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
 ///
 /// The proximal method would lie upon Uzawa's.
-pub(super) fn cost(caption: Caption, timings: &Timings) -> Drawn {
+pub(super) fn cost(caption: Caption, timings: &Timings) -> Result<Drawing, FigureError> {
     let per_unknown = |(cells, seconds): (usize, f64)| {
         let unknowns = ((cells + 1) * (cells + 1)) as f64;
         (unknowns, 1e9 * seconds / unknowns)
@@ -163,11 +162,11 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Drawn {
         panel("All solvers, to the discretisation error", solvers.into()),
     ];
     panels.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
-    drawn(caption, 2, &panels)
+    charts(caption, 2, false, &panels)
 }
 
 /// Error against time, one panel per problem; of each solver the runs that no other of its own beats.
-pub(super) fn race(caption: Caption, timings: &Timings) -> Drawn {
+pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, FigureError> {
     let mut problems: Vec<&str> = timings.solver.iter().map(|line| &line.problem[..]).collect();
     problems.extend(timings.spectral.iter().map(|line| &line.problem[..]));
     let mut seen = BTreeSet::new();
@@ -200,7 +199,7 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Drawn {
             Chart { title: problem.into(), axes: ["seconds", error], curves }
         })
         .collect();
-    drawn(caption, 2, &panels)
+    charts(caption, 2, false, &panels)
 }
 
 /// Points (time, error) by time, without those that an earlier one beats.
@@ -217,7 +216,7 @@ fn front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
 }
 
 /// Where contact ends, and the bracket of the energy, against the width of the grid.
-pub(super) fn ends(caption: Caption, found: &Truth) -> Drawn {
+pub(super) fn ends(caption: Caption, found: &Truth) -> Result<Drawing, FigureError> {
     let with_energy =
         || found.elements.iter().filter(|e| e.levels.iter().all(|l| l.energy.is_some()));
     let curves = |of: fn(&Level) -> Option<f64>| -> Vec<Curve> {
@@ -243,7 +242,7 @@ pub(super) fn ends(caption: Caption, found: &Truth) -> Drawn {
             curves: brackets,
         },
     ];
-    drawn(caption, 2, &panels)
+    charts(caption, 2, false, &panels)
 }
 
 #[cfg(test)]

@@ -27,16 +27,10 @@ pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
     let need = tabulate::id(scene, scene.stop[0]);
     let name = scene.name.clone();
-    Ok(Task {
-        id: id(scene),
-        parameters: parameters(&serde_json::json!({ "r": paper.r, "table": table })),
-        files: Artifacts::new(),
-        needs: vec![need.clone()],
-        export: None,
-        work: Box::new(move |inputs| {
-            let rows = read_table(artifact(inputs, &need, tabulate::TABLE)?)?;
-            let diff = paper.compare(number, &name, &rows).map_err(|e| e.to_string())?;
-            Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
-        }),
-    })
+    let parameters = parameters(&serde_json::json!({ "r": paper.r, "table": table }));
+    Ok(Task::new(id(scene), parameters, vec![need.clone()], move |inputs| {
+        let rows = read_table(artifact(inputs, &need, tabulate::TABLE)?)?;
+        let diff = paper.compare(number, &name, &rows)?;
+        Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
+    }))
 }

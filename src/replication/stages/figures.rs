@@ -4,14 +4,15 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY, PAIR, read_pair};
 use super::{artifact, from_json};
 use crate::figures::{
-    Caption, ContactPanel, Drawing, FMap, FigureError, History, HistoryPanel, IdentifiabilityPanel,
-    Surface, View, contact, histories, identifiability, maps_of_f, surfaces, table,
+    Caption, ContactPanel, Drawing, FMap, History, HistoryPanel, IdentifiabilityPanel, Surface,
+    View, contact, histories, identifiability, maps_of_f, surfaces,
 };
 use crate::identify::Findings;
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{Pair, StopRule};
+use crate::saddle::Pair;
 use std::collections::BTreeMap;
 
 /// The kinds of figure, with the name each has when the paper's problems share it.
@@ -50,9 +51,6 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     tasks
 }
 
-/// Name of the figure of stops and solutions.
-pub(super) const STOPS: &str = "stops";
-
 /// The task that draws, in a row per problem, where the paper stopped, the solution, and the difference.
 fn stops(scenes: &[&Scene]) -> Task {
     let panels: Vec<Panel> =
@@ -61,7 +59,7 @@ fn stops(scenes: &[&Scene]) -> Task {
     let hashed = f.collect();
     let needs = panels.iter().flat_map(|panel| panel.needs(Output::Surface)).collect();
     let title = "Where the paper stopped, where the solution is, and the difference";
-    let task = drawing(STOPS, title.into(), needs, move |inputs, caption| {
+    let task = drawing("stops", title.into(), needs, move |inputs, caption| {
         let mut rows = Vec::new();
         for panel in &panels {
             let stop = panel.pair(inputs, &panel.needs(Output::Surface)[0])?;
@@ -86,7 +84,7 @@ fn stops(scenes: &[&Scene]) -> Task {
                 shown.push(Surface { title, grid, y, a, view, range });
             }
         }
-        surfaces(caption, 3, &shown).map(Drawing::from).map_err(|e| e.to_string())
+        Ok(surfaces(caption, 3, &shown)?)
     });
     Task { parameters: hashed, ..task }
 }
@@ -119,28 +117,21 @@ pub(super) fn drawing(
     name: &str,
     title: String,
     needs: Vec<String>,
-    draw: impl Fn(&Inputs, Caption) -> Result<Drawing, String> + Send + Sync + 'static,
+    draw: impl Fn(&Inputs, Caption) -> Result<Drawing, Failure> + Send + Sync + 'static,
 ) -> Task {
     let (picture, table) = (format!("{name}.svg"), format!("{name}.csv"));
-    Task {
-        id: id(name),
-        parameters: BTreeMap::from([("title".into(), title.clone())]),
-        files: Artifacts::new(),
-        needs,
-        export: Some("figures"),
-        work: Box::new(move |inputs| {
-            let description =
-                format!("Made by `{COMMAND}` from inputs {} (blake3).", &inputs.digest[..12]);
-            let drawn = draw(inputs, Caption { title: &title, description: &description })?;
-            let mut made = Artifacts::from([(picture.clone(), drawn.svg.into_bytes())]);
-            made.extend(drawn.table.map(|text| (table.clone(), text.into_bytes())));
-            Ok(made)
-        }),
-    }
+    let parameters = BTreeMap::from([("title".into(), title.clone())]);
+    let task = Task::new(id(name), parameters, needs, move |inputs| {
+        let digest = &inputs.digest[..12];
+        let description =
+            format!("Made by `signorini run --only figures` from inputs {digest} (blake3).");
+        let drawn = draw(inputs, Caption { title: &title, description: &description })?;
+        let mut made = Artifacts::from([(picture.clone(), drawn.svg.into_bytes())]);
+        made.extend(drawn.table.map(|text| (table.clone(), text.into_bytes())));
+        Ok(made)
+    });
+    Task { export: Some("figures"), ..task }
 }
-
-/// What draws the figures.
-pub(super) const COMMAND: &str = "signorini run --only figures";
 
 /// Id of the task that draws the figure `name`.
 pub(super) fn id(name: &str) -> String {
@@ -183,81 +174,76 @@ fn draw(
     panels: &[Panel],
     inputs: &Inputs,
     caption: Caption,
-) -> Result<Drawing, String> {
-    let with = |svg: Result<String, FigureError>, table: String| {
-        svg.map(|svg| Drawing { svg, table: Some(table) })
-    };
-    let picture: Result<Drawing, FigureError> = match kind {
-        Output::Source => {
-            let maps: Vec<_> =
-                panels.iter().map(|p| FMap { title: &p.scene.title, f: &p.scene.f }).collect();
-            maps_of_f(caption, &maps).map(Drawing::from)
-        }
-        Output::Surface => {
-            let pairs = panels
-                .iter()
-                .map(|panel| panel.pair(inputs, &panel.needs(kind)[0]))
-                .collect::<Result<Vec<_>, _>>()?;
-            let panels: Vec<_> = panels
-                .iter()
-                .zip(&pairs)
-                .map(|(panel, pair)| {
-                    let grid = panel.scene.finest();
-                    let view = View::uphill(grid, &pair.y);
-                    let title = &panel.scene.title;
-                    Surface { title, grid, y: &pair.y, a: &pair.a, view, range: None }
-                })
-                .collect();
-            surfaces(caption, 2, &panels).map(Drawing::from)
-        }
-        Output::History => {
-            let histories_of = |panel: &Panel| {
-                let curves = panel.needs(kind).into_iter().zip(&panel.scene.r).map(|(task, r)| {
-                    let levels = from_json(inputs, &task, HISTORY)?;
-                    Ok(History { label: format!("r = {r}"), levels })
-                });
-                curves.collect::<Result<Vec<_>, String>>()
-            };
-            let mut shown = Vec::new();
-            for panel in panels {
-                let Scene { title, grids, .. } = &panel.scene;
-                shown.push(HistoryPanel { title, grids, curves: histories_of(panel)? });
-            }
-            with(histories(caption, &shown), table::of_histories(&shown))
-        }
-        Output::Contact => {
-            let pairs_of = |panel: &Panel| {
-                let lines = panel.needs(kind).into_iter().zip(&panel.scene.stop);
-                let line = |(task, stop): (String, &StopRule)| {
-                    let label = format!("stop: {stop}, r = {}", panel.scene.draw_r);
-                    Ok((label, panel.pair(inputs, &task)?))
-                };
-                lines.map(line).collect::<Result<Vec<_>, String>>()
-            };
-            let mut shown = Vec::new();
-            for panel in panels {
-                let (title, grid) = (&panel.scene.title, panel.scene.finest());
-                shown.push(ContactPanel { title, grid, lines: pairs_of(panel)? });
-            }
-            with(contact(caption, &shown), table::of_contact(&shown))
-        }
-        Output::Identify => {
-            let found = panels
-                .iter()
-                .map(|panel| from_json::<Findings>(inputs, &panel.needs(kind)[0], FINDINGS))
-                .collect::<Result<Vec<_>, _>>()?;
-            let shown = panels.iter().zip(&found).map(|(panel, found)| IdentifiabilityPanel {
-                title: &panel.scene.title,
-                slice: &found.slice,
-                cells: found.target.cells(),
-                others: two_valued(found),
-            });
-            let shown: Vec<_> = shown.collect();
-            with(identifiability(caption, &shown), table::of_identifiability(&shown))
-        }
-        Output::Table => return Err("a table is not a figure".into()),
-    };
-    picture.map_err(|e| e.to_string())
+) -> Result<Drawing, Failure> {
+    match kind {
+        Output::Source => draw_sources(panels, caption),
+        Output::Surface => draw_surfaces(panels, inputs, caption),
+        Output::History => draw_histories(panels, inputs, caption),
+        Output::Contact => draw_contact(panels, inputs, caption),
+        Output::Identify => draw_identifiability(panels, inputs, caption),
+        Output::Table => Err("a table is not a figure".into()),
+    }
+}
+
+fn draw_sources(panels: &[Panel], caption: Caption) -> Result<Drawing, Failure> {
+    let scenes = panels.iter().map(|panel| &panel.scene);
+    let maps: Vec<_> = scenes.map(|scene| FMap { title: &scene.title, f: &scene.f }).collect();
+    Ok(maps_of_f(caption, &maps)?)
+}
+
+fn draw_surfaces(panels: &[Panel], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+    let pair = |panel: &Panel| panel.pair(inputs, &panel.needs(Output::Surface)[0]);
+    let pairs = panels.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
+    let mut shown = Vec::new();
+    for (Panel { scene, .. }, Pair { y, a }) in panels.iter().zip(&pairs) {
+        let (title, grid) = (&scene.title, scene.finest());
+        shown.push(Surface { title, grid, y, a, view: View::uphill(grid, y), range: None });
+    }
+    Ok(surfaces(caption, 2, &shown)?)
+}
+
+fn draw_histories(panels: &[Panel], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+    let mut shown = Vec::new();
+    for panel in panels {
+        let Scene { title, grids, r, .. } = &panel.scene;
+        let curves = panel.needs(Output::History).into_iter().zip(r).map(|(task, r)| {
+            let levels = from_json(inputs, &task, HISTORY)?;
+            Ok(History { label: format!("r = {r}"), levels })
+        });
+        let curves = curves.collect::<Result<_, String>>()?;
+        shown.push(HistoryPanel { title, grids, curves });
+    }
+    Ok(histories(caption, &shown)?)
+}
+
+fn draw_contact(panels: &[Panel], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+    let mut shown = Vec::new();
+    for panel in panels {
+        let Scene { title, stop, draw_r, .. } = &panel.scene;
+        let lines = panel.needs(Output::Contact).into_iter().zip(stop).map(|(task, stop)| {
+            Ok((format!("stop: {stop}, r = {draw_r}"), panel.pair(inputs, &task)?))
+        });
+        let lines = lines.collect::<Result<_, String>>()?;
+        shown.push(ContactPanel { title, grid: panel.scene.finest(), lines });
+    }
+    Ok(contact(caption, &shown)?)
+}
+
+fn draw_identifiability(
+    panels: &[Panel],
+    inputs: &Inputs,
+    caption: Caption,
+) -> Result<Drawing, Failure> {
+    let found = |panel: &Panel| from_json(inputs, &panel.needs(Output::Identify)[0], FINDINGS);
+    let found = panels.iter().map(found).collect::<Result<Vec<Findings>, _>>()?;
+    let shown = panels.iter().zip(&found).map(|(panel, found)| IdentifiabilityPanel {
+        title: &panel.scene.title,
+        slice: &found.slice,
+        cells: found.target.cells(),
+        others: two_valued(found),
+    });
+    let shown: Vec<_> = shown.collect();
+    Ok(identifiability(caption, &shown)?)
 }
 
 /// The alternatives with one value on the first quadrant and one elsewhere: those in the plane of the map.

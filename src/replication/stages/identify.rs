@@ -25,7 +25,7 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     let asking = figures::sharing(project, scenes, Output::Identify);
     let own = |scene: &&&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
     let asking = asking.into_iter().chain(scenes.iter().filter(own).copied());
-    let record = project.record_text.as_deref().map(String::from_utf8_lossy);
+    let record = project.files.get(IDENTIFIED).map(|text| String::from_utf8_lossy(text));
     let mut asking = asking.peekable();
     let record: Option<Record> = match record.filter(|_| asking.peek().is_some()) {
         Some(text) => Some(from_toml(IDENTIFIED, &text)?),
@@ -51,19 +51,12 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
         questions: record.questions.clone(),
     };
     let f = scene.f.clone();
-    Ok(Task {
-        id: id(scene),
-        parameters: parameters(&question),
-        files: Artifacts::new(),
-        needs: Vec::new(),
-        export: None,
-        work: Box::new(move |_| {
-            let Question { target, variant, alternatives, questions, .. } = &question;
-            let threads = rayon::current_num_threads();
-            let found = findings(target, variant, &f, alternatives, questions, threads);
-            Ok(Artifacts::from([(FINDINGS.into(), to_json(&found.map_err(|e| e.to_string())?))]))
-        }),
-    })
+    Ok(Task::new(id(scene), parameters(&question), Vec::new(), move |_| {
+        let Question { target, variant, alternatives, questions, .. } = &question;
+        let threads = rayon::current_num_threads();
+        let found = findings(target, variant, &f, alternatives, questions, threads)?;
+        Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
+    }))
 }
 
 /// Everything that the findings depend on: of the files that hold it, the rest may change freely.

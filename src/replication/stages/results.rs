@@ -1,16 +1,20 @@
-//! The table of all results: every scene, rule, r and grid beside what the paper prints, for other programs to read.
+//! The table of all results: every scene, rule, r and grid beside what the paper prints, for other programs to
+//! read, and what the book says of it as joins and aggregates.
 
 use super::from_json;
 use super::solve::{self, Outcomes};
-use crate::pipeline::{Artifacts, Task, parameters};
+use crate::identify::Target;
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::report::results::{Levels, Published, Results};
-use crate::saddle::StopRule;
+use crate::replication::table::{csv, read_csv};
+use crate::saddle::{Outcome, StopRule, tolerance};
+use polars::prelude::*;
+use serde::Serialize;
 
 /// Id of the task.
 pub const ID: &str = "diff/results";
-/// Artifact, and file under `report/`: a [`Results`].
+/// Artifact, and file under `report/`: all results, as CSV.
 pub const FILE: &str = "results.csv";
 
 /// The task that joins the results of all scenes that ask for a table; none if no scene does.
@@ -28,29 +32,185 @@ pub fn task(project: &Project) -> Option<Task> {
         paper.table.iter().map(|table| (table.number, &table.counts, &table.delta_a)).collect();
     let parameters =
         parameters(&serde_json::json!({ "r": paper.r, "tables": tables, "published": printed }));
-    (!needs.is_empty()).then(|| Task {
-        id: ID.into(),
-        parameters,
-        files: Artifacts::new(),
-        needs,
-        export: Some("report"),
-        work: Box::new(move |inputs| {
-            let published = |number: u8| {
-                let table = paper.table.iter().find(|table| table.number == number)?;
-                Some(Published { r: &paper.r, counts: &table.counts, delta_a: &table.delta_a })
-            };
-            let levels = parts.iter().map(|part| {
-                let outcomes = |id: &String| {
-                    let column: Outcomes = from_json(inputs, id, solve::OUTCOMES)?;
-                    Ok((column.r, column.levels))
-                };
-                let columns = ids(part).iter().map(outcomes).collect::<Result<_, String>>()?;
-                let (scene, rule) = part;
-                let published = scene.paper_table.and_then(published);
-                Ok(Levels { problem: &scene.name, published, rule: *rule, columns })
-            });
-            let levels = levels.collect::<Result<Vec<_>, String>>()?;
-            Ok(Artifacts::from([(FILE.into(), Results::of(&levels)?.to_csv()?)]))
-        }),
+    let join = move |inputs: &Inputs| {
+        let published: Vec<_> =
+            parts.iter().map(|(scene, _)| paper.printed(scene.paper_table?)).collect();
+        let levels = parts.iter().zip(&published).map(|(part, published)| {
+            let (ids, (scene, rule)) = (ids(part), part);
+            let columns = ids.iter().map(|id| from_json(inputs, id, solve::OUTCOMES));
+            let columns = columns.collect::<Result<_, String>>()?;
+            Ok(Levels { problem: &scene.name, published: published.as_ref(), rule: *rule, columns })
+        });
+        let levels = levels.collect::<Result<Vec<_>, String>>()?;
+        Ok(Artifacts::from([(FILE.into(), csv(Results::of(&levels)?.0)?)]))
+    };
+    let task = Task::new(ID, parameters, needs, join);
+    (!task.needs.is_empty()).then(|| Task { export: Some("report"), ..task })
+}
+
+/// One row per problem, stopping rule, r and grid.
+///
+/// `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` say what was
+/// solved. `published` and `published_delta_a` are what the paper prints, empty where it prints
+/// nothing. The other columns carry the names of the fields of [`Outcome`].
+#[derive(Clone, Debug)]
+pub(super) struct Results(DataFrame);
+
+/// The results of one scene under one rule.
+struct Levels<'a> {
+    /// Name of the scene.
+    problem: &'a str,
+    /// What the paper prints of it, if it does.
+    published: Option<&'a Target>,
+    rule: StopRule,
+    /// One per r.
+    columns: Vec<Outcomes>,
+}
+
+/// Some numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Summary {
+    /// How many.
+    pub(super) cases: usize,
+    pub(super) sum: f64,
+    pub(super) least: f64,
+    pub(super) greatest: f64,
+}
+
+const KEYS: [&str; 3] = ["problem", "r", "cells"];
+
+impl Results {
+    /// The results of all scenes and rules, joined with the published tables.
+    fn of(parts: &[Levels]) -> PolarsResult<Self> {
+        let (mut all, mut published) = (DataFrame::empty(), printed("", &[], &Target::default())?);
+        for part in parts {
+            let (levels, grids) = frame(part)?;
+            if let Some(table) = part.published.filter(|_| part.rule == StopRule::Signed) {
+                published.vstack_mut(&printed(part.problem, &grids, table)?)?;
+            }
+            all.vstack_mut(&levels)?;
+        }
+        all.left_join(&published, KEYS, KEYS).map(Self)
+    }
+
+    /// Reads the artifact [`FILE`].
+    pub(super) fn read(bytes: &[u8]) -> PolarsResult<Self> {
+        read_csv(bytes).map(Self)
+    }
+
+    /// The results of one problem.
+    pub(super) fn of_problem(&self, name: &str) -> PolarsResult<Self> {
+        self.0.filter(&self.0.column("problem")?.str()?.equal(name)).map(Self)
+    }
+
+    /// 1 for each published count that the rule gives and meets, else 0.
+    pub(super) fn agreement(&self, rule: StopRule) -> PolarsResult<Summary> {
+        let rows = self.under(rule)?;
+        let rows = rows.filter(&rows.column("published")?.is_not_null())?;
+        let same = floats(&rows, "iterations")?.equal(&floats(&rows, "published")?)?;
+        let exact = same & rows.column("stop")?.str()?.equal("converged");
+        summary(&exact.into_series())
+    }
+
+    /// `max |dM/dy|` over the tolerance where the signed rule stops on the finest grid.
+    pub(super) fn excess(&self) -> PolarsResult<Summary> {
+        let rows = self.finest(StopRule::Signed)?;
+        summary(&(&floats(&rows, "gradient_abs")? / &floats(&rows, "tolerance")?)?)
+    }
+
+    /// The iterations of a rule on the finest grid over those of the signed rule, for every r with
+    /// which it is met.
+    pub(super) fn factor(&self, rule: StopRule) -> PolarsResult<Summary> {
+        let rows = self.finest(StopRule::Signed)?.left_join(&self.finest(rule)?, KEYS, KEYS)?;
+        let rows = rows.filter(&rows.column("stop_right")?.str()?.equal("converged"))?;
+        summary(&(&floats(&rows, "iterations_right")? / &floats(&rows, "iterations")?)?)
+    }
+
+    /// A column on the finest grid under the signed rule, over all r.
+    pub(super) fn on_finest(&self, column: &str) -> PolarsResult<Summary> {
+        summary(&floats(&self.finest(StopRule::Signed)?, column)?)
+    }
+
+    fn under(&self, rule: StopRule) -> PolarsResult<DataFrame> {
+        self.0.filter(&self.0.column("rule")?.str()?.equal(rule.to_string().as_str()))
+    }
+
+    /// Rows of problems of the paper on the finest grid.
+    fn finest(&self, rule: StopRule) -> PolarsResult<DataFrame> {
+        let signed = self.under(StopRule::Signed)?;
+        let signed = signed.filter(&signed.column("published_delta_a")?.is_not_null())?;
+        let keys = signed.select(KEYS)?;
+        let rows = self.under(rule)?;
+        keys.left_join(&rows, KEYS, KEYS)
+    }
+}
+
+/// One row per r and grid, and the grids in cells per side.
+fn frame(part: &Levels) -> PolarsResult<(DataFrame, Vec<i64>)> {
+    let levels = |column: &'_ Outcomes| -> Vec<_> {
+        (1..).zip(&column.levels).map(|(level, o)| (column.r, level, *o)).collect()
+    };
+    let rows: Vec<(f64, usize, Outcome)> = part.columns.iter().flat_map(levels).collect();
+    let float = |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.2)).collect::<Vec<_>>();
+    let count =
+        |of: fn(&Outcome) -> usize| rows.iter().map(|row| of(&row.2) as i64).collect::<Vec<_>>();
+    let mut grids = count(|o| o.cells);
+    grids.sort_unstable();
+    grids.dedup();
+    let frame = df!(
+        "problem" => vec![part.problem; rows.len()],
+        "rule" => vec![part.rule.to_string(); rows.len()],
+        "r" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
+        "cells" => count(|o| o.cells),
+        "tolerance" => rows.iter().map(|row| tolerance(row.1)).collect::<Vec<_>>(),
+        "iterations" => count(|o| o.iterations),
+        "stop" => rows.iter().map(|row| row.2.stop.to_string()).collect::<Vec<_>>(),
+        "gradient_signed" => float(|o| o.gradient_signed),
+        "gradient_abs" => float(|o| o.gradient_abs),
+        "delta_a" => float(|o| o.delta_a),
+        "energy" => float(|o| o.energy),
+        "sum_load" => float(|o| o.sum_load),
+        "kkt_stationarity" => float(|o| o.kkt.stationarity),
+        "kkt_min_y" => float(|o| o.kkt.min_y),
+        "kkt_min_lambda" => float(|o| o.kkt.min_lambda),
+        "kkt_complementarity" => float(|o| o.kkt.complementarity),
+        "kkt_natural" => float(|o| o.kkt.natural),
+        "kkt_relative" => float(|o| o.kkt.relative),
+    );
+    Ok((frame?, grids))
+}
+
+/// What the paper prints for a problem.
+fn printed(problem: &str, grids: &[i64], table: &Target) -> PolarsResult<DataFrame> {
+    let (mut r, mut cells) = (Vec::new(), Vec::new());
+    let (mut counts, mut deltas) = (Vec::new(), Vec::new());
+    for (row, x) in table.r.iter().enumerate() {
+        for (level, (&n, &count)) in grids.iter().zip(&table.counts[row]).enumerate() {
+            r.push(*x);
+            cells.push(n);
+            counts.push(count as i64);
+            deltas.push((level + 1 == grids.len()).then_some(table.delta_a[row]));
+        }
+    }
+    df!(
+        "problem" => vec![problem; r.len()],
+        "r" => r,
+        "cells" => cells,
+        "published" => counts,
+        "published_delta_a" => deltas,
+    )
+}
+
+fn floats(rows: &DataFrame, column: &str) -> PolarsResult<Series> {
+    rows.column(column)?.as_materialized_series().cast(&DataType::Float64)
+}
+
+fn summary(values: &Series) -> PolarsResult<Summary> {
+    let values = values.cast(&DataType::Float64)?;
+    Ok(Summary {
+        cases: values.len(),
+        sum: values.sum::<f64>()?,
+        least: values.min::<f64>()?.unwrap_or(f64::NAN),
+        greatest: values.max::<f64>()?.unwrap_or(f64::NAN),
     })
 }

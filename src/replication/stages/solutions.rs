@@ -4,11 +4,23 @@ use super::artifact;
 use super::solve::{self, PAIR, read_pair};
 use crate::pipeline::Inputs;
 use crate::replication::scene::{Output, Scene};
-use crate::report::{Fields, SolutionFile};
+use crate::report::Fields;
 use crate::saddle::Pair;
+use serde::Serialize;
+
+/// A solution in the book's folder `data`, as .npz and as .vti.
+#[derive(Serialize)]
+pub(super) struct SolutionFile {
+    /// Its name, without ending.
+    name: String,
+    /// Title of the scene, and which state of it.
+    what: String,
+    /// Cells per side of its grid.
+    cells: usize,
+}
 
 /// A solution, and what the book says of it.
-pub(super) struct Kept<'a> {
+pub(super) struct Solution<'a> {
     pub(super) file: SolutionFile,
     scene: &'a Scene,
     pair: Pair,
@@ -20,7 +32,7 @@ pub(super) fn all<'a>(
     inputs: &Inputs,
     problems: &'a [Scene],
     others: &'a [Scene],
-) -> Result<Vec<Kept<'a>>, String> {
+) -> Result<Vec<Solution<'a>>, String> {
     let mut kept = Vec::new();
     let stopped = |scene: &Scene| {
         let bytes = artifact(inputs, &solve::id(scene, scene.stop[0], scene.draw_r), PAIR)?;
@@ -28,17 +40,17 @@ pub(super) fn all<'a>(
     };
     for scene in problems {
         let stop = format!("where the published rule stops, r = {}", scene.draw_r);
-        kept.push(Kept::new(scene, "-stop", &stop, stopped(scene)?));
-        kept.push(Kept::new(scene, "-solution", "the solution", solve::solution(scene)?));
+        kept.push(Solution::new(scene, "-stop", &stop, stopped(scene)?));
+        kept.push(Solution::new(scene, "-solution", "the solution", solve::solution(scene)?));
     }
     for scene in others.iter().filter(|scene| scene.wants(Output::Surface)) {
         let stop = format!("where the rule `{}` stops, r = {}", scene.stop[0], scene.draw_r);
-        kept.push(Kept::new(scene, "", &stop, stopped(scene)?));
+        kept.push(Solution::new(scene, "", &stop, stopped(scene)?));
     }
     Ok(kept)
 }
 
-impl<'a> Kept<'a> {
+impl<'a> Solution<'a> {
     fn new(scene: &'a Scene, which: &str, state: &str, pair: Pair) -> Self {
         let file = SolutionFile {
             name: format!("{}{which}", scene.name),

@@ -8,6 +8,7 @@ use crate::discrete::stiffness;
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::MultigridParams;
 use crate::multigrid::square::multigrid;
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Task, parameters};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
@@ -99,19 +100,13 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
 }
 
 fn task(scene: &Scene, cell: Cell) -> Task {
-    Task {
-        id: id(scene, cell.stop, cell.r),
-        parameters: parameters(&cell),
-        files: Artifacts::new(),
-        needs: Vec::new(),
-        export: None,
-        work: Box::new(move |_| solve(&cell)),
-    }
+    let id = id(scene, cell.stop, cell.r);
+    Task::new(id, parameters(&cell), Vec::new(), move |_| solve(&cell))
 }
 
-fn solve(cell: &Cell) -> Result<Artifacts, String> {
-    let f: Source = cell.f.parse().map_err(|e| format!("{e}"))?;
-    let grids = nested(&cell.grids).map_err(|e| e.to_string())?;
+fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
+    let f: Source = cell.f.parse()?;
+    let grids = nested(&cell.grids)?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, cell.load)).collect();
     let params = Params {
         r: cell.r,
@@ -126,7 +121,8 @@ fn solve(cell: &Cell) -> Result<Artifacts, String> {
         return Err(format!(
             "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
             last.cells, last.iterations, cell.r
-        ));
+        )
+        .into());
     }
     let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: record.errors };
     let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);

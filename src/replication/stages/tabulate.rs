@@ -20,29 +20,20 @@ pub fn id(scene: &Scene, stop: StopRule) -> String {
 pub fn task(scene: &Scene, stop: StopRule) -> Task {
     let needs: Vec<String> = scene.r.iter().map(|&r| solve::id(scene, stop, r)).collect();
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
-    Task {
-        id: id(scene, stop),
-        parameters: parameters(&serde_json::json!({ "r": scene.r, "grids": cells })),
-        files: Artifacts::new(),
-        needs: needs.clone(),
-        export: None,
-        work: Box::new(move |inputs| tabulate(inputs, &needs, &cells)),
-    }
+    let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
+    Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
+        let rows = needs.iter().map(|need| row(inputs, need)).collect::<Result<Vec<_>, _>>()?;
+        Ok(Artifacts::from([(TABLE.into(), table_csv(&rows, &cells)?)]))
+    })
 }
 
-fn tabulate(inputs: &Inputs, needs: &[String], cells: &[usize]) -> Result<Artifacts, String> {
-    let columns = needs
-        .iter()
-        .map(|need| from_json::<Outcomes>(inputs, need, solve::OUTCOMES))
-        .collect::<Result<Vec<_>, _>>()?;
-    let rows: Vec<Row> = columns
-        .iter()
-        .map(|column| Row {
-            r: column.r,
-            counts: column.levels.iter().map(|o| o.iterations).collect(),
-            capped: column.levels.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
-            delta_a: column.levels.last().map_or(f64::NAN, |o| o.delta_a),
-        })
-        .collect();
-    Ok(Artifacts::from([(TABLE.into(), table_csv(&rows, cells)?)]))
+/// What a task that solves makes a row of the table.
+fn row(inputs: &Inputs, need: &str) -> Result<Row, String> {
+    let Outcomes { r, levels, .. } = from_json(inputs, need, solve::OUTCOMES)?;
+    Ok(Row {
+        r,
+        counts: levels.iter().map(|o| o.iterations).collect(),
+        capped: levels.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
+        delta_a: levels.last().map_or(f64::NAN, |o| o.delta_a),
+    })
 }

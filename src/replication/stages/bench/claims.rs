@@ -1,15 +1,16 @@
 //! Pictures of the experiment on the paper's claims.
 
-use super::{Drawn, result};
+use super::result;
 use crate::experiments::claims::{Cell, Claims, Count, Measure, Measured, VARIANTS};
-use crate::figures::{Caption, Chart, Curve, Stroke, charts};
+use crate::figures::{Caption, Chart, Curve, Drawing, Stroke, charts};
 use crate::pipeline::Inputs;
+use crate::pipeline::error::Failure;
 use crate::saddle::StopRule;
 
 type Points = Vec<(f64, f64)>;
 
 /// Iterations against r: a row of panels per measure, a column per problem, a curve per grid.
-pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let claims: Claims = result(inputs, "claims")?;
     let (target, _) = *claims.targets.first().ok_or("no KKT residual was asked for")?;
     let shown = [
@@ -33,11 +34,11 @@ pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Drawn {
             });
         }
     }
-    charts(caption, claims.problems.len(), true, &panels).map_err(|e| e.to_string())
+    Ok(charts(caption, claims.problems.len(), true, &panels)?)
 }
 
 /// Sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
-pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let claims: Claims = result(inputs, "claims")?;
     let mut panels = Vec::new();
     for &(target, cells) in &claims.targets {
@@ -54,7 +55,7 @@ pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Drawn {
             });
         }
     }
-    charts(caption, claims.problems.len(), true, &panels).map_err(|e| e.to_string())
+    Ok(charts(caption, claims.problems.len(), true, &panels)?)
 }
 
 /// A method over r on one grid; `variant` is a place in [`VARIANTS`], `None` stands for Arrow-Hurwicz.

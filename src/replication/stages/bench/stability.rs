@@ -1,10 +1,11 @@
 //! The experiments on stability and their pictures.
 
-use super::{Drawn, drawn, problem, result, task};
+use super::{problem, result, task};
 use crate::experiments::rounding::{self, Rounding, rounding};
 use crate::experiments::stress::{self, Attained, Case, Series, Stress, stress};
 use crate::experiments::trial::Trial;
-use crate::figures::{Caption, Chart, Curve, Drawing, FragilityPanel, fragility, table};
+use crate::figures::{Caption, Chart, Curve, Drawing, FragilityPanel, charts, fragility};
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
 use crate::replication::project::Project;
 
@@ -19,7 +20,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
 }
 
 /// The least disturbance that changes each count.
-pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Rounding = result(inputs, "rounding")?;
     let panels: Vec<_> = found
         .tables
@@ -35,8 +36,7 @@ pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Drawn {
                 .collect(),
         })
         .collect();
-    let svg = fragility(caption, &found.sizes, &panels).map_err(|e| e.to_string())?;
-    Ok(Drawing { svg, table: Some(table::of_fragility(&panels)) })
+    Ok(fragility(caption, &found.sizes, &panels)?)
 }
 
 fn panel(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
@@ -62,7 +62,7 @@ fn steps(trial: &Trial) -> Option<f64> {
 }
 
 /// The paper's method over the duality parameter.
-pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Stress = result(inputs, "stress")?;
     let curves = |value: fn(&Trial) -> Option<f64>| {
         let of_problem = |(k, cases): (usize, &Series<f64>)| {
@@ -81,11 +81,11 @@ pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Drawn {
         panel("Where it stops", ["r", "KKT residual"], residual),
         panel("How long it takes", ["r", "iterations"], curves(steps)),
     ];
-    drawn(caption, 2, &parts)
+    Ok(charts(caption, 2, false, &parts)?)
 }
 
 /// What is reached for each tolerance.
-pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Stress = result(inputs, "stress")?;
     let parts: Vec<_> = found
         .tolerances
@@ -102,11 +102,11 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Drawn {
             panel(format!("Problem {}", k + 1), axes, curves)
         })
         .collect();
-    drawn(caption, 2, &parts)
+    Ok(charts(caption, 2, false, &parts)?)
 }
 
 /// Work and contact as the integral of f tends to zero.
-pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Stress = result(inputs, "stress")?;
     let (mut work, mut contact) = (Vec::new(), Vec::new());
     for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
@@ -119,11 +119,11 @@ pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Drawn {
         panel("Work", ["deficit", "sweeps of the finest grid"], work),
         panel("Contact", ["deficit", "boundary nodes in contact"], contact),
     ];
-    drawn(caption, 2, &parts)
+    Ok(charts(caption, 2, false, &parts)?)
 }
 
 /// What rounding leaves of the residual, over the grids.
-pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Drawn {
+pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Stress = result(inputs, "stress")?;
     let curves = |double: fn(&Trial) -> Option<f64>, single: fn(&Attained) -> f64| {
         let single = |of: &Attained| (of.cells as f64, single(of));
@@ -142,5 +142,5 @@ pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Drawn {
         panel("Over the load", ["1/h", "KKT residual"], residual),
         panel("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
     ];
-    drawn(caption, 2, &parts)
+    Ok(charts(caption, 2, false, &parts)?)
 }

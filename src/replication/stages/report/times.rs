@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// Recorded times, digested.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Cost {
+pub(super) struct Times {
     /// Multigrid, one line per grid.
     grids: Vec<Grid>,
     /// Power laws of its time, per number of threads and goal.
@@ -135,7 +135,7 @@ fn ns(line: &Scaling) -> f64 {
     1e9 * line.seconds / unknowns(line.cells) as f64
 }
 
-impl Cost {
+impl Times {
     pub(super) fn of(timings: &Timings, accuracy: &Findings) -> Self {
         let mut problems: Vec<&String> = timings.solver.iter().map(|line| &line.problem).collect();
         problems.dedup();

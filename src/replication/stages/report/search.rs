@@ -17,13 +17,9 @@ pub(super) struct Fixed {
     percent: f64,
     /// Alternatives for which every count comes out.
     equal: usize,
-    /// Alternatives, among those, with a positive load sum on some grid.
-    unsolvable: usize,
     /// Values of Delta a to both digits for the recovered f, and the most among the others with all counts.
     chosen_deltas: usize,
     other_deltas: usize,
-    /// Values of Delta a that no alternative with all counts gives: r, published, least and greatest of ours.
-    missed: Vec<[f64; 4]>,
 }
 
 /// How far a value may move alone.
@@ -82,22 +78,13 @@ impl Fixed {
             let of = equal.iter().filter(|a| a.chosen == chosen);
             of.map(|a| a.found.score.delta_a_exact).max().unwrap_or(0)
         };
-        let missed = (0..target.r.len()).filter_map(|k| {
-            let digits = |x: f64| format!("{x:.1e}");
-            let ours = || equal.iter().map(|a| a.found.delta_a[k]);
-            let hit = ours().any(|x| digits(x) == digits(target.delta_a[k]));
-            let ends = (ours().fold(f64::INFINITY, f64::min), ours().fold(0.0, f64::max));
-            (!hit && !equal.is_empty()).then(|| [target.r[k], target.delta_a[k], ends.0, ends.1])
-        });
         Self {
             directions: map.directions.iter().map(direction).collect(),
             loose,
             holds,
             percent,
-            unsolvable: equal.iter().filter(|a| a.sums.iter().any(|s| *s > 0.0)).count(),
             chosen_deltas: deltas(true),
             other_deltas: deltas(false),
-            missed: missed.collect(),
             equal: equal.len(),
         }
     }
