@@ -77,10 +77,14 @@ fn in_order(mut places: Vec<Place>) -> Vec<Place> {
 
 /// A better contact set where the multiplier is negative in contact or v elsewhere; `None` where neither
 /// is, an empty second list if nothing reasonable is left.
-pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Option<Option<Vec<Place>>> {
+pub(super) fn corrected(
+    trace: &Trace,
+    ends: &Ends,
+    tolerance: [f64; 2],
+) -> Option<Option<Vec<Place>>> {
     let points = &trace.points;
     let many = points.len();
-    let wrong = wrong(trace);
+    let wrong = wrong(trace, tolerance);
     if !wrong.contains(&true) {
         return None;
     }
@@ -123,15 +127,15 @@ pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Option<Option<Vec<Place>>
 }
 
 /// Where the multiplier is negative in contact or v elsewhere, point by point.
-fn wrong(trace: &Trace) -> Vec<bool> {
+fn wrong(trace: &Trace, tolerance: [f64; 2]) -> Vec<bool> {
     let points = &trace.points;
     let many = points.len();
     let largest = trace.largest();
     let is_wrong = |(i, p): (usize, &Point)| {
         if trace.in_contact(i) {
-            p.multiplier < -TOLERANCE[0] * largest[0] && p.place.t.abs() > UNRESOLVED
+            p.multiplier < -tolerance[0] * largest[0] && p.place.t.abs() > UNRESOLVED
         } else {
-            p.value < -TOLERANCE[1] * largest[1]
+            p.value < -tolerance[1] * largest[1]
         }
     };
     let mut wrong: Vec<bool> = points.iter().enumerate().map(is_wrong).collect();

@@ -63,6 +63,7 @@ impl Angle {
     }
 
     /// Sine and cosine of half the angle relative to the corner that lies `corners` further back.
+    #[inline(always)]
     pub(super) fn seen_from(self, corners: i32) -> [f64; 2] {
         let [c, s] = eighth_turns(corners);
         [self.sin * c + self.cos * s, self.cos * c - self.sin * s]
@@ -70,7 +71,8 @@ impl Angle {
 }
 
 /// Cosine and sine of `k pi / 4`.
-fn eighth_turns(k: i32) -> [f64; 2] {
+#[inline(always)]
+pub(super) fn eighth_turns(k: i32) -> [f64; 2] {
     const R: f64 = FRAC_1_SQRT_2;
     [[1.0, 0.0], [R, R], [0.0, 1.0], [-R, R], [-1.0, 0.0], [-R, -R], [0.0, -1.0], [R, -R]]
         [k.rem_euclid(8) as usize]

@@ -70,6 +70,7 @@ mod newton;
 mod panels;
 mod potential;
 mod rule;
+mod search;
 mod sources;
 mod trace;
 
@@ -82,8 +83,9 @@ use crate::problem::source::Source;
 use complex::Complex;
 use energy::Energies;
 use newton::Problem;
-use panels::{Ends, Panel, Place};
+use panels::{Panel, Place};
 use rayon::prelude::*;
+use search::Found;
 use sources::Rules;
 use trace::Trace;
 
@@ -210,9 +212,11 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
     for n in [64, 256, 1024] {
         let grid = Grid::new(n).expect("not below the least");
         let Some(y) = coarse(grid, f) else { continue };
-        match solve(&problem, contact::from_grid(grid, &y), params) {
-            Err(SpectralError::NoContactSet) => {}
-            Err(other) => error = other,
+        let Some(found) = search::from_grid(&problem, contact::from_grid(grid, &y), params) else {
+            continue;
+        };
+        match Solution::checked(&problem, found) {
+            Err(failed) => error = failed,
             solved => return solved,
         }
     }
@@ -226,35 +230,9 @@ fn coarse(grid: Grid, f: &Source) -> Option<Vec<f64>> {
     multigrid(grid.cells(), &load, None, &params, |_| ()).ok().map(|(y, _)| y)
 }
 
-/// Newton's method and correction of the contact set in turn, until all signs are right.
-fn solve(problem: &Problem, start: Vec<Place>, params: Params) -> Result<Solution, SpectralError> {
-    const ROUNDS: usize = 12;
-    let rules = Rules::new(params.nodes, params.levels);
-    let (mut places, mut steps) = (start, 0);
-    for _ in 0..ROUNDS {
-        let none = SpectralError::NoContactSet;
-        let (moved, more) = problem.newton(places, &rules).ok_or(none.clone())?;
-        steps += more;
-        let ends = Ends::new(contact::without_short(moved).ok_or(none.clone())?);
-        let trace = Trace::new(problem, &ends, &rules);
-        match contact::corrected(&trace, &ends) {
-            None => {
-                let solution = Solution::new(problem, ends.places, trace, rules, steps);
-                let checks = solution.checks;
-                return if checks.pass() {
-                    Ok(solution)
-                } else {
-                    Err(SpectralError::Unchecked(checks))
-                };
-            }
-            Some(better) => places = better.ok_or(none)?,
-        }
-    }
-    Err(SpectralError::NoContactSet)
-}
-
 impl Solution {
-    fn new(problem: &Problem, ends: Vec<Place>, trace: Trace, rules: Rules, steps: usize) -> Self {
+    fn checked(problem: &Problem, found: Found) -> Result<Self, SpectralError> {
+        let Found { ends, trace, rules, steps } = found;
         let Energies { energy, rellich, force, integral, .. } =
             Energies::of(&trace, problem, &rules);
         let [least_multiplier, least_value] = trace.least();
@@ -264,9 +242,12 @@ impl Solution {
             green: (force + integral) / integral,
             rellich: rellich / energy - 1.0,
         };
+        if !checks.pass() {
+            return Err(SpectralError::Unchecked(checks));
+        }
         let contact = arcs(&ends, &trace, force);
         let problem = problem.clone();
-        Self { energy, contact, checks, integral, steps, problem, ends, trace, rules }
+        Ok(Self { energy, contact, checks, integral, steps, problem, ends, trace, rules })
     }
 
     /// The same problem at another resolution, from the contact set of this solution.
@@ -274,7 +255,9 @@ impl Solution {
     /// # Errors
     /// If that is not reached.
     pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
-        solve(&self.problem, self.ends.clone(), params)
+        let found = search::refined(&self.problem, self.ends.clone(), params)
+            .ok_or(SpectralError::NoContactSet)?;
+        Self::checked(&self.problem, found)
     }
 
     /// v and dv/dn at the quadrature nodes of the border, anticlockwise.

@@ -34,15 +34,15 @@ impl Problem {
         Target { corner: panel.corner, angle, gradient: self.psi.gradient(panel.point(t)) }
     }
 
-    /// Moves the ends until a step is so short that the next would be rounding; `None` if it does not.
+    /// Moves the ends until a step is shorter than `shortest`: convergence is quadratic, so the next would
+    /// have the square of its length. `None` if that is not reached.
     pub(super) fn newton(
         &self,
         mut places: Vec<Place>,
         rules: &Rules,
+        shortest: f64,
     ) -> Option<(Vec<Place>, usize)> {
         const STEPS: usize = 40;
-        /// Convergence is quadratic.
-        const SHORT: f64 = 1e-8;
         if places.is_empty() {
             return Some((places, 0));
         }
@@ -54,7 +54,7 @@ impl Problem {
             if !longest.is_finite() {
                 return None;
             }
-            if longest < SHORT {
+            if longest < shortest {
                 return Some((places, step));
             }
         }
@@ -114,15 +114,17 @@ impl Problem {
             if panel.contact || !gaps.contains(&panel.arcs) {
                 continue;
             }
-            for node in panel.nodes(&rules.targets, panel.target_power()) {
-                let target = self.target(panel, node.t);
+            let on_panel = || panel.nodes(&rules.targets, panel.target_power());
+            let targets: Vec<Target> = on_panel().map(|node| self.target(panel, node.t)).collect();
+            let ys = field.at(p, &targets);
+            for ((node, target), y) in on_panel().zip(targets).zip(ys) {
                 let root = ends.root(panel, node, target.angle) * target.angle.slope * node.weight;
                 nodes.push(GapNode {
                     gap: panel.arcs,
                     corner: panel.corner,
                     angle: target.angle,
                     root,
-                    slope: root * field.at(p, &target),
+                    slope: root * y,
                 });
             }
         }
@@ -203,11 +205,16 @@ fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) ->
     (column, y / std::f64::consts::TAU)
 }
 
-/// Whether the corner nearest to an end lies near, in the gap next to it.
+/// Whether an end is that of a short gap round a corner, which may be exponentially small. A long gap may
+/// begin on either side of a corner.
 fn relative(places: &[Place], j: usize) -> bool {
-    let t = places[j].t;
+    let many = places.len();
     let begins = j.is_multiple_of(2);
-    t.abs() < 0.05 && (t > 0.0) == begins
+    let (place, other) = (places[j], places[if begins { j + many - 1 } else { j + 1 } % many]);
+    (place.corner - other.corner) % 4 == 0
+        && place.t.abs().max(other.t.abs()) < 0.05
+        && (place.t > 0.0) == begins
+        && (other.t > 0.0) != begins
 }
 
 /// The longest change, in units of what a single step may do.

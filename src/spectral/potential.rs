@@ -90,8 +90,10 @@ impl Potential {
                 }
             }
         }
-        let z = psi.far_from_jumps();
-        psi.background = jumps.value(z) - psi.source_of_jumps(z);
+        // The same at all points but for rounding, which a small integral of f would feel.
+        let points = psi.far_from_jumps();
+        let background = |&z: &Complex| jumps.value(z) - psi.source_of_jumps(z);
+        psi.background = points.iter().map(background).sum::<f64>() / points.len() as f64;
         let corners = CORNERS.map(|z| psi.gradient(z).conj());
         // Interpolation in the four corners is a discrete Fourier transform.
         let mut power = [Complex::new(0.25, 0.0); 4];
@@ -165,8 +167,8 @@ impl Potential {
         (lines.sum::<f64>() + arcs.sum::<f64>() + circles.sum::<f64>()) / TAU
     }
 
-    /// A point inside the square where no jump nor its continuation is near.
-    fn far_from_jumps(&self) -> Complex {
+    /// Points inside the square where no jump nor its continuation is near.
+    fn far_from_jumps(&self) -> Vec<Complex> {
         let distance = |z: Complex| {
             let lines = self.lines.iter().map(|e| e.tangent.cross(e.origin - z).abs());
             let arcs = self.arcs.iter().map(|e| ((z - e.centre).norm() - e.radius).abs());
@@ -178,10 +180,10 @@ impl Potential {
             let k = f64::from(k);
             Complex::new(fraction(0.618_034 * k + 0.31), fraction(0.754_878 * k + 0.17))
         };
-        (0..25)
-            .map(candidate)
-            .max_by(|&a, &b| distance(a).total_cmp(&distance(b)))
-            .expect("there are candidates")
+        let mut points: Vec<Complex> = (0..25).map(candidate).collect();
+        let farthest = points.iter().map(|&z| distance(z)).fold(0.0, f64::max);
+        points.retain(|&z| distance(z) >= 0.5 * farthest);
+        points
     }
 }
 

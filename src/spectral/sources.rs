@@ -1,21 +1,25 @@
 //! Quadrature nodes on the border and the Cauchy sums over them.
 
+use super::Params;
 use super::complex::Complex;
-use super::map::Angle;
+use super::map::{Angle, eighth_turns};
 use super::panels::{Ends, Panel, Special};
 use super::potential::Potential;
-use super::rule::{gauss, interpolation};
+use super::rule::{gauss, integration, interpolation};
 use std::ops::Range;
 
 /// Ratio of neighbouring panels towards corners and crossings.
 const RATIO: f64 = 8.0;
 
 /// The rules of one resolution.
+#[derive(Clone)]
 pub(super) struct Rules {
     /// Nodes of the sources.
     pub plain: Vec<[f64; 2]>,
     /// Nodes of the targets: one more, so that they interlace.
     pub targets: Vec<[f64; 2]>,
+    /// From values at the targets to integrals from the start of the panel to each of them.
+    pub integrals: Vec<f64>,
     /// Nodes of a graded panel, as fractions of its length from the corner.
     near: Vec<[f64; 2]>,
     /// From the plain nodes to these.
@@ -23,7 +27,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    pub(super) fn new(nodes: usize, levels: u32) -> Self {
+    pub(super) fn new(Params { nodes, levels }: Params) -> Self {
         let plain = gauss(nodes);
         let mut near = Vec::with_capacity(nodes * (levels as usize + 1));
         let mut to = 1.0;
@@ -34,7 +38,8 @@ impl Rules {
         }
         let fractions: Vec<f64> = near.iter().map(|&[x, _]| x).collect();
         let to_near = interpolation(&plain, &fractions);
-        Self { targets: gauss(nodes + 1), plain, near, to_near }
+        let targets = gauss(nodes + 1);
+        Self { integrals: integration(&targets), targets, plain, near, to_near }
     }
 }
 
@@ -115,25 +120,65 @@ impl Sources {
         });
     }
 
-    /// The sum over the sources of a group of weight (grad psi' - grad psi) . e k(theta - theta').
-    fn sum(&self, group: &Group, target: &Target, odd: bool) -> f64 {
-        let [ts, tc] = target.angle.seen_from(target.corner - group.corner);
-        let g = target.gradient.dot(group.direction);
-        let range = group.range.clone();
-        let (weight, moment) = (&self.weight[range.clone()], &self.moment[range.clone()]);
-        let (sin, cos) = (&self.sin[range.clone()], &self.cos[range]);
-        let sources = weight.iter().zip(moment).zip(sin.iter().zip(cos));
-        let mut sum = 0.0;
-        if odd {
-            for ((w, m), (s, c)) in sources {
-                sum += (m - g * w) / (ts * c - tc * s);
+    /// For each target the sum over a group of weight (grad psi' - grad psi) . e k(theta - theta').
+    #[inline(always)]
+    fn sums(&self, group: &Group, targets: &Block, odd: bool) -> Lanes {
+        let Range { start, end } = group.range;
+        let [cos, sin] = eighth_turns(targets.corner - group.corner);
+        let Complex { re, im } = group.direction;
+        let (mut ts, mut tc, mut g) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            ts[k] = targets.sin[k] * cos + targets.cos[k] * sin;
+            tc[k] = targets.cos[k] * cos - targets.sin[k] * sin;
+            g[k] = targets.gradient[0][k] * re + targets.gradient[1][k] * im;
+        }
+        let sources = self.weight[start..end].iter().zip(&self.moment[start..end]);
+        let sources = sources.zip(self.sin[start..end].iter().zip(&self.cos[start..end]));
+        // Four fractions are brought to one denominator: divisions would take most of the time.
+        let (mut sums, mut top, mut bottom) = ([0.0; LANES], [0.0; LANES], [1.0; LANES]);
+        for (i, ((w, m), (s, c))) in sources.enumerate() {
+            for k in 0..LANES {
+                let a = m - g[k] * w;
+                let a = if odd { a } else { a * (tc[k] * c + ts[k] * s) };
+                let b = ts[k] * c - tc[k] * s;
+                top[k] = top[k] * b + a * bottom[k];
+                bottom[k] *= b;
             }
-        } else {
-            for ((w, m), (s, c)) in sources {
-                sum += (m - g * w) * (tc * c + ts * s) / (ts * c - tc * s);
+            if i % 4 == 3 || i + 1 == end - start {
+                for k in 0..LANES {
+                    sums[k] += top[k] / bottom[k];
+                }
+                (top, bottom) = ([0.0; LANES], [1.0; LANES]);
             }
         }
-        sum
+        sums
+    }
+}
+
+/// Targets for which sums are made at once.
+const LANES: usize = 4;
+type Lanes = [f64; LANES];
+
+/// Targets of one panel.
+struct Block {
+    corner: i32,
+    sin: Lanes,
+    cos: Lanes,
+    gradient: [Lanes; 2],
+}
+
+impl Block {
+    /// Of at most [`LANES`] targets; the last one fills what is left.
+    fn new(targets: &[Target]) -> Self {
+        let lanes = |of: fn(&Target) -> f64| {
+            std::array::from_fn(|k| of(&targets[k.min(targets.len() - 1)]))
+        };
+        Self {
+            corner: targets[0].corner,
+            sin: lanes(|t| t.angle.sin),
+            cos: lanes(|t| t.angle.cos),
+            gradient: [lanes(|t| t.gradient.re), lanes(|t| t.gradient.im)],
+        }
     }
 }
 
@@ -173,8 +218,34 @@ impl<'a> Field<'a> {
         Self { panels, plain, odd: ends.arcs() % 2 == 1, graded, graded_of }
     }
 
-    /// Y at a target of panel `p`: times (-1)^k |P|^{1/2} it is l dp/dtheta in contact, dv/dtheta elsewhere.
-    pub(super) fn at(&self, p: usize, target: &Target) -> f64 {
+    /// Y at targets of panel `p`: times (-1)^k |P|^{1/2} it is l dp/dtheta in contact, dv/dtheta elsewhere.
+    pub(super) fn at(&self, p: usize, targets: &[Target]) -> Vec<f64> {
+        let mut sums = Vec::with_capacity(targets.len() + LANES);
+        for block in targets.chunks(LANES) {
+            sums.extend(self.sums(p, &Block::new(block)).map(|sum| -sum / std::f64::consts::TAU));
+        }
+        sums.truncate(targets.len());
+        sums
+    }
+
+    /// The sums over all sources. With AVX2 the same operations in the same order are faster; the bits agree.
+    fn sums(&self, p: usize, targets: &Block) -> Lanes {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the only feature that the function is compiled for.
+            return unsafe { self.sums_avx2(p, targets) };
+        }
+        self.sums_of(p, targets)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn sums_avx2(&self, p: usize, targets: &Block) -> Lanes {
+        self.sums_of(p, targets)
+    }
+
+    #[inline(always)]
+    fn sums_of(&self, p: usize, targets: &Block) -> Lanes {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed() { (p + 1) % many } else { (p + many - 1) % many };
@@ -183,14 +254,22 @@ impl<'a> Field<'a> {
             Some(Special::Crossing) => [across, many],
             Some(_) => [p, across],
         };
-        let mut sum = 0.0;
+        let mut sums = [0.0; LANES];
         for (q, group) in self.plain.groups.iter().enumerate() {
-            sum += if replaced.contains(&q) {
-                self.graded.sum(&self.graded.groups[self.graded_of[q]], target, self.odd)
+            let (sources, group) = if replaced.contains(&q) {
+                (&self.graded, &self.graded.groups[self.graded_of[q]])
             } else {
-                self.plain.sum(group, target, self.odd)
+                (self.plain, group)
             };
+            let of_group = if self.odd {
+                sources.sums(group, targets, true)
+            } else {
+                sources.sums(group, targets, false)
+            };
+            for k in 0..LANES {
+                sums[k] += of_group[k];
+            }
         }
-        -sum / std::f64::consts::TAU
+        sums
     }
 }

@@ -4,8 +4,8 @@ use super::complex::Complex;
 use super::map::{Angle, corner_angle, to_disc};
 use super::newton::Problem;
 use super::panels::{Ends, Node, Panel, Place, Special, distance};
-use super::rule::{integration, interpolation};
-use super::sources::{Field, Rules, Sources};
+use super::rule::interpolation;
+use super::sources::{Field, Rules, Sources, Target};
 use std::f64::consts::TAU;
 
 /// Gaps that reach no further from a corner are left out: the energy feels the fourth power of that.
@@ -42,7 +42,6 @@ impl Trace {
         let plain = Sources::plain(&problem.psi, ends, &panels, rules);
         let field = Field::new(ends, &panels, &plain, rules, |_| true);
         let n = rules.targets.len();
-        let integrals = integration(&rules.targets);
         let mut points: Vec<Point> = Vec::with_capacity(n * panels.len());
         // v at the start of the panel.
         let mut before = 0.0;
@@ -50,12 +49,16 @@ impl Trace {
         for (p, panel) in panels.iter().enumerate() {
             let first = points.len();
             starts.push(before);
-            for node in panel.nodes(&rules.targets, panel.target_power()) {
-                let z = panel.point(node.t);
-                let mut target = problem.target(panel, node.t);
-                let (psi, gradient) = problem.psi.value_and_gradient(z);
-                target.gradient = gradient;
-                let y = field.at(p, &target);
+            let on_panel = || panel.nodes(&rules.targets, panel.target_power());
+            let (mut values, mut targets) = (Vec::with_capacity(n), Vec::with_capacity(n));
+            for node in on_panel() {
+                let (psi, gradient) = problem.psi.value_and_gradient(panel.point(node.t));
+                values.push(psi);
+                let angle = Angle::from_corner(node.t);
+                targets.push(Target { corner: panel.corner, angle, gradient });
+            }
+            let ys = field.at(p, &targets);
+            for (((node, target), psi), y) in on_panel().zip(targets).zip(values).zip(ys) {
                 let derivative = ends.root(panel, node, target.angle) * y * target.angle.slope;
                 points.push(Point {
                     place: Place { corner: panel.corner, t: node.t },
@@ -65,15 +68,11 @@ impl Trace {
                     multiplier: if panel.contact { derivative } else { 0.0 },
                     along: if panel.contact { 0.0 } else { derivative },
                     psi,
-                    gradient,
+                    gradient: target.gradient,
                 });
             }
             let points = &mut points[first..];
-            before = if panel.contact {
-                0.0
-            } else {
-                integrate(points, panel, before, rules, &integrals)
-            };
+            before = if panel.contact { 0.0 } else { integrate(points, panel, before, rules) };
             if panel.reversed() {
                 points.reverse();
             }
@@ -165,17 +164,11 @@ impl Trace {
 
 /// Fills in v at the points of a panel, in the order of the rule, from its derivative and from v at the
 /// start of the panel; returns v at its end.
-fn integrate(
-    points: &mut [Point],
-    panel: &Panel,
-    start: f64,
-    rules: &Rules,
-    integrals: &[f64],
-) -> f64 {
+fn integrate(points: &mut [Point], panel: &Panel, start: f64, rules: &Rules) -> f64 {
     let rate: Vec<f64> =
         points.iter().zip(&rules.targets).map(|(p, &[_, w])| p.along * p.weight / w).collect();
     let total: f64 = rate.iter().zip(&rules.targets).map(|(r, &[_, w])| r * w).sum();
-    for (point, row) in points.iter_mut().zip(integrals.chunks_exact(rate.len())) {
+    for (point, row) in points.iter_mut().zip(rules.integrals.chunks_exact(rate.len())) {
         let part: f64 = row.iter().zip(&rate).map(|(m, r)| m * r).sum();
         point.value = start + if panel.reversed() { total - part } else { part };
     }

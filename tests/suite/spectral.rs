@@ -130,6 +130,16 @@ fn two_arcs_share_the_force_by_symmetry() {
 }
 
 #[test]
+fn an_end_of_contact_that_coarse_grids_put_before_a_corner_is_found_behind_it() {
+    let f = "halfplane(-0.2,-0.837,-0.26)=3.75; disc(-0.28,0.48,0.07)=7.66; halfplane(0.75,-0.767,-0.28)=-1.62; else=-0.5";
+    let [arc] = solved(f, Params::default()).contact[..] else { panic!("one arc") };
+    let [x, y] = arc.to;
+    close(x, 0.5, 0.0);
+    assert!((4e-5..6e-5).contains(&(y + 0.5)), "{y}");
+    assert!(compare(&f.parse().unwrap()).abs() < 0.15);
+}
+
+#[test]
 fn values_near_the_border_agree_between_resolutions() {
     let f = "rect(0.25,0.5,0.25,0.5)=2; else=-1";
     let [coarse, fine] = [Params::default(), Params::FINER].map(|params| solved(f, params));
