@@ -1,11 +1,11 @@
 //! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
 
 use super::current_folder;
-use super::output::{OutputFile, say, say_json, talk};
+use super::output::{OutputFile, columns, say, say_json, talk};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::replication::project::Project;
-use crate::timing::measure::{Plan, SOLVERS, SPECTRAL, measure};
-use crate::timing::recorded::{self, Timings};
+use crate::timing::measure::{Plan, SOLVERS, SPECTRAL, TIMED, measure};
+use crate::timing::recorded::{self, Goal, Timings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::fs;
@@ -98,78 +98,83 @@ fn text(timings: &Timings) -> String {
     );
     if let Some(sweep) = &timings.sweep {
         text += &format!(
-            "one iteration of Arrow-Hurwicz at 1/{}: {:.2} ns per node, noise {:.0} %\n",
+            "one iteration of Arrow-Hurwicz at 1/{}: {:.2} ns per node, noise {}\n",
             sweep.cells,
             sweep.ns,
-            100.0 * sweep.spread
+            percent(sweep.spread)
         );
     }
     if !timings.multigrid.is_empty() {
-        text += &format!(
-            "\nmultigrid, exact(free-corner)\n{:>7} {:>10} {:>7} {:>15} {:>6} {:>9} {:>8} {:>6} {:>9} {:>9}\n",
-            "grid",
-            "unknowns",
-            "threads",
-            "goal",
-            "WU",
-            "ns/unkn.",
-            "ns/WU",
-            "noise",
-            "bytes",
-            "stream ns"
-        );
+        text += &format!("\nmultigrid, {}\n{}", TIMED.name(), multigrid(timings));
     }
-    for line in &timings.multigrid {
-        let unknowns = ((line.cells + 1) * (line.cells + 1)) as f64;
-        let ns = 1e9 * line.seconds / unknowns;
-        text += &format!(
-            "{:>7} {:>10} {:>7} {:>15} {:>6.1} {:>9.1} {:>8.2} {:>5.0}% {:>9.1} {:>9.1}\n",
-            format!("1/{}", line.cells),
-            unknowns,
-            line.threads,
-            match line.goal {
-                recorded::Goal::Discretisation => "discretisation",
-                recorded::Goal::Floor => "rounding floor",
-            },
-            line.work_units,
-            ns,
-            ns / line.work_units,
-            100.0 * line.spread,
-            line.bytes,
-            line.traffic / bandwidth.update
-        );
-    }
-    text += &format!(
-        "\n{:<15} {:<13} {:>7} {:<21} {:>9} {:>9} {:>9} {:>11} {:>6}\n",
-        "solver", "problem", "grid", "goal", "error", "discr.", "rel. KKT", "seconds", "noise"
-    );
-    for line in &timings.solver {
-        text += &format!(
-            "{:<15} {:<13} {:>7} {:<21} {:>9.2e} {:>9.2e} {:>9.1e} {:>11.6} {:>5.0}%\n",
-            line.solver,
-            line.problem,
-            format!("1/{}", line.cells),
-            line.goal,
-            line.error,
-            line.discretisation,
-            line.kkt,
-            line.seconds,
-            100.0 * line.spread
-        );
-    }
+    text += &format!("\n{}", solvers(timings));
     if !timings.spectral.is_empty() {
         text += "\nspectral: error of the energy against a finer resolution, relative\n";
-    }
-    for line in &timings.spectral {
-        text += &format!(
-            "{:<13} {:>2} nodes, {:>2} levels {:>9.1e} {:>11.6} {:>5.0}%\n",
-            line.problem,
-            line.nodes,
-            line.levels,
-            line.error,
-            line.seconds,
-            100.0 * line.spread
-        );
+        text += &spectral(timings);
     }
     text
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+fn multigrid(timings: &Timings) -> String {
+    let rows = timings.multigrid.iter().map(|line| {
+        let unknowns = (line.cells + 1) * (line.cells + 1);
+        let ns = 1e9 * line.seconds / unknowns as f64;
+        let goal = match line.goal {
+            Goal::Discretisation => "discretisation",
+            Goal::Floor => "rounding floor",
+        };
+        vec![
+            format!("1/{}", line.cells),
+            unknowns.to_string(),
+            line.threads.to_string(),
+            goal.to_owned(),
+            format!("{:.1}", line.work_units),
+            format!("{ns:.1}"),
+            format!("{:.2}", ns / line.work_units),
+            percent(line.spread),
+            format!("{:.1}", line.bytes),
+            format!("{:.1}", line.traffic / timings.bandwidth.update),
+        ]
+    });
+    let head =
+        ["grid", "unknowns", "threads", "goal", "WU", "ns", "ns/WU", "noise", "bytes", "stream ns"];
+    columns(&head, &["goal"], rows.collect())
+}
+
+fn solvers(timings: &Timings) -> String {
+    let rows = timings.solver.iter().map(|line| {
+        vec![
+            line.solver.clone(),
+            line.problem.clone(),
+            format!("1/{}", line.cells),
+            line.goal.clone(),
+            format!("{:.2e}", line.error),
+            format!("{:.2e}", line.discretisation),
+            format!("{:.1e}", line.kkt),
+            format!("{:.6}", line.seconds),
+            percent(line.spread),
+        ]
+    });
+    let head =
+        ["solver", "problem", "grid", "goal", "error", "discr.", "rel. KKT", "seconds", "noise"];
+    columns(&head, &["solver", "problem", "goal"], rows.collect())
+}
+
+fn spectral(timings: &Timings) -> String {
+    let rows = timings.spectral.iter().map(|line| {
+        vec![
+            line.problem.clone(),
+            line.nodes.to_string(),
+            line.levels.to_string(),
+            format!("{:.1e}", line.error),
+            format!("{:.6}", line.seconds),
+            percent(line.spread),
+        ]
+    });
+    let head = ["problem", "nodes", "levels", "error", "seconds", "noise"];
+    columns(&head, &["problem"], rows.collect())
 }

@@ -57,38 +57,6 @@ pub(super) struct CertificateArgs {
     cache: CacheArgs,
 }
 
-/// Everything that the two templates say.
-#[derive(Serialize)]
-struct Check {
-    author: &'static str,
-    title: &'static str,
-    reference: &'static str,
-    version: &'static str,
-    compiler: &'static str,
-    program: &'static str,
-    commands: [(&'static str, &'static str); 4],
-    codechecker: String,
-    orcid: Option<String>,
-    repository: String,
-    time: String,
-    commit: Option<String>,
-    machine: Vec<(&'static str, String)>,
-    libraries: Vec<(String, String)>,
-    summary: String,
-    tables: Vec<TableComparison>,
-    differing: Vec<Differing>,
-    /// What a reader of the numbers has to know, in sentences.
-    reservations: Vec<&'static str>,
-    files: Vec<File>,
-    inputs: Vec<(String, String)>,
-    tasks: usize,
-    hashes: usize,
-    lock_hash: String,
-    lock_is_committed: Option<bool>,
-    /// Of the page, for the manifest.
-    page_hash: String,
-}
-
 /// A file of the bundle.
 #[derive(Serialize)]
 struct File {
@@ -124,17 +92,18 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
         )));
     }
     let summary = up_to_date(&workplace)?;
-    let mut check = Check::new(args, &workplace, &summary)?;
-    let page = check.render(include_str!("certificate/certificate.md.tera"));
-    check.page_hash = hash(page.as_bytes());
-    let manifest = check.render(include_str!("certificate/codecheck.yml.tera"));
-    let count = check.files.len();
-    let mut files = check.files;
+    let tables = comparison(&workplace, &summary.manifests)?.tables;
+    let mut files = files(&workplace, &summary, &tables)?;
+    let count = files.len();
+    let mut context = context(args, &workplace, &summary, &tables, &files)?;
+    let page = render(include_str!("certificate/certificate.md.tera"), &context);
+    context.insert("page_hash", &hash(page.as_bytes()));
+    let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
     files.push(File::new(PAGE, "", page.into_bytes()));
     files.push(File::new(MANIFEST, "", manifest.into_bytes()));
     write(&folder, &files)?;
     say(&[PAGE, MANIFEST].map(|name| format!("{}\n", folder.join(name).display())).concat())?;
-    talk(&format!("{count} files with their hashes; {}", check.summary));
+    talk(&format!("{count} files with their hashes; {}", sentences(&tables)));
     Ok(0)
 }
 
@@ -211,52 +180,61 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     )))
 }
 
-impl Check {
-    fn new(args: &CertificateArgs, workplace: &Workplace, summary: &Summary) -> Result<Self> {
-        let project = &workplace.project;
-        let tables = comparison(workplace, &summary.manifests)?.tables;
-        let inputs = project.files.iter().filter(|(path, _)| *path != recorded::PATH);
-        let lock = LockFile::path(&project.root);
-        let lock_file = summary.lock_file();
-        Ok(Self {
-            codechecker: args.name.clone(),
-            orcid: args.orcid.clone(),
-            repository: args.repository.clone(),
-            time: machine::check_time()?,
-            commit: machine::commit(&project.root),
-            machine: machine::description(),
-            author: AUTHOR,
-            title: TITLE,
-            reference: REFERENCE,
-            version: env!("CARGO_PKG_VERSION"),
-            compiler: COMPILER,
-            program: env!("SIGNORINI_PROGRAM"),
-            commands: COMMANDS,
-            summary: tables.iter().map(sentence).collect::<Vec<_>>().join(" "),
-            differing: tables.iter().flat_map(differing).collect(),
-            page_hash: String::new(),
-            libraries: report::versions(),
-            reservations: reservations(project),
-            files: files(workplace, summary, &tables)?,
-            tables,
-            inputs: inputs.map(|(path, bytes)| (path.clone(), hash(bytes))).collect(),
-            tasks: summary.verdicts.len(),
-            hashes: lock_file.tasks.len() + lock_file.exports.len(),
-            lock_is_committed: machine::lock_is_committed(&project.root),
-            lock_hash: hash(&fs::read(&lock).context("read", &lock)?),
-        })
-    }
+/// Everything that the two templates say, but the hash of the page.
+fn context(
+    args: &CertificateArgs,
+    workplace: &Workplace,
+    summary: &Summary,
+    tables: &[TableComparison],
+    files: &[File],
+) -> Result<Context> {
+    let project = &workplace.project;
+    let inputs = project.files.iter().filter(|(path, _)| *path != recorded::PATH);
+    let inputs: Vec<_> = inputs.map(|(path, bytes)| (path, hash(bytes))).collect();
+    let lock = LockFile::path(&project.root);
+    let lock_file = summary.lock_file();
+    let context = Context::from_serialize(&serde_json::json!({
+        "author": AUTHOR,
+        "title": TITLE,
+        "reference": REFERENCE,
+        "version": env!("CARGO_PKG_VERSION"),
+        "compiler": COMPILER,
+        "program": env!("SIGNORINI_PROGRAM"),
+        "commands": COMMANDS,
+        "codechecker": args.name,
+        "orcid": args.orcid,
+        "repository": args.repository,
+        "time": machine::check_time()?,
+        "commit": machine::commit(&project.root),
+        "machine": machine::description(),
+        "libraries": report::versions(),
+        "summary": sentences(tables),
+        "tables": tables,
+        "differing": tables.iter().flat_map(differing).collect::<Vec<_>>(),
+        "reservations": reservations(project),
+        "files": files,
+        "inputs": inputs,
+        "tasks": summary.verdicts.len(),
+        "hashes": lock_file.tasks.len() + lock_file.exports.len(),
+        "lock_hash": hash(&fs::read(&lock).context("read", &lock)?),
+        "lock_is_committed": machine::lock_is_committed(&project.root),
+    }));
+    Ok(context.expect("plain data"))
+}
 
-    fn render(&self, template: &str) -> String {
-        let mut tera = Tera::new();
-        let json = |text: String, _: Kwargs, _: &State| serde_json::json!(text).to_string();
-        tera.register_filter("json", json);
-        tera.register_filter("cell", |text: String, _: Kwargs, _: &State| {
-            text.replace('|', "\\|").replace('\n', " ")
-        });
-        let context = Context::from_serialize(self).expect("plain data");
-        tera.render_str(template, &context, false).expect("the template is tested")
-    }
+fn render(template: &str, context: &Context) -> String {
+    let mut tera = Tera::new();
+    let json = |text: String, _: Kwargs, _: &State| serde_json::json!(text).to_string();
+    tera.register_filter("json", json);
+    tera.register_filter("cell", |text: String, _: Kwargs, _: &State| {
+        text.replace('|', "\\|").replace('\n', " ")
+    });
+    tera.render_str(template, context, false).expect("the template is tested")
+}
+
+/// What matched of all tables, in a sentence for each.
+fn sentences(tables: &[TableComparison]) -> String {
+    tables.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
 /// What matched of a table, in a sentence.
@@ -316,20 +294,20 @@ fn differing(table: &TableComparison) -> Vec<Differing> {
 /// What the project itself says about its right-hand sides and stopping rules.
 fn reservations(project: &Project) -> Vec<&'static str> {
     let compared = || project.scenes.iter().filter(|scene| scene.paper_table.is_some());
-    let mut told = Vec::new();
+    let mut sentences = Vec::new();
     if project.files.contains_key(IDENTIFIED) {
-        told.push(
+        sentences.push(
             "The figure that defines the right-hand sides f is lost; they are recovered from these very tables, \
             so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
         );
     }
     if compared().any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
-        told.push(
+        sentences.push(
             "The counts come out with the stopping criterion (13) read without its absolute value; \
             as printed, it cannot have made these tables.",
         );
     }
-    told
+    sentences
 }
 
 /// Both tables and all figures with their data, and what each shows.

@@ -29,6 +29,24 @@ pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     format!("{style}{text}{style:#}")
 }
 
+/// Rows below a head, in columns as wide as their longest cell: those called `left` begin, all others end
+/// at one place.
+pub(super) fn columns(head: &[&str], left: &[&str], rows: Vec<Vec<String>>) -> String {
+    let names = head.iter().map(|name| (*name).to_owned()).collect();
+    let rows: Vec<Vec<String>> = std::iter::once(names).chain(rows).collect();
+    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let cell = |(k, text): (usize, &String)| match left.contains(&head[k]) {
+        true => format!("{text:<0$}", widths[k]),
+        false => format!("{text:>0$}", widths[k]),
+    };
+    let line = |row: &Vec<String>| {
+        let cells: Vec<String> = row.iter().enumerate().map(cell).collect();
+        cells.join("  ").trim_end().to_owned() + "\n"
+    };
+    rows.iter().map(line).collect()
+}
+
 /// A file that the user named, found writable before the work whose result it is to hold.
 #[derive(Debug)]
 pub(super) struct OutputFile {

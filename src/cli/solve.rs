@@ -184,10 +184,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     if let Some((file, format)) = file {
         let (domain, n) = (&problem.domain, problem.finest());
-        file.write(&match args.recover {
-            true => domain.recovered_file(format, n, &answer.pair, problem.name())?,
-            false => domain.file(format, n, &answer.pair, problem.name())?,
-        })?;
+        let (n, pair) = match args.recover {
+            true => (2 * n, domain.recovered(n, &answer.pair)?),
+            false => (n, answer.pair),
+        };
+        file.write(&domain.file(format, n, &pair, problem.name())?)?;
         if !args.json {
             say(&format!("wrote {}\n", file.path().display()))?;
         }

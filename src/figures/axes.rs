@@ -40,6 +40,47 @@ impl Frame {
         pen.outline((x.0, y.0), (x.1, y.1), INK, 1.0);
     }
 
+    /// Its middle.
+    pub(super) fn middle(&self) -> Place {
+        (0.5 * (self.across.0 + self.across.1), 0.5 * (self.down.0 + self.down.1))
+    }
+
+    /// A corner of the cells into which it is cut: the i-th line across and the j-th up, or the last.
+    pub(super) fn corner(&self, (i, j): (usize, usize), cells: (usize, usize)) -> Place {
+        let line = |k: usize, n: usize, (low, high): (f64, f64)| {
+            low + (high - low) * k.min(n) as f64 / n as f64
+        };
+        self.at(line(i, cells.0, self.x), line(j, cells.1, self.y))
+    }
+
+    /// Paints cells, row by row from below, `columns` in each.
+    pub(super) fn raster(&self, pen: &mut Pen, columns: usize, colors: &[RGBColor]) {
+        let cells = (columns, colors.len() / columns);
+        for (j, row) in colors.chunks(columns).enumerate() {
+            let mut start = 0;
+            for run in row.chunk_by(|a, b| a == b) {
+                let end = start + run.len();
+                // One more cell to the right and above, painted over by the next: no seams show.
+                let (low, high) = ((start, j), (end + 1, j + 2));
+                pen.rect(self.corner(low, cells), self.corner(high, cells), run[0]);
+                start = end;
+            }
+        }
+    }
+
+    /// Vertical lines from top to bottom at `values`.
+    pub(super) fn verticals(
+        &self,
+        pen: &mut Pen,
+        values: impl IntoIterator<Item = f64>,
+        color: RGBColor,
+    ) {
+        for x in values {
+            let x = self.right(x);
+            pen.path([(x, self.down.0), (x, self.down.1)], color, 0.75);
+        }
+    }
+
     /// Horizontal rules across the frame at `values`.
     pub(super) fn rules(&self, pen: &mut Pen, values: impl IntoIterator<Item = f64>) {
         for y in values {

@@ -162,16 +162,12 @@ fn ground(pen: &mut Pen, panel: &Chart, frame: &Frame) {
     let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
     let (x, y) = (ticks(frame.x, across), ticks(frame.y, 8));
     frame.rules(pen, y.iter().map(|tick| tick.0));
-    for (value, _) in &x {
-        let x = frame.right(*value);
-        pen.path([(x, frame.down.0), (x, frame.down.1)], RULE, 0.75);
-    }
+    frame.verticals(pen, x.iter().map(|tick| tick.0), RULE);
     frame.label_left(pen, y);
     frame.label_below(pen, x);
-    let middle = 0.5 * (frame.across.0 + frame.across.1);
-    pen.text(panel.axes[0], (middle, frame.down.1 + 32.0), Type::size(NORMAL));
-    let middle = 0.5 * (frame.down.0 + frame.down.1);
-    pen.text(panel.axes[1], (frame.across.0 - 55.0, middle), Type::size(NORMAL).upwards());
+    let (x, y) = frame.middle();
+    pen.text(panel.axes[0], (x, frame.down.1 + 32.0), Type::size(NORMAL));
+    pen.text(panel.axes[1], (frame.across.0 - 55.0, y), Type::size(NORMAL).upwards());
 }
 
 fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {

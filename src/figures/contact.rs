@@ -118,9 +118,8 @@ fn draw_plot(
 ) {
     frame.rules(pen, ticks.values());
     frame.label_left(pen, ticks.labelled());
-    let middle = 0.5 * (frame.down.0 + frame.down.1);
-    pen.text(name, (26.0, middle), Type::size(NORMAL).italic());
-    corner_lines(pen, frame);
+    pen.text(name, (26.0, frame.middle().1), Type::size(NORMAL).italic());
+    frame.verticals(pen, [1.0, 2.0, 3.0], MUTED);
     for (k, values) in data.iter().enumerate() {
         // Closed: s = 4 is the corner s = 0 again.
         let places = (0..=values.len()).map(|b| frame.at(b as f64 * h, values[b % values.len()]));
@@ -151,13 +150,6 @@ fn name_sides(pen: &mut Pen, whole: &Frame) {
         }
     }
     pen.text("s", (whole.right(0.5), bottom + 15.0), Type::size(NORMAL).italic());
-}
-
-fn corner_lines(pen: &mut Pen, frame: &Frame) {
-    for s in [1.0, 2.0, 3.0] {
-        let x = frame.right(s);
-        pen.path([(x, frame.down.0), (x, frame.down.1)], MUTED, 0.75);
-    }
 }
 
 /// Intervals of s in [0, 4] in which the boundary is in contact, ascending, disjoint.

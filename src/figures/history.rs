@@ -131,16 +131,12 @@ impl<'a> Plan<'a> {
         let ticks = (low..=high).step_by(step);
         frame.label_left(pen, ticks.map(|e| (f64::from(e), power_of_ten(e))));
         let ticks = Ticks::inside(0.0, frame.x.1, 10);
-        for (x, _) in ticks.labelled() {
-            let x = frame.right(x);
-            pen.path([(x, frame.down.0), (x, frame.down.1)], RULE, 0.75);
-        }
+        frame.verticals(pen, ticks.values(), RULE);
         // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
         frame.label_below(pen, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
-        let middle = 0.5 * (ACROSS.0 + ACROSS.1);
-        pen.text("iterations, all grids", (middle, frame.down.1 + 31.0), Type::size(NORMAL));
-        let middle = 0.5 * (frame.down.0 + frame.down.1);
-        pen.text("residual", (17.0, middle), Type::size(NORMAL).upwards());
+        let (x, y) = frame.middle();
+        pen.text("iterations, all grids", (x, frame.down.1 + 31.0), Type::size(NORMAL));
+        pen.text("residual", (17.0, y), Type::size(NORMAL).upwards());
         for (k, grid) in self.shown_grids() {
             let y = frame.up(level(k));
             let text = format!("{}  h = 1/{}", power_of_ten(-(k as i32)), grid.cells());

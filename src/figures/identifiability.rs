@@ -2,7 +2,7 @@
 
 use super::axes::{Frame, colour_bar, key};
 use super::palette::{CONTACT, INK, WHITE, viridis};
-use super::panels::{Panels, centre, title};
+use super::panels::{Panels, title};
 use super::picture::{NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
 use super::table::of_identifiability;
 use super::text::Ticks;
@@ -80,19 +80,9 @@ fn draw_panel(
     let slice = panel.slice;
     title(pen, &frame, panel.title);
     let (nx, ny) = (slice.x.len(), slice.y.len());
-    let line = |k: usize, n: usize, (low, high): (f64, f64)| {
-        low + (high - low) * k.min(n) as f64 / n as f64
-    };
-    let corner = |i: usize, j: usize| frame.at(line(i, nx, frame.x), line(j, ny, frame.y));
-    for (j, row) in slice.exact.iter().enumerate() {
-        let mut start = 0;
-        for run in row.chunk_by(|a, b| a == b) {
-            let end = start + run.len();
-            // One more cell to the right and above, painted over by the next: no seams show.
-            pen.rect(corner(start, j), corner(end + 1, j + 2), color(run[0] as f64));
-            start = end;
-        }
-    }
+    let colors: Vec<_> = slice.exact.iter().flatten().map(|&count| color(count as f64)).collect();
+    frame.raster(pen, nx, &colors);
+    let corner = |i: usize, j: usize| frame.corner((i, j), (nx, ny));
     let full = |i: usize, j: usize| slice.exact[j][i] == panel.cells;
     for j in 0..ny {
         for i in 0..=nx {
@@ -113,12 +103,12 @@ fn draw_panel(
     for &[x, y] in panel.others.iter().filter(inside) {
         cross(pen, frame.at(x, y));
     }
-    ring(pen, frame.at(0.5 * (frame.x.0 + frame.x.1), 0.5 * (frame.y.0 + frame.y.1)));
+    ring(pen, frame.middle());
     frame.outline(pen);
     frame.label_below(pen, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
     frame.label_left(pen, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
     let kind = Type::size(NORMAL);
-    let (x, y) = centre(&frame);
+    let (x, y) = frame.middle();
     pen.text("f on the odd quadrant", (x, frame.down.1 + 32.0), kind);
     pen.text("f elsewhere", (frame.across.0 - 64.0, y), kind.upwards());
 }

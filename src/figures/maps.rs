@@ -2,7 +2,7 @@
 
 use super::axes::{Frame, colour_bar};
 use super::palette::{INK, WHITE, diverging, legible_on};
-use super::panels::{Panels, centre, title};
+use super::panels::{Panels, title};
 use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
@@ -99,14 +99,14 @@ fn draw_panel(pen: &mut Pen, panel: &FMap, values: &[f64], frame: Frame, limit: 
         }
         Source::Exact(_) => {
             let band = |value: f64| color((BANDS * value / limit).round() / BANDS * limit);
-            paint_raster(pen, &frame, values, band);
+            frame.raster(pen, RASTER, &values.iter().map(|v| band(*v)).collect::<Vec<_>>());
         }
     }
     frame.outline(pen);
     frame.label_below(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
     frame.label_left(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
     let kind = Type::size(NORMAL).italic();
-    let (x, y) = centre(&frame);
+    let (x, y) = frame.middle();
     pen.text("x", (x, frame.down.1 + 31.0), kind);
     pen.text("y", (frame.across.0 - 48.0, y), kind);
 }
@@ -171,27 +171,6 @@ fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
         }
     }
     runs
-}
-
-/// Paints a smooth f in bands of equal colour.
-fn paint_raster(
-    pen: &mut Pen,
-    frame: &Frame,
-    values: &[f64],
-    color: impl Fn(f64) -> plotters::style::RGBColor,
-) {
-    let line = |i: usize| i.min(RASTER) as f64 / RASTER as f64 - 0.5;
-    for (j, row) in values.chunks(RASTER).enumerate() {
-        let mut start = 0;
-        for run in row.chunk_by(|a, b| color(*a) == color(*b)) {
-            let end = start + run.len();
-            // One more cell to the right and above, painted over by the next: no seams show.
-            let (low, high) =
-                (frame.at(line(start), line(j)), frame.at(line(end + 1), line(j + 2)));
-            pen.rect(low, high, color(run[0]));
-            start = end;
-        }
-    }
 }
 
 /// Prints the value of every connected region where its largest inscribed disc is.

@@ -1,7 +1,7 @@
 //! Square panels, two in a row, each with room for its title and axes, above a foot common to all.
 
 use super::axes::Frame;
-use super::picture::{LARGE, Pen, Place, Type};
+use super::picture::{LARGE, Pen, Type};
 
 /// The layout, in display pixels.
 #[derive(Clone, Copy, Debug)]
@@ -49,11 +49,5 @@ impl Panels {
 
 /// The title above a panel.
 pub(super) fn title(pen: &mut Pen, frame: &Frame, text: &str) {
-    pen.text(text, (centre(frame).0, frame.down.0 - 22.0), Type::size(LARGE).bold());
-}
-
-/// The middle of a panel.
-pub(super) fn centre(frame: &Frame) -> Place {
-    let side = frame.across.1 - frame.across.0;
-    (frame.across.0 + 0.5 * side, frame.down.0 + 0.5 * side)
+    pen.text(text, (frame.middle().0, frame.down.0 - 22.0), Type::size(LARGE).bold());
 }

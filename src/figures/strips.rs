@@ -89,11 +89,9 @@ fn draw_strip(pen: &mut Pen, panel: &StripsPanel, frame: &Frame, rows: &[Vec<[us
         }
         row += alike.len();
     }
-    for corner in [1.0, 2.0, 3.0] {
-        let x = frame.right(corner);
-        pen.path([(x, frame.down.0), (x, end)], RULE, 0.75);
-    }
-    pen.outline((frame.across.0, frame.down.0), (frame.across.1, end), INK, 1.0);
+    let shown = Frame { down: (frame.down.0, end), ..*frame };
+    shown.verticals(pen, [1.0, 2.0, 3.0], RULE);
+    shown.outline(pen);
     let bar = (frame.down.1 + BAR.1, frame.down.1 + BAR.1 + BAR.0);
     for &[from, to] in panel.truth {
         let parts = if from < to { vec![(from, to)] } else { vec![(from, 4.0), (0.0, to)] };
@@ -110,6 +108,5 @@ fn draw_strip(pen: &mut Pen, panel: &StripsPanel, frame: &Frame, rows: &[Vec<[us
     pen.outline((frame.across.0, bar.0), (frame.across.1, bar.1), MUTED, 0.75);
     let below = Frame { down: (frame.down.0, bar.1), ..*frame };
     below.label_below(pen, [0.0, 1.0, 2.0, 3.0, 4.0].map(|s| (s, format!("{s}"))));
-    let middle = 0.5 * (frame.across.0 + frame.across.1);
-    pen.text("s", (middle, bar.1 + 30.0), Type::size(NORMAL).italic());
+    pen.text("s", (frame.middle().0, bar.1 + 30.0), Type::size(NORMAL).italic());
 }

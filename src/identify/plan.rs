@@ -226,26 +226,7 @@ impl<'a> Plan<'a> {
             let cooling = 1.0 - step as f64 / steps as f64;
             // From half the lattice down to single points, and from misfits of cells to rounding.
             let temperature = 2.0 * cooling.powi(3) + 1e-3;
-            let mut next = at.clone();
-            if step > 0 {
-                // Moves shrink by a factor of a hundred; each spans a decade.
-                let reach = 0.5 * libm::pow(0.1, random.unit() + 2.0 * (1.0 - cooling));
-                let [p, q, kind] = [sizes.len(), sizes.len(), 4].map(|n| random.below(n));
-                // Opposite moves leave the integral of f nearly alone, on which most depends.
-                let moves = match kind {
-                    0 => vec![(p, reach)],
-                    1 => vec![(p, -reach)],
-                    2 => vec![(p, reach), (q, -reach)],
-                    _ => {
-                        (0..sizes.len()).map(|p| (p, reach * (2.0 * random.unit() - 1.0))).collect()
-                    }
-                };
-                for (p, by) in moves {
-                    // A move too short for the lattice still goes to the next point.
-                    let by = (by * sizes[p] as f64).abs().max(1.0).round().copysign(by) as i64;
-                    next[p] = (next[p] as i64 + by).clamp(0, sizes[p] as i64 - 1) as usize;
-                }
-            }
+            let next = if step > 0 { moved(&at, &sizes, cooling, &mut random) } else { at.clone() };
             let candidate = build(&next);
             if !live.go_on(1) {
                 return (step, false);
@@ -297,4 +278,25 @@ impl<'a> Plan<'a> {
         });
         Ok(found)
     }
+}
+
+/// A point near this one, of a lattice with so many points along each axis; the nearer the less `cooling` is left.
+fn moved(at: &[usize], sizes: &[usize], cooling: f64, random: &mut Random) -> Vec<usize> {
+    // Moves shrink by a factor of a hundred; each spans a decade.
+    let reach = 0.5 * libm::pow(0.1, random.unit() + 2.0 * (1.0 - cooling));
+    let [p, q, kind] = [sizes.len(), sizes.len(), 4].map(|n| random.below(n));
+    // Opposite moves leave the integral of f nearly alone, on which most depends.
+    let moves = match kind {
+        0 => vec![(p, reach)],
+        1 => vec![(p, -reach)],
+        2 => vec![(p, reach), (q, -reach)],
+        _ => (0..sizes.len()).map(|p| (p, reach * (2.0 * random.unit() - 1.0))).collect(),
+    };
+    let mut next = at.to_vec();
+    for (p, by) in moves {
+        // A move too short for the lattice still goes to the next point.
+        let by = (by * sizes[p] as f64).abs().max(1.0).round().copysign(by) as i64;
+        next[p] = (next[p] as i64 + by).clamp(0, sizes[p] as i64 - 1) as usize;
+    }
+    next
 }

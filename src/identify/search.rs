@@ -11,6 +11,7 @@ use super::request::Request;
 use super::{IdentifyError, Target};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -54,9 +55,21 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Before the first item of a plan.
-    fn start(request: &Request, target: &Target, plan: &Plan) -> Self {
-        Self {
+    /// The state to resume from, or that before the first item of a plan.
+    fn first(
+        resume: Option<Self>,
+        request: &Request,
+        target: &Target,
+        plan: &Plan,
+    ) -> Result<Self, IdentifyError> {
+        match resume {
+            Some(state) if state.request == *request && state.target == *target => {
+                return Ok(state);
+            }
+            Some(_) => return Err(IdentifyError::ForeignCheckpoint),
+            None => {}
+        }
+        Ok(Self {
             request: request.clone(),
             target: target.clone(),
             next: plan.items.start,
@@ -64,7 +77,7 @@ impl Checkpoint {
             block: Best::new(request.top),
             tried: 0,
             entered: vec![0; target.levels()],
-        }
+        })
     }
 
     /// The best so far, with what a batch cut short has found.
@@ -72,6 +85,18 @@ impl Checkpoint {
         let mut all = self.best.clone();
         all.merge(cut_short.unwrap_or_else(|| self.block.clone()));
         all
+    }
+
+    /// What an observer sees of a search that began with these numbers of runs on each grid.
+    fn progress(&self, plan: &Plan, live: &Live, before: &[u64], elapsed: Duration) -> Progress {
+        let best = f64::from_bits(live.best.load(Ordering::Relaxed));
+        Progress {
+            items: (self.next - plan.items.start, plan.items.end - plan.items.start),
+            tried: live.tried.load(Ordering::Relaxed),
+            entered: self.entered.iter().zip(before).map(|(now, before)| now - before).collect(),
+            elapsed,
+            best: best.is_finite().then_some(best),
+        }
     }
 
     /// Adds a whole batch, of which `block` has the best, up to item `end`.
@@ -87,6 +112,13 @@ impl Checkpoint {
             self.block = Best::new(self.request.top);
         }
     }
+}
+
+/// Runs a batch of items, in the light of what the block has found before.
+fn run_all(items: Range<u64>, plan: &Plan, block: &Best, live: &Live) -> Vec<Item> {
+    let items = items.collect::<Vec<_>>().into_par_iter().with_max_len(1);
+    let workspace = || plan.evaluator.clone().halted_by(live.halt);
+    items.map_init(workspace, |e, item| plan.run(item, e, block, live)).collect()
 }
 
 /// What an observer sees, ten times a second and after each batch.
@@ -166,11 +198,7 @@ pub fn search(
 ) -> Result<Report, IdentifyError> {
     let halt = AtomicBool::new(false);
     let plan = Plan::new(request, target)?;
-    let mut state = match resume {
-        Some(state) if state.request == *request && state.target == *target => state,
-        Some(_) => return Err(IdentifyError::ForeignCheckpoint),
-        None => Checkpoint::start(request, target, &plan),
-    };
+    let mut state = Checkpoint::first(resume, request, target, &plan)?;
     let pool =
         budget.threads.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
     let began = (budget.clock)();
@@ -184,17 +212,7 @@ pub fn search(
         ),
     };
     let entered_before = state.entered.clone();
-    let progress = |state: &Checkpoint| {
-        let best = f64::from_bits(live.best.load(Ordering::Relaxed));
-        let since = |(now, before): (&u64, &u64)| now - before;
-        Progress {
-            items: (state.next - plan.items.start, plan.items.end - plan.items.start),
-            tried: live.tried.load(Ordering::Relaxed),
-            entered: state.entered.iter().zip(&entered_before).map(since).collect(),
-            elapsed: elapsed(),
-            best: best.is_finite().then_some(best),
-        }
-    };
+    let progress = |state: &Checkpoint| state.progress(&plan, &live, &entered_before, elapsed());
     let look_up = || {
         let late = budget.time.is_some_and(|time| elapsed() >= time);
         halt.fetch_or(late || stop.load(Ordering::Relaxed), Ordering::Relaxed);
@@ -207,13 +225,7 @@ pub fn search(
     while state.next < plan.items.end {
         look_up();
         let batch = state.next..(state.next + BATCH).min(plan.items.end);
-        let run = || {
-            let items = batch.clone().collect::<Vec<_>>().into_par_iter().with_max_len(1);
-            let workspace = || plan.evaluator.clone().halted_by(&halt);
-            items
-                .map_init(workspace, |e, item| plan.run(item, e, &state.block, &live))
-                .collect::<Vec<_>>()
-        };
+        let run = || run_all(batch.clone(), &plan, &state.block, &live);
         let done = in_pool(pool.as_ref(), run, || {
             observe(&progress(&state), None);
             look_up();

@@ -1,6 +1,6 @@
 //! The graph of tasks: who needs whom, without the work, as text for programs that draw graphs.
 
-use super::{Task, stage};
+use super::Task;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -24,11 +24,6 @@ impl Node {
     /// The node of a task.
     pub fn of(task: &Task) -> Self {
         Self { id: task.id.clone(), needs: task.needs.clone() }
-    }
-
-    /// Its stage.
-    pub fn stage(&self) -> &str {
-        stage(&self.id)
     }
 }
 

@@ -159,8 +159,8 @@ mod tests {
 
     #[test]
     fn durations_are_told_with_their_unit() {
-        let told = [0.04, 9.94, 9.96, 99.0, 100.0, 5940.0, 7200.0]
+        let texts = [0.04, 9.94, 9.96, 99.0, 100.0, 5940.0, 7200.0]
             .map(|s| brief(Duration::from_secs_f64(s)));
-        assert_eq!(told, ["<0.1 s", "9.9 s", "10 s", "99 s", "2 min", "99 min", "2 h"]);
+        assert_eq!(texts, ["<0.1 s", "9.9 s", "10 s", "99 s", "2 min", "99 min", "2 h"]);
     }
 }

@@ -20,10 +20,6 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
         equation(kwargs, format!("1/{cells}"))
     });
-    tera.register_filter("diff", |d: i64, _: Kwargs, _: &State| {
-        // A true minus sign, as wide as the plus.
-        format!("{}{}", if d < 0 { '\u{2212}' } else { '+' }, d.abs())
-    });
     // For the scripts of a page: text, lists and numbers as JSON; a number as JavaScript writes it.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
     // Numbers of a picture, to four decimals.

@@ -32,7 +32,7 @@ pub fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec<u8>>) 
             Event::InlineHtml(tag) if &*tag == "</small>" => cell.push(')'),
             Event::End(TagEnd::TableCell) => {
                 // Narrow spaces part digits, and a dash stands for no number.
-                let text = cell.replace('\u{202f}', "");
+                let text = cell.replace('\u{202f}', "").replace('\u{2265}', ">=");
                 let text = text.trim();
                 row.push(if text == "\u{2013}" { String::new() } else { quoted(text) });
             }

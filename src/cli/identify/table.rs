@@ -1,7 +1,7 @@
 //! What a search found, as tables to read.
 
 use super::Answer;
-use crate::cli::output::styled;
+use crate::cli::output::{columns, styled};
 use crate::identify::{Found, Selection, Target};
 use anstyle::AnsiColor;
 
@@ -26,25 +26,22 @@ pub(super) fn found(answer: &Answer, target: &Target) -> String {
     if report.found.is_empty() {
         return out + "nothing found; widen --values, lower --exact-grids or give more time\n";
     }
-    out += &format!(
-        "{:>4} {:>7} {:>8} {:>8} {:>11} {:>7} {:>9}  f\n",
-        "rank", "counts", "misfit", "Delta a", "complexity", "total", "integral"
-    );
-    for (k, one) in report.found.iter().enumerate() {
-        let score = &one.score;
-        out += &format!(
-            "{:>4} {:>7} {:>8.3} {:>8} {:>11} {:>7.3} {:>9.4}  {}\n",
-            k + 1,
-            format!("{}/{}", score.exact, score.cells),
-            score.misfit,
-            format!("{}/{}", score.delta_a_exact, one.delta_a.len()),
-            score.complexity,
-            score.total(),
-            // No negative zero, from rounding or not.
-            if one.integral.abs() < 5e-5 { 0.0 } else { one.integral },
-            one.f
-        );
-    }
+    let rows =
+        report.found.iter().enumerate().map(|(k, Found { score, integral, delta_a, f, .. })| {
+            vec![
+                (k + 1).to_string(),
+                format!("{}/{}", score.exact, score.cells),
+                format!("{:.3}", score.misfit),
+                format!("{}/{}", score.delta_a_exact, delta_a.len()),
+                score.complexity.to_string(),
+                format!("{:.3}", score.total()),
+                // No negative zero, from rounding or not.
+                format!("{:.4}", if integral.abs() < 5e-5 { 0.0 } else { *integral }),
+                f.clone(),
+            ]
+        });
+    let head = ["rank", "counts", "misfit", "Delta a", "complexity", "total", "integral", "f"];
+    out += &columns(&head, &["f"], rows.collect());
     out += "the first one's table, with the published value where it differs:\n";
     out + &own(&report.found[0], target)
 }
@@ -81,24 +78,21 @@ pub(super) fn one_line(selection: &Selection) -> String {
 
 /// The variants, best first.
 pub(super) fn selection(all: &[Selection], numbers: &[u8]) -> String {
-    let mut out = format!("{:>7}", "total");
-    numbers.iter().for_each(|n| out += &format!("  {:>22}", format!("problem {n}")));
-    out += "  reading of the method\n";
-    for one in all {
-        out += &format!("{:>7.2}", one.total());
-        for best in &one.best {
-            out += &match best {
-                Some(Found { score, .. }) => {
-                    let text = format!(
-                        "{}/{} misfit {:.2} {}",
-                        score.exact, score.cells, score.misfit, score.delta_a_exact
-                    );
-                    format!("  {text:>22}")
-                }
-                None => format!("  {:>22}", "nothing"),
-            };
-        }
-        out += &format!("  {}\n", one.description);
-    }
-    out + "per problem: counts exact, misfit, values of Delta a to the two printed digits\n"
+    let best = |best: &Option<Found>| match best {
+        Some(Found { score, .. }) => format!(
+            "{}/{} misfit {:.2} {}",
+            score.exact, score.cells, score.misfit, score.delta_a_exact
+        ),
+        None => "nothing".into(),
+    };
+    let rows = all.iter().map(|one| {
+        let total = std::iter::once(format!("{:.2}", one.total()));
+        total.chain(one.best.iter().map(best)).chain([one.description.clone()]).collect()
+    });
+    let problems: Vec<String> = numbers.iter().map(|n| format!("problem {n}")).collect();
+    let last = "reading of the method";
+    let head: Vec<&str> =
+        ["total"].into_iter().chain(problems.iter().map(String::as_str)).chain([last]).collect();
+    columns(&head, &[last], rows.collect())
+        + "per problem: counts exact, misfit, values of Delta a to the two printed digits\n"
 }

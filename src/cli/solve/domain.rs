@@ -183,23 +183,17 @@ impl Domain {
         }
     }
 
-    /// The bytes of a file with the recovered solution, on the grid of half the width.
+    /// The recovered solution, on the grid of half the width.
     ///
     /// # Errors
-    /// [`Error::Input`] if there is none, or it cannot be drawn.
-    pub(super) fn recovered_file(
-        &self,
-        format: Format,
-        n: usize,
-        pair: &Pair,
-        name: &str,
-    ) -> Result<Vec<u8>> {
+    /// [`Error::Input`] if there is none.
+    pub(super) fn recovered(&self, n: usize, pair: &Pair) -> Result<Pair> {
         let Self::Square { f, .. } = self else {
             return Err(Error::input("--recover is for the square; leave it out"));
         };
         let (y, _) = recovery(square(n), f, &pair.y)
             .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
-        self.file(format, 2 * n, &Pair { y, a: prolong_boundary(&pair.a) }, name)
+        Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }
 
     /// The bytes of a file with the solution.

@@ -35,8 +35,8 @@ fn many_workers_run_each_task_once() {
         let workers: Vec<_> = (0..16)
             .map(|_| scope.spawn(|| work_on(&plan, &["a/1", "b/1"], cache.path()).unwrap()))
             .collect();
-        let told: usize = workers.into_iter().map(|w| w.join().unwrap().ran.len()).sum();
-        assert_eq!(told, 2);
+        let ran_by_all: usize = workers.into_iter().map(|w| w.join().unwrap().ran.len()).sum();
+        assert_eq!(ran_by_all, 2);
     });
     assert_eq!(ran.load(Ordering::SeqCst), 2);
 }

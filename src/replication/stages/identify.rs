@@ -5,6 +5,7 @@ use crate::identify::record::Record;
 use crate::identify::{Questions, Target, Variant, findings};
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Task, parameters};
+use crate::problem::source::Source;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 use serde::Serialize;
@@ -44,17 +45,16 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
     let variant =
         Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
     let question = Question {
-        f: scene.f.to_string(),
+        f: scene.f.clone(),
         variant,
         target: project.paper.target(table)?,
         alternatives: record.alternatives(table).to_vec(),
         questions: record.questions.clone(),
     };
-    let f = scene.f.clone();
     Ok(Task::new(id(scene), parameters(&question), Vec::new(), move |_| {
-        let Question { target, variant, alternatives, questions, .. } = &question;
+        let Question { f, target, variant, alternatives, questions } = &question;
         let threads = rayon::current_num_threads();
-        let found = findings(target, variant, &f, alternatives, questions, threads)?;
+        let found = findings(target, variant, f, alternatives, questions, threads)?;
         Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
     }))
 }
@@ -62,7 +62,7 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
 /// Everything that the findings depend on: of the files that hold it, the rest may change freely.
 #[derive(Serialize)]
 struct Question {
-    f: String,
+    f: Source,
     variant: Variant,
     target: Target,
     alternatives: Vec<String>,

@@ -22,8 +22,7 @@ use std::ops::ControlFlow;
 /// Everything a cell depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
-    /// Right-hand side, canonical text.
-    f: String,
+    f: Source,
     load: LoadRule,
     prolongation: Prolongation,
     grids: Vec<usize>,
@@ -86,7 +85,7 @@ pub fn solution(scene: &Scene) -> Result<Pair, String> {
 fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     let drawn_rule = stop == scene.stop[0];
     Cell {
-        f: scene.f.to_string(),
+        f: scene.f.clone(),
         load: scene.load,
         prolongation: scene.prolongation,
         grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
@@ -105,9 +104,8 @@ fn task(scene: &Scene, cell: Cell) -> Task {
 }
 
 fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
-    let f: Source = cell.f.parse()?;
     let grids = nested(&cell.grids)?;
-    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, cell.load)).collect();
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &cell.f, cell.load)).collect();
     let params = Params {
         r: cell.r,
         rule: cell.stop,
@@ -115,7 +113,7 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
         ..Params::default()
     };
     let mut record =
-        Record { keep_history: cell.keep_history, exact: f.exact(), ..Record::default() };
+        Record { keep_history: cell.keep_history, exact: cell.f.exact(), ..Record::default() };
     let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, &mut record);
     if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
         return Err(format!(
