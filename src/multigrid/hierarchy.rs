@@ -81,7 +81,7 @@ impl<G: Geometry> Multigrid<G> {
         })
     }
 
-    /// Memory held, in bytes.
+    /// Memory that one thread needs, in bytes; each further one takes a few rows, or a slab on the cube.
     pub fn bytes(&self) -> usize {
         let levels: usize = self.levels.iter().map(Level::bytes).sum();
         levels + self.contact.1.len() + self.coarsest.bytes()

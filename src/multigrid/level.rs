@@ -51,10 +51,10 @@ impl Level {
         self.buffers.resize_with(blocks.max(self.buffers.len()), || Buffers::new(n, slab));
     }
 
-    /// Memory held, in bytes.
+    /// Memory that one thread needs, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let halves = self.values.iter().chain(&self.load).map(|half| size_of_val(&half[..]));
-        let buffers = self.buffers.iter().map(Buffers::bytes);
+        let buffers = self.buffers.first().map(Buffers::bytes);
         halves.chain(buffers).sum::<usize>()
             + size_of_val(&self.inverse_diagonal[..])
             + self.in_contact.len()
