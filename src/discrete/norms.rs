@@ -70,8 +70,6 @@ pub fn largest(values: &[f64]) -> f64 {
 /// If a slice is not of length `grid.nodes()`.
 pub fn errors(grid: Grid, problem: Exact, y: &[f64], load: &[f64]) -> Errors {
     let (n, h) = (grid.cells(), grid.h());
-    let mut flux = vec![0.0; grid.nodes()];
-    residual(grid, y, load, &mut flux);
     let at = |i: f64| i * h - 0.5;
     let places = places();
     let of_row = |j: usize| {
@@ -96,16 +94,36 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64], load: &[f64]) -> Errors {
     let rows: Vec<(f64, f64)> = (0..n).into_par_iter().map(of_row).collect();
     let (l2, h1) = rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
     let max = max_error(grid, y, |x, y| problem.at(x, y).value);
-    let mut multiplier = 0.0;
+    let multiplier_l2 =
+        multiplier_error(grid, y, load, |[x, y], normal| problem.multiplier(x, y, normal));
+    Errors { l2: h * l2.sqrt(), h1: h * h1.sqrt(), max, multiplier_l2 }
+}
+
+/// The error of `(A y - F) / h` as in [`Errors::multiplier_l2`]; `exact` gives `dv/dn` at a point of the
+/// side with an outer normal.
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn multiplier_error(
+    grid: Grid,
+    y: &[f64],
+    load: &[f64],
+    exact: impl Fn([f64; 2], [f64; 2]) -> f64,
+) -> f64 {
+    let (n, h) = (grid.cells(), grid.h());
+    let mut flux = vec![0.0; grid.nodes()];
+    residual(grid, y, load, &mut flux);
+    let at = |i: usize| i as f64 * h - 0.5;
+    let mut square = 0.0;
     for k in 1..n {
         let sides =
             [(k, 0, [0.0, -1.0]), (n, k, [1.0, 0.0]), (k, n, [0.0, 1.0]), (0, k, [-1.0, 0.0])];
         for (i, j, normal) in sides {
-            let exact = problem.multiplier(at(i as f64), at(j as f64), normal);
-            multiplier += h * (exact - flux[grid.index(i, j)] / h).powi(2);
+            let exact = exact([at(i), at(j)], normal);
+            square += h * (exact - flux[grid.index(i, j)] / h).powi(2);
         }
     }
-    Errors { l2: h * l2.sqrt(), h1: h * h1.sqrt(), max, multiplier_l2: f64::sqrt(multiplier) }
+    square.sqrt()
 }
 
 /// L2 norm of the nodal vector `y` with lumped mass: at least that of the piecewise linear function.

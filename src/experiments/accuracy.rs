@@ -1,23 +1,25 @@
 //! Errors against known solutions, and what they cost multigrid in work units and bytes.
 
-use super::problems::{paper_loads, stress_loads};
+use super::known::{Errors, KnownSolution, SAMPLED};
+use super::problems::{CONTACT, paper_loads, stress_loads};
 use super::work::{self, Comparison, CostLaw};
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{LoadRule, load};
-use crate::discrete::norms::{Errors, errors, lumped};
+use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::multigrid::square::Square;
 use crate::multigrid::{Geometry, Goal, Multigrid, MultigridParams, Outcome};
 use crate::problem::exact::Exact;
-use crate::problem::source::Source;
+use crate::spectral::Params;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// What is computed; every grid is given by its cells per side.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
-    /// Grids on which errors are measured, each the halving of the one before.
+    /// Grids on which errors against formulas are measured, each the halving of the one before.
     pub cells: Vec<usize>,
+    /// The same for the problems that test contact.
+    pub contact: Vec<usize>,
     /// Grids on which the cost of loads without known solution is counted.
     pub others: Vec<usize>,
     /// Right-hand sides, and grids, on which the cost law of the paper's method is measured.
@@ -30,6 +32,7 @@ impl Default for Plan {
     fn default() -> Self {
         Self {
             cells: (3..=10).map(|level| 1 << level).collect(),
+            contact: (3..=9).map(|level| 1 << level).collect(),
             others: vec![64, 256],
             laws: vec![
                 ("exact(free-corner)".into(), vec![8, 16, 32, 64, 128]),
@@ -46,6 +49,8 @@ impl Default for Plan {
 pub struct Findings {
     /// The problems with known solutions.
     pub problems: Vec<Known<Level>>,
+    /// Cells per side of the grid at whose nodes those without a formula are compared.
+    pub sampled: usize,
     /// Cost on the paper's problems and the stress loads, grid by grid.
     pub others: Vec<Cost>,
     /// Cost laws of the paper's method.
@@ -72,8 +77,9 @@ pub struct Level {
     pub errors: Errors,
     /// Observed orders against the grid before.
     pub orders: Option<Errors>,
-    /// Algebraic over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped) and H1.
-    pub algebraic: [f64; 2],
+    /// Algebraic over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped) and H1;
+    /// none where the error is not known.
+    pub algebraic: [Option<f64>; 2],
     /// What it cost.
     pub cost: Cost,
 }
@@ -111,8 +117,10 @@ pub struct Facts {
     pub tolerance: f64,
     /// The coarsest grid that the ranges below include, where the asymptotics have set in.
     pub from: usize,
-    /// Least and greatest observed orders.
+    /// Least and greatest observed orders of the problems whose solutions have a formula.
     pub orders: [Errors; 2],
+    /// The same of those that test contact, whose f jumps.
+    pub contact: [Errors; 2],
     /// The greatest algebraic over discretisation error, in L2 and H1.
     pub algebraic: [f64; 2],
     /// Least and greatest work units for each goal: problems with known solution.
@@ -135,8 +143,11 @@ const ASYMPTOTIC: usize = 64;
 /// # Errors
 /// A sentence if a grid cannot be used, or a problem cannot be solved on it.
 pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
+    let formulas = Exact::ALL.map(|exact| Ok(KnownSolution::Formula(exact)));
+    let spectral = CONTACT.map(|(name, f)| KnownSolution::spectral(name, f, Params::default()));
+    let solutions: Vec<_> = formulas.into_iter().chain(spectral).collect::<Result<_, String>>()?;
     let (known, rest) = rayon::join(
-        || Exact::ALL.into_par_iter().map(|exact| known(exact, &plan.cells)).collect::<Vec<_>>(),
+        || solutions.par_iter().map(|solution| known(solution, plan)).collect::<Vec<_>>(),
         || {
             rayon::join(
                 || others(&plan.others),
@@ -147,27 +158,32 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
     let problems = known.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (others, (laws, comparison)) = (rest.0?, rest.1);
     let facts = Facts::of(&problems, &others);
-    Ok(Findings { facts, problems, others, laws: laws?, comparison: comparison? })
+    let (laws, comparison) = (laws?, comparison?);
+    Ok(Findings { facts, problems, sampled: SAMPLED, others, laws, comparison })
 }
 
-fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
+fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<Level>, String> {
+    let cells = match solution {
+        KnownSolution::Formula(_) => &plan.cells,
+        KnownSolution::Spectral(_) => &plan.contact,
+    };
     let mut levels: Vec<Level> = Vec::new();
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
-        let load = load(grid, &Source::Exact(exact), LoadRule::default());
-        let (cost, [rough, _, y]) = cost::<Square>(exact.name(), n, &load)?;
-        let errors = errors(grid, exact, &y, &load);
+        let load = solution.load(grid);
+        let (cost, [rough, _, y]) = cost::<Square>(solution.name(), n, &load)?;
+        let errors = solution.errors(grid, &y, &load);
         let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
         // Twice the energy without load is the square of the H1 seminorm.
         let h1 = (2.0 * energy(grid, &wrong, &vec![0.0; wrong.len()])).sqrt();
         levels.push(Level {
             orders: levels.last().map(|coarser| orders(&coarser.errors, &errors)),
-            algebraic: [lumped(grid, &wrong) / errors.l2, h1 / errors.h1],
+            algebraic: [errors.l2.map(|l2| lumped(grid, &wrong) / l2), Some(h1 / errors.h1)],
             errors,
             cost,
         });
     }
-    Ok(Known { name: exact.name().into(), levels })
+    Ok(Known { name: solution.name().into(), levels })
 }
 
 fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
@@ -211,7 +227,7 @@ impl Spent {
 
 fn map2(a: &Errors, b: &Errors, f: impl Fn(f64, f64) -> f64) -> Errors {
     Errors {
-        l2: f(a.l2, b.l2),
+        l2: a.l2.zip(b.l2).map(|(a, b)| f(a, b)),
         h1: f(a.h1, b.h1),
         max: f(a.max, b.max),
         multiplier_l2: f(a.multiplier_l2, b.multiplier_l2),
@@ -229,15 +245,23 @@ impl Facts {
         // A plan of coarse grids only has ranges as well.
         let from = ASYMPTOTIC.min(finest);
         let fine = || levels().filter(|level| level.cost.cells >= from);
-        let observed = || fine().filter_map(|level| level.orders);
-        let extreme = |f: fn(f64, f64) -> f64| observed().reduce(|a, b| map2(&a, &b, f));
-        let nothing = Errors { l2: 0.0, h1: 0.0, max: 0.0, multiplier_l2: 0.0 };
-        let ratio = |k: usize| fine().map(|level| level.algebraic[k]).fold(0.0, f64::max);
+        let extreme = |formula: bool| {
+            let nothing = Errors { l2: None, h1: 0.0, max: 0.0, multiplier_l2: 0.0 };
+            let observed = || {
+                fine()
+                    .filter(|level| level.errors.l2.is_some() == formula)
+                    .filter_map(|level| level.orders)
+            };
+            [f64::min, f64::max]
+                .map(|f| observed().reduce(|a, b| map2(&a, &b, f)).unwrap_or(nothing))
+        };
+        let ratio = |k: usize| fine().filter_map(|level| level.algebraic[k]).fold(0.0, f64::max);
         let last = || levels().filter(|level| level.cost.cells == finest);
         Self {
             tolerance: TOLERANCE,
             from,
-            orders: [f64::min, f64::max].map(|f| extreme(f).unwrap_or(nothing)),
+            orders: extreme(true),
+            contact: extreme(false),
             algebraic: [ratio(0), ratio(1)],
             known: [0, 1, 2].map(|goal| range(fine().map(|level| &level.cost), goal)),
             finest: [0, 1, 2].map(|goal| range(last().map(|level| &level.cost), goal)),

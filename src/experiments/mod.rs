@@ -6,6 +6,7 @@
 pub mod accuracy;
 pub mod claims;
 pub mod cube;
+pub mod known;
 pub mod problems;
 pub mod rounding;
 pub mod saddle;

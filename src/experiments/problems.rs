@@ -1,4 +1,4 @@
-//! Loads without known solutions: the paper's problems, and semicoercive ones of growing difficulty.
+//! The paper's problems, some that test the search for contact, and loads of growing difficulty.
 
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
@@ -9,6 +9,13 @@ use std::f64::consts::TAU;
 /// The paper's problems by name, with f as recovered.
 pub const PAPER: [(&str, &str); 2] =
     [("problem 1", "quadrant(ll)=3; else=-1.002"), ("problem 2", "quadrant(ll)=-6; else=1.998")];
+
+/// Problems that test the search for contact, by name: lift and multiplier are of order one; the second has
+/// discs, and two arcs of contact.
+pub const CONTACT: [(&str, &str); 2] = [
+    ("strong-contact", "quadrant(ll)=6; else=-4"),
+    ("two-arcs", "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5"),
+];
 
 /// One of the paper's problems, on the grids and with the parameters of its table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

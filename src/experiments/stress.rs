@@ -8,7 +8,7 @@ pub use random::Random;
 pub use summary::{Plateau, Summary};
 
 use super::Range;
-use super::problems::Problem;
+use super::problems::{CONTACT, Problem};
 use super::trial::Trial;
 use runs::{Runs, single};
 use serde::{Deserialize, Serialize};
@@ -23,6 +23,8 @@ pub struct Plan {
     /// Where a solution is needed f is averaged on its jumps: with the paper's side taken there, the load
     /// of problem 1 has a positive sum and nothing to converge to.
     pub problems: Vec<Problem>,
+    /// Name and f of another one, whose lift and multiplier are of order one.
+    pub contact: (String, String),
     /// Cells per side on which the paper's iteration runs.
     pub coarse: usize,
     /// Cells per side on which multigrid runs.
@@ -43,8 +45,10 @@ pub struct Plan {
 impl Plan {
     /// The sizes of the book.
     pub fn new(problems: Vec<Problem>) -> Self {
+        let (name, f) = CONTACT[0];
         Self {
             problems,
+            contact: (name.into(), f.into()),
             coarse: 16,
             fine: 64,
             tolerance: 1e-3,
@@ -53,6 +57,12 @@ impl Plan {
             deficit: 0.3,
             random: 2000,
         }
+    }
+
+    /// Names of the problems, that of [`Self::contact`] last.
+    pub fn names(&self) -> Vec<String> {
+        let paper = self.problems.iter().map(|problem| format!("problem {}", problem.number));
+        paper.chain([self.contact.0.clone()]).collect()
     }
 }
 

@@ -1,10 +1,11 @@
 //! The work of the paper's method: its sweeps against the width of the grid, and its work beside multigrid's.
 
 use super::exponent;
+use super::known::KnownSolution;
 use super::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
-use crate::discrete::load::{Diagonal, LoadRule, load};
+use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
@@ -113,67 +114,64 @@ fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[CostLaw; 2], String> {
 /// # Errors
 /// A sentence if grids do not nest, or a method does not reach the discretisation error.
 pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
-    let exact = Exact::FreeCorner;
+    let known = KnownSolution::Formula(Exact::FreeCorner);
     let grids = grid::nested(cells).map_err(|e| e.to_string())?;
     let levels =
-        grids.iter().map(|&grid| OnGrid::new(exact, grid)).collect::<Result<Vec<_>, _>>()?;
+        grids.iter().map(|&grid| OnGrid::new(&known, grid)).collect::<Result<Vec<_>, _>>()?;
     let finest = &levels[levels.len() - 1];
     let mut runs = vec![with_multigrid(&levels)?];
     for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", loose_uzawa(0.0))] {
         runs.push(with_saddle(name, method, &levels)?);
     }
     let (cells, discretisation) = (finest.grid.cells(), finest.discretisation);
-    Ok(Comparison { name: exact.name().into(), cells, discretisation, runs })
+    Ok(Comparison { name: known.name().into(), cells, discretisation, runs })
 }
 
 /// A problem with known solution on one grid.
 pub(crate) struct OnGrid {
     pub(crate) grid: Grid,
     pub(crate) load: Vec<f64>,
-    known: Known,
+    measure: Measure,
     /// Error of the discrete solution.
     pub(crate) discretisation: f64,
 }
 
-/// What is known of a solution.
-enum Known {
-    /// Its values at the nodes.
+/// By what errors are measured.
+enum Measure {
+    /// The true values at the nodes.
     Nodes(Vec<f64>),
-    /// Its energy.
+    /// The true energy.
     Energy(f64),
 }
 
 impl OnGrid {
-    pub(crate) fn new(exact: Exact, grid: Grid) -> Result<Self, String> {
-        let load = load(grid, &Source::Exact(exact), LoadRule::default());
+    /// Errors are measured at the nodes where there is a formula, and in the energy elsewhere.
+    pub(crate) fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
         let side = grid.side();
-        let at = |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
-        let values = (0..grid.nodes()).map(at).collect();
-        Self { grid, load, known: Known::Nodes(values), discretisation: 0.0 }.solved()
-    }
-
-    /// A problem whose true `energy` is known; f is integrated exactly, so that energies can be compared.
-    pub(crate) fn of_energy(f: &Source, energy: f64, grid: Grid) -> Result<Self, String> {
-        let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
-        Self { grid, load, known: Known::Energy(energy), discretisation: 0.0 }.solved()
-    }
-
-    fn solved(mut self) -> Result<Self, String> {
+        let measure = match known {
+            KnownSolution::Formula(exact) => {
+                let value =
+                    |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
+                Measure::Nodes((0..grid.nodes()).map(value).collect())
+            }
+            KnownSolution::Spectral(known) => Measure::Energy(known.solution.energy),
+        };
+        let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
-        let solved = multigrid(self.grid.cells(), &self.load, None, &params, |_| ());
-        self.discretisation = self.error(&solved.map_err(|e| e.to_string())?.0);
-        Ok(self)
+        let solved = multigrid(grid.cells(), &level.load, None, &params, |_| ());
+        level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
+        Ok(level)
     }
 
-    /// The error of `y` in the discrete L2 norm; or, where the energy alone is known, what the energy is too
+    /// The error of `y` in the discrete L2 norm; or, where there is no formula, what the energy is too
     /// large by, relative to it, with values that are negative on the boundary set to zero.
     pub(crate) fn error(&self, y: &[f64]) -> f64 {
-        match &self.known {
-            Known::Nodes(exact) => {
+        match &self.measure {
+            Measure::Nodes(exact) => {
                 let wrong: Vec<f64> = y.iter().zip(exact).map(|(a, b)| a - b).collect();
                 lumped(self.grid, &wrong)
             }
-            Known::Energy(least) => {
+            Measure::Energy(least) => {
                 let mut admissible = y.to_vec();
                 self.grid.boundary().for_each(|node| admissible[node] = y[node].max(0.0));
                 (energy(self.grid, &admissible, &self.load) - least) / least.abs()

@@ -153,6 +153,46 @@ impl Trace {
         sum * (1.0 - image.norm2()) / TAU
     }
 
+    /// v and dv/dn at a place on the border, interpolated between the points of its panel.
+    pub(super) fn at(&self, place: Place, rules: &Rules) -> [f64; 2] {
+        // As seen from the corner of a panel, at most two sides away.
+        let seen_from = |panel: &Panel| {
+            let corners = (place.corner - panel.corner + 1).rem_euclid(4) - 1;
+            place.t + f64::from(corners)
+        };
+        let outside = |panel: &Panel| {
+            let t = seen_from(panel);
+            (panel.from - t).max(t - panel.to)
+        };
+        let nearest =
+            |(_, a): &(usize, &Panel), (_, b): &(usize, &Panel)| outside(a).total_cmp(&outside(b));
+        let (p, panel) =
+            self.panels.iter().enumerate().min_by(nearest).expect("the border has panels");
+        let t = seen_from(panel).clamp(panel.from, panel.to);
+        let offset = if panel.reversed() { panel.to - t } else { t - panel.from };
+        let scale = offset / (panel.to - panel.from);
+        let x = match panel.target_power() {
+            1 => scale,
+            2 => scale.sqrt(),
+            _ => libm::cbrt(scale),
+        };
+        let n = rules.targets.len();
+        let point = |k: usize| {
+            let k = if panel.reversed() { n - 1 - k } else { k };
+            let Point { value, multiplier, .. } = self.points[p * n + k];
+            [value, multiplier]
+        };
+        if let Some(k) = rules.targets.iter().position(|&[node, _]| node == x) {
+            return point(k);
+        }
+        let row = interpolation(&rules.targets, &[x]);
+        let [value, multiplier] =
+            [0, 1].map(|which| row.iter().enumerate().map(|(k, m)| m * point(k)[which]).sum());
+        // Better known by integration.
+        let value = if place.t == 0.0 { self.corner_value(place.corner) } else { value };
+        [value, multiplier]
+    }
+
     /// v in a corner.
     pub(super) fn corner_value(&self, corner: i32) -> f64 {
         let begins = |panel: &Panel| {

@@ -9,7 +9,8 @@ use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
-use crate::experiments::problems::PAPER;
+use crate::experiments::known::KnownSolution;
+use crate::experiments::problems::{CONTACT, PAPER};
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::experiments::work::{OnGrid, R};
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
@@ -45,8 +46,8 @@ pub const SOLVERS: [&str; 5] =
 pub const SPECTRAL: &str = "spectral";
 /// The problem on which multigrid is timed.
 pub const TIMED: Exact = Exact::FreeCorner;
-/// The problems with known solutions that have a part of the boundary to find.
-const PROBLEMS: [Exact; 2] = [Exact::FreeSegment, Exact::FreeCorner];
+/// The problems with a formula for the solution that have a part of the boundary to find.
+const FORMULAS: [Exact; 2] = [Exact::FreeSegment, TIMED];
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// Seconds that a single run may take by extrapolation from the coarser grid.
@@ -89,7 +90,7 @@ pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String
         }
     }
     let mut spectral = Vec::new();
-    for (name, f) in PAPER.into_iter().filter(|_| wanted(SPECTRAL)) {
+    for (name, f) in PAPER.into_iter().chain(CONTACT).filter(|_| wanted(SPECTRAL)) {
         say(&format!("{SPECTRAL}, {name}"));
         spectral.extend(resolved(name, f, plan)?);
     }
@@ -186,26 +187,27 @@ struct Case {
     paper: Option<&'static str>,
 }
 
-/// The paper's problems, judged by the energy, then those with solutions in closed form.
+/// The paper's problems and those that test contact, judged by the energy; then those with a formula.
 fn cases(plan: &Plan) -> Result<Vec<Case>, String> {
     let finest = if plan.quick { 32 } else { plan.finest.min(1024) };
     let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
     let grids: Vec<Grid> =
         grids.map(Grid::new).collect::<Result<_, _>>().map_err(|e| e.to_string())?;
     let skipped = usize::from(plan.quick);
-    let mut cases = Vec::new();
-    for (name, text) in PAPER.into_iter().skip(skipped) {
-        let energy = true_energy(text, RESOLUTIONS[RESOLUTIONS.len() - 1])?;
-        let level = |grid: &Grid| OnGrid::of_energy(&source(text)?, energy, *grid);
-        let levels = grids.iter().map(level).collect::<Result<_, _>>()?;
-        cases.push(Case { name: name.into(), levels, paper: Some(text) });
+    let paper = PAPER.into_iter().skip(skipped).map(|(name, f)| (name, f, Some(f)));
+    let contact = CONTACT.into_iter().skip(skipped).map(|(name, f)| (name, f, None));
+    let mut known = Vec::new();
+    for (name, f, paper) in paper.chain(contact) {
+        known.push((KnownSolution::spectral(name, f, spectral::Params::FINER)?, paper));
     }
-    for problem in PROBLEMS.into_iter().skip(skipped) {
+    let formulas = FORMULAS.into_iter().skip(skipped);
+    known.extend(formulas.map(|exact| (KnownSolution::Formula(exact), None)));
+    let case = |(known, paper): &(KnownSolution, Option<&'static str>)| {
         let levels =
-            grids.iter().map(|&grid| OnGrid::new(problem, grid)).collect::<Result<_, _>>()?;
-        cases.push(Case { name: problem.name().into(), levels, paper: None });
-    }
-    Ok(cases)
+            grids.iter().map(|&grid| OnGrid::new(known, grid)).collect::<Result<_, _>>()?;
+        Ok(Case { name: known.name().into(), levels, paper: *paper })
+    };
+    known.iter().map(case).collect()
 }
 
 fn source(f: &str) -> Result<Source, String> {

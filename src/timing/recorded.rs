@@ -24,10 +24,10 @@ pub struct Timings {
     /// Multigrid on one problem, from grid to grid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub multigrid: Vec<Scaling>,
-    /// All solvers that use a grid, on the paper's problems and on others with known solutions.
+    /// All solvers that use a grid, on problems with known solutions, the paper's first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solver: Vec<Reached>,
-    /// The spectral solver on the paper's problems, resolution by resolution.
+    /// The spectral solver on those whose f is piecewise constant, resolution by resolution.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spectral: Vec<Spectral>,
     /// Other people's solvers beside ours; entered by hand, kept by `bench --record`.
@@ -125,13 +125,13 @@ pub enum Goal {
 pub struct Reached {
     /// Its name, as in `solve --solver`.
     pub solver: String,
-    /// Name of the problem, as in `exact(name)`, or `problem 1` and `problem 2`.
+    /// Name of the problem, as in `exact(name)` where its solution has a formula.
     pub problem: String,
     /// Cells per side.
     pub cells: usize,
     /// What it was to reach, in words.
     pub goal: String,
-    /// Error against the known solution, in the discrete L2 norm; of the paper's problems, of the energy,
+    /// Error against the known solution, in the discrete L2 norm; where it has no formula, of the energy,
     /// relative.
     #[serde(deserialize_with = "positive")]
     pub error: f64,

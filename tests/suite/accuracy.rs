@@ -12,6 +12,7 @@ fn findings() -> &'static Findings {
     ONCE.get_or_init(|| {
         let plan = Plan {
             cells: vec![16, 32, 64, 128],
+            contact: vec![16, 32, 64, 128],
             others: vec![64],
             laws: vec![("exact(free-corner)".into(), vec![16, 32, 64])],
             compared: vec![8, 16, 32],
@@ -22,12 +23,19 @@ fn findings() -> &'static Findings {
 
 #[test]
 fn slopes_are_those_of_linear_elements() {
+    assert_eq!(findings().problems.len(), 6);
     for problem in &findings().problems {
         for level in &problem.levels[1..] {
             let orders = level.orders.unwrap();
-            assert!((orders.l2 - 2.0).abs() < 0.05, "{} {orders:?}", problem.name);
             assert!((orders.h1 - 1.0).abs() < 0.05, "{} {orders:?}", problem.name);
-            assert!(orders.multiplier_l2 > 0.9, "{} {orders:?}", problem.name);
+            match orders.l2 {
+                Some(l2) => {
+                    assert!((l2 - 2.0).abs() < 0.05, "{} {orders:?}", problem.name);
+                    assert!(orders.multiplier_l2 > 0.9, "{} {orders:?}", problem.name);
+                }
+                // Where f jumps: h^2 |log h|.
+                None => assert!(orders.max > 1.5, "{} {orders:?}", problem.name),
+            }
         }
     }
 }
@@ -60,8 +68,14 @@ fn sweeps_grow_like_the_inverse_square_of_the_width() {
 
 #[test]
 fn the_experiment_depends_on_no_thread_count() {
-    let plan =
-        Plan { cells: vec![8, 16], others: vec![16], laws: Vec::new(), compared: vec![4, 8] };
+    let plan = Plan {
+        cells: vec![8, 16],
+        // Fine enough for several threads.
+        contact: vec![8, 256],
+        others: vec![16],
+        laws: Vec::new(),
+        compared: vec![4, 8],
+    };
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         serde_json::to_string(&pool.install(|| accuracy(&plan)).unwrap()).unwrap()

@@ -66,7 +66,7 @@ fn bounds_hold_and_are_sharp() {
         assert!(energy.is_none_or(|order| (order - 2.0).abs() < 0.1), "{:?}", one.orders);
     }
     let summary = found().summary;
-    assert_eq!((summary.brackets, summary.held), (18, 18));
+    assert_eq!((summary.brackets, summary.held), (21, 21));
     assert!(summary.green < 1e-11 && summary.rellich < 1e-11, "{summary:?}");
 }
 

@@ -37,8 +37,9 @@ impl<'a> Runs<'a> {
     pub(super) fn new(plan: &'a Plan) -> Result<Self, String> {
         let grid = |n: usize| Grid::new(n).map_err(|e| e.to_string());
         let (coarse, fine) = (grid(plan.coarse)?, grid(plan.fine)?);
-        let loads = plan.problems.iter().map(|problem| {
-            let f: Source = problem.f.parse().map_err(|e| format!("{e}"))?;
+        let texts = plan.problems.iter().map(|problem| &problem.f).chain([&plan.contact.1]);
+        let loads = texts.map(|text| {
+            let f: Source = text.parse().map_err(|e| format!("{e}"))?;
             Ok([coarse, fine].map(|grid| load(grid, &f, LoadRule::LumpedAverage)))
         });
         Ok(Self { plan, coarse, fine, loads: loads.collect::<Result<_, String>>()? })

@@ -45,10 +45,10 @@ pub struct Summary {
 }
 
 /// Tolerances at which the signed rule is met at one and the same iteration.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plateau {
-    /// Problem, from 1.
-    pub problem: usize,
+    /// Name of the problem.
+    pub problem: String,
     /// The iteration.
     pub steps: usize,
     /// The tolerances, over the largest load.
@@ -61,14 +61,17 @@ impl Plateau {
     /// The one with most tolerances, if it has three.
     fn of(stress: &Stress) -> Option<Self> {
         let mut longest: (usize, Option<Self>) = (2, None);
-        for (k, cases) in stress.tolerances.iter().enumerate() {
+        for (problem, cases) in stress.plan.names().into_iter().zip(&stress.tolerances) {
             let met: Vec<_> = cases.iter().filter(|case| case["signed"].converged()).collect();
             for same in met.chunk_by(|a, b| a["signed"].steps == b["signed"].steps) {
                 let Trial { steps, kkt, .. } = same[0]["signed"];
                 let tolerances = Range::of(same.iter().map(|case| case.x));
                 let (Some(tolerances), Some(kkt)) = (tolerances, kkt) else { continue };
                 if same.len() > longest.0 {
-                    longest = (same.len(), Some(Self { problem: k + 1, steps, tolerances, kkt }));
+                    longest = (
+                        same.len(),
+                        Some(Self { problem: problem.clone(), steps, tolerances, kkt }),
+                    );
                 }
             }
         }

@@ -1,17 +1,13 @@
 //! Finite elements against a true solution: errors, ends of contact, and what the guaranteed bounds say.
 
-use crate::bounds::{Bounds, bounds};
+use crate::bounds::bounds;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::discrete::norms::errors;
 use crate::discrete::stiffness::energy;
 use crate::experiments::exponent;
+use crate::experiments::known::KnownSolution;
 use crate::multigrid::MultigridParams;
 use crate::multigrid::square::multigrid;
-use crate::problem::exact::Exact;
-use crate::problem::source::Source;
-use crate::spectral::Solution;
 use serde::{Deserialize, Serialize};
 
 /// One problem on all grids, solved by multigrid to the rounding floor.
@@ -48,65 +44,10 @@ pub struct Level {
     pub ends: Option<f64>,
 }
 
-/// A finite element solution and its bounds.
-struct Solved {
-    grid: Grid,
-    load: Vec<f64>,
-    y: Vec<f64>,
-    bounds: Bounds,
-}
-
-fn solve(name: &str, f: &Source, cells: usize, rule: LoadRule) -> Result<Solved, String> {
-    let failed = |e: &dyn std::fmt::Display| format!("{name}, h = 1/{cells}: {e}");
-    let grid = Grid::new(cells).map_err(|e| failed(&e))?;
-    let load = load(grid, f, rule);
-    let params = MultigridParams::default();
-    let (y, _) = multigrid(cells, &load, None, &params, |_| ()).map_err(|e| failed(&e))?;
-    let bounds = bounds(grid, f, &y).map_err(|e| failed(&e))?;
-    Ok(Solved { grid, load, y, bounds })
-}
-
 impl Elements {
-    pub(super) fn against_spectral(
-        name: &str,
-        f: &Source,
-        truth: &Solution,
-        cells: &[usize],
-    ) -> Result<Self, String> {
-        let level = |&cells: &usize| {
-            let rule = LoadRule::Exact { diagonal: Diagonal::default() };
-            let Solved { grid, load, y, bounds } = solve(name, f, cells, rule)?;
-            let energy = energy(grid, &y, &load) - truth.energy;
-            // For every w, |grad (v - w)|^2 = 2 (J(w) - J(v)) - 2 int l w.
-            let work: f64 = truth
-                .border()
-                .map(|p| p.weight * p.multiplier * on_border(grid, &y, p.point))
-                .sum();
-            let error = (2.0 * (energy - work)).max(0.0).sqrt();
-            let [low, high] = bounds.energy;
-            Ok(Level {
-                energy: Some(energy),
-                holds: Some(low <= truth.energy && truth.energy <= high),
-                ends: distance(&truth.contact, &bounds.contact),
-                ..Level::of(cells, error, &bounds)
-            })
-        };
+    pub(super) fn against(known: &KnownSolution, cells: &[usize]) -> Result<Self, String> {
+        let level = |&cells: &usize| Level::of(known, cells);
         let levels = cells.iter().map(level).collect::<Result<Vec<_>, String>>()?;
-        Ok(Self::of(name.into(), f.to_string(), levels))
-    }
-
-    pub(super) fn against_closed_form(exact: Exact, cells: &[usize]) -> Result<Self, String> {
-        let f = Source::Exact(exact);
-        let level = |&cells: &usize| {
-            let solved = solve(exact.name(), &f, cells, LoadRule::default())?;
-            let error = errors(solved.grid, exact, &solved.y, &solved.load).h1;
-            Ok(Level::of(cells, error, &solved.bounds))
-        };
-        let levels = cells.iter().map(level).collect::<Result<Vec<_>, String>>()?;
-        Ok(Self::of(exact.name().into(), f.to_string(), levels))
-    }
-
-    fn of(name: String, f: String, levels: Vec<Level>) -> Self {
         let order = |finest: usize, of: &dyn Fn(&Level) -> Option<f64>| {
             let points: Vec<_> = levels
                 .iter()
@@ -121,36 +62,31 @@ impl Elements {
             order(3, &|level| level.energy),
             order(levels.len(), &|level| level.ends),
         ];
-        Self { name, f, levels, orders }
+        Ok(Self { name: known.name().into(), f: known.f().to_string(), levels, orders })
     }
 }
 
 impl Level {
-    fn of(cells: usize, error: f64, bounds: &Bounds) -> Self {
-        Self {
+    fn of(known: &KnownSolution, cells: usize) -> Result<Self, String> {
+        let failed = |e: &dyn std::fmt::Display| format!("{}, h = 1/{cells}: {e}", known.name());
+        let grid = Grid::new(cells).map_err(|e| failed(&e))?;
+        let (f, load) = (known.f(), known.load(grid));
+        let params = MultigridParams::default();
+        let (y, _) = multigrid(cells, &load, None, &params, |_| ()).map_err(|e| failed(&e))?;
+        let bounds = bounds(grid, &f, &y).map_err(|e| failed(&e))?;
+        let error = known.h1_error(grid, &y, &load);
+        let [low, high] = bounds.energy;
+        let truth = known.solution();
+        Ok(Self {
             cells,
             error,
             effectivity: bounds.error.map(|bound| bound / error),
-            energy: None,
-            bracket: bounds.energy[1] - bounds.energy[0],
-            holds: None,
-            ends: None,
-        }
+            energy: truth.map(|truth| energy(grid, &y, &load) - truth.energy),
+            bracket: high - low,
+            holds: truth.map(|truth| low <= truth.energy && truth.energy <= high),
+            ends: truth.and_then(|truth| distance(&truth.contact, &bounds.contact)),
+        })
     }
-}
-
-/// The nodal vector at a point of the boundary, linear between nodes.
-fn on_border(grid: Grid, y: &[f64], [x, z]: [f64; 2]) -> f64 {
-    let n = grid.cells() as f64;
-    let cell = |s: f64| {
-        let place = ((s + 0.5) * n).clamp(0.0, n);
-        let k = (place as usize).min(grid.cells() - 1);
-        (k, place - k as f64)
-    };
-    let ((i, s), (j, t)) = (cell(x), cell(z));
-    let at = |i: usize, j: usize| y[grid.index(i, j)];
-    (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(i + 1, j))
-        + t * ((1.0 - s) * at(i, j + 1) + s * at(i + 1, j + 1))
 }
 
 /// The distance along the boundary of a point from the lower left corner, anticlockwise.
@@ -196,13 +132,5 @@ mod tests {
         let [one, other] = [arc([-0.5, -0.49], [0.0, -0.5]), arc([-0.48, -0.5], [0.0, -0.5])];
         assert!((distance(&[one], &[other]).unwrap() - 0.03).abs() < 1e-15);
         assert_eq!(distance(&truth, &found[..1]), None);
-    }
-
-    #[test]
-    fn values_on_the_boundary_are_linear_between_nodes() {
-        let grid = Grid::new(4).unwrap();
-        let y: Vec<f64> = (0..25).map(|k| f64::from(k % 5) + 10.0 * f64::from(k / 5)).collect();
-        assert_eq!(on_border(grid, &y, [-0.125, -0.5]), 1.5);
-        assert_eq!(on_border(grid, &y, [0.5, 0.5]), 44.0);
     }
 }

@@ -7,9 +7,11 @@ pub(super) use elements::place;
 pub use elements::{Elements, Level};
 pub use reference::{Arc, Reference, Value};
 
+use super::known::KnownSolution;
+use super::problems::CONTACT;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::spectral::{Params, Solution, spectral};
+use crate::spectral::{Params, spectral};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -26,15 +28,14 @@ pub struct Plan {
     pub sampled: usize,
 }
 
-/// The problem whose known solution tests contact: lift, multiplier and depth are all of order one.
-pub const STRONG: (&str, &str) = ("strong-contact", "quadrant(ll)=6; else=-4");
-
 impl Plan {
-    /// The paper's problems `first`, then four others, with several arcs of contact and with discs.
+    /// The paper's problems `first`, then others, with several arcs of contact and with discs.
     pub fn new(first: impl IntoIterator<Item = (String, String)>) -> Self {
+        let [strong, two_arcs] = CONTACT;
         let others = [
             ("four-arcs", "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5"),
-            STRONG,
+            strong,
+            two_arcs,
             ("two-discs", "disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1"),
             ("corner-disc", "disc(0.5,0.5,0.3)=4; else=-1"),
         ];
@@ -102,21 +103,18 @@ pub fn truth(plan: &Plan) -> Result<Truth, String> {
         let failed = |e| format!("{name}: {e}");
         let rough = spectral(&f, rough).map_err(failed)?;
         let fine = rough.at_resolution(fine).map_err(failed)?;
-        Ok((Reference::of(name, &f, &rough, &fine), f, fine))
+        Ok((Reference::of(name, &f, &rough, &fine), KnownSolution::of(name, f, fine)))
     };
-    let solved: Result<Vec<(Reference, Source, Solution)>, String> =
-        plan.problems.par_iter().map(solved).collect();
-    let solved = solved?;
-    let pieces = solved.par_iter().map(|(reference, f, solution)| {
-        Elements::against_spectral(&reference.name, f, solution, &plan.cells)
-    });
-    let closed =
-        Exact::ALL.par_iter().map(|exact| Elements::against_closed_form(*exact, &plan.cells));
-    let mut elements = pieces.collect::<Result<Vec<_>, _>>()?;
-    elements.extend(closed.collect::<Result<Vec<_>, _>>()?);
-    let samples = solved.iter().take(2).map(|(.., solution)| solution.at_nodes(plan.sampled));
-    let samples = samples.collect();
-    let references: Vec<_> = solved.into_iter().map(|(reference, ..)| reference).collect();
+    let solved: Vec<(Reference, KnownSolution)> =
+        plan.problems.par_iter().map(solved).collect::<Result<_, String>>()?;
+    let (references, mut known): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
+    let sampled = known.iter().take(2).filter_map(KnownSolution::solution);
+    let samples = sampled.map(|solution| solution.at_nodes(plan.sampled)).collect();
+    known.extend(Exact::ALL.map(KnownSolution::Formula));
+    let elements = known
+        .par_iter()
+        .map(|known| Elements::against(known, &plan.cells))
+        .collect::<Result<Vec<_>, _>>()?;
     let summary = Summary::of(&references, &elements);
     Ok(Truth { references, elements, sampled: plan.sampled, samples, summary })
 }

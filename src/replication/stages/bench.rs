@@ -65,7 +65,7 @@ const PICTURES: &[Picture] = &[
     Picture {
         name: "accuracy",
         experiments: &["accuracy"],
-        title: "Errors against the width of the grid, four problems with known solutions",
+        title: "Errors against the width of the grid, problems with known solutions",
         draw: |inputs, caption| Ok(cost::accuracy(caption, &result(inputs, "accuracy")?)?),
     },
     Picture {

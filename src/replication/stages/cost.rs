@@ -1,10 +1,10 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
 use crate::experiments::accuracy::{self, Findings};
-use crate::experiments::problems::PAPER;
 use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Run};
 use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, Stroke, charts};
+use crate::problem::exact::Exact;
 use crate::timing::measure::SOLVERS;
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
 use std::collections::BTreeSet;
@@ -28,26 +28,33 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, Fi
     type Norm = (
         &'static str,
         &'static str,
-        fn(&accuracy::Level) -> f64,
+        fn(&accuracy::Level) -> Option<f64>,
         &'static [(&'static str, f64, f64)],
     );
     let norms: [Norm; 4] = [
         ("v in L2", "error in L2", |level| level.errors.l2, &[("order 2", -2.0, 0.12)]),
-        ("v in H1", "error in H1", |level| level.errors.h1, &[("order 1", -1.0, 0.25)]),
-        ("v at the nodes", "greatest error", |level| level.errors.max, &[("order 2", -2.0, 0.12)]),
+        ("v in H1", "error in H1", |level| Some(level.errors.h1), &[("order 1", -1.0, 0.25)]),
+        (
+            "v at the nodes",
+            "greatest error",
+            |level| Some(level.errors.max),
+            &[("order 2", -2.0, 0.12)],
+        ),
         (
             "multiplier in L2",
             "error in L2 of the boundary",
-            |level| level.errors.multiplier_l2,
+            |level| Some(level.errors.multiplier_l2),
             &[("order 2", -2.0, 0.3), ("order 1", -1.0, 2.0)],
         ),
     ];
     let panels = norms.map(|(title, y, pick, slopes)| {
-        let curve = |level: &accuracy::Level| (level.cost.cells as f64, pick(level));
+        let point = |level: &accuracy::Level| Some((level.cost.cells as f64, pick(level)?));
         let mut lines: Vec<_> = found
             .problems
             .iter()
-            .map(|known| Curve::marked(&known.name, known.levels.iter().map(curve).collect()))
+            .map(|known| {
+                Curve::marked(&known.name, known.levels.iter().filter_map(point).collect())
+            })
             .collect();
         let references: Vec<_> = slopes
             .iter()
@@ -193,9 +200,9 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             }
             let published = lines().filter(stop).map(point).collect();
             curves.push(Curve::marked("Arrow-Hurwicz, published stop", published));
-            let by_energy = PAPER.iter().any(|(name, _)| *name == problem);
+            let formula = Exact::ALL.iter().any(|exact| exact.name() == problem);
             let error =
-                if by_energy { "error of the energy, relative" } else { "error at the nodes" };
+                if formula { "error at the nodes" } else { "error of the energy, relative" };
             Chart { title: problem.into(), axes: ["seconds", error], curves }
         })
         .collect();

@@ -65,11 +65,11 @@ fn steps(trial: &Trial) -> Option<f64> {
 pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Stress = result(inputs, "stress")?;
     let curves = |value: fn(&Trial) -> Option<f64>| {
-        let of_problem = |(k, cases): (usize, &Series<f64>)| {
-            let label = |rule: &str| format!("{rule} rule, problem {}", k + 1);
+        let of_problem = |(name, cases): (String, &Series<f64>)| {
+            let label = |rule: &str| format!("{rule} rule, {name}");
             ["signed", "strict"].map(|rule| marked(label(rule), cases, rule, value))
         };
-        found.duality.iter().enumerate().flat_map(of_problem).collect::<Vec<_>>()
+        found.plan.names().into_iter().zip(&found.duality).flat_map(of_problem).collect::<Vec<_>>()
     };
     let mut residual = curves(|trial| trial.kkt);
     let ends = found.duality.first().and_then(|cases| Some((cases.first()?.x, cases.last()?.x)));
@@ -87,11 +87,9 @@ pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Result<Drawing,
 /// What is reached for each tolerance.
 pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let found: Stress = result(inputs, "stress")?;
-    let parts: Vec<_> = found
-        .tolerances
-        .iter()
-        .enumerate()
-        .map(|(k, cases)| {
+    let named = found.plan.names().into_iter().zip(&found.tolerances);
+    let parts: Vec<_> = named
+        .map(|(name, cases)| {
             let named =
                 [("signed rule", "signed"), ("strict rule", "strict"), ("multigrid", "multigrid")];
             let mut curves: Vec<_> =
@@ -99,7 +97,7 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Result<Drawi
             let asked = cases.iter().map(|case| (case.x, case.x)).collect();
             curves.push(Curve::reference("as asked", asked));
             let axes = ["tolerance over the load", "KKT residual"];
-            panel(format!("Problem {}", k + 1), axes, curves)
+            panel(name, axes, curves)
         })
         .collect();
     Ok(charts(caption, 2, false, &parts)?)
