@@ -1,6 +1,8 @@
 //! A small project in a temporary folder, and the binary run in it.
 
 use serde_json::Value;
+use signorini::discrete::load::integral;
+use signorini::problem::source::Source;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -268,5 +270,42 @@ impl Dice {
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
         (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) % bound
+    }
+}
+
+/// Overlapping shapes with a negative integral, to two decimals.
+pub(crate) fn random_source(dice: &mut Dice) -> Source {
+    let mut hundredths = |low: i64, high: i64| {
+        let width = u64::try_from(high - low).unwrap();
+        (low + i64::try_from(dice.below(width)).unwrap()) as f64 / 100.0
+    };
+    loop {
+        let mut text = String::new();
+        for _ in 0..hundredths(100, 500) as usize {
+            let value = hundredths(-800, 800);
+            text += &match hundredths(0, 500) as usize {
+                0 | 1 => {
+                    let [x, y] = [0; 2].map(|_| hundredths(-60, 40));
+                    let [w, h] = [0; 2].map(|_| hundredths(5, 80));
+                    format!("rect({x},{},{y},{})", x + w, y + h)
+                }
+                2 => ["quadrant(ll)", "quadrant(lr)", "quadrant(ul)", "quadrant(ur)"]
+                    [hundredths(0, 400) as usize]
+                    .into(),
+                3 => {
+                    let [x, y] = [0; 2].map(|_| hundredths(-60, 60));
+                    format!("disc({x},{y},{})", hundredths(6, 45))
+                }
+                _ => {
+                    let [a, c] = [hundredths(-100, 100), hundredths(-50, 50)];
+                    format!("halfplane({a},{},{c})", hundredths(-100, 100) + 0.003)
+                }
+            };
+            text += &format!("={value}; ");
+        }
+        let f: Source = (text + &format!("else={}", hundredths(-600, 300))).parse().unwrap();
+        if integral(&f) < -0.02 {
+            return f;
+        }
     }
 }

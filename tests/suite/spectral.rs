@@ -2,9 +2,9 @@
 
 #![allow(clippy::excessive_precision)] // Reference values stand with all digits of their source.
 
-use crate::common::Dice;
+use crate::common::{Dice, random_source};
 use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini::discrete::load::{Diagonal, LoadRule, load};
 use signorini::discrete::stiffness::energy;
 use signorini::multigrid::MultigridParams;
 use signorini::multigrid::square::multigrid;
@@ -158,43 +158,6 @@ fn what_is_not_solved_is_refused() {
     assert!(matches!(refused("exact(torsion)"), Some(SpectralError::NotPieces)));
 }
 
-/// Overlapping shapes with a negative integral, to two decimals.
-fn random(dice: &mut Dice) -> Source {
-    let mut hundredths = |low: i64, high: i64| {
-        let width = u64::try_from(high - low).unwrap();
-        (low + i64::try_from(dice.below(width)).unwrap()) as f64 / 100.0
-    };
-    loop {
-        let mut text = String::new();
-        for _ in 0..hundredths(100, 500) as usize {
-            let value = hundredths(-800, 800);
-            text += &match hundredths(0, 500) as usize {
-                0 | 1 => {
-                    let [x, y] = [0; 2].map(|_| hundredths(-60, 40));
-                    let [w, h] = [0; 2].map(|_| hundredths(5, 80));
-                    format!("rect({x},{},{y},{})", x + w, y + h)
-                }
-                2 => ["quadrant(ll)", "quadrant(lr)", "quadrant(ul)", "quadrant(ur)"]
-                    [hundredths(0, 400) as usize]
-                    .into(),
-                3 => {
-                    let [x, y] = [0; 2].map(|_| hundredths(-60, 60));
-                    format!("disc({x},{y},{})", hundredths(6, 45))
-                }
-                _ => {
-                    let [a, c] = [hundredths(-100, 100), hundredths(-50, 50)];
-                    format!("halfplane({a},{},{c})", hundredths(-100, 100) + 0.003)
-                }
-            };
-            text += &format!("={value}; ");
-        }
-        let f: Source = (text + &format!("else={}", hundredths(-600, 300))).parse().unwrap();
-        if integral(&f) < -0.02 {
-            return f;
-        }
-    }
-}
-
 /// How far the spectral energy is from extrapolated ones, over what one halving of h changes.
 fn compare(f: &Source) -> f64 {
     let solution = spectral(f, Params::default()).unwrap_or_else(|e| panic!("{f}: {e}"));
@@ -211,7 +174,7 @@ fn compare(f: &Source) -> f64 {
 fn compare_random(seed: u64, many: usize) {
     let mut dice = Dice(seed);
     for _ in 0..many {
-        let f = random(&mut dice);
+        let f = random_source(&mut dice);
         let ratio = compare(&f);
         assert!(ratio.abs() < 0.15, "{f}: {ratio}");
     }
