@@ -78,6 +78,13 @@ impl Bounds {
         let size = (-2.0 * self.energy[1]).max(0.0).sqrt();
         if size > 0.0 { self.error[1] / size } else { f64::INFINITY }
     }
+
+    /// The width of the bracket of the energy over |J(u)|; infinite where that cannot be told from zero.
+    pub fn relative_energy(&self) -> f64 {
+        let [low, high] = self.energy;
+        // J(u) is at most zero.
+        if high < 0.0 { (high - low) / -high } else { f64::INFINITY }
+    }
 }
 
 /// Why there is no bound.

@@ -13,6 +13,7 @@ use super::output::{OutputFile, say, say_json};
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::pipeline::error::{Error, Result};
 use crate::saddle::Method;
+use accuracy::Accuracy;
 use clap::{Args, ValueEnum};
 use problem::Problem;
 use std::path::PathBuf;
@@ -55,6 +56,10 @@ pub(super) struct SolveArgs {
     /// Guaranteed relative error in the energy norm; chooses the grid by itself
     #[arg(long, value_name = "REL", conflicts_with_all = ["cube", "h", "solver", "tolerance"])]
     accuracy: Option<f64>,
+    /// Guaranteed relative error of the energy; chooses the grid by itself
+    #[arg(long, value_name = "REL",
+        conflicts_with_all = ["accuracy", "cube", "h", "solver", "tolerance"])]
+    accuracy_energy: Option<f64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -84,6 +89,12 @@ impl SolveArgs {
             return Err(Format::no_picture());
         }
         Ok(Some((OutputFile::check(&path)?, format)))
+    }
+
+    /// The accuracy by which the grid is chosen, if one is asked for.
+    fn accuracy(&self) -> Option<Accuracy> {
+        let energy = self.accuracy_energy.map(Accuracy::Energy);
+        self.accuracy.map(Accuracy::Error).or(energy)
     }
 
     /// The tolerance of multigrid, if it is asked for.
@@ -174,7 +185,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     let file = args.file(&problem)?;
     let answer = match problem.accuracy {
-        Some(wanted) => accuracy::solve(&mut problem, wanted)?,
+        Some(accuracy) => problem.solve_to(accuracy)?,
         None => problem.solve()?,
     };
     if args.json {

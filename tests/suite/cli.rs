@@ -87,6 +87,11 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
         json["h"].as_f64() >= fixed["h"].as_f64()
             && fixed["bound"]["error"][1].as_f64() < Some(0.004)
     );
+    let json = solve(&["--accuracy-energy", "1e-7"]);
+    let [low, high] = [0, 1].map(|k| json["bound"]["energy"][k].as_f64().unwrap());
+    assert!(low <= -0.016602302753503897 && -0.016602302753503897 <= high, "{json}");
+    let reached = (high - low) / -high;
+    assert!((0.3e-7..1e-7).contains(&reached), "with a grid hardly too fine: {json}");
     let cube = project.run(&["solve", "--cube", "else=-1", "--h", "1/8", "--json"]).json();
     assert!(cube["bound"].is_null() && cube["contact"].is_null(), "{cube}");
     assert!(cube["bound_reason"].as_str().unwrap().contains("square"), "{cube}");
@@ -279,6 +284,8 @@ fn solve_refuses_in_one_line() {
         (&["--cube", "else=-1", "--tolerance", "nan"], "must be a positive number"),
         (&["--f", "else=-1", "--accuracy", "2"], "must be between 0 and 1"),
         (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
+        (&["--f", "else=-1", "--accuracy-energy", "nan"], "must be between 0 and 1"),
+        (&["--f", "else=-1", "--accuracy-energy", "1e-15"], "too fine for memory; 1/8192 reaches"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");

@@ -1,53 +1,90 @@
-//! `solve --accuracy`: the grid is chosen, from coarse to fine, with the guaranteed bound as judge.
+//! `solve --accuracy` and `--accuracy-energy`: what is guaranteed, and the grids that are tried for it.
 
-use super::answer::Answer;
-use super::problem::Problem;
+use crate::bounds::Bounds;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::MAX_CELLS;
 
 /// Cells per side of the first grid.
-const FIRST: usize = 16;
-/// From here on the error is known to fall like the width of the grid.
+pub(super) const FIRST: usize = 16;
+/// From here on errors are known to fall like a power of the width of the grid.
 const SETTLED: usize = 128;
 /// Widths fall by this factor at most from one grid to the next.
 const STRIDE: usize = 8;
 
-/// Solves on one grid after the other until the bound of the error in the energy norm, relative to that of
-/// the solution, is at most `wanted`. Coarser grids cost less than the last one together.
-pub(super) fn solve(problem: &mut Problem, wanted: f64) -> Result<Answer> {
-    if !(wanted > 0.0 && wanted < 1.0) {
-        return Err(Error::input(format!(
-            "--accuracy {wanted}: must be between 0 and 1, e.g. 1e-3 for an error of 0.1 % in the energy norm"
-        )));
+/// The most that a guaranteed bound may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Accuracy {
+    /// Error in the energy norm, relative to that of the solution.
+    Error(f64),
+    /// Width of the bracket of the energy, relative to the energy.
+    Energy(f64),
+}
+
+impl Accuracy {
+    pub(super) fn wanted(self) -> f64 {
+        let (Self::Error(wanted) | Self::Energy(wanted)) = self;
+        wanted
     }
-    let (mut finest, mut levels) = (FIRST, Vec::new());
-    loop {
-        problem.grids = vec![finest];
-        problem.domain.check_solver(problem.solver, finest)?;
-        let mut answer = problem.solve()?;
-        levels.append(&mut answer.levels);
-        let reached = match &answer.bounds {
-            Ok(bounds) => bounds.relative(),
-            Err(reason) => {
-                return Err(Error::input(format!(
-                    "--accuracy: no bound of the error: {reason}; scale f"
-                )));
-            }
-        };
-        if reached <= wanted || answer.failure.is_some() {
-            answer.levels = levels;
-            return Ok(answer);
+
+    /// What the bounds guarantee.
+    pub(super) fn reached(self, bounds: &Bounds) -> f64 {
+        match self {
+            Self::Error(_) => bounds.relative(),
+            Self::Energy(_) => bounds.relative_energy(),
         }
-        // The error falls like the width.
-        let needed = finest as f64 * reached / wanted;
-        let last = MAX_CELLS as f64;
-        if finest == MAX_CELLS || (finest >= SETTLED && needed > 1.02 * last) {
-            let best = reached * finest as f64 / last;
+    }
+
+    /// The power of the width of the grid like which the bound falls.
+    fn order(self) -> f64 {
+        match self {
+            Self::Error(_) => 1.0,
+            Self::Energy(_) => 3.0,
+        }
+    }
+
+    /// Refuses what is not between 0 and 1.
+    pub(super) fn check(self) -> Result<()> {
+        let wanted = self.wanted();
+        if wanted > 0.0 && wanted < 1.0 {
+            return Ok(());
+        }
+        let example = match self {
+            Self::Error(_) => "1e-3 for an error of 0.1 % in the energy norm",
+            Self::Energy(_) => "1e-6 for six digits of the energy",
+        };
+        Err(Error::input(format!("{self}: must be between 0 and 1, e.g. {example}")))
+    }
+
+    /// The grid after one on which `reached` is too large, and was `before` on the grid before that.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if no grid will do.
+    pub(super) fn next(self, finest: usize, [before, reached]: [f64; 2]) -> Result<usize> {
+        if finest > SETTLED && reached >= before {
             return Err(Error::input(format!(
-                "--accuracy {wanted:e} takes a grid of about 1/{needed:.0}, too fine for memory; 1/{MAX_CELLS} reaches about {best:.1e}"
+                "{self}: rounding errors leave {before:.1e}; ask for less, or use --solver spectral"
             )));
         }
-        finest = size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS);
+        let order = self.order();
+        let needed = finest as f64 * libm::pow(reached / self.wanted(), 1.0 / order);
+        let last = MAX_CELLS as f64;
+        if finest == MAX_CELLS || (finest >= SETTLED && needed > 1.02 * last) {
+            let best = reached * libm::pow(finest as f64 / last, order);
+            return Err(Error::input(format!(
+                "{self} takes a grid of about 1/{needed:.0}, too fine for memory; 1/{MAX_CELLS} reaches about {best:.1e}, and --solver spectral needs no grid"
+            )));
+        }
+        Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS))
+    }
+}
+
+/// The option and its value.
+impl std::fmt::Display for Accuracy {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Error(wanted) => write!(out, "--accuracy {wanted:e}"),
+            Self::Energy(wanted) => write!(out, "--accuracy-energy {wanted:e}"),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What `solve` is asked: f and its domain, the grids, the solver and its settings.
 
+use super::accuracy::Accuracy;
 use super::domain::Domain;
 use super::{LoadName, SolveArgs, Solver, cells};
 use crate::cli::current_folder;
@@ -30,8 +31,8 @@ pub(super) struct Problem {
     pub prolongation: Prolongation,
     /// The tolerance of multigrid, relative to the load; none means the rounding floor.
     pub tolerance: Option<f64>,
-    /// The relative error in the energy norm that is to be guaranteed: then the grids are chosen by it.
-    pub accuracy: Option<f64>,
+    /// What is to be guaranteed of the error: then the grids are chosen by it.
+    pub accuracy: Option<Accuracy>,
     /// Where an option was given instead of what the scene says.
     pub overridden: Vec<String>,
 }
@@ -62,7 +63,7 @@ impl Problem {
                     (None, None) => return Err(Error::input("give a scene or --f")),
                 };
                 // An accuracy is asked of the solution for f, whatever load vector a scene takes.
-                let exact = args.accuracy.map(|_| LoadName::Exact);
+                let exact = args.accuracy().map(|_| LoadName::Exact);
                 let rule = choose.one(
                     "load",
                     args.load.or(exact).map(LoadRule::from),
@@ -74,7 +75,7 @@ impl Problem {
                 Domain::Square { f, rule, integral }
             }
         };
-        let default = match args.accuracy {
+        let default = match args.accuracy() {
             Some(_) => Solver::Multigrid,
             None => domain.default_solver(),
         };
@@ -108,7 +109,7 @@ impl Problem {
             params,
             prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
             tolerance: args.tolerance(solver)?,
-            accuracy: args.accuracy,
+            accuracy: args.accuracy(),
             overridden,
             domain,
         })

@@ -1,6 +1,7 @@
 //! Every solver brought to the same shape of answer.
 
 use super::Solver;
+use super::accuracy::{Accuracy, FIRST};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
@@ -30,6 +31,32 @@ impl Problem {
         };
         let seconds = [setup, start.elapsed().as_secs_f64()];
         Ok(Answer::new(self, solved, &loads[loads.len() - 1], seconds))
+    }
+
+    /// Solves on one grid after the other until what is guaranteed is enough. Coarser grids cost less than
+    /// the last one together.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`Error::Input`] if there is no bound, or no grid will do.
+    pub(super) fn solve_to(&mut self, accuracy: Accuracy) -> Result<Answer> {
+        accuracy.check()?;
+        let (mut finest, mut before, mut levels) = (FIRST, f64::INFINITY, Vec::new());
+        loop {
+            self.grids = vec![finest];
+            self.domain.check_solver(self.solver, finest)?;
+            let mut answer = self.solve()?;
+            levels.append(&mut answer.levels);
+            let bounds = answer.bounds.as_ref().map_err(|reason| {
+                Error::input(format!("{accuracy}: no bound of the error: {reason}; scale f"))
+            })?;
+            let reached = accuracy.reached(bounds);
+            if reached <= accuracy.wanted() || answer.failure.is_some() {
+                answer.levels = levels;
+                return Ok(answer);
+            }
+            finest = accuracy.next(finest, [before, reached])?;
+            before = reached;
+        }
     }
 
     /// Runs a saddle-point method over the nested grids of the square.
@@ -70,9 +97,10 @@ impl Problem {
         let n = self.finest();
         let largest = || load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
         let goal = match (self.accuracy, self.tolerance) {
-            (Some(_), _) => Goal::DiscretisationError,
+            (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
             (None, Some(tolerance)) => Goal::Kkt(tolerance * largest()),
-            (None, None) => Goal::RoundingFloor,
+            // The bracket of the energy is far narrower than the error is large.
+            _ => Goal::RoundingFloor,
         };
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let direct = ActiveSetParams::default();
