@@ -2,13 +2,13 @@
 
 use super::current_folder;
 use super::output::{OutputFile, columns, say, say_json, talk};
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing::measure::{Plan, SOLVERS, SPECTRAL, TIMED, measure};
 use crate::timing::recorded::{self, Goal, Timings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use std::fs;
 
 /// Arguments of `bench`.
 #[derive(Args)]
@@ -78,9 +78,9 @@ impl Record {
     /// Before anything is measured: a project that is missing or spoilt would waste minutes.
     fn open() -> Result<Self> {
         let path = Project::find(&current_folder()?)?.join(recorded::PATH);
-        let peer = match fs::exists(&path).context("read", &path)? {
-            true => Timings::parse(&fs::read_to_string(&path).context("read", &path)?)?.peer,
-            false => Vec::new(),
+        let peer = match read_if_there(&path)? {
+            Some(text) => Timings::parse(&String::from_utf8_lossy(&text))?.peer,
+            None => Vec::new(),
         };
         Ok(Self { file: OutputFile::check(&path)?, peer })
     }

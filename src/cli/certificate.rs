@@ -1,5 +1,6 @@
 //! `certificate`: what a reviewer attaches to a review, as a CODECHECK bundle and on one page.
 
+mod contents;
 mod machine;
 
 use super::CacheArgs;
@@ -8,15 +9,12 @@ use super::output::{OutputFile, say, talk};
 use super::pipeline::Workplace;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
-use crate::replication::paper::TableComparison;
-use crate::replication::project::{IDENTIFIED, Project};
-use crate::replication::scene::Scene;
-use crate::replication::stages::{report, tabulate};
-use crate::saddle::StopRule;
+use crate::replication::comparison::TableComparison;
+use crate::replication::stages::report;
 use crate::timing::machine::COMPILER;
 use crate::timing::recorded;
 use clap::Args;
-use serde::Serialize;
+use contents::{File, differing, files, reservations, sentences};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -55,31 +53,6 @@ pub(super) struct CertificateArgs {
     force: bool,
     #[command(flatten)]
     cache: CacheArgs,
-}
-
-/// A file of the bundle.
-#[derive(Serialize)]
-struct File {
-    path: String,
-    comment: String,
-    hash: String,
-    #[serde(skip)]
-    bytes: Vec<u8>,
-}
-
-impl File {
-    fn new(path: impl Into<String>, comment: impl Into<String>, bytes: Vec<u8>) -> Self {
-        Self { path: path.into(), comment: comment.into(), hash: hash(&bytes), bytes }
-    }
-}
-
-/// A cell that is not as printed.
-#[derive(Serialize)]
-struct Differing {
-    place: String,
-    paper: String,
-    ours: String,
-    verdict: String,
 }
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
@@ -230,121 +203,4 @@ fn render(template: &str, context: &Context) -> String {
         text.replace('|', "\\|").replace('\n', " ")
     });
     tera.render_str(template, context, false).expect("the template is tested")
-}
-
-/// What matched of all tables, in a sentence for each.
-fn sentences(tables: &[TableComparison]) -> String {
-    tables.iter().map(sentence).collect::<Vec<_>>().join(" ")
-}
-
-/// What matched of a table, in a sentence.
-fn sentence(table: &TableComparison) -> String {
-    format!(
-        "Table {}: {} of {} iteration counts come out exactly, {} of {} values of Delta a to the printed digits, and {}.",
-        table.table,
-        table.exact,
-        table.cells,
-        table.delta_a_exact,
-        table.rows.len(),
-        match table.cells - table.within_tolerance + table.rows.len() - table.delta_a_within {
-            0 => "every value within the declared tolerance".to_owned(),
-            1 => "one value is outside the declared tolerance".to_owned(),
-            n => format!("{n} values are outside the declared tolerance"),
-        }
-    )
-}
-
-/// The cells of a table that are not as printed.
-fn differing(table: &TableComparison) -> Vec<Differing> {
-    let mut cells = Vec::new();
-    let tolerance =
-        |within: bool| if within { "within tolerance" } else { "**outside** tolerance" };
-    for row in &table.rows {
-        let place = format!("Table {}, r = {}", table.table, row.r);
-        for level in (0..row.ours.len()).filter(|&level| !row.count_exact(level)) {
-            let (ours, paper) = (row.ours[level], row.paper[level]);
-            let verdict = match row.is_capped(level) {
-                true => "cut off by max_iterations".to_owned(),
-                false => {
-                    format!("{}: off by {}", tolerance(row.within[level]), ours.abs_diff(paper))
-                }
-            };
-            let place = format!("{place}, grid {}", level + 1);
-            cells.push(Differing {
-                place,
-                paper: paper.to_string(),
-                ours: ours.to_string(),
-                verdict,
-            });
-        }
-        if !row.delta_a_exact() {
-            let ratio = row.delta_a_ours / row.delta_a_paper;
-            let factor = ratio.max(1.0 / ratio);
-            cells.push(Differing {
-                place: format!("{place}, Δa"),
-                paper: format!("{:.1e}", row.delta_a_paper),
-                ours: format!("{:.2e}", row.delta_a_ours),
-                verdict: format!("{}: a factor of {factor:.2}", tolerance(row.delta_a_within)),
-            });
-        }
-    }
-    cells
-}
-
-/// What the project itself says about its right-hand sides and stopping rules.
-fn reservations(project: &Project) -> Vec<&'static str> {
-    let compared = || project.scenes.iter().filter(|scene| scene.paper_table.is_some());
-    let mut sentences = Vec::new();
-    if project.files.contains_key(IDENTIFIED) {
-        sentences.push(
-            "The figure that defines the right-hand sides f is lost; they are recovered from these very tables, \
-            so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
-        );
-    }
-    if compared().any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
-        sentences.push(
-            "The counts come out with the stopping criterion (13) read without its absolute value; \
-            as printed, it cannot have made these tables.",
-        );
-    }
-    sentences
-}
-
-/// Both tables and all figures with their data, and what each shows.
-fn files(
-    workplace: &Workplace,
-    summary: &Summary,
-    tables: &[TableComparison],
-) -> Result<Vec<File>> {
-    let mut files = Vec::new();
-    for table in tables {
-        let scene: &Scene = workplace.project.scene(&table.scene)?;
-        let task = tabulate::id(scene, scene.stop[0]);
-        let manifest = &summary.manifests[&task];
-        let mut artifacts = workplace.store.artifacts(&task, &manifest.outputs)?;
-        let bytes = artifacts.remove(tabulate::TABLE).unwrap_or_default();
-        let comment = format!(
-            "Table {} of the paper: {} of {} counts exact",
-            table.table, table.exact, table.cells
-        );
-        files.push(File::new(format!("tables/table{}.csv", table.table), comment, bytes));
-    }
-    for path in summary.exports.keys().filter(|path| path.starts_with("figures/")) {
-        let on_disk = workplace.project.root.join(path);
-        let bytes = fs::read(&on_disk).context("read", &on_disk)?;
-        let comment = match path.strip_suffix(".csv") {
-            Some(picture) => format!("what {picture}.svg shows, as a table"),
-            None => title(&bytes),
-        };
-        files.push(File::new(path, comment, bytes));
-    }
-    Ok(files)
-}
-
-/// The title that a picture gives itself.
-fn title(svg: &[u8]) -> String {
-    let text = String::from_utf8_lossy(svg);
-    let title = text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
-    let title = title.map_or("picture", |(title, _)| title);
-    title.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
 }

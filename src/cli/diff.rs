@@ -5,7 +5,7 @@ use super::output::{say, say_json, styled};
 use super::pipeline::{Workplace, bring_up_to_date};
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
-use crate::replication::paper::{Comparison, RowComparison, TableComparison};
+use crate::replication::comparison::{Comparison, RowComparison, TableComparison};
 use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
 use anstyle::AnsiColor;

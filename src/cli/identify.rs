@@ -11,14 +11,14 @@ use crate::identify::{
     Budget, Checkpoint, IdentifyError, Progress, Report, Request, Selection, Target, Variant,
     merge, search, select,
 };
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
 use args::{Problem, request};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -89,7 +89,8 @@ fn find(
     request: &Request,
     budget: Budget,
 ) -> Result<u8> {
-    let mut states = args.checkpoint.as_deref().map(read_states).transpose()?.unwrap_or_default();
+    let states = args.checkpoint.as_deref().map(read_states).transpose()?;
+    let mut states = states.flatten().unwrap_or_default();
     states.schema = 1;
     let file = args.checkpoint.as_deref().map(OutputFile::check).transpose()?;
     let mut failure = None;
@@ -147,10 +148,9 @@ fn show(args: &IdentifyArgs, answers: &[Answer], targets: &[Target]) -> Result<u
 fn together(args: &IdentifyArgs) -> Result<u8> {
     let mut problems = BTreeMap::<u8, Vec<Checkpoint>>::new();
     for path in &args.merge {
-        if !fs::exists(path).context("read", path)? {
-            return Err(Error::input(format!("there is no {}; name a checkpoint", path.display())));
-        }
-        for (number, state) in read_states(path)?.problems {
+        let absent = || format!("there is no {}; name a checkpoint", path.display());
+        let states = read_states(path)?.ok_or_else(|| Error::input(absent()))?;
+        for (number, state) in states.problems {
             problems.entry(number).or_default().push(state);
         }
     }
@@ -219,12 +219,10 @@ fn seconds(budget: f64) -> Result<Duration> {
     Err(Error::input(format!("--budget {budget} is no time; give seconds, such as 60")))
 }
 
-fn read_states(path: &Path) -> Result<States> {
-    if !fs::exists(path).context("read", path)? {
-        return Ok(States::default());
-    }
-    let text = fs::read(path).context("read", path)?;
-    serde_json::from_slice(&text).map_err(|e| {
+/// What is in a checkpoint, if it is there.
+fn read_states(path: &Path) -> Result<Option<States>> {
+    let Some(text) = read_if_there(path)? else { return Ok(None) };
+    serde_json::from_slice(&text).map(Some).map_err(|e| {
         let path = path.display();
         Error::input(format!("{path} is no checkpoint ({e}); delete it or name another file"))
     })

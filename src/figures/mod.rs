@@ -161,6 +161,13 @@ pub struct Chart {
     pub curves: Vec<Curve>,
 }
 
+impl Chart {
+    /// A panel with these curves.
+    pub fn new(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Self {
+        Self { title: title.into(), axes, curves }
+    }
+}
+
 /// A curve of a [`Chart`].
 #[derive(Clone, Debug)]
 pub struct Curve {

@@ -169,11 +169,8 @@ fn unusual_charts() -> Vec<(String, String)> {
         Curve::marked("none", Vec::new()),
         Curve::reference("order 2", slope),
     ];
-    let panels = ["first", "second", "alone"].map(|title| Chart {
-        title: title.into(),
-        axes: ["1/h", "error"],
-        curves: curves.clone(),
-    });
+    let panels = ["first", "second", "alone"]
+        .map(|title| Chart::new(title, ["1/h", "error"], curves.clone()));
     let names = |names: [&str; 3]| names.map(String::from);
     let (columns, rows) = (names(["h = 1/4", "1/8", "1/16"]), names(["r = 10", "5", "0.5"]));
     let cells = [-15.0, -6.0, -2.0]

@@ -146,9 +146,7 @@ mod tests {
         let slope = Curve::reference("order 1", vec![(1.0, 1.0)]);
         let line =
             Curve { label: "a \"b\"".into(), points: vec![(3.0, 4.0)], stroke: Stroke::Line };
-        let chart =
-            Chart { title: "T".into(), axes: ["x", "y"], curves: vec![marked, slope, line] };
-        let text = of_charts(&[chart]);
+        let text = of_charts(&[Chart::new("T", ["x", "y"], vec![marked, slope, line])]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "panel,x axis,y axis,curve,x,y");
         assert_eq!(lines[1], "T,x,y,\"multigrid, two threads\",1,0.5");

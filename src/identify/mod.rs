@@ -105,6 +105,11 @@ pub enum IdentifyError {
     Merge(String),
 }
 
+/// Whether ours agrees with a published value to the two digits that the paper prints.
+pub fn agrees(ours: f64, published: f64) -> bool {
+    format!("{ours:.1e}") == format!("{published:.1e}")
+}
+
 impl Target {
     /// Number of grids, the columns of the table.
     pub fn levels(&self) -> usize {

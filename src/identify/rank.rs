@@ -2,7 +2,7 @@
 
 use super::evaluate::{Evaluator, Forced, Limit};
 use super::space::Candidate;
-use super::{IdentifyError, Target};
+use super::{IdentifyError, Target, agrees};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
@@ -175,8 +175,7 @@ pub(super) fn explain(
     let forced = evaluator.forced(candidate.geometry, &values, Limit::NONE);
     let table = evaluator.free(candidate.geometry, &values);
     let pairs = table.counts.iter().flatten().zip(target.counts.iter().flatten());
-    let digits = |x: f64| format!("{x:.1e}");
-    let same = |(a, b): &(&f64, &f64)| digits(**a) == digits(**b);
+    let same = |(ours, published): &(&f64, &f64)| agrees(**ours, **published);
     Ok(Found {
         f,
         score: Score {

@@ -107,42 +107,63 @@ impl Default for Variant {
     }
 }
 
+const fn nodal(tie: Tie, diagonal: Option<Diagonal>) -> LoadRule {
+    LoadRule::Nodal { tie, diagonal }
+}
+
+/// A choice that the default does not make, in words.
+type Choice = (fn(&mut Variant), &'static str);
+
+/// Every single choice but where the sweep starts.
+const CHOICES: [Choice; 18] = [
+    (
+        |v| v.load = nodal(Tie::LowerLeft, Some(Diagonal::Falling)),
+        "nodal load, ties to the lower left, falling diagonal",
+    ),
+    (
+        |v| v.load = nodal(Tie::LowerLeft, None),
+        "nodal load, ties to the lower left, quarter weight at all corners",
+    ),
+    (
+        |v| v.load = nodal(Tie::LowerRight, Some(Diagonal::Rising)),
+        "nodal load, ties to the lower right, rising diagonal",
+    ),
+    (
+        |v| v.load = nodal(Tie::UpperLeft, Some(Diagonal::Rising)),
+        "nodal load, ties to the upper left, rising diagonal",
+    ),
+    (
+        |v| v.load = nodal(Tie::UpperRight, Some(Diagonal::Rising)),
+        "nodal load, ties to the upper right, rising diagonal",
+    ),
+    (|v| v.load = LoadRule::LumpedAverage, "load averaged on the jumps"),
+    (|v| v.load = LoadRule::Exact { diagonal: Diagonal::Rising }, "exact load"),
+    (|v| v.load = LoadRule::Exact { diagonal: Diagonal::Falling }, "exact load, falling diagonal"),
+    (|v| v.corner_multiplier = DualWeight::Half, "half multiplier weight at corners"),
+    (|v| v.corner_multiplier = DualWeight::Double, "double multiplier weight at corners"),
+    (|v| v.order = Order::BoundaryFirst, "boundary swept first"),
+    (|v| v.order = Order::InteriorFirst, "interior swept first"),
+    (|v| v.prolongation = Prolongation::RisingDiagonal, "y prolonged along rising diagonals"),
+    (|v| v.prolongation = Prolongation::FallingDiagonal, "y prolonged along falling diagonals"),
+    (|v| v.prolong_multiplier = false, "multiplier restarted from zero"),
+    (|v| v.measure = Measure::Printed, "absolute value in (13), as printed"),
+    (|v| v.residual = ResidualTime::BeforeDual, "gradient before the dual step"),
+    (|v| v.uncounted = 1, "first sweep on each grid not counted"),
+];
+
 impl Variant {
     /// The default and every variant that differs from it in one choice, each once.
     ///
     /// Starting corners are left out: for a space closed under the symmetries of the square they
     /// only turn the picture, together with the side of the ties and the diagonal.
     pub fn neighbours() -> Vec<Self> {
-        let base = Self::default();
-        let tie = Tie::LowerLeft;
-        let nodal = |tie, diagonal| LoadRule::Nodal { tie, diagonal };
-        let loads = [
-            nodal(tie, Some(Diagonal::Falling)),
-            nodal(tie, None),
-            nodal(Tie::LowerRight, Some(Diagonal::Rising)),
-            nodal(Tie::UpperLeft, Some(Diagonal::Rising)),
-            nodal(Tie::UpperRight, Some(Diagonal::Rising)),
-            LoadRule::LumpedAverage,
-            LoadRule::Exact { diagonal: Diagonal::Rising },
-            LoadRule::Exact { diagonal: Diagonal::Falling },
-        ];
-        let mut all = vec![base];
-        all.extend(loads.map(|load| Self { load, ..base }));
-        all.extend(
-            [DualWeight::Half, DualWeight::Double].map(|w| Self { corner_multiplier: w, ..base }),
-        );
-        all.extend(
-            [Order::BoundaryFirst, Order::InteriorFirst].map(|order| Self { order, ..base }),
-        );
-        all.extend(
-            [Prolongation::RisingDiagonal, Prolongation::FallingDiagonal]
-                .map(|prolongation| Self { prolongation, ..base }),
-        );
-        all.push(Self { prolong_multiplier: false, ..base });
-        all.push(Self { measure: Measure::Printed, ..base });
-        all.push(Self { residual: ResidualTime::BeforeDual, ..base });
-        all.push(Self { uncounted: 1, ..base });
-        all
+        let chosen = CHOICES.iter().map(|(choose, _)| Self::default().with(*choose));
+        std::iter::once(Self::default()).chain(chosen).collect()
+    }
+
+    fn with(mut self, choose: fn(&mut Self)) -> Self {
+        choose(&mut self);
+        self
     }
 
     /// Whether the sweep runs against x, and against y.
@@ -168,57 +189,15 @@ impl Variant {
 /// The choices in which the variant differs from the default, or "as selected".
 impl fmt::Display for Variant {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let base = Self::default();
-        let mut parts = Vec::new();
-        if self.load != base.load {
-            parts.push(match self.load {
-                LoadRule::Nodal { tie, diagonal } => {
-                    let side = match tie {
-                        Tie::LowerLeft => "lower left",
-                        Tie::LowerRight => "lower right",
-                        Tie::UpperLeft => "upper left",
-                        Tie::UpperRight => "upper right",
-                    };
-                    let corners = match diagonal {
-                        Some(Diagonal::Rising) => "rising diagonal",
-                        Some(Diagonal::Falling) => "falling diagonal",
-                        None => "quarter weight at all corners",
-                    };
-                    format!("nodal load, ties to the {side}, {corners}")
-                }
-                LoadRule::Exact { diagonal: Diagonal::Rising } => "exact load".into(),
-                LoadRule::Exact { diagonal: Diagonal::Falling } => {
-                    "exact load, falling diagonal".into()
-                }
-                LoadRule::LumpedAverage => "load averaged on the jumps".into(),
-            });
+        let (mut words, mut rest) = (Vec::new(), Self::default());
+        for (choose, text) in CHOICES.into_iter().filter(|(choose, _)| self.with(*choose) == *self)
+        {
+            words.push(text);
+            choose(&mut rest);
         }
-        let mut note = |differs: bool, text: &str| {
-            if differs {
-                parts.push(text.into());
-            }
-        };
-        note(self.corner_multiplier == DualWeight::Half, "half multiplier weight at corners");
-        note(self.corner_multiplier == DualWeight::Double, "double multiplier weight at corners");
-        note(self.order == Order::BoundaryFirst, "boundary swept first");
-        note(self.order == Order::InteriorFirst, "interior swept first");
-        note(self.start == Start::LowerRight, "sweep from the lower right");
-        note(self.start == Start::UpperLeft, "sweep from the upper left");
-        note(self.start == Start::UpperRight, "sweep from the upper right");
-        let diagonal = |rule| self.prolongation == rule;
-        note(diagonal(Prolongation::RisingDiagonal), "y prolonged along rising diagonals");
-        note(diagonal(Prolongation::FallingDiagonal), "y prolonged along falling diagonals");
-        note(!self.prolong_multiplier, "multiplier restarted from zero");
-        note(self.measure == Measure::Printed, "absolute value in (13), as printed");
-        note(self.residual == ResidualTime::BeforeDual, "gradient before the dual step");
-        if self.uncounted == 1 {
-            parts.push("first sweep on each grid not counted".into());
-        } else if self.uncounted > 1 {
-            parts.push(format!("{} sweeps not counted", self.uncounted));
+        if rest != *self {
+            words.push("a choice without a name");
         }
-        if parts.is_empty() {
-            return out.write_str("as selected");
-        }
-        out.write_str(&parts.join("; "))
+        out.write_str(&if words.is_empty() { "as selected".into() } else { words.join("; ") })
     }
 }

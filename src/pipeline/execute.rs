@@ -1,16 +1,14 @@
 //! Walks the plan: looks each task up, and runs what is stale as soon as all it needs is there.
 
-use super::manifest::{Manifest, PROGRAM, Reason, Verdict};
+use super::manifest::{Manifest, Reason, Verdict};
+use super::run::run;
 use super::store::Store;
 use super::times::Times;
-use super::{
-    Artifacts, Hashes, Inputs, Judged, Options, Plan, Progress, Ran, Summary, Task, hash, why,
-};
+use super::{Hashes, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
 use crate::pipeline::error::{Error, Result};
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use serde_json::json;
 use std::collections::{BTreeMap, VecDeque};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::{Duration, Instant};
@@ -286,47 +284,6 @@ fn threads(jobs: usize) -> Result<ThreadPool> {
         .num_threads(jobs)
         .build()
         .map_err(|e| Error::input(format!("cannot start threads: {e}; use fewer with -j")))
-}
-
-/// Runs a task; returns its record and the size of what it made.
-pub(super) fn run(
-    task: &Task,
-    inputs: BTreeMap<String, String>,
-    needed: Vec<(String, Hashes)>,
-    store: &Store,
-    progress: &Progress,
-) -> Result<(Manifest, usize)> {
-    let start = Instant::now();
-    let mut artifacts = BTreeMap::<String, Artifacts>::new();
-    for (need, outputs) in &needed {
-        artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
-    }
-    progress.span("step", "read", start, || json!({ "artifacts": needed.len() }));
-    let digest = shown_digest(&inputs);
-    let start = Instant::now();
-    let given = Inputs {
-        files: &task.files,
-        artifacts: &artifacts,
-        digest: &digest,
-        scratch: store.scratch(),
-    };
-    let failed = |reason: String| Error::Stage(vec![format!("{}: {reason}", task.id)]);
-    // A panic must not take the other tasks with it; its own message has been printed.
-    let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
-        .map_err(|_| failed("panicked, which is a fault of the program".into()))?;
-    progress.span("step", "work", start, || json!({}));
-    let made = made.map_err(|reason| failed(reason.to_string()))?;
-    let bytes = made.values().map(Vec::len).sum();
-    let start = Instant::now();
-    let manifest = store.record(&task.id, inputs, &made)?;
-    progress.span("step", "store", start, || json!({ "bytes": bytes }));
-    Ok((manifest, bytes))
-}
-
-/// Hash of the inputs without the program: with it, every change of code would redraw what shows it.
-fn shown_digest(inputs: &BTreeMap<String, String>) -> String {
-    let shown: BTreeMap<_, _> = inputs.iter().filter(|(input, _)| *input != PROGRAM).collect();
-    hash(&serde_json::to_vec(&shown).expect("inputs are plain data"))
 }
 
 #[cfg(test)]

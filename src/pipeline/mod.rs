@@ -17,6 +17,7 @@ mod lock;
 mod lockfile;
 mod manifest;
 mod progress;
+mod run;
 mod store;
 mod summary;
 mod times;

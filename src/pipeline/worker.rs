@@ -4,8 +4,8 @@
 //! task has a lock of its own: who comes second waits, and finds the task done. Only the cache is
 //! written, an object or manifest at a time; a process that is killed has not run its task.
 
-use super::execute::run;
 use super::manifest::{Manifest, Verdict};
+use super::run::run;
 use super::store::Store;
 use super::times::Times;
 use super::{Hashes, Judged, Plan, Progress, Ran, Summary, Task};

@@ -123,6 +123,12 @@ impl<S: Shape> serde::Serialize for Source<S> {
     }
 }
 
+impl<'de, S: Shape> serde::Deserialize<'de> for Source<S> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
 impl<S: Shape> FromStr for Source<S> {
     type Err = SourceError;
 

@@ -4,11 +4,11 @@ use crate::discrete;
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, integral};
 use crate::discrete::transfer::Prolongation;
-use crate::pipeline::error::{Error, Result, from_toml};
+use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::problem::cube;
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// What a scene may ask for. What it does not ask for is not computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -42,10 +42,12 @@ impl Output {
     }
 }
 
-/// A validated scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Scene {
     /// File name without its ending.
+    #[serde(skip_deserializing)]
     pub name: String,
     /// One line for people.
     pub title: String,
@@ -54,49 +56,36 @@ pub struct Scene {
     /// Right-hand side.
     pub f: Source,
     /// Quadrature of the load vector.
+    #[serde(default)]
     pub load: LoadRule,
     /// Interpolation to the next grid.
+    #[serde(default)]
     pub prolongation: Prolongation,
     /// Nested grids, coarsest first.
-    #[serde(skip)]
+    #[serde(skip_serializing, default = "paper_grids", deserialize_with = "grids")]
     pub grids: Vec<Grid>,
     /// Duality parameters.
+    #[serde(default = "paper_r")]
     pub r: Vec<f64>,
     /// Stopping rules; the first is the one compared with the paper.
+    #[serde(default = "paper_stop")]
     pub stop: Vec<StopRule>,
     /// Cap on iterations per grid.
+    #[serde(default = "default_cap")]
     pub max_iterations: usize,
     /// Wanted outputs, sorted.
     pub outputs: Vec<Output>,
-    /// The r whose solution is drawn.
+    /// The r whose solution is drawn; not a number until it is known that none is named.
+    #[serde(default = "unnamed")]
     pub draw_r: f64,
 }
 
-/// The file as written; unknown keys are errors.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SceneFile {
-    title: String,
-    paper_table: Option<u8>,
-    f: String,
-    #[serde(default)]
-    load: LoadRule,
-    #[serde(default)]
-    prolongation: Prolongation,
-    #[serde(default = "paper_grids")]
-    grids: Vec<usize>,
-    #[serde(default = "paper_r")]
-    r: Vec<f64>,
-    #[serde(default = "paper_stop")]
-    stop: Vec<StopRule>,
-    #[serde(default = "default_cap")]
-    max_iterations: usize,
-    outputs: Vec<Output>,
-    draw_r: Option<f64>,
+fn paper_grids() -> Vec<Grid> {
+    nested(&[4, 8, 16, 32, 64]).expect("each halves the one before")
 }
 
-fn paper_grids() -> Vec<usize> {
-    vec![4, 8, 16, 32, 64]
+fn grids<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Vec<Grid>, D::Error> {
+    nested(&Vec::<usize>::deserialize(deserializer)?).map_err(serde::de::Error::custom)
 }
 
 fn paper_r() -> Vec<f64> {
@@ -111,70 +100,65 @@ fn default_cap() -> usize {
     crate::saddle::Params::default().max_iterations
 }
 
+fn unnamed() -> f64 {
+    f64::NAN
+}
+
 impl Scene {
     /// Parses and validates the text of a scene file; `name` names the scene in messages.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the from_toml, or what makes the scene unsolvable.
+    /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
-        let wrong = |what: String| Error::input(format!("scene `{name}`: {what}"));
-        let file: SceneFile = from_toml(&format!("scene `{name}`"), text)?;
-        let f: Source = file.f.parse().map_err(|e| wrong(format!("{e}")))?;
+        let what = format!("scene `{name}`");
+        let mut scene: Self = from_toml(&what, text)?;
+        scene.name = name.into();
+        scene.complete().map_err(|e| Error::input(format!("{what}: {e}")))?;
+        Ok(scene)
+    }
+
+    /// Fills in what follows from the rest, and checks what a parser cannot.
+    fn complete(&mut self) -> std::result::Result<(), Failure> {
         // A known solution is proof enough, and its integral takes milliseconds on every command.
-        if f.exact().is_none() {
-            solvable(&f).map_err(|e| wrong(e.to_string()))?;
+        if self.f.exact().is_none() {
+            solvable(&self.f)?;
         }
-        let grids = nested(&file.grids).map_err(|e| wrong(e.to_string()))?;
-        if file.r.is_empty() || file.stop.is_empty() {
-            return Err(wrong(
-                "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]".into(),
-            ));
+        if self.r.is_empty() || self.stop.is_empty() {
+            let example = "r = [10], stop = [\"signed\"]";
+            return Err(format!("`r` and `stop` must not be empty; e.g. {example}").into());
         }
-        let finest = grids.last().map_or(0, |grid| grid.cells());
+        let finest = self.finest().cells();
         if finest > MAX_CELLS {
-            return Err(wrong(format!(
+            return Err(format!(
                 "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
-            )));
+            )
+            .into());
         }
-        for &r in &file.r {
-            positive_r(r).map_err(|e| wrong(e.to_string()))?;
+        for &r in &self.r {
+            positive_r(r)?;
         }
-        if let Some(r) = repeated(&file.r) {
-            return Err(wrong(format!("`r` lists {r} twice; remove one")));
+        if let Some(r) = repeated(&self.r) {
+            return Err(format!("`r` lists {r} twice; remove one").into());
         }
-        if let Some(rule) = repeated(&file.stop) {
-            return Err(wrong(format!("`stop` lists {rule} twice; remove one")));
+        if let Some(rule) = repeated(&self.stop) {
+            return Err(format!("`stop` lists {rule} twice; remove one").into());
         }
-        if file.max_iterations == 0 {
-            return Err(wrong("`max_iterations` must be at least 1".into()));
+        if self.max_iterations == 0 {
+            return Err("`max_iterations` must be at least 1".into());
         }
-        let draw_r = file.draw_r.unwrap_or(file.r[file.r.len() / 2]);
-        if !file.r.contains(&draw_r) {
-            return Err(wrong(format!("`draw_r` = {draw_r} is not among `r`; add it there")));
+        if self.draw_r.is_nan() {
+            self.draw_r = self.r[self.r.len() / 2];
         }
-        let mut outputs = file.outputs;
-        outputs.sort();
-        outputs.dedup();
-        if outputs.contains(&Output::Identify) && file.paper_table.is_none() {
-            return Err(wrong(
-                "`identify` explains a published table; add `paper_table`, or drop it from `outputs`"
-                    .into(),
-            ));
+        if !self.r.contains(&self.draw_r) {
+            let r = self.draw_r;
+            return Err(format!("`draw_r` = {r} is not among `r`; add it there").into());
         }
-        Ok(Self {
-            name: name.into(),
-            title: file.title,
-            paper_table: file.paper_table,
-            f,
-            load: file.load,
-            prolongation: file.prolongation,
-            grids,
-            r: file.r,
-            stop: file.stop,
-            max_iterations: file.max_iterations,
-            outputs,
-            draw_r,
-        })
+        self.outputs.sort();
+        self.outputs.dedup();
+        if self.wants(Output::Identify) && self.paper_table.is_none() {
+            return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
+        }
+        Ok(())
     }
 
     /// Whether the scene asks for this output.

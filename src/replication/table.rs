@@ -1,6 +1,6 @@
 //! Tables in the paper's layout, as CSV.
 
-use crate::replication::paper::Row;
+use crate::replication::comparison::Row;
 use polars::prelude::*;
 use std::io::Cursor;
 

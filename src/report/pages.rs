@@ -22,32 +22,32 @@ pub fn pages(
     filters::register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
         .map_err(|error| located("", &error))?;
-    let mut pages = BTreeMap::new();
-    for (name, text) in templates {
-        if name.ends_with(".md") || name.ends_with(".js") {
-            pages.insert(format!("src/{name}"), text.clone());
-        } else if let Some(stem) = name.strip_suffix(PAGE) {
-            let page = tera.render(name, context).map_err(|error| located(name, &error))?;
-            pages.insert(format!("src/{stem}.md"), page);
-        }
-    }
-    Ok(pages)
+    made(templates, |name, _| tera.render(name, context).map_err(|error| located(name, &error)))
 }
 
 /// The same pages in a project without what the chapters tell about: each says why it was left out.
 pub fn stubs(templates: &BTreeMap<String, String>, reason: &str) -> BTreeMap<String, String> {
+    let stub = |_: &str, text: &str| {
+        let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
+        Ok(format!("{title}\n\nLeft out, as are all chapters on the paper: {reason}.\n"))
+    };
+    made(templates, stub).unwrap_or_default()
+}
+
+/// The pages among `templates`, those that end with [`PAGE`] made from their name and text.
+fn made(
+    templates: &BTreeMap<String, String>,
+    make: impl Fn(&str, &str) -> Result<String, ReportError>,
+) -> Result<BTreeMap<String, String>, ReportError> {
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
         if name.ends_with(".md") || name.ends_with(".js") {
             pages.insert(format!("src/{name}"), text.clone());
         } else if let Some(stem) = name.strip_suffix(PAGE) {
-            let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
-            let page =
-                format!("{title}\n\nLeft out, as are all chapters on the paper: {reason}.\n");
-            pages.insert(format!("src/{stem}.md"), page);
+            pages.insert(format!("src/{stem}.md"), make(name, text)?);
         }
     }
-    pages
+    Ok(pages)
 }
 
 /// The error with its place; in a component, with the page that called it as well.

@@ -31,7 +31,7 @@ fn the_signed_table_is_the_published_one() {
         let rows: Vec<_> = table
             .lines
             .iter()
-            .map(|line| signorini::replication::paper::Row {
+            .map(|line| signorini::replication::comparison::Row {
                 r: line.r,
                 counts: line.counts.iter().map(|count| count.reached().unwrap()).collect(),
                 capped: vec![false; line.counts.len()],

@@ -3,7 +3,8 @@
 use signorini::discrete::grid::{Grid, nested};
 use signorini::discrete::load::load;
 use signorini::discrete::norms::max_error;
-use signorini::replication::paper::{Paper, Row};
+use signorini::replication::comparison::Row;
+use signorini::replication::paper::Paper;
 use signorini::replication::project::Project;
 use signorini::replication::scene::Scene;
 use signorini::saddle::{

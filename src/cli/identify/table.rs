@@ -2,7 +2,7 @@
 
 use super::Answer;
 use crate::cli::output::{columns, styled};
-use crate::identify::{Found, Selection, Target};
+use crate::identify::{Found, Selection, Target, agrees};
 use anstyle::AnsiColor;
 
 /// What the columns mean.
@@ -58,7 +58,7 @@ fn own(found: &Found, target: &Target) -> String {
             };
         }
         let (ours, published) = (found.delta_a[k], target.delta_a[k]);
-        let same = format!("{ours:.1e}") == format!("{published:.1e}");
+        let same = agrees(ours, published);
         let published = if same { String::new() } else { format!(" ({published:.1e})") };
         out += &format!("   {ours:.2e}{published}\n");
     }

@@ -1,5 +1,6 @@
 //! Plans of made-up tasks, walked in a temporary cache.
 
+use super::super::{Artifacts, hash};
 use super::*;
 use std::path::Path;
 use std::sync::Mutex;

@@ -61,7 +61,7 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, Fi
             .map(|(label, power, factor)| slope(label, &lines, *power, *factor))
             .collect();
         lines.extend(references);
-        Chart { title: title.into(), axes: ["1/h", y], curves: lines }
+        Chart::new(title, ["1/h", y], lines)
     });
     charts(caption, 2, false, &panels)
 }
@@ -92,27 +92,28 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, Figure
     let finest = |law: &&CostLaw| law.target < 1e-5;
     let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
     laws.push(slope("order 2", &laws, 2.0, 0.2));
+    let cells = compared.cells;
     let panels = [
-        Chart {
-            title: format!("Residual on the grid 1/{}", compared.cells),
-            axes: ["work units", "relative KKT residual"],
-            curves: trace(1),
-        },
-        Chart {
-            title: format!("Error on the grid 1/{}", compared.cells),
-            axes: ["work units", "error at the nodes"],
-            curves: errors,
-        },
-        Chart {
-            title: "To the discretisation error".into(),
-            axes: ["unknowns visited", "error at the nodes"],
-            curves: reached,
-        },
-        Chart {
-            title: "The law of the paper's method".into(),
-            axes: ["1/h", "sweeps to a residual of 10\u{207b}\u{2076}"],
-            curves: laws,
-        },
+        Chart::new(
+            format!("Residual on the grid 1/{cells}"),
+            ["work units", "relative KKT residual"],
+            trace(1),
+        ),
+        Chart::new(
+            format!("Error on the grid 1/{cells}"),
+            ["work units", "error at the nodes"],
+            errors,
+        ),
+        Chart::new(
+            "To the discretisation error",
+            ["unknowns visited", "error at the nodes"],
+            reached,
+        ),
+        Chart::new(
+            "The law of the paper's method",
+            ["1/h", "sweeps to a residual of 10\u{207b}\u{2076}"],
+            laws,
+        ),
     ];
     charts(caption, 2, false, &panels)
 }
@@ -158,15 +159,11 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
         Curve::marked(in_words(solver), to_discretisation(&mine).map(per_unknown).collect())
     });
-    let panel = |title: &str, curves: Vec<Curve>| Chart {
-        title: title.into(),
-        axes: ["unknowns", "nanoseconds per unknown"],
-        curves,
-    };
+    let axes = ["unknowns", "nanoseconds per unknown"];
     let mut panels = vec![
-        panel("To the discretisation error", multigrid(Goal::Discretisation).into()),
-        panel("To the rounding floor", multigrid(Goal::Floor).into()),
-        panel("All solvers, to the discretisation error", solvers.into()),
+        Chart::new("To the discretisation error", axes, multigrid(Goal::Discretisation).into()),
+        Chart::new("To the rounding floor", axes, multigrid(Goal::Floor).into()),
+        Chart::new("All solvers, to the discretisation error", axes, solvers.into()),
     ];
     panels.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
     charts(caption, 2, false, &panels)
@@ -184,16 +181,9 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             let lines = || timings.solver.iter().filter(|line| line.problem == problem);
             let stop = |line: &&Reached| line.goal == PUBLISHED;
             let point = |line: &Reached| (line.seconds, line.error);
-            let mut curves = vec![Curve::marked(
-                "spectral",
-                front(
-                    timings
-                        .spectral
-                        .iter()
-                        .filter(|line| line.problem == problem)
-                        .map(|line| (line.seconds, line.error)),
-                ),
-            )];
+            let spectral = timings.spectral.iter().filter(|line| line.problem == problem);
+            let spectral = front(spectral.map(|line| (line.seconds, line.error)));
+            let mut curves = vec![Curve::marked("spectral", spectral)];
             for solver in SOLVERS.iter().rev() {
                 let mine = lines().filter(|line| line.solver == *solver && !stop(line));
                 curves.push(Curve::marked(in_words(solver), front(mine.map(point))));
@@ -203,7 +193,7 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             let formula = Exact::ALL.iter().any(|exact| exact.name() == problem);
             let error =
                 if formula { "error at the nodes" } else { "error of the energy, relative" };
-            Chart { title: problem.into(), axes: ["seconds", error], curves }
+            Chart::new(problem, ["seconds", error], curves)
         })
         .collect();
     charts(caption, 2, false, &panels)
@@ -238,16 +228,8 @@ pub(super) fn ends(caption: Caption, found: &Truth) -> Result<Drawing, FigureErr
     let mut brackets = curves(|level| Some(level.bracket));
     brackets.push(slope("order 3", &brackets, -3.0, 2.5));
     let panels = [
-        Chart {
-            title: "Ends of contact".into(),
-            axes: ["1/h", "largest error along the boundary"],
-            curves: ends,
-        },
-        Chart {
-            title: "Guaranteed bracket of the energy".into(),
-            axes: ["1/h", "width"],
-            curves: brackets,
-        },
+        Chart::new("Ends of contact", ["1/h", "largest error along the boundary"], ends),
+        Chart::new("Guaranteed bracket of the energy", ["1/h", "width"], brackets),
     ];
     charts(caption, 2, false, &panels)
 }

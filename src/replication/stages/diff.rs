@@ -9,7 +9,7 @@ use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::replication::table::read_table;
 
-/// Artifact with a [`crate::replication::paper::TableComparison`].
+/// Artifact with a [`crate::replication::comparison::TableComparison`].
 pub const DIFF: &str = "diff.json";
 
 /// Id of the task that compares a scene with the paper.

@@ -3,7 +3,7 @@
 use super::from_json;
 use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
-use crate::replication::paper::Row;
+use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
 use crate::replication::table::table_csv;
 use crate::saddle::{StopReason, StopRule};

@@ -27,11 +27,9 @@ pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failur
                 points: reached(claims.r.iter().zip(row.counts.iter())),
                 stroke: Stroke::Line,
             });
-            panels.push(Chart {
-                title: format!("Problem {}, {name}", problem.number),
-                axes: ["duality parameter r", "iterations"],
-                curves: curves.collect(),
-            });
+            let title = format!("Problem {}, {name}", problem.number);
+            let axes = ["duality parameter r", "iterations"];
+            panels.push(Chart::new(title, axes, curves.collect()));
         }
     }
     Ok(charts(caption, claims.problems.len(), true, &panels)?)
@@ -48,11 +46,8 @@ pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failur
             for (k, variant) in VARIANTS.iter().enumerate() {
                 curves.push(Curve::marked(variant.name, of(Some(k))));
             }
-            panels.push(Chart {
-                title: format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number),
-                axes: ["duality parameter r", "sweeps"],
-                curves,
-            });
+            let title = format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number);
+            panels.push(Chart::new(title, ["duality parameter r", "sweeps"], curves));
         }
     }
     Ok(charts(caption, claims.problems.len(), true, &panels)?)

@@ -39,10 +39,6 @@ pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Result<Drawing
     Ok(fragility(caption, &found.sizes, &panels)?)
 }
 
-fn panel(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
-    Chart { title: title.into(), axes, curves }
-}
-
 /// A curve with a ring at each case in which the method ran and the value is positive.
 fn marked(
     label: impl Into<String>,
@@ -78,8 +74,8 @@ pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Result<Drawing,
         residual.push(Curve::reference("as large as the load", line));
     }
     let parts = [
-        panel("Where it stops", ["r", "KKT residual"], residual),
-        panel("How long it takes", ["r", "iterations"], curves(steps)),
+        Chart::new("Where it stops", ["r", "KKT residual"], residual),
+        Chart::new("How long it takes", ["r", "iterations"], curves(steps)),
     ];
     Ok(charts(caption, 2, false, &parts)?)
 }
@@ -97,7 +93,7 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Result<Drawi
             let asked = cases.iter().map(|case| (case.x, case.x)).collect();
             curves.push(Curve::reference("as asked", asked));
             let axes = ["tolerance over the load", "KKT residual"];
-            panel(name, axes, curves)
+            Chart::new(name, axes, curves)
         })
         .collect();
     Ok(charts(caption, 2, false, &parts)?)
@@ -114,8 +110,8 @@ pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Result<Drawing
         contact.push(marked(multigrid, cases, "multigrid", |trial| Some(trial.contact as f64)));
     }
     let parts = [
-        panel("Work", ["deficit", "sweeps of the finest grid"], work),
-        panel("Contact", ["deficit", "boundary nodes in contact"], contact),
+        Chart::new("Work", ["deficit", "sweeps of the finest grid"], work),
+        Chart::new("Contact", ["deficit", "boundary nodes in contact"], contact),
     ];
     Ok(charts(caption, 2, false, &parts)?)
 }
@@ -137,8 +133,8 @@ pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Result<Drawin
     let residual = curves(|trial| trial.kkt, |single| single.kkt);
     let units = curves(|trial| trial.floor, |single| single.floor);
     let parts = [
-        panel("Over the load", ["1/h", "KKT residual"], residual),
-        panel("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
+        Chart::new("Over the load", ["1/h", "KKT residual"], residual),
+        Chart::new("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
     ];
     Ok(charts(caption, 2, false, &parts)?)
 }

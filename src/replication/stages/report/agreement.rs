@@ -1,7 +1,7 @@
 //! How the tables agree with the paper, and what the stopping rules leave and cost on the finest grid.
 
 use crate::pipeline::error::Failure;
-use crate::replication::paper::TableComparison;
+use crate::replication::comparison::TableComparison;
 use crate::replication::stages::results::{Results, Summary};
 use crate::saddle::StopRule;
 use serde::Serialize;

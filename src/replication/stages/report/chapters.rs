@@ -11,7 +11,7 @@ use crate::identify::record::Record;
 use crate::pipeline::error::{Failure, from_toml};
 use crate::pipeline::{Inputs, hash};
 use crate::problem::source::Source;
-use crate::replication::paper::TableComparison;
+use crate::replication::comparison::TableComparison;
 use crate::replication::project::IDENTIFIED;
 use crate::replication::scene::Scene;
 use crate::replication::stages::diff::{self, DIFF};

@@ -23,8 +23,11 @@ pub(super) struct Times {
     peers: Option<[f64; 2]>,
     /// Nanoseconds per unknown that were to be reached, were time inverse to the bandwidth of updates.
     scaled: [f64; 2],
-    speedup: Option<Speedup>,
+    /// One thread's time over that of two, for both goals.
+    #[serde(skip)]
+    speedup: Option<[f64; 2]>,
     /// Nanoseconds per node of a sweep of the paper's method.
+    #[serde(skip)]
     sweep: Option<f64>,
 }
 
@@ -106,14 +109,6 @@ struct Against {
     ratio: f64,
 }
 
-/// One thread's time over that of two.
-#[derive(Clone, Debug, Serialize)]
-struct Speedup {
-    cells: usize,
-    /// To the discretisation error, then to the rounding floor.
-    ratios: [f64; 2],
-}
-
 /// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
 const WANTED: [f64; 2] = [8.0, 30.0];
 const THEIR_UPDATE: f64 = 60.0;
@@ -152,7 +147,7 @@ impl Times {
             outdated: Outdated::of(timings, accuracy),
             peers: least.zip(ratios().reduce(f64::max)).map(|(least, most)| [least, most]),
             scaled: WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update),
-            speedup: Speedup::of(timings),
+            speedup: speedup(timings),
             sweep: timings.sweep.as_ref().map(|sweep| sweep.ns),
         }
     }
@@ -170,9 +165,9 @@ impl Times {
             let name = format!("exponent of time over unknowns, {}, one thread", fit.goal);
             targets.push(Target::at_most(name, PROPORTIONAL, fit.exponent));
         }
-        if let Some(two) = &self.speedup {
-            for (ratio, (_, name)) in two.ratios.into_iter().zip(GOALS) {
-                let name = format!("two threads over one to the {name}, 1/{}", two.cells);
+        if let Some(ratios) = self.speedup {
+            for (ratio, (_, name)) in ratios.into_iter().zip(GOALS) {
+                let name = format!("two threads over one to the {name}, 1/{THREADS_AT}");
                 targets.push(Target::at_least(name, SPEEDUP, ratio));
             }
         }
@@ -300,11 +295,8 @@ impl Comparison {
     }
 }
 
-impl Speedup {
-    fn of(timings: &Timings) -> Option<Self> {
-        let on = |threads: usize, goal| find(timings, THREADS_AT, threads, goal).map(ns);
-        let ratio = |goal| Some(on(1, goal)? / on(2, goal)?);
-        let ratios = [ratio(Goal::Discretisation)?, ratio(Goal::Floor)?];
-        Some(Self { cells: THREADS_AT, ratios })
-    }
+fn speedup(timings: &Timings) -> Option<[f64; 2]> {
+    let on = |threads: usize, goal| find(timings, THREADS_AT, threads, goal).map(ns);
+    let ratio = |goal| Some(on(1, goal)? / on(2, goal)?);
+    Some([ratio(Goal::Discretisation)?, ratio(Goal::Floor)?])
 }

@@ -1,0 +1,203 @@
+//! Our tables against the published ones, cell by cell.
+
+use super::paper::{Paper, PublishedTable};
+use crate::identify::agrees;
+use crate::pipeline::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// A row as computed: iteration counts per grid and Delta a on the finest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Duality parameter.
+    pub r: f64,
+    /// Iterations per grid.
+    pub counts: Vec<usize>,
+    /// Per grid, whether `max_iterations` cut the count off.
+    pub capped: Vec<bool>,
+    /// Delta a on the finest grid.
+    pub delta_a: f64,
+}
+
+/// `diff --json`: every table compared.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Version of this format.
+    pub schema: u8,
+    /// One entry per compared table.
+    pub tables: Vec<TableComparison>,
+}
+
+/// One table, ours against the paper's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TableComparison {
+    /// Number of the published table.
+    pub table: u8,
+    /// Scene that was compared.
+    pub scene: String,
+    /// Number of counts compared.
+    pub cells: usize,
+    /// Counts that agree exactly.
+    pub exact: usize,
+    /// Counts within the declared tolerance, the exact ones included.
+    pub within_tolerance: usize,
+    /// Values of Delta a within the declared factor.
+    pub delta_a_within: usize,
+    /// Values of Delta a that agree to the two printed digits.
+    pub delta_a_exact: usize,
+    /// The declared tolerance, in words.
+    pub tolerance: String,
+    /// Row by row.
+    pub rows: Vec<RowComparison>,
+}
+
+/// One row, ours against the paper's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RowComparison {
+    /// Duality parameter.
+    pub r: f64,
+    /// Published counts.
+    pub paper: Vec<usize>,
+    /// Our counts.
+    pub ours: Vec<usize>,
+    /// Per count of ours, whether `max_iterations` cut it off; left out where none is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub capped: Vec<bool>,
+    /// Per count, whether it is within tolerance.
+    pub within: Vec<bool>,
+    /// Published Delta a.
+    pub delta_a_paper: f64,
+    /// Our Delta a.
+    pub delta_a_ours: f64,
+    /// Whether Delta a is within tolerance.
+    pub delta_a_within: bool,
+}
+
+impl Paper {
+    /// Compares computed rows with the published table of this number.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is no such table or the rows are for other r or other grids.
+    pub fn compare(&self, number: u8, scene: &str, ours: &[Row]) -> Result<TableComparison> {
+        let table = self.published(number)?;
+        let mut rows = Vec::new();
+        for (k, &r) in self.r.iter().enumerate() {
+            let row =
+                ours.iter().find(|row| row.r == r && row.counts.len() == table.counts[k].len());
+            let row = row.ok_or_else(|| {
+                Error::input(format!(
+                    "scene `{scene}`: no row r = {r} on {} grids to compare with table {number}; ask for it in the scene",
+                    table.counts[k].len()
+                ))
+            })?;
+            // A count that was cut off says only that the true one is larger.
+            let near = |(level, &count): (usize, &usize)| {
+                !row.capped[level] && table.near(count, table.counts[k][level])
+            };
+            let within = row.counts.iter().enumerate().map(near).collect();
+            let capped = if row.capped.contains(&true) { row.capped.clone() } else { Vec::new() };
+            rows.push(RowComparison {
+                r,
+                paper: table.counts[k].clone(),
+                ours: row.counts.clone(),
+                capped,
+                within,
+                delta_a_paper: table.delta_a[k],
+                delta_a_ours: row.delta_a,
+                delta_a_within: {
+                    let ratio = row.delta_a / table.delta_a[k];
+                    ratio <= table.delta_a_factor && ratio >= 1.0 / table.delta_a_factor
+                },
+            });
+        }
+        let count = |of: &dyn Fn(&RowComparison) -> usize| rows.iter().map(of).sum();
+        Ok(TableComparison {
+            table: number,
+            scene: scene.into(),
+            cells: count(&|row| row.paper.len()),
+            exact: count(&|row| {
+                (0..row.ours.len()).filter(|&level| row.count_exact(level)).count()
+            }),
+            within_tolerance: count(&|row| row.within.iter().filter(|w| **w).count()),
+            delta_a_within: count(&|row| usize::from(row.delta_a_within)),
+            delta_a_exact: count(&|row| usize::from(row.delta_a_exact())),
+            tolerance: table.tolerance(),
+            rows,
+        })
+    }
+}
+
+impl PublishedTable {
+    /// The declared tolerance in words: when a cell counts as within it.
+    fn tolerance(&self) -> String {
+        let counts = match (self.count_share, self.count_slack) {
+            (0.0, 0) => "a count equals the published one".to_owned(),
+            (share, slack) => format!(
+                "a count differs by at most {} % or {slack} iterations",
+                (1000.0 * share).round() / 10.0
+            ),
+        };
+        format!("{counts}, a Delta a is within a factor of {}", self.delta_a_factor)
+    }
+
+    fn near(&self, ours: usize, paper: usize) -> bool {
+        let difference = ours.abs_diff(paper);
+        difference <= self.count_slack || difference as f64 <= self.count_share * paper as f64
+    }
+}
+
+impl RowComparison {
+    /// Whether the count on this grid was cut off by `max_iterations`.
+    pub fn is_capped(&self, level: usize) -> bool {
+        self.capped.get(level) == Some(&true)
+    }
+
+    /// Whether the count on this grid is the published one.
+    pub fn count_exact(&self, level: usize) -> bool {
+        self.ours[level] == self.paper[level] && !self.is_capped(level)
+    }
+
+    /// Whether Delta a agrees to the two digits that the paper prints.
+    pub fn delta_a_exact(&self) -> bool {
+        agrees(self.delta_a_ours, self.delta_a_paper)
+    }
+}
+
+impl Comparison {
+    /// Whether every count and every Delta a is within the declared tolerance.
+    pub fn holds(&self) -> bool {
+        self.tables
+            .iter()
+            .all(|t| t.within_tolerance == t.cells && t.delta_a_within == t.rows.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::paper::tests::TEXT;
+    use super::*;
+
+    fn ours() -> Vec<Row> {
+        vec![
+            Row { r: 10.0, counts: vec![3, 211], capped: vec![false; 2], delta_a: 2.04e-4 },
+            Row { r: 1e6, counts: vec![1, 105], capped: vec![false; 2], delta_a: 1.6e-4 },
+        ]
+    }
+
+    #[test]
+    fn exact_and_tolerated_cells_are_counted_apart() {
+        let table = Paper::parse(TEXT).unwrap().compare(1, "s", &ours()).unwrap();
+        assert_eq!((table.cells, table.exact, table.within_tolerance), (4, 1, 3));
+        assert_eq!(table.rows[1].within, [true, false]);
+        assert_eq!((table.delta_a_within, table.delta_a_exact), (1, 1));
+        assert!(!Comparison { schema: 1, tables: vec![table] }.holds());
+    }
+
+    #[test]
+    fn missing_rows_and_tables_are_errors() {
+        let paper = Paper::parse(TEXT).unwrap();
+        assert!(paper.compare(2, "s", &ours()).unwrap_err().to_string().contains("no table 2"));
+        assert!(
+            paper.compare(1, "s", &ours()[..1]).unwrap_err().to_string().contains("r = 1000000")
+        );
+    }
+}
