@@ -164,6 +164,8 @@ enum LoadName {
     Nodal,
     /// Integrals of f times the hat functions
     Exact,
+    /// Integrals of f times bilinear hat functions: bounds are closer than with exact
+    Bilinear,
     /// Mean of f around each node
     LumpedAverage,
 }
@@ -173,6 +175,7 @@ impl From<LoadName> for LoadRule {
         match name {
             LoadName::Nodal => Self::default(),
             LoadName::Exact => Self::Exact { diagonal: Diagonal::Rising },
+            LoadName::Bilinear => Self::Bilinear,
             LoadName::LumpedAverage => Self::LumpedAverage,
         }
     }

@@ -99,7 +99,7 @@ impl<'a> Plan<'a> {
         let variant = &request.variant;
         let even_ties = match variant.load {
             LoadRule::Nodal { tie, .. } => matches!(tie, Tie::LowerLeft | Tie::UpperRight),
-            LoadRule::Exact { .. } | LoadRule::LumpedAverage => true,
+            LoadRule::Exact { .. } | LoadRule::Bilinear | LoadRule::LumpedAverage => true,
         };
         Ok(Self {
             request,

@@ -199,7 +199,7 @@ impl Chooser {
                 "--max-iterations",
                 &["1000", "2000", "1", "|", "0", "-1", "1e3"],
             );
-            self.maybe(&mut args, 30, "--load", &["nodal", "exact", "|", "x"]);
+            self.maybe(&mut args, 30, "--load", &["nodal", "exact", "bilinear", "|", "x"]);
             self.maybe(
                 &mut args,
                 30,

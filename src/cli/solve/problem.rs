@@ -169,6 +169,7 @@ fn rule_name(rule: &LoadRule) -> String {
     match rule {
         LoadRule::Nodal { .. } => "nodal",
         LoadRule::Exact { .. } => "exact",
+        LoadRule::Bilinear => "bilinear",
         LoadRule::LumpedAverage => "lumped-average",
     }
     .into()

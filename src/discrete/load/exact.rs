@@ -17,8 +17,8 @@ struct HatRow {
 /// One number for the lower left, lower right, upper left and upper right corner of a cell.
 type Corners = [f64; 4];
 
-/// The load vector of `f`.
-pub(super) fn exact(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
+/// The load vector of `f`: for hats that are linear on triangles cut by a diagonal, or bilinear on squares.
+pub(super) fn exact(grid: Grid, f: &Source, diagonal: Option<Diagonal>) -> Vec<f64> {
     let (n, side, h) = (grid.cells(), grid.side(), grid.h());
     by_rows(grid, |first, block| {
         let mut cells = match f {
@@ -35,8 +35,11 @@ pub(super) fn exact(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
                 (Some(cells), _) => {
                     let HatRow { values, cut } = row;
                     cells.row(j, values, |i, cell| {
-                        let rising = diagonal == Diagonal::Rising;
-                        cut.push((i, corners(cell.triangles(rising), diagonal)));
+                        let corners = match diagonal {
+                            None => bilinear_corners(cell.moments()),
+                            Some(cut) => corners(cell.triangles(cut == Diagonal::Rising), cut),
+                        };
+                        cut.push((i, corners));
                     });
                 }
                 _ => unreachable!("only pieces have cells"),
@@ -65,11 +68,12 @@ pub(super) fn exact(grid: Grid, f: &Source, diagonal: Diagonal) -> Vec<f64> {
 }
 
 /// Writes to a row of nodes what cells below and above it with constant f give them, over h^2.
-fn add_constant(rows: [Option<&[f64]>; 2], diagonal: Diagonal, out: &mut [f64]) {
-    // Integrals of the hats of a cell's corners where the diagonal ends, and of the other two.
+fn add_constant(rows: [Option<&[f64]>; 2], diagonal: Option<Diagonal>, out: &mut [f64]) {
+    // Integrals of the hats of a cell's lower left and upper right corner, and of the other two.
     let (ending, other) = match diagonal {
-        Diagonal::Rising => (1.0 / 3.0, 1.0 / 6.0),
-        Diagonal::Falling => (1.0 / 6.0, 1.0 / 3.0),
+        None => (0.25, 0.25),
+        Some(Diagonal::Rising) => (1.0 / 3.0, 1.0 / 6.0),
+        Some(Diagonal::Falling) => (1.0 / 6.0, 1.0 / 3.0),
     };
     let n = out.len() - 1;
     // Differences, so that a constant f gives the value of f itself times the weight.
@@ -111,34 +115,43 @@ fn corners([below, above]: [Moments; 2], diagonal: Diagonal) -> Corners {
     }
 }
 
+/// The corners' shares of f on a cell by bilinear hats.
+fn bilinear_corners(moments: Moments) -> Corners {
+    let [one, x, y, xy, ..] = moments.f;
+    let (mean, x, y) = (0.25 * one, 0.5 * x, 0.5 * y);
+    [mean - x - y + xy, mean + x - y - xy, mean - x + y - xy, mean + x + y + xy]
+}
+
 /// The same for a smooth f, by quadrature.
-fn smooth_corners(grid: Grid, f: Exact, diagonal: Diagonal, i: usize, j: usize) -> Corners {
+fn smooth_corners(grid: Grid, f: Exact, diagonal: Option<Diagonal>, i: usize, j: usize) -> Corners {
     let at = |k: usize| [grid.coordinate(i + (k & 1)), grid.coordinate(j + (k >> 1))];
     let triangles = match diagonal {
-        Diagonal::Rising => [[0, 1, 3], [0, 3, 2]],
-        Diagonal::Falling => [[0, 1, 2], [1, 3, 2]],
+        None | Some(Diagonal::Rising) => [[0, 1, 3], [0, 3, 2]],
+        Some(Diagonal::Falling) => [[0, 1, 2], [1, 3, 2]],
     };
     let mut corners = [0.0; 4];
     for triangle in triangles {
-        let parts = parts(triangle.map(at), |x, y| f.source(x, y));
-        for (k, part) in triangle.into_iter().zip(parts) {
-            corners[k] += 0.5 * part;
+        let [p, q, r] = triangle.map(at);
+        for (hats, weight) in radon() {
+            let [x, y] = [0, 1].map(|d| hats[0] * p[d] + hats[1] * q[d] + hats[2] * r[d]);
+            let mass = 0.5 * weight * f.source(x, y);
+            let mut add = |k: usize, hat: f64| corners[k] += mass * hat;
+            match diagonal {
+                Some(_) => triangle.into_iter().zip(hats).for_each(|(k, hat)| add(k, hat)),
+                None => {
+                    // What a corner to the right, or above, adds to the place in the cell.
+                    let place = |bit: usize| -> f64 {
+                        let there = triangle.into_iter().zip(hats).filter(|(k, _)| k & bit != 0);
+                        there.map(|(_, hat)| hat).sum()
+                    };
+                    let (x, y) = (place(1), place(2));
+                    let hats = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
+                    hats.into_iter().enumerate().for_each(|(k, hat)| add(k, hat));
+                }
+            }
         }
     }
     corners
-}
-
-/// Means over a triangle of f times each hat, by quadrature.
-fn parts(triangle: [[f64; 2]; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
-    let mut parts = [0.0; 3];
-    for (hat, weight) in radon() {
-        let [x, y] = [0, 1].map(|d| (0..3).map(|k| hat[k] * triangle[k][d]).sum());
-        let mass = weight * f(x, y);
-        for (part, hat) in parts.iter_mut().zip(hat) {
-            *part += mass * hat;
-        }
-    }
-    parts
 }
 
 /// Radon's seven points in a triangle, in barycentric coordinates, and their weights: exact for degree 5
