@@ -115,10 +115,14 @@ impl Strip<'_> {
     }
 
     /// The residual times `h^2` in regular cells: its mean over the corners.
+    #[inline(always)]
     pub(super) fn residuals(&self, cells: Range<usize>, mass: f64, out: &mut [f64]) {
-        let (lower, upper) = (&self.lower.laplacian, &self.upper.laplacian);
-        for i in cells {
-            out[i] = mass + 0.25 * ((lower[i] + lower[i + 1]) + (upper[i] + upper[i + 1]));
+        let Range { start, end } = cells;
+        let out = &mut out[start..end];
+        let (lower, upper) = (&self.lower.laplacian[start..], &self.upper.laplacian[start..]);
+        let (lower, upper) = (&lower[..out.len() + 1], &upper[..out.len() + 1]);
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = mass + 0.25 * ((lower[i] + lower[i + 1]) + (upper[i] + upper[i + 1]));
         }
     }
 
