@@ -106,10 +106,19 @@ mod tests {
         checks: Vec<f64>,
         rounding: f64,
         scale: f64,
+        /// Parts of corrections that were asked for.
+        parts: Vec<f64>,
+    }
+
+    impl Told {
+        fn new(cycles: Vec<f64>, checks: Vec<f64>, rounding: f64) -> Self {
+            Self { cycles, checks, rounding, scale: 1.0, parts: Vec::new() }
+        }
     }
 
     impl Hierarchy for Told {
-        fn cycle(&mut self, _last: bool, _part: f64) -> f64 {
+        fn cycle(&mut self, _last: bool, part: f64) -> f64 {
+            self.parts.push(part);
             self.cycles.pop().expect("no more cycles are asked for")
         }
         fn check(&mut self) -> f64 {
@@ -139,7 +148,8 @@ mod tests {
     #[test]
     fn a_tolerance_is_claimed_unchecked_only_well_above_rounding() {
         for scale in [1.0, 2f64.powi(300), 2f64.powi(-300)] {
-            let told = |cycles, checks, rounding| Told { cycles, checks, rounding, scale };
+            let told =
+                |cycles, checks, rounding| Told { scale, ..Told::new(cycles, checks, rounding) };
             let goal = Goal::Kkt(1e-9 * scale);
             let end = ended(told(vec![1e-10, 1e-3], vec![], 1e-12), goal);
             assert_eq!(end, (StopReason::Converged, 2, 1e-10 * scale));
@@ -151,7 +161,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fall_any_more_is_at_the_floor_or_goes_on() {
-        let told = |cycles, checks| Told { cycles, checks, rounding: 1e-12, scale: 1.0 };
+        let told = |cycles, checks| Told::new(cycles, checks, 1e-12);
         let end = ended(told(vec![6e-12, 9e-12, 1e-3], vec![7e-12]), Goal::RoundingFloor);
         assert_eq!(end, (StopReason::RoundingFloor, 3, 7e-12));
         // Stagnation far above the floor is none of it.
@@ -165,10 +175,25 @@ mod tests {
 
     #[test]
     fn the_discretisation_error_takes_two_cycles_at_least() {
-        let told = |cycles| Told { cycles, checks: vec![], rounding: 1e-12, scale: 1.0 };
+        let told = |cycles| Told::new(cycles, vec![], 1e-12);
         let end = ended(told(vec![0.01, 0.04]), Goal::DiscretisationError);
         assert_eq!(end, (StopReason::Converged, 2, 0.01));
         let end = ended(told(vec![0.04, 0.06, 0.07]), Goal::DiscretisationError);
         assert_eq!(end, (StopReason::Converged, 3, 0.04));
+    }
+
+    #[test]
+    fn half_a_correction_is_asked_for_where_residuals_repeat_after_two_cycles() {
+        let parts = |mut cycles: Vec<f64>| {
+            cycles.reverse();
+            let max_cycles = cycles.len();
+            let mut told = Told::new(cycles, vec![], 1e-12);
+            let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles };
+            iterate(&mut told, 1.0, &params, |_| ());
+            told.parts
+        };
+        assert_eq!(parts(vec![0.3, 0.8, 0.3001, 0.01, 0.005]), [1.0, 1.0, 1.0, 0.5, 1.0]);
+        // Not if they are only of the same size.
+        assert_eq!(parts(vec![0.3, 0.8, 0.302, 0.81]), [1.0; 4]);
     }
 }
