@@ -134,7 +134,7 @@ impl Workplace {
 
     /// Runs single tasks beside other processes; only the cache is written.
     pub(super) fn work(&self, asked: &[String], progress: &Progress) -> Result<Summary> {
-        self.project.check_timings()?;
+        self.project.check()?;
         let plan = self.tasks(&[], None)?;
         if let Some(id) = asked.iter().find(|id| plan.task(id).is_none()) {
             return Err(Error::input(format!("no task `{id}`; `signorini dag` lists them")));
@@ -143,9 +143,9 @@ impl Workplace {
         work(&plan, asked, &self.store, progress)
     }
 
-    /// The right to write to project and cache, for a project whose record of times can be read.
+    /// The right to write to project and cache, for a project that can be run.
     fn lock(&self) -> Result<[Lock; 2]> {
-        self.project.check_timings()?;
+        self.project.check()?;
         Ok([Exports::lock(&self.project.root)?, self.store.lock()?])
     }
 

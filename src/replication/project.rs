@@ -1,10 +1,11 @@
 //! A project folder: the scenes, published values and templates that a run reads, and where it writes.
 
 use crate::pipeline::Artifacts;
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, IoContext, Result, from_toml};
 use crate::pipeline::files::{read_if_there, read_text, read_tree};
 use crate::replication::paper::Paper;
 use crate::replication::scene::Scene;
+use crate::report;
 use crate::timing::recorded::{self, Timings};
 use serde::Serialize;
 use std::fs;
@@ -83,14 +84,20 @@ impl Project {
         Ok(Self { root, scenes, paper, files, templates, commands: Vec::new })
     }
 
-    /// Refuses a broken record of times. Not part of [`Project::read`]: a run that has nothing to do
-    /// need not parse what tasks of an earlier run have parsed.
+    /// Refuses a broken record of times, and a book to be built elsewhere. Not part of [`Project::read`]:
+    /// a run that has nothing to do need not parse what tasks of an earlier run have parsed.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake and the remedy.
-    pub fn check_timings(&self) -> Result<()> {
-        let Some(text) = self.files.get(recorded::PATH) else { return Ok(()) };
-        Timings::parse(&String::from_utf8_lossy(text)).map(drop)
+    /// [`Error::Input`] with the place of the mistake and the remedy.
+    pub fn check(&self) -> Result<()> {
+        if let Some(text) = self.files.get(recorded::PATH) {
+            Timings::parse(&String::from_utf8_lossy(text))?;
+        }
+        if let Some(text) = self.templates.get("book.toml") {
+            from_toml::<toml::Table>("report/book.toml", &String::from_utf8_lossy(text))?;
+            report::settings(text).map_err(|error| Error::input(error.to_string()))?;
+        }
+        Ok(())
     }
 
     /// The scenes with these names, each once, or all if no name is given.

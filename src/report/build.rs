@@ -30,21 +30,9 @@ pub fn build(
         collect_labels(name, &text(name, bytes)?, &mut labels)?;
     }
     let mut config = match files.get("book.toml") {
-        Some(bytes) => Config::from_str(&text("book.toml", bytes)?).map_err(refused)?,
+        Some(bytes) => settings(bytes)?,
         None => return Err(ReportError::at("mdBook", "no book.toml among the files")),
     };
-
-    // mdBook empties the first folder and may write to the second: they must be ours.
-    for (setting, folder, ours) in [
-        ("build.build-dir", &config.build.build_dir, "book"),
-        ("book.src", &config.book.src, "src"),
-    ] {
-        if folder != Path::new(ours) {
-            let folder = folder.display();
-            let wrong = format!("{setting} is `{folder}`, but must be `{ours}`");
-            return Err(ReportError::at("report/book.toml", wrong));
-        }
-    }
     config.build.create_missing = false;
 
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
@@ -61,6 +49,27 @@ pub fn build(
     let built = scratch.join(&config.build.build_dir);
     MDBook::load_with_config(scratch, config).and_then(|book| book.build()).map_err(refused)?;
     read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
+}
+
+/// Reads `book.toml`.
+///
+/// # Errors
+/// [`ReportError`] if it cannot be read, or the book would not be built where ours is.
+pub fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
+    let wrong = |message: String| ReportError::at("report/book.toml", message);
+    let text = std::str::from_utf8(book_toml).map_err(|_| wrong("not UTF-8 text".into()))?;
+    let config = Config::from_str(text).map_err(|error| wrong(format!("{error:#}")))?;
+    // mdBook empties the first folder and may write to the second: they must be ours.
+    for (setting, folder, ours) in [
+        ("build.build-dir", &config.build.build_dir, "book"),
+        ("book.src", &config.book.src, "src"),
+    ] {
+        if folder != Path::new(ours) {
+            let folder = folder.display();
+            return Err(wrong(format!("{setting} is `{folder}`, but must be `{ours}`")));
+        }
+    }
+    Ok(config)
 }
 
 fn markdown(files: &BTreeMap<String, Vec<u8>>) -> impl Iterator<Item = (&String, &Vec<u8>)> {

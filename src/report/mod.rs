@@ -8,7 +8,7 @@ mod mathml;
 mod pages;
 mod tables;
 
-pub use build::build;
+pub use build::{build, settings};
 pub use fields::Fields;
 pub use pages::{pages, stubs};
 pub use tables::with_data;

@@ -23,9 +23,12 @@ fn a_book_to_be_built_elsewhere_is_refused_and_nothing_there_is_lost() {
         let build = format!("[book]\ntitle = \"Elsewhere\"\n[build]\nbuild-dir = \"{folder}\"\n");
         project.write("report/book.toml", build + "[output.html]\n");
         let said = project.run(&["run"]);
-        assert!(said.code == Some(3) && said.err.contains("must be `book`"), "{said:?}");
+        assert!(said.refusal().contains("must be `book`"), "{said:?}");
         assert_eq!(project.files("www")["thesis.txt"], b"precious");
     }
+    project.write("report/book.toml", "[book\n");
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("report/book.toml: line 1: "), "{said:?}");
 }
 
 #[test]
