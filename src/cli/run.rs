@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::{OutputFile, say, talk};
 use super::pipeline::{Workplace, edited, outside_report};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Options, Progress, Summary, Times, Verdict, brief, why};
+use crate::pipeline::{Options, Plan, Progress, Summary, Times, Verdict, brief, why};
 use crate::replication::project::PAPER;
 use crate::replication::stages::{Stage, report};
 use crate::timing::machine;
@@ -75,11 +75,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
     let whole = args.scenes.is_empty() && args.only.is_none();
     if args.dry_run {
-        let summary = workplace.judge(&tasks, whole)?;
-        if let Some(time) = expected(&workplace, &summary, args.jobs) {
-            talk(&format!("about {}, if all that waits has to run", brief(time)));
-        }
-        return say(&verdicts(&summary));
+        return dry_run(&workplace, &tasks, whole, args.jobs);
     }
     let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
     if let Some(file) = &trace_file {
@@ -118,6 +114,15 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         talk(&format!("the book leaves out its chapters on the paper: {reason}"));
     }
     say(&what_ran(&summary))
+}
+
+/// Says what a run would do, and about how long it would take.
+fn dry_run(workplace: &Workplace, tasks: &Plan, whole: bool, jobs: usize) -> Result<u8> {
+    let summary = workplace.judge(tasks, whole)?;
+    if let Some(time) = expected(workplace, &summary, jobs) {
+        talk(&format!("about {}, if all that waits has to run", brief(time)));
+    }
+    say(&verdicts(&summary))
 }
 
 /// The first page of the book.

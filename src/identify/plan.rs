@@ -31,7 +31,13 @@ pub(super) struct Live<'a> {
     pub(super) best: AtomicU64,
 }
 
-impl Live<'_> {
+impl<'a> Live<'a> {
+    /// Before a batch is begun that follows upon these candidates.
+    pub(super) fn new(stop: &'a AtomicBool, halt: &'a AtomicBool, best: &Best) -> Self {
+        let best = best.list().first().map_or(f64::INFINITY, |ranked| ranked.objective);
+        Self { stop, halt, tried: AtomicU64::new(0), best: AtomicU64::new(best.to_bits()) }
+    }
+
     /// Counts candidates; whether to go on.
     fn go_on(&self, tried: u64) -> bool {
         self.tried.fetch_add(tried, Ordering::Relaxed);

@@ -12,7 +12,7 @@ use super::{IdentifyError, Target};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -203,14 +203,7 @@ pub fn search(
         budget.threads.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
     let began = (budget.clock)();
     let elapsed = || (budget.clock)().saturating_sub(began);
-    let live = Live {
-        stop,
-        halt: &halt,
-        tried: AtomicU64::new(0),
-        best: AtomicU64::new(
-            state.all(None).list().first().map_or(f64::INFINITY, |r| r.objective).to_bits(),
-        ),
-    };
+    let live = Live::new(stop, &halt, &state.all(None));
     let entered_before = state.entered.clone();
     let progress = |state: &Checkpoint| state.progress(&plan, &live, &entered_before, elapsed());
     let look_up = || {

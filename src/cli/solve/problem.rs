@@ -45,36 +45,8 @@ impl Problem {
     pub(super) fn read(args: &SolveArgs) -> Result<Self> {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
-        let mut overridden = Vec::new();
-        let mut choose = Choice { overridden: &mut overridden };
-        let domain = match (&args.cube, &args.f) {
-            (Some(text), _) => {
-                let f: problem::cube::Source =
-                    text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
-                let integral = solvable_on_cube(&f)?;
-                Domain::Cube { f, integral }
-            }
-            (None, text) => {
-                let f: Source = match (text, scene) {
-                    (Some(text), _) => {
-                        text.parse().map_err(|e| Error::input(format!("--f: {e}")))?
-                    }
-                    (None, Some(scene)) => scene.f.clone(),
-                    (None, None) => return Err(Error::input("give a scene or --f")),
-                };
-                // An accuracy is asked of the solution for f, whatever load vector a scene takes.
-                let exact = args.accuracy().map(|_| LoadName::Exact);
-                let rule = choose.one(
-                    "load",
-                    args.load.or(exact).map(LoadRule::from),
-                    scene.map(|s| s.load),
-                    rule_name,
-                );
-                let rule = rule.unwrap_or_else(|| LoadName::Exact.into());
-                let integral = solvable(&f)?;
-                Domain::Square { f, rule, integral }
-            }
-        };
+        let mut choose = Choice::default();
+        let domain = choose.domain(args, scene)?;
         let default = match args.accuracy() {
             Some(_) => Solver::Multigrid,
             None => domain.default_solver(),
@@ -85,23 +57,7 @@ impl Problem {
             .one("finest grid", given, scene.map(|s| s.finest().cells()), |n| format!("1/{n}"))
             .unwrap_or(DEFAULT_CELLS);
         domain.check_solver(solver, finest)?;
-        let r = choose.one("r", args.r, scene.map(|s| s.draw_r), f64::to_string).unwrap_or(10.0);
-        let stop = args.stop.as_deref().map(stop_rule).transpose()?;
-        let rule = choose.one("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string);
-        let cap = scene.map(|s| s.max_iterations);
-        let cap = choose.one(
-            "max-iterations",
-            args.max_iterations.map(|n| n as usize),
-            cap,
-            usize::to_string,
-        );
-        let defaults = Params::default();
-        let params = Params {
-            r: positive_r(r)?,
-            rule: rule.unwrap_or(StopRule::Printed),
-            max_iterations: cap.unwrap_or(defaults.max_iterations),
-            ..defaults
-        };
+        let params = choose.params(args, scene)?;
         Ok(Self {
             scene: scene.map(|scene| scene.name.clone()),
             solver,
@@ -110,7 +66,7 @@ impl Problem {
             prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
             tolerance: args.tolerance(solver)?,
             accuracy: args.accuracy(),
-            overridden,
+            overridden: choose.overridden,
             domain,
         })
     }
@@ -143,11 +99,65 @@ impl Problem {
 }
 
 /// Chooses between an option and the scene.
-struct Choice<'a> {
-    overridden: &'a mut Vec<String>,
+#[derive(Default)]
+struct Choice {
+    overridden: Vec<String>,
 }
 
-impl Choice<'_> {
+impl Choice {
+    /// f and its quadrature.
+    fn domain(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Domain> {
+        match (&args.cube, &args.f) {
+            (Some(text), _) => {
+                let f: problem::cube::Source =
+                    text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
+                let integral = solvable_on_cube(&f)?;
+                Ok(Domain::Cube { f, integral })
+            }
+            (None, text) => {
+                let f: Source = match (text, scene) {
+                    (Some(text), _) => {
+                        text.parse().map_err(|e| Error::input(format!("--f: {e}")))?
+                    }
+                    (None, Some(scene)) => scene.f.clone(),
+                    (None, None) => return Err(Error::input("give a scene or --f")),
+                };
+                // An accuracy is asked of the solution for f, whatever load vector a scene takes.
+                let exact = args.accuracy().map(|_| LoadName::Exact);
+                let rule = self.one(
+                    "load",
+                    args.load.or(exact).map(LoadRule::from),
+                    scene.map(|s| s.load),
+                    rule_name,
+                );
+                let rule = rule.unwrap_or_else(|| LoadName::Exact.into());
+                let integral = solvable(&f)?;
+                Ok(Domain::Square { f, rule, integral })
+            }
+        }
+    }
+
+    /// What a saddle-point method is told.
+    fn params(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Params> {
+        let r = self.one("r", args.r, scene.map(|s| s.draw_r), f64::to_string).unwrap_or(10.0);
+        let stop = args.stop.as_deref().map(stop_rule).transpose()?;
+        let rule = self.one("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string);
+        let cap = scene.map(|s| s.max_iterations);
+        let cap = self.one(
+            "max-iterations",
+            args.max_iterations.map(|n| n as usize),
+            cap,
+            usize::to_string,
+        );
+        let defaults = Params::default();
+        Ok(Params {
+            r: positive_r(r)?,
+            rule: rule.unwrap_or(StopRule::Printed),
+            max_iterations: cap.unwrap_or(defaults.max_iterations),
+            ..defaults
+        })
+    }
+
     /// The option's value, or else the scene's; a difference between the two is noted.
     fn one<T: PartialEq>(
         &mut self,
