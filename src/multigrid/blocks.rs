@@ -112,7 +112,7 @@ impl Block<'_> {
         &mut self,
         (n, s, first): (usize, usize, usize),
         boundary: Boundary,
-        load: &[Rows; 2],
+        load: [&[f64]; 2],
     ) -> f64 {
         let slab = slab::<D>(n);
         let start = self.slabs.start;
@@ -130,7 +130,7 @@ impl Block<'_> {
         let target = self.buffers.residuals(s);
         target.copy_from_slice(&red[own]);
         let see = |number: usize, contact| in_contact[number - first_edge] = contact;
-        let (load, other) = (&load[Colour::Red as usize], (&**black, start));
+        let (load, other) = (load[Colour::Red as usize], (&**black, start));
         let natural = slab_residual::<D>((n, s), Colour::Red, boundary, load, other, target, see);
         let [coarse_red, coarse_black] = &mut self.coarse_load;
         let coarse_load = (start.div_ceil(2), [&mut **coarse_red, &mut **coarse_black]);

@@ -119,11 +119,8 @@ impl<G: Geometry> Multigrid<G> {
             }
             None => {
                 self.nested_iteration();
-                match params.goal {
-                    Goal::DiscretisationError => self.pass(finest, Obstacle, &smooth(Interpolate)),
-                    // As in the nested iteration: one sweep more saves a cycle.
-                    _ => self.pass(finest, Obstacle, &Self::smooth_twice(Interpolate)),
-                }
+                // As in the nested iteration: one sweep more saves a cycle.
+                self.pass(finest, Obstacle, &Self::smooth_twice(Interpolate))
             }
         };
         Ok(stopping::iterate(self, kkt, params, monitor))
@@ -180,7 +177,8 @@ impl<G: Geometry> Multigrid<G> {
         for l in 1..self.levels.len() - 1 {
             self.pass(l, Obstacle, &Self::smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
-                let kkt = self.cycle(l, &Self::smooth_twice(Correct(G::OVERCORRECTION)));
+                let smooth = Self::smooth_twice(Correct(G::OVERCORRECTION));
+                let kkt = self.cycle(l, &smooth, G::TWICE_BELOW);
                 if kkt <= SETTLED * self.levels[l].load_scale {
                     break;
                 }
@@ -194,9 +192,10 @@ impl<G: Geometry> Multigrid<G> {
         self.count(work);
     }
 
-    /// One cycle on the obstacle problem of level `l`, whose residual has been restricted; `smooth` brings the
-    /// correction and ends by restricting the residual again. Returns the natural residual.
-    fn cycle(&mut self, l: usize, smooth: &[Stage]) -> f64 {
+    /// One cycle on the obstacle problem of level `l`, whose residual has been restricted; grids see two from
+    /// `twice_below` grids below on. `smooth` brings the correction and ends by restricting the residual again.
+    /// Returns the natural residual.
+    fn cycle(&mut self, l: usize, smooth: &[Stage], twice_below: usize) -> f64 {
         let level = &mut self.levels[l];
         let n = level.n;
         if !level.in_contact.contains(&true) {
@@ -212,7 +211,7 @@ impl<G: Geometry> Multigrid<G> {
             self.count(work + factor);
         }
         self.count(boundary_nodes::<G>(n) as f64);
-        self.correct(l - 1, l.saturating_sub(G::TWICE_BELOW), true);
+        self.correct(l - 1, l.saturating_sub(twice_below), true);
         self.pass(l, Obstacle, smooth)
     }
 
@@ -314,9 +313,12 @@ pub(super) fn solve<G: Geometry>(
 impl<G: Geometry> Hierarchy for Multigrid<G> {
     fn cycle(&mut self, last: bool, part: f64) -> f64 {
         let (finest, correct) = (self.levels.len() - 1, Correct(part * G::OVERCORRECTION));
-        match last {
-            true => self.cycle(finest, &smooth(correct)),
-            false => self.cycle(finest, &Self::smooth_twice(correct)),
+        if last {
+            // Often the only cycle there is: the near-constant modes must not wait for another.
+            let smooth = [correct, Relax(Red, 1.0), Relax(Black, 1.0), Restrict];
+            self.cycle(finest, &smooth, G::TWICE_BELOW.min(2))
+        } else {
+            self.cycle(finest, &Self::smooth_twice(correct), G::TWICE_BELOW)
         }
     }
 
@@ -344,11 +346,6 @@ impl<G: Geometry> Hierarchy for Multigrid<G> {
     fn work_units(&self) -> f64 {
         self.work_units
     }
-}
-
-/// One sweep after values or a correction came from the coarser grid.
-fn smooth(from_coarser: Stage) -> [Stage; 4] {
-    [from_coarser, Relax(Red, 1.0), Relax(Black, 1.0), Restrict]
 }
 
 /// From `F` to the load of the mirrored stencil.

@@ -49,8 +49,8 @@ impl StopReason {
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// Algebraic error well below the discretisation error: two cycles on the finest grid, more only
-    /// while the contact set is still moving.
+    /// Algebraic error at most a tenth of the discretisation error in the energy norm: one cycle on the finest
+    /// grid, more only while the contact set is still moving.
     DiscretisationError,
     /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)` at most this number (units of the
     /// load, that is of f h^2; not relative).

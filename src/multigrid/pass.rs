@@ -14,7 +14,7 @@ use super::blocks::{Block, Cuts, MIN_PLACES, Target, blocks};
 use super::buffers::Sums;
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
-use super::rows::{Colour, Rows, worse};
+use super::rows::{self, Colour, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
 use super::transfer::{Weighting, restrict_load, slab_residual};
 
@@ -47,6 +47,12 @@ impl Stage {
         }
     }
 }
+
+/// Places of one colour that a stage works on before the next one follows: few enough for all stages together
+/// to stay in the cache, enough for each to get into its stride.
+const CHUNK: usize = 1 << 11;
+/// Stages of the longest pass.
+const MAX_STAGES: usize = 6;
 
 /// Cost of the restriction of a load in sweeps of the finer grid: formulas of nine points at a quarter of
 /// the nodes, of twenty-seven at an eighth.
@@ -98,7 +104,7 @@ pub(super) fn run<D: Weighting>(
         Problem::Obstacle => Boundary::Obstacle,
         Problem::Correction => Boundary::Springs(inverse_diagonal),
     };
-    let coarse_values = &coarse.values;
+    let (load, coarse_values) = (rows::of(load), rows::of(&coarse.values));
     let walk = Walk::<D> { n, stages, boundary, load, coarse_values, dimension: PhantomData };
     let coarse_load = &mut coarse.load;
     let mut target = Target { n, values, in_contact, coarse_load, buffers };
@@ -141,8 +147,8 @@ struct Walk<'a, D> {
     n: usize,
     stages: &'a [Stage],
     boundary: Boundary<'a>,
-    load: &'a [Rows; 2],
-    coarse_values: &'a [Rows; 2],
+    load: [&'a [f64]; 2],
+    coarse_values: [&'a [f64]; 2],
     dimension: PhantomData<D>,
 }
 
@@ -175,49 +181,71 @@ impl<D: Weighting> Walk<'_, D> {
 
     #[inline(always)]
     fn run_portable(&self, block: &mut Block, slabs_of: impl Fn(usize) -> Range<usize>) -> f64 {
-        let slabs = |stage: usize| (stage, slabs_of(stage));
-        let begin = (0..self.stages.len()).map(slabs).map(|(k, slabs)| slabs.start + k).min();
-        let end = (0..self.stages.len()).map(slabs).map(|(k, slabs)| slabs.end + k).max();
+        let mut slabs = [const { 0..0 }; MAX_STAGES];
+        let slabs = &mut slabs[..self.stages.len()];
+        let (mut begin, mut end) = (usize::MAX, 0);
+        for (stage, slabs) in slabs.iter_mut().enumerate() {
+            *slabs = slabs_of(stage);
+            (begin, end) = (begin.min(slabs.start + stage), end.max(slabs.end + stage));
+        }
+        let chunk = CHUNK.div_ceil(slab::<D>(self.n));
         let mut natural = 0.0;
-        for time in begin.unwrap_or(0)..end.unwrap_or(0) {
-            for (lag, stage) in self.stages.iter().enumerate() {
-                let slabs = slabs_of(lag);
-                if time >= lag && slabs.contains(&(time - lag)) {
-                    natural = worse(natural, self.step(block, *stage, time - lag, slabs.start));
-                }
+        for time in (begin..end).step_by(chunk) {
+            for (lag, (stage, slabs)) in self.stages.iter().zip(&*slabs).enumerate() {
+                let from = time.saturating_sub(lag).max(slabs.start);
+                let to = (time + chunk).saturating_sub(lag).min(slabs.end);
+                natural = worse(natural, self.step(block, *stage, from..to, slabs.start));
             }
         }
         natural
     }
 
-    /// One stage on one slab; `first` is the first slab of this stage.
+    /// One stage on some slabs; `first` is the first slab of this stage.
     #[inline(always)]
-    fn step(&self, block: &mut Block, stage: Stage, s: usize, first: usize) -> f64 {
-        let (n, slab) = (self.n, slab::<D>(self.n));
-        let start = block.slabs.start;
-        let own = (s - start) * slab..(s - start + 1) * slab;
+    fn step(&self, block: &mut Block, stage: Stage, slabs: Range<usize>, first: usize) -> f64 {
+        let (n, slab, start) = (self.n, slab::<D>(self.n), block.slabs.start);
         let [red, black] = &mut block.values;
         match stage {
             Stage::Interpolate => {
-                block.buffers.interpolate::<D>((n, s), self.coarse_values, &mut black[own]);
+                for s in slabs {
+                    let black = &mut black[(s - start) * slab..][..slab];
+                    block.buffers.interpolate::<D>((n, s), self.coarse_values, black);
+                }
             }
             Stage::Correct(factor) => {
                 let (coarse, boundary) = (self.coarse_values, self.boundary);
-                let black = &mut black[own];
-                block.buffers.correct::<D>((n, s), coarse, boundary, factor, black);
-            }
-            Stage::StartRed(factor) => self.start_red(s, factor, &mut red[own]),
-            Stage::Relax(colour, factor) => {
-                let (target, other): (_, &[f64]) = match colour {
-                    Colour::Red => (&mut red[own], black),
-                    Colour::Black => (&mut black[own], red),
-                };
-                for at in At::of_slab::<D>(n, s) {
-                    let row = Row::new::<D>(at, colour, &self.load[colour as usize], other, start);
-                    row.relax::<D>(self.boundary, factor, &mut target[at.in_slab()]);
+                for s in slabs {
+                    let black = &mut black[(s - start) * slab..][..slab];
+                    block.buffers.correct::<D>((n, s), coarse, boundary, factor, black);
                 }
             }
-            Stage::Restrict => return block.restrict::<D>((n, s, first), self.boundary, self.load),
+            Stage::StartRed(factor) => {
+                for s in slabs {
+                    self.start_red(s, factor, &mut red[(s - start) * slab..][..slab]);
+                }
+            }
+            Stage::Relax(colour, factor) => {
+                let (target, other): (_, &[f64]) = match colour {
+                    Colour::Red => (red, black),
+                    Colour::Black => (black, red),
+                };
+                let load = self.load[colour as usize];
+                for s in slabs {
+                    let target = &mut target[(s - start) * slab..][..slab];
+                    for at in At::of_slab::<D>(n, s) {
+                        let row = Row::new::<D>(at, colour, load, other, start);
+                        row.relax::<D>(self.boundary, factor, &mut target[at.in_slab()]);
+                    }
+                }
+            }
+            Stage::Restrict => {
+                let mut natural = 0.0;
+                for s in slabs {
+                    let of_slab = block.restrict::<D>((n, s, first), self.boundary, self.load);
+                    natural = worse(natural, of_slab);
+                }
+                return natural;
+            }
         }
         0.0
     }
@@ -225,7 +253,7 @@ impl<D: Weighting> Walk<'_, D> {
     #[inline(always)]
     fn start_red(&self, s: usize, factor: f64, target: &mut [f64]) {
         let (factor, slab) = (factor / diagonal::<D>(), target.len());
-        let load = &self.load[Colour::Red as usize][s * slab..(s + 1) * slab];
+        let load = &self.load[Colour::Red as usize][s * slab..][..slab];
         for at in At::of_slab::<D>(self.n, s) {
             let (load, target) = (&load[at.in_slab()], &mut target[at.in_slab()]);
             target.iter_mut().zip(load).for_each(|(value, load)| *value = factor * load);
@@ -284,7 +312,7 @@ pub(super) mod tests {
     ) -> (Vec<Vec<f64>>, Vec<bool>, f64) {
         let (mut level, mut coarse) = (Level::new::<D>(n), Level::new::<D>(n / 2));
         level.reserve(1);
-        let noise = |half: &mut Rows, k: f64| {
+        let noise = |half: &mut [f64], k: f64| {
             for (i, value) in half.iter_mut().enumerate() {
                 *value = libm::sin(k * i as f64 * 12.9898) - 0.2;
             }
@@ -301,7 +329,8 @@ pub(super) mod tests {
             Stage::Restrict,
         ];
         let Level { values, load, in_contact, buffers, .. } = &mut level;
-        let (coarse_values, boundary) = (&coarse.values, Boundary::Obstacle);
+        let (load, coarse_values) = (rows::of(load), rows::of(&coarse.values));
+        let boundary = Boundary::Obstacle;
         let walk =
             Walk { n, stages: &stages, boundary, load, coarse_values, dimension: PhantomData };
         let coarse_load = &mut coarse.load;

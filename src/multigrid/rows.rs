@@ -14,6 +14,7 @@ pub enum Colour {
 }
 
 impl Colour {
+    #[inline(always)]
     pub(super) fn other(self) -> Self {
         match self {
             Colour::Red => Colour::Black,
@@ -22,6 +23,7 @@ impl Colour {
     }
 
     /// Column of the first node of this colour in row `j`: 0 in a long row, 1 in a short one.
+    #[inline(always)]
     pub(super) fn first_column(self, j: usize) -> usize {
         (j + self as usize) & 1
     }
@@ -31,8 +33,9 @@ impl Colour {
 ///
 /// `n / 2 + 1` nodes, rounded up to full cache lines. That makes it an odd number of lines for the
 /// usual `n`; otherwise the same places of all rows would compete for the same few sets of the cache.
+#[inline(always)]
 pub(super) fn stride(n: usize) -> usize {
-    (n / 2 + 1).next_multiple_of(LINE)
+    (n / 2 + LINE) / LINE * LINE
 }
 
 /// Rows per task at least in loops over all rows.
@@ -70,6 +73,11 @@ impl DerefMut for Rows {
         let end = self.storage.len() - LINE + self.first;
         &mut self.storage[self.first..end]
     }
+}
+
+/// The rows of both colours as slices.
+pub(super) fn of(colours: &[Rows; 2]) -> [&[f64]; 2] {
+    [&colours[0], &colours[1]]
 }
 
 /// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows. Returns what

