@@ -7,6 +7,7 @@ use super::recovery::{EdgeRow, NodeRow, admissible, union};
 use super::residual::Pyramid;
 use super::{NoBound, contact};
 use crate::discrete::contact::ContactArc;
+use crate::discrete::simd::vectorised;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
 use std::borrow::Cow;
@@ -27,8 +28,6 @@ pub(super) struct Total {
 
 /// The sums for the nodal vector `v`, which is not negative on the boundary.
 ///
-/// With AVX2 the same operations in the same order are twice as fast; the bits agree.
-///
 /// `recovered`, if given, receives the recovery on the grid of half the width.
 pub(super) fn total(
     grid: Grid,
@@ -41,12 +40,10 @@ pub(super) fn total(
         return Err(NoBound::NotCoercive);
     }
     let walk = Walk::new(grid, &data, v, recovered);
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the only feature that the function is compiled for.
-        return Ok(unsafe { walk.run_avx2() });
-    }
-    Ok(walk.run())
+    Ok(vectorised(
+        #[inline(always)]
+        || walk.run(),
+    ))
 }
 
 /// Rows of cells whose sums are added up before they join the others.
@@ -105,12 +102,6 @@ impl<'a> Walk<'a> {
             noise: 0.0,
             recovered,
         }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn run_avx2(self) -> Total {
-        self.run()
     }
 
     #[inline(always)]

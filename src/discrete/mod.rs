@@ -7,5 +7,6 @@ pub mod grid;
 pub mod kkt;
 pub mod load;
 pub mod norms;
+pub(crate) mod simd;
 pub mod stiffness;
 pub mod transfer;

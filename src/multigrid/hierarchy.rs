@@ -16,7 +16,7 @@ use super::rows::{self, stride};
 use super::stencil::{coupling, for_each_boundary_node};
 use super::stopping::{self, Hierarchy};
 use super::transfer::Weighting;
-use super::{Goal, MultigridParams, Outcome, Progress};
+use super::{MultigridParams, Outcome, Progress};
 
 /// What differs between the square and the cube, beside the stencil and the transfers.
 pub trait Geometry: Weighting {

@@ -43,6 +43,7 @@ pub(super) struct Extent {
 impl Extent {
     /// Rounds sums of four numbers, and only these: enough for a sum 1e-15 times the sum of the absolute
     /// values, at the speed of the memory.
+    #[inline(always)]
     pub(super) fn of(values: &[f64]) -> Self {
         const LANES: usize = 4;
         let mut largest = [0.0_f64; LANES];

@@ -98,7 +98,7 @@ pub struct Outcome {
     pub work_units: f64,
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod tests {
     use super::pass::tests::compare;
 

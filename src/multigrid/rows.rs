@@ -4,6 +4,8 @@ use std::ops::{Deref, DerefMut};
 
 use rayon::prelude::*;
 
+use crate::discrete::simd::vectorised;
+
 /// Nodes with an even sum of indices are red, the others black.
 ///
 /// The corners are red because the number of cells per side is even.
@@ -96,8 +98,13 @@ pub(super) fn split<T: Send>(
         .with_min_len(MIN_ROWS)
         .map(|(j, ((red, black), source))| {
             let [long, short] = long_and_short(j, [red, black]);
-            deinterleave(source, long, short);
-            of_row(source)
+            vectorised(
+                #[inline(always)]
+                || {
+                    deinterleave(source, long, short);
+                    of_row(source)
+                },
+            )
         })
         .collect()
 }
@@ -121,7 +128,10 @@ pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f
             let row = j * stride..(j + 1) * stride;
             let [red, black] = [&colours[0][row.clone()], &colours[1][row]];
             let [long, short] = long_and_short(j, [red, black]);
-            interleave(long, short, target);
+            vectorised(
+                #[inline(always)]
+                || interleave(long, short, target),
+            );
             if factor != 1.0 {
                 target.iter_mut().for_each(|value| *value *= factor);
             }

@@ -210,6 +210,7 @@ pub(super) fn slab_residual<D: Dimension>(
 
 /// One slab of the load of the coarser grid: full weighting of the load of the finer one. Returns its
 /// largest entry before the division by couplings.
+#[inline(always)]
 pub(super) fn restrict_load<D: Weighting>(
     n: usize,
     load: &[Rows; 2],

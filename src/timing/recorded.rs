@@ -113,7 +113,7 @@ pub struct Scaling {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Goal {
-    /// An algebraic error well below the discretisation error.
+    /// An algebraic error of at most a tenth of the discretisation error in the energy norm.
     Discretisation,
     /// As far as double precision goes.
     Floor,

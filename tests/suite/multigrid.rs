@@ -7,7 +7,7 @@ use signorini::discrete::kkt::kkt;
 use signorini::discrete::load::{LoadRule, load};
 use signorini::discrete::norms::errors;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
-use signorini::experiments::targets::{BYTES, COUNTED, HARD, WORK_UNITS};
+use signorini::experiments::targets::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS};
 use signorini::multigrid::active_set::{ActiveSetParams, active_set};
 use signorini::multigrid::square::{Multigrid, multigrid};
 use signorini::multigrid::{Goal, MultigridParams, Outcome};
@@ -66,30 +66,27 @@ fn errors_fall_at_the_optimal_rate() {
 }
 
 #[test]
-fn two_cycles_reach_the_discretisation_error() {
+fn one_cycle_reaches_the_discretisation_error() {
     for problem in Exact::ALL {
         for n in [32, 64, 256] {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 2));
+            assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 1));
             if n >= 64 {
-                assert!(
-                    outcome.work_units < COUNTED * WORK_UNITS[0],
-                    "{problem:?} {n} {outcome:?}"
-                );
+                assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             }
             let values = exact_values(problem, n);
             let norm = |a: &[f64], b: &[f64]| -> f64 {
                 a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
             };
             let ratio = norm(&y, &exact_discrete) / norm(&exact_discrete, &values);
-            assert!(ratio < 0.1, "{problem:?} {n} algebraic over discretisation error {ratio}");
+            assert!(ratio < 0.25, "{problem:?} {n} algebraic over discretisation error {ratio}");
             let zero = vec![0.0; y.len()];
             let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();
             let h1 = |y: &[f64]| errors_in_h1(n, y, &zero);
             assert!(
-                h1(&algebraic) < 0.1 * errors(grid(n), problem, &y, &load).h1,
+                h1(&algebraic) < ALGEBRAIC * errors(grid(n), problem, &y, &load).h1,
                 "{problem:?} {n} H1"
             );
         }

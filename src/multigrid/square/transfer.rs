@@ -12,6 +12,7 @@ impl Weighting for Square {
         weigh_red(&mut sums.row, middle, below, above);
     }
 
+    #[inline(always)]
     fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], sums: &mut Sums) {
         let middle = 2 * at.s;
         let [below, above] = mirrored(2 * at.n, middle);

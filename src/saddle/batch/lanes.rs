@@ -3,6 +3,7 @@
 use super::LANES;
 use super::arithmetic::{Arithmetic, Number, V};
 use crate::discrete::grid::Grid;
+use crate::discrete::simd::vectorised;
 use crate::saddle::Pair;
 use std::array::from_fn;
 
@@ -156,33 +157,16 @@ impl<N: Number> Lanes<N> {
         }
     }
 
-    /// (9)-(11) in every lane, with vectors as wide as the processor has them: the bits are the same.
+    /// (9)-(11) in every lane.
     pub fn sweep(&mut self, arithmetic: &mut impl Arithmetic<N>) {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx512dq") {
-            // SAFETY: the processor has the features that the function is compiled for: DQ extends F.
-            return unsafe { self.sweep_avx512(arithmetic) };
-        } else if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: as above.
-            return unsafe { self.sweep_avx2(arithmetic) };
-        }
-        self.sweep_portable(arithmetic);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq")]
-    fn sweep_avx512(&mut self, arithmetic: &mut impl Arithmetic<N>) {
-        self.sweep_portable(arithmetic);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn sweep_avx2(&mut self, arithmetic: &mut impl Arithmetic<N>) {
-        self.sweep_portable(arithmetic);
+        vectorised(
+            #[inline(always)]
+            || self.sweep_inline(arithmetic),
+        );
     }
 
     #[inline(always)]
-    fn sweep_portable(&mut self, arithmetic: &mut impl Arithmetic<N>) {
+    fn sweep_inline(&mut self, arithmetic: &mut impl Arithmetic<N>) {
         let (n, all) = (self.grid.cells(), self.edges.len());
         match self.order {
             Order::Lexicographic => {
@@ -254,26 +238,14 @@ impl<N: Number> Lanes<N> {
         steps: [bool; LANES],
         arithmetic: &mut impl Arithmetic<N>,
     ) -> [f64; LANES] {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx512dq") {
-            // SAFETY: as in `sweep`.
-            return unsafe { self.step_avx512(steps, arithmetic) };
-        }
-        self.step_portable(steps, arithmetic)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq")]
-    fn step_avx512(
-        &mut self,
-        steps: [bool; LANES],
-        arithmetic: &mut impl Arithmetic<N>,
-    ) -> [f64; LANES] {
-        self.step_portable(steps, arithmetic)
+        vectorised(
+            #[inline(always)]
+            || self.step_inline(steps, arithmetic),
+        )
     }
 
     #[inline(always)]
-    fn step_portable(
+    fn step_inline(
         &mut self,
         steps: [bool; LANES],
         arithmetic: &mut impl Arithmetic<N>,
