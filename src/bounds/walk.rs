@@ -7,8 +7,8 @@ use super::recovery::{EdgeRow, NodeRow, admissible, union};
 use super::residual::Pyramid;
 use super::{NoBound, contact};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::simd::vectorised;
 use crate::discrete::grid::Grid;
+use crate::discrete::simd::vectorised;
 use crate::problem::source::Source;
 use std::borrow::Cow;
 

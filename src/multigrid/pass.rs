@@ -329,8 +329,8 @@ pub(super) mod tests {
         let Level { values, load, in_contact, buffers, .. } = &mut level;
         let (load, coarse_values) = (rows::of(load), rows::of(&coarse.values));
         let boundary = Boundary::Obstacle;
-        let walk =
-            Walk { n, stages: &stages, boundary, load, coarse_values, dimension: PhantomData };
+        let (stages, dimension) = (&stages, PhantomData);
+        let walk = Walk::<D> { n, stages, boundary, load, coarse_values, dimension };
         let coarse_load = &mut coarse.load;
         let mut target = Target { n, values, in_contact, coarse_load, buffers };
         let natural = walk.wave(&mut target.whole(), &walk.slabs(|_| 0..n + 1));

@@ -4,6 +4,7 @@ use std::ops::{Deref, DerefMut};
 
 use rayon::prelude::*;
 
+use super::input::Extent;
 use crate::discrete::simd::vectorised;
 
 /// Nodes with an even sum of indices are red, the others black.
@@ -82,14 +83,8 @@ pub(super) fn of(colours: &[Rows; 2]) -> [&[f64]; 2] {
     [&colours[0], &colours[1]]
 }
 
-/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows. Returns what
-/// `of_row` makes of each row, in order.
-pub(super) fn split<T: Send>(
-    n: usize,
-    natural: &[f64],
-    colours: &mut [Rows; 2],
-    of_row: impl Fn(&[f64]) -> T + Sync,
-) -> Vec<T> {
+/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows; returns the extent of each.
+pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) -> Vec<Extent> {
     let stride = stride(n);
     let [red, black] = colours;
     let rows = red.par_chunks_exact_mut(stride).zip(black.par_chunks_exact_mut(stride));
@@ -102,7 +97,7 @@ pub(super) fn split<T: Send>(
                 #[inline(always)]
                 || {
                     deinterleave(source, long, short);
-                    of_row(source)
+                    Extent::of(source)
                 },
             )
         })

@@ -142,9 +142,7 @@ impl<'a> Row<'a> {
     ) -> Self {
         let At { n, r, s } = at;
         let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
-        let row = |r: usize, s: usize| {
-            &other[((s - first) * rows + r) * stride..][..stride]
-        };
+        let row = |r: usize, s: usize| &other[((s - first) * rows + r) * stride..][..stride];
         let [below, above] = mirrored(n, s);
         let [south, north] = if D::AXES == 2 { [r, r] } else { mirrored(n, r) };
         let number = s * rows + r;

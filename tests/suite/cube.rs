@@ -5,7 +5,7 @@ use crate::cube_loads::{exact_load, nodal_load, stress_loads};
 use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
 use signorini::discrete::cube::{Errors, Grid, energy, errors, kkt};
-use signorini::experiments::targets::{BYTES, HARD, WORK_UNITS};
+use signorini::experiments::targets::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS};
 use signorini::multigrid::active_set::ActiveSetParams;
 use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
 use signorini::multigrid::{Goal, MultigridParams, Outcome};
@@ -70,7 +70,7 @@ fn one_cycle_reaches_the_discretisation_error() {
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
             assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 1));
-            assert!(outcome.work_units < 10.0, "{problem:?} {n} {outcome:?}");
+            assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             let grid = grid(n);
             let discretisation = errors(grid, problem, &exact_discrete);
             let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();
@@ -78,8 +78,12 @@ fn one_cycle_reaches_the_discretisation_error() {
             let l2 = (grid.h().powi(3) * squares.sum::<f64>()).sqrt();
             // For zero load, the energy is half the square of the H1 seminorm.
             let h1 = (2.0 * energy(grid, &algebraic, &vec![0.0; y.len()])).sqrt();
-            assert!(l2 < 0.1 * discretisation.l2, "{problem:?} {n} {}", l2 / discretisation.l2);
-            assert!(h1 < 0.1 * discretisation.h1, "{problem:?} {n} {}", h1 / discretisation.h1);
+            assert!(l2 < 0.25 * discretisation.l2, "{problem:?} {n} {}", l2 / discretisation.l2);
+            assert!(
+                h1 < ALGEBRAIC * discretisation.h1,
+                "{problem:?} {n} {}",
+                h1 / discretisation.h1
+            );
         }
     }
 }

@@ -171,12 +171,21 @@ impl<N: Number> Lanes<N> {
         match self.order {
             Order::Lexicographic => {
                 self.relax_boundary(0, n + 1, arithmetic);
-                for j in 1..n {
-                    // Two boundary nodes in each row between the first and the last.
-                    let first = n + 1 + 2 * (j - 1);
-                    self.relax_boundary(first, 1, arithmetic);
+                // Two boundary nodes in each row between the first and the last.
+                let ends = |j: usize| n + 1 + 2 * (j - 1);
+                let mut j = 1;
+                while j + 1 < n {
+                    self.relax_boundary(ends(j), 1, arithmetic);
+                    self.relax_boundary(ends(j + 1), 1, arithmetic);
+                    self.relax_two_rows(j, arithmetic);
+                    self.relax_boundary(ends(j) + 1, 1, arithmetic);
+                    self.relax_boundary(ends(j + 1) + 1, 1, arithmetic);
+                    j += 2;
+                }
+                if j < n {
+                    self.relax_boundary(ends(j), 1, arithmetic);
                     self.relax_row(j, arithmetic);
-                    self.relax_boundary(first + 1, 1, arithmetic);
+                    self.relax_boundary(ends(j) + 1, 1, arithmetic);
                 }
                 self.relax_boundary(all - n - 1, n + 1, arithmetic);
             }
@@ -208,6 +217,34 @@ impl<N: Number> Lanes<N> {
         }
     }
 
+    /// (9) at the interior nodes of rows `j` and `j + 1`, the upper one column behind the lower: neither waits for
+    /// the other, and each node finds the values that it finds row by row.
+    #[inline(always)]
+    fn relax_two_rows(&mut self, j: usize, arithmetic: &mut impl Arithmetic<N>) {
+        let side = self.grid.side();
+        let load = if self.regularised { &self.target } else { &self.load };
+        let (below, rest) = self.y.split_at_mut(j * side);
+        let (lower, rest) = rest.split_at_mut(side);
+        let (upper, above) = rest.split_at_mut(side);
+        let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
+        let [lower_load, upper_load] = [j, j + 1].map(|j| &load[j * side..][..side]);
+        let centre = self.centre;
+        let mut relax = |terms| {
+            let sum = arithmetic.star(terms);
+            arithmetic.node(centre * sum)
+        };
+        lower[1] = relax([south[1], upper[1], lower[2], lower_load[1], lower[0]]);
+        let [mut west, mut west_above] = [lower[1], upper[0]];
+        for i in 2..side - 1 {
+            let (before, beside) = (west, upper[i]);
+            west = relax([south[i], beside, lower[i + 1], lower_load[i], west]);
+            west_above = relax([before, north[i - 1], beside, upper_load[i - 1], west_above]);
+            (lower[i], upper[i - 1]) = (west, west_above);
+        }
+        let i = side - 2;
+        upper[i] = relax([west, north[i], upper[i + 1], upper_load[i], west_above]);
+    }
+
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
     #[inline(always)]
     fn relax_boundary(&mut self, first: usize, count: usize, arithmetic: &mut impl Arithmetic<N>) {
@@ -223,11 +260,16 @@ impl<N: Number> Lanes<N> {
                 None => (along + load[node], &self.corner, self.weights[1]),
             };
             let (a, r) = (&self.a[edge.place as usize], &self.r);
-            let next = V(from_fn(|l| {
-                let psi = inverse.0[l] * sum.0[l];
-                let held = (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l]);
-                if psi >= a.0[l] / r.0[l] { psi } else { held }
-            }));
+            let psi = *inverse * sum;
+            let least = V(from_fn(|l| a.0[l] / r.0[l]));
+            let free: [bool; LANES] = from_fn(|l| psi.0[l] >= least.0[l]);
+            let next = match free.iter().all(|free| *free) {
+                true => psi,
+                false => V(from_fn(|l| {
+                    let held = (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l]);
+                    if free[l] { psi.0[l] } else { held }
+                })),
+            };
             self.y[node] = arithmetic.node(next);
         }
     }
@@ -254,14 +296,13 @@ impl<N: Number> Lanes<N> {
         let mut changes = [zero; LANES];
         for edge in &self.edges {
             let (y, a) = (&self.y[edge.node as usize], &mut self.a[edge.place as usize]);
-            for l in 0..LANES {
-                let next = arithmetic.step(a.0[l], self.r.0[l], y.0[l]);
-                let next = if next > zero { next } else { zero };
-                let next = if steps[l] { next } else { a.0[l] };
-                let change = if next > a.0[l] { next - a.0[l] } else { a.0[l] - next };
-                changes[l] = if change > changes[l] { change } else { changes[l] };
-                a.0[l] = next;
-            }
+            let next: [N; LANES] = from_fn(|l| arithmetic.step(a.0[l], self.r.0[l], y.0[l]));
+            let next = next.map(|next| if next > zero { next } else { zero });
+            let next: [N; LANES] = from_fn(|l| if steps[l] { next[l] } else { a.0[l] });
+            let change: [N; LANES] =
+                from_fn(|l| if next[l] > a.0[l] { next[l] - a.0[l] } else { a.0[l] - next[l] });
+            changes = from_fn(|l| if change[l] > changes[l] { change[l] } else { changes[l] });
+            *a = V(next);
         }
         changes.map(N::wide)
     }
