@@ -183,15 +183,15 @@ pub struct Peer {
     /// Relative natural residual that it reached.
     #[serde(deserialize_with = "positive")]
     pub their_kkt: f64,
-    /// Multigrid's time on the same load vector, in the same run, one thread.
+    /// Multigrid's time for the same, in the same run, one thread.
     #[serde(deserialize_with = "positive")]
     pub ours: f64,
     /// Relative natural residual that it reached.
     #[serde(deserialize_with = "positive")]
     pub our_kkt: f64,
-    /// Whether multigrid was repeated in one workspace, and not run in a process of its own each time.
+    /// Whether both are timed from f to the solution vector, with memory, load vector and matrix.
     #[serde(default)]
-    pub warm: bool,
+    pub whole: bool,
 }
 
 /// The goal of a run under the stopping rule of the published tables.
