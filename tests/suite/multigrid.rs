@@ -1,11 +1,14 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
+use crate::common::{Dice, random_source};
 use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
+use rayon::prelude::*;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
-use signorini::discrete::load::{LoadRule, load};
+use signorini::discrete::load::{Diagonal, LoadRule, load};
 use signorini::discrete::norms::errors;
+use signorini::discrete::stiffness::energy;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini::experiments::targets::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS};
 use signorini::multigrid::active_set::{ActiveSetParams, active_set};
@@ -90,6 +93,52 @@ fn one_cycle_reaches_the_discretisation_error() {
                 "{problem:?} {n} H1"
             );
         }
+    }
+}
+
+/// The largest algebraic over discretisation error in the energy norm where multigrid stops for the latter, over
+/// random problems on the grid with `n` cells per side, and the number of those that one cycle was enough for.
+fn at_the_discretisation_error(n: usize, problems: usize) -> (f64, usize) {
+    let mut dice = Dice(n as u64);
+    let sources: Vec<Source> = (0..problems).map(|_| random_source(&mut dice)).collect();
+    let exactly = LoadRule::Exact { diagonal: Diagonal::default() };
+    let trial = |f: &Source| {
+        let solved = |n: usize, goal| {
+            let load = load(grid(n), f, exactly);
+            let (y, outcome) = run(n, &load, goal);
+            let energy = energy(grid(n), &y, &load);
+            (y, outcome, energy)
+        };
+        let (y, outcome, _) = solved(n, Goal::DiscretisationError);
+        let (discrete, _, coarse) = solved(n, Goal::RoundingFloor);
+        // Energies fall like the square of h: on a grid of a quarter of the width the excess is a sixteenth.
+        let excess = 16.0 / 15.0 * (coarse - solved(4 * n, Goal::RoundingFloor).2);
+        (errors_in_h1(n, &y, &discrete) / (2.0 * excess).sqrt(), outcome.cycles)
+    };
+    let trials: Vec<_> = sources.par_iter().map(trial).collect();
+    let worst = trials.iter().map(|trial| trial.0).fold(0.0, f64::max);
+    (worst, trials.iter().filter(|trial| trial.1 == 1).count())
+}
+
+#[test]
+fn the_residual_tells_whether_one_cycle_is_enough() {
+    for n in [16, 32] {
+        let (worst, at_once) = at_the_discretisation_error(n, 200);
+        assert!(worst < ALGEBRAIC, "1/{n}: {worst}");
+        // It tells both.
+        assert!(at_once > 180 && at_once < 200, "1/{n}: {at_once}");
+    }
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn the_residual_tells_in_twenty_thousand_problems() {
+    for n in [16, 32, 64, 96] {
+        let (worst, at_once) = at_the_discretisation_error(n, 5000);
+        println!(
+            "1/{n}: at most {worst:.3} of the discretisation error; {at_once} after one cycle"
+        );
+        assert!(worst < ALGEBRAIC, "1/{n}: {worst}");
     }
 }
 
