@@ -83,7 +83,7 @@ use crate::problem::source::Source;
 use complex::Complex;
 use energy::Energies;
 use newton::Problem;
-use panels::{Panel, Place};
+use panels::Place;
 use rayon::prelude::*;
 use search::Found;
 use sources::Rules;
@@ -245,7 +245,7 @@ impl Solution {
         if !checks.pass() {
             return Err(SpectralError::Unchecked(checks));
         }
-        let contact = arcs(&ends, &trace, force);
+        let contact = trace.arcs(&ends, force);
         let problem = problem.clone();
         Ok(Self { energy, contact, checks, integral, steps, problem, ends, trace, rules })
     }
@@ -298,27 +298,4 @@ impl Solution {
         };
         (0..(n + 1) * (n + 1)).into_par_iter().map(at).collect()
     }
-}
-
-/// The contact arcs with their forces; `total` is that on the whole border.
-fn arcs(ends: &[Place], trace: &Trace, total: f64) -> Vec<ContactArc> {
-    let point = |place: Place| {
-        let Complex { re, im } = place.point();
-        [re, im]
-    };
-    if ends.is_empty() {
-        let corner = point(Place { corner: 3, t: 0.0 });
-        return vec![ContactArc { from: corner, to: corner, force: total }];
-    }
-    let force = |arc: usize| {
-        let own = |panel: &Panel| panel.contact && panel.arcs == arc;
-        let points = trace.points.iter().filter(|p| own(&trace.panels[p.panel]));
-        points.map(|p| p.weight * p.multiplier).sum()
-    };
-    let arc = |(k, pair): (usize, &[Place])| ContactArc {
-        from: point(pair[0]),
-        to: point(pair[1]),
-        force: force(k + 1),
-    };
-    ends.chunks_exact(2).enumerate().map(arc).collect()
 }

@@ -6,6 +6,7 @@ use super::newton::Problem;
 use super::panels::{Ends, Node, Panel, Place, Special, distance};
 use super::rule::interpolation;
 use super::sources::{Field, Rules, Sources, Target};
+use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
 
 /// Gaps that reach no further from a corner are left out: the energy feels the fourth power of that.
@@ -191,6 +192,29 @@ impl Trace {
         // Better known by integration.
         let value = if place.t == 0.0 { self.corner_value(place.corner) } else { value };
         [value, multiplier]
+    }
+
+    /// The contact arcs with their forces; `total` is that on the whole border.
+    pub(super) fn arcs(&self, ends: &[Place], total: f64) -> Vec<ContactArc> {
+        let point = |place: Place| {
+            let Complex { re, im } = place.point();
+            [re, im]
+        };
+        if ends.is_empty() {
+            let corner = point(Place { corner: 3, t: 0.0 });
+            return vec![ContactArc { from: corner, to: corner, force: total }];
+        }
+        let force = |arc: usize| {
+            let own = |panel: &Panel| panel.contact && panel.arcs == arc;
+            let points = self.points.iter().filter(|p| own(&self.panels[p.panel]));
+            points.map(|p| p.weight * p.multiplier).sum()
+        };
+        let arc = |(k, pair): (usize, &[Place])| ContactArc {
+            from: point(pair[0]),
+            to: point(pair[1]),
+            force: force(k + 1),
+        };
+        ends.chunks_exact(2).enumerate().map(arc).collect()
     }
 
     /// v in a corner.
