@@ -175,7 +175,7 @@ fn compare(f: &Source) -> f64 {
 fn a_thousand_random_problems_agree_with_extrapolated_finite_elements() {
     let mut dice = Dice(12);
     for _ in 0..1000 {
-        let f = random(&mut dice);
+        let f = random_source(&mut dice);
         let ratio = compare(&f);
         assert!(ratio.abs() < 0.15, "{f}: {ratio}");
     }
