@@ -125,7 +125,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
         assert!(inside >= -slack, "{f}, 1/{cells}, {what:?}: {inside:e}, slack {slack:e}");
         least = least.min(inside / (high - low));
     };
-    for rule in [EXACT, LoadRule::default(), LoadRule::LumpedAverage] {
+    for rule in [EXACT, LoadRule::Bilinear, LoadRule::LumpedAverage, LoadRule::default()] {
         let load = load(grid, f, rule);
         // The nodal load of a coarse grid may have no solution.
         if load.iter().sum::<f64>() >= 0.0 {
