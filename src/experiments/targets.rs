@@ -70,7 +70,7 @@ pub fn of_accuracy(found: &accuracy::Findings) -> Vec<Target> {
         let name = format!("algebraic over discretisation error in {norm}");
         targets.push(Target::at_most(name, ALGEBRAIC, algebraic));
     }
-    let textbook = "work units to the discretisation error, as in textbooks";
+    let textbook = "work units to the discretisation error, textbook efficiency";
     targets.push(Target::at_most(textbook, TEXTBOOK, facts.known[0][1]));
     let goals =
         ["the discretisation error", "a residual of 1e-10, not scaled", "the rounding floor"];

@@ -1,7 +1,8 @@
 //! A sequence of half-sweeps and transfers carried through a grid in one walk over the memory.
 //!
-//! Stage `k` works on slab `s` as soon as stage `k - 1` has left slabs `s - 1`, `s` and `s + 1`, so that
-//! two sweeps, a residual and a restriction cost one trip to the main memory (temporal blocking).
+//! Stages take turns on a few slabs at a time. Stage `k` works on slab `s` when stage `k - 1` has left slabs
+//! `s - 1`, `s` and `s + 1`, so that two sweeps, a residual and a restriction cost one trip to the main memory
+//! (temporal blocking).
 //! Red only depends on black and black on red: the order of the slabs, and hence the number of
 //! threads, does not change a single bit of the result.
 
@@ -49,8 +50,8 @@ impl Stage {
     }
 }
 
-/// Places of one colour that a stage works on before the next one follows: few enough for all stages together
-/// to stay in the cache, enough for each to get into its stride.
+/// Places of one colour, at least, that a stage works on before the next one follows. All stages together stay in
+/// the cache, and what a stage prepares is prepared for several short rows.
 const CHUNK: usize = 1 << 11;
 /// Stages of the longest pass.
 const MAX_STAGES: usize = 6;

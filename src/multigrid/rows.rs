@@ -41,8 +41,11 @@ pub(super) fn stride(n: usize) -> usize {
     (n / 2 + LINE) / LINE * LINE
 }
 
-/// Rows per task at least in loops over all rows.
-const MIN_ROWS: usize = 64;
+/// Rows per task at least in loops over all rows: fewer take no longer than waking a thread.
+fn min_rows(n: usize) -> usize {
+    (1_usize << 14).div_ceil(n + 1)
+}
+
 /// Numbers in a cache line.
 pub(super) const LINE: usize = 8;
 
@@ -90,7 +93,7 @@ pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) -> Vec<E
     let rows = red.par_chunks_exact_mut(stride).zip(black.par_chunks_exact_mut(stride));
     rows.zip(natural.par_chunks_exact(n + 1))
         .enumerate()
-        .with_min_len(MIN_ROWS)
+        .with_min_len(min_rows(n))
         .map(|(j, ((red, black), source))| {
             let [long, short] = long_and_short(j, [red, black]);
             vectorised(
@@ -118,7 +121,7 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
     let stride = stride(n);
     assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
-    natural.par_chunks_exact_mut(n + 1).enumerate().with_min_len(MIN_ROWS).for_each(
+    natural.par_chunks_exact_mut(n + 1).enumerate().with_min_len(min_rows(n)).for_each(
         |(j, target)| {
             let row = j * stride..(j + 1) * stride;
             let [red, black] = [&colours[0][row.clone()], &colours[1][row]];

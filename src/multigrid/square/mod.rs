@@ -13,7 +13,8 @@
 //! coarse grid is far off; loads of the coarse grids by full weighting. Cycles V(1,1), bilinear
 //! transfers, over-relaxation inside on the colour that the transfers do not rely on (Yavneh 1996 for
 //! over-relaxed red-black smoothing). From the third coarser grid on, F-cycles: near-constant modes of
-//! semicoercive problems need accurate coarse solves, and there they cost almost nothing. What a V-cycle
+//! semicoercive problems need accurate coarse solves, and there they cost almost nothing; from the second
+//! on where only the discretisation error is asked for, since that cycle is often the only one. What a V-cycle
 //! returns is too small, and enlarged where it reaches the finest grid (Brandt and Yavneh 1993 enlarge
 //! the residual); that halves the rate, to 0.04 per cycle, at no cost.
 //!
