@@ -1,11 +1,12 @@
 //! What the chapter on cost says about recorded times: fits, crossovers, and what was to be reached.
 
 use crate::experiments::accuracy::Findings;
-use crate::experiments::exponent;
 use crate::experiments::targets::Target;
+use crate::experiments::{Range, exponent};
 use crate::timing::measure::{SOLVERS, TIMED};
 use crate::timing::recorded::{Goal, Reached, Scaling, Timings, to_discretisation};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Recorded times, digested.
 #[derive(Clone, Debug, Serialize)]
@@ -19,6 +20,8 @@ pub(super) struct Times {
     /// The noisiest medians, worst first.
     noise: Vec<Noise>,
     outdated: Option<Outdated>,
+    /// The spectral solver beside multigrid, if it was timed.
+    spectral: Option<Spectral>,
     /// Other people's times over ours: least and greatest.
     peers: Option<[f64; 2]>,
     /// Nanoseconds per unknown that were to be reached, were time inverse to the bandwidth of updates.
@@ -92,6 +95,15 @@ struct Comparison {
     against: Vec<Against>,
 }
 
+/// What an error of [`Spectral::error`] in the energy takes, over problems.
+#[derive(Clone, Debug, Serialize)]
+struct Spectral {
+    error: f64,
+    milliseconds: Range,
+    /// Multigrid's time over it, on a grid so fine that it would have this error.
+    ratio: Range,
+}
+
 #[derive(Clone, Debug, Serialize)]
 struct Row {
     cells: usize,
@@ -117,6 +129,8 @@ const PROPORTIONAL: f64 = 1.05;
 const SPEEDUP: f64 = 1.6;
 const SWEEP: f64 = 1.5;
 const PEERS: f64 = 100.0;
+/// Error of the energy, relative, at which the spectral solver and multigrid are compared.
+const FAR: f64 = 1e-10;
 /// Cells per side of the grid on which two threads are judged.
 const THREADS_AT: usize = 2048;
 /// Power laws are fitted to grids with at least so many unknowns.
@@ -145,6 +159,7 @@ impl Times {
                 .collect(),
             noise: noise(timings),
             outdated: Outdated::of(timings, accuracy),
+            spectral: Spectral::of(timings),
             peers: least.zip(ratios().reduce(f64::max)).map(|(least, most)| [least, most]),
             scaled: WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update),
             speedup: speedup(timings),
@@ -178,6 +193,31 @@ impl Times {
             targets.push(Target::at_least("PETSc's time over ours, the least", PEERS, least));
         }
         targets
+    }
+}
+
+impl Spectral {
+    /// Multigrid's error of the energy falls like the reciprocal of its unknowns, and its time grows with them.
+    fn of(timings: &Timings) -> Option<Self> {
+        let times = timings.spectral.iter().filter(|line| line.error <= FAR).map(|line| {
+            let fastest = |line: &&Reached| line.seconds * line.error;
+            let multigrid = timings
+                .solver
+                .iter()
+                .filter(|other| other.solver == "multigrid" && other.problem == line.problem)
+                .min_by(|a, b| fastest(a).total_cmp(&fastest(b)))?;
+            Some((line, fastest(&multigrid) / FAR))
+        });
+        let mut best: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+        for (line, multigrid) in times.flatten() {
+            let entry = best.entry(&line.problem).or_insert((line.seconds, multigrid));
+            entry.0 = entry.0.min(line.seconds);
+        }
+        Some(Self {
+            error: FAR,
+            milliseconds: Range::of(best.values().map(|(spectral, _)| 1e3 * spectral))?,
+            ratio: Range::of(best.values().map(|(spectral, multigrid)| multigrid / spectral))?,
+        })
     }
 }
 
