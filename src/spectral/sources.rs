@@ -6,6 +6,7 @@ use super::map::{Angle, eighth_turns};
 use super::panels::{Ends, Panel, Special};
 use super::potential::Potential;
 use super::rule::{gauss, integration, interpolation};
+use crate::discrete::simd::vectorised;
 use std::ops::Range;
 
 /// Ratio of neighbouring panels towards corners and crossings.
@@ -222,30 +223,20 @@ impl<'a> Field<'a> {
     pub(super) fn at(&self, p: usize, targets: &[Target]) -> Vec<f64> {
         let mut sums = Vec::with_capacity(targets.len() + LANES);
         for block in targets.chunks(LANES) {
-            sums.extend(self.sums(p, &Block::new(block)).map(|sum| -sum / std::f64::consts::TAU));
+            let block = Block::new(block);
+            let of_block = vectorised(
+                #[inline(always)]
+                || self.sums(p, &block),
+            );
+            sums.extend(of_block.map(|sum| -sum / std::f64::consts::TAU));
         }
         sums.truncate(targets.len());
         sums
     }
 
-    /// The sums over all sources. With AVX2 the same operations in the same order are faster; the bits agree.
-    fn sums(&self, p: usize, targets: &Block) -> Lanes {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the only feature that the function is compiled for.
-            return unsafe { self.sums_avx2(p, targets) };
-        }
-        self.sums_of(p, targets)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn sums_avx2(&self, p: usize, targets: &Block) -> Lanes {
-        self.sums_of(p, targets)
-    }
-
+    /// The sums over all sources.
     #[inline(always)]
-    fn sums_of(&self, p: usize, targets: &Block) -> Lanes {
+    fn sums(&self, p: usize, targets: &Block) -> Lanes {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed() { (p + 1) % many } else { (p + many - 1) % many };
