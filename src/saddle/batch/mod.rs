@@ -1,9 +1,10 @@
 //! Many runs of the saddle-point methods on one grid at once, one per vector lane, each as if it were alone.
 //!
 //! A sweep waits at each node for its western neighbour, and all runs wait alike: eight of them
-//! side by side cost less than three one after the other. A run's stopping rule is first tried at the node
-//! that broke it last; all nodes are tried only when that one no longer does. Iterates and counts are those
-//! of [`solve`](crate::saddle::solve) to the last bit, unless another arithmetic is asked for.
+//! side by side cost less than three one after the other, and rows in pairs shorten the wait. A run's
+//! stopping rule is first tried at the node that broke it last; all nodes are tried only when that one no
+//! longer does. Iterates and counts are those of [`solve`](crate::saddle::solve) to the last bit, unless
+//! another arithmetic is asked for.
 
 mod arithmetic;
 mod lanes;
