@@ -4,14 +4,12 @@ use std::ops::Range;
 
 use super::buffers::Buffers;
 use super::layout::{At, Dimension, boundary_before, slab};
-use super::rows::{Colour, Rows};
+use super::rows::{Colour, MIN_PLACES, Rows};
 use super::stencil::{Boundary, edges};
 use super::transfer::{Weighting, slab_residual};
 
 /// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;
-/// Places of one colour per block at least: less takes no longer than waking a thread.
-pub(super) const MIN_PLACES: usize = 1 << 13;
 
 /// How many blocks a pass over `n + 1` slabs is cut into.
 pub(super) fn blocks<D: Dimension>(n: usize) -> usize {

@@ -11,11 +11,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::blocks::{Block, Cuts, MIN_PLACES, Target, blocks};
+use super::blocks::{Block, Cuts, Target, blocks};
 use super::buffers::Sums;
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
-use super::rows::{self, Colour, worse};
+use super::rows::{self, Colour, MIN_PLACES, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
 use super::transfer::{Weighting, restrict_load, slab_residual};
 use crate::discrete::simd::vectorised;

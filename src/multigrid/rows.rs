@@ -41,11 +41,8 @@ pub(super) fn stride(n: usize) -> usize {
     (n / 2 + LINE) / LINE * LINE
 }
 
-/// Rows per task at least in loops over all rows: fewer take no longer than waking a thread.
-fn min_rows(n: usize) -> usize {
-    (1_usize << 14).div_ceil(n + 1)
-}
-
+/// Places of one colour per task at least: fewer take no longer than waking a thread.
+pub(super) const MIN_PLACES: usize = 1 << 13;
 /// Numbers in a cache line.
 pub(super) const LINE: usize = 8;
 
@@ -93,7 +90,7 @@ pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) -> Vec<E
     let rows = red.par_chunks_exact_mut(stride).zip(black.par_chunks_exact_mut(stride));
     rows.zip(natural.par_chunks_exact(n + 1))
         .enumerate()
-        .with_min_len(min_rows(n))
+        .with_min_len(MIN_PLACES.div_ceil(stride))
         .map(|(j, ((red, black), source))| {
             let [long, short] = long_and_short(j, [red, black]);
             vectorised(
@@ -121,8 +118,11 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
     let stride = stride(n);
     assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
-    natural.par_chunks_exact_mut(n + 1).enumerate().with_min_len(min_rows(n)).for_each(
-        |(j, target)| {
+    natural
+        .par_chunks_exact_mut(n + 1)
+        .enumerate()
+        .with_min_len(MIN_PLACES.div_ceil(stride))
+        .for_each(|(j, target)| {
             let row = j * stride..(j + 1) * stride;
             let [red, black] = [&colours[0][row.clone()], &colours[1][row]];
             let [long, short] = long_and_short(j, [red, black]);
@@ -133,8 +133,7 @@ pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f
             if factor != 1.0 {
                 target.iter_mut().for_each(|value| *value *= factor);
             }
-        },
-    );
+        });
 }
 
 /// Orders what belongs to the red and the black part of row `j` by the kind of row: a *long* row of a

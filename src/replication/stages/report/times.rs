@@ -4,9 +4,8 @@ use crate::experiments::accuracy::Findings;
 use crate::experiments::targets::Target;
 use crate::experiments::{Range, exponent};
 use crate::timing::measure::{SOLVERS, TIMED};
-use crate::timing::recorded::{Goal, Reached, Scaling, Timings, to_discretisation};
+use crate::timing::recorded::{self, Goal, Reached, Scaling, Timings, to_discretisation};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// Recorded times, digested.
 #[derive(Clone, Debug, Serialize)]
@@ -199,24 +198,20 @@ impl Times {
 impl Spectral {
     /// Multigrid's error of the energy falls like the reciprocal of its unknowns, and its time grows with them.
     fn of(timings: &Timings) -> Option<Self> {
-        let times = timings.spectral.iter().filter(|line| line.error <= FAR).map(|line| {
-            let fastest = |line: &&Reached| line.seconds * line.error;
-            let multigrid = timings
-                .solver
-                .iter()
-                .filter(|other| other.solver == "multigrid" && other.problem == line.problem)
-                .min_by(|a, b| fastest(a).total_cmp(&fastest(b)))?;
-            Some((line, fastest(&multigrid) / FAR))
-        });
-        let mut best: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
-        for (line, multigrid) in times.flatten() {
-            let entry = best.entry(&line.problem).or_insert((line.seconds, multigrid));
-            entry.0 = entry.0.min(line.seconds);
-        }
+        let times = |lines: &[recorded::Spectral]| {
+            let reached = lines.iter().filter(|line| line.error <= FAR);
+            let spectral = reached.map(|line| line.seconds).reduce(f64::min)?;
+            let solver = timings.solver.iter().filter(|line| line.solver == "multigrid");
+            let multigrid = solver.filter(|line| line.problem == lines[0].problem);
+            let best = multigrid.map(|line| line.seconds * line.error).reduce(f64::min)?;
+            Some([spectral, best / FAR])
+        };
+        let problems = timings.spectral.chunk_by(|a, b| a.problem == b.problem);
+        let times: Vec<_> = problems.filter_map(times).collect();
         Some(Self {
             error: FAR,
-            milliseconds: Range::of(best.values().map(|(spectral, _)| 1e3 * spectral))?,
-            ratio: Range::of(best.values().map(|(spectral, multigrid)| multigrid / spectral))?,
+            milliseconds: Range::of(times.iter().map(|[spectral, _]| 1e3 * spectral))?,
+            ratio: Range::of(times.iter().map(|[spectral, multigrid]| multigrid / spectral))?,
         })
     }
 }
