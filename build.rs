@@ -1,4 +1,6 @@
 //! Hands the program its compiler's version, for certificates, and a digest of what it is built from.
+//!
+//! It also has the program linked at a fixed address where that is known to work.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -27,7 +29,7 @@ fn main() {
     add(version.as_bytes());
     for name in OPTIONS {
         add(name.as_bytes());
-        add(std::env::var(name).unwrap_or_default().as_bytes());
+        add(variable(name).as_bytes());
     }
     for source in SOURCES {
         println!("cargo::rerun-if-changed={source}");
@@ -37,6 +39,16 @@ fn main() {
         }
     }
     println!("cargo::rustc-env=SIGNORINI_PROGRAM={}", digest.finalize().to_hex());
+
+    // At a fixed address, the program starts without 260 000 relocations, and is smaller by their table.
+    if variable("CARGO_CFG_TARGET_OS") == "linux" && variable("CARGO_CFG_TARGET_ENV") == "gnu" {
+        println!("cargo::rustc-link-arg-bins=-no-pie");
+    }
+}
+
+/// What cargo says under this name.
+fn variable(name: &str) -> String {
+    std::env::var(name).unwrap_or_default()
 }
 
 /// The file itself, or all files below a folder, sorted by path.
