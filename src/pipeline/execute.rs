@@ -2,10 +2,11 @@
 
 use super::manifest::{Manifest, Reason, Verdict};
 use super::run::run;
-use super::store::Store;
+use super::store::{Hit, Store};
 use super::times::Times;
 use super::{Hashes, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
 use crate::pipeline::error::{Error, Result};
+use rayon::prelude::*;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use serde_json::json;
 use std::collections::{BTreeMap, VecDeque};
@@ -36,12 +37,9 @@ pub fn execute(
         states: plan.tasks().iter().map(|_| State::Waiting).collect(),
         summary: Summary::default(),
     };
-    let mut stale = VecDeque::new();
-    for k in 0..plan.tasks().len() {
-        stale.extend(walk.judge(k)?);
-    }
+    let stale = walk.judge()?;
     if !options.dry_run && !stale.is_empty() {
-        walk.run(stale)?;
+        walk.run(stale.into())?;
     }
     Ok(walk.finish())
 }
@@ -82,12 +80,37 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Looks a task up once all it needs is up to date; returns it if it has to run.
-    fn judge(&mut self, k: usize) -> Result<Option<Job>> {
-        let task = &self.plan.tasks()[k];
-        if self.waits_for(task).is_some() {
-            return Ok(None);
+    /// Looks up all tasks that wait for none any more; returns those that have to run.
+    fn judge(&mut self) -> Result<Vec<Job>> {
+        let mut jobs = Vec::new();
+        loop {
+            let waits = |k: &usize| matches!(self.states[*k], State::Waiting);
+            let is_ready = |k: &usize| self.waits_for(&self.plan.tasks()[*k]).is_none();
+            let ready: Vec<usize> = (0..self.states.len()).filter(waits).filter(is_ready).collect();
+            if ready.is_empty() {
+                return Ok(jobs);
+            }
+            // Side by side: to read and hash artifacts is most of a run with nothing to do.
+            let found: Vec<_> = ready.par_iter().map(|&k| self.look_up(k)).collect();
+            for (task, (inputs, found)) in ready.into_iter().zip(found) {
+                self.states[task] = match found {
+                    Ok(hit) => {
+                        self.summary.reverted |= hit.is_reverted();
+                        let write = hit.is_reverted() && !self.options.dry_run;
+                        State::Done(if write { self.store.renew(hit)? } else { hit.manifest })
+                    }
+                    Err(reason) => {
+                        jobs.push(Job { task, inputs });
+                        State::Stale(reason)
+                    }
+                };
+            }
         }
+    }
+
+    /// The inputs of a task, and its run with these if the cache has it.
+    fn look_up(&self, k: usize) -> (BTreeMap<String, String>, std::result::Result<Hit, Reason>) {
+        let task = &self.plan.tasks()[k];
         let start = Instant::now();
         let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs);
         let found = if self.options.force {
@@ -99,17 +122,7 @@ impl<'a> Walk<'a> {
             Ok(hit) => json!({ "verdict": "hit", "bytes": hit.bytes }),
             Err(reason) => json!({ "verdict": "miss", "reason": reason.to_string() }),
         });
-        let (state, job) = match found {
-            Ok(hit) => {
-                self.summary.reverted |= hit.is_reverted();
-                let write = hit.is_reverted() && !self.options.dry_run;
-                let manifest = if write { self.store.renew(hit)? } else { hit.manifest };
-                (State::Done(manifest), None)
-            }
-            Err(reason) => (State::Stale(reason), Some(Job { task: k, inputs })),
-        };
-        self.states[k] = state;
-        Ok(job)
+        (inputs, found)
     }
 
     /// The first task that this one needs and that is not up to date.
@@ -235,15 +248,12 @@ impl<'a> Walk<'a> {
                 }
             }
         }
-        // Also those for which it was the last thing missing at a remove: what turns out up to date
-        // frees what waits for it.
-        let mut jobs = Vec::new();
-        for k in done.job + 1..self.states.len() {
-            if matches!(self.states[k], State::Waiting) {
-                jobs.extend(self.judge(k)?);
-                if matches!(self.states[k], State::Done(_)) {
-                    self.progress.skip(&self.plan.tasks()[k].id);
-                }
+        let is_waiting = |k: &usize| matches!(self.states[*k], State::Waiting);
+        let waited: Vec<usize> = (0..self.states.len()).filter(is_waiting).collect();
+        let jobs = self.judge()?;
+        for k in waited {
+            if matches!(self.states[k], State::Done(_)) {
+                self.progress.skip(&self.plan.tasks()[k].id);
             }
         }
         Ok(jobs)

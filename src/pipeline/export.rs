@@ -1,8 +1,9 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{is_plain, leftovers, read_if_there, write_atomically};
-use super::{Hashes, Lock, Manifest, Plan, Store, hash};
+use super::files::{Found, find, is_plain, leftovers, write_atomically};
+use super::{Hashes, Lock, Manifest, Plan, Store};
 use crate::pipeline::error::{Error, IoContext, Result};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -41,35 +42,28 @@ impl Exports {
         let on_record = |exports: &Self, path: &str, found: &str| {
             known.get(path).is_some_and(|hash| hash == found) || exports.written.knows(path, found)
         };
-        for task in plan.tasks() {
-            let (Some(folder), Some(manifest)) = (task.export, manifests.get(&task.id)) else {
+        let copies: Vec<Copy> = copies(plan, manifests).collect();
+        // Side by side: the usual run changes nothing, and this is most of its work.
+        let there = copies.par_iter().map(|copy| find(&project.join(&copy.path)));
+        let there: Vec<Option<Found>> = there.collect::<Result<_>>()?;
+        for (Copy { task, name, path, hash: wanted }, found) in copies.into_iter().zip(there) {
+            exports.files.insert(path.clone(), wanted.clone());
+            if found.as_ref().is_some_and(|found| found.hash == *wanted) {
                 continue;
+            }
+            let in_cache = |found: &str| {
+                let earlier = store.manifests(task);
+                earlier.iter().any(|then| then.outputs.get(name).is_some_and(|hash| hash == found))
             };
-            // Only read when something differs: the usual run changes nothing.
-            let mut earlier: Option<Vec<Manifest>> = None;
-            for (name, wanted) in &manifest.outputs {
-                let path = format!("{folder}/{name}");
-                exports.files.insert(path.clone(), wanted.clone());
-                let there = read_if_there(&project.join(&path))?;
-                let found = there.as_deref().map(hash);
-                if found.as_ref() == Some(wanted) {
-                    continue;
+            // An empty file holds nothing that could be lost.
+            match found.filter(|found| found.size > 0) {
+                Some(Found { hash, .. })
+                    if !force && !on_record(&exports, &path, &hash) && !in_cache(&hash) =>
+                {
+                    exports.edited.push(path);
                 }
-                let mut in_cache = |found: &String| {
-                    let earlier = earlier.get_or_insert_with(|| store.manifests(&task.id));
-                    earlier.iter().any(|then| then.outputs.get(name) == Some(found))
-                };
-                // An empty file holds nothing that could be lost.
-                let edited = found.filter(|_| there.is_some_and(|bytes| !bytes.is_empty()));
-                match edited {
-                    Some(found)
-                        if !force && !on_record(&exports, &path, &found) && !in_cache(&found) =>
-                    {
-                        exports.edited.push(path);
-                    }
-                    _ => {
-                        exports.write.insert(path, wanted.clone());
-                    }
+                _ => {
+                    exports.write.insert(path, wanted.clone());
                 }
             }
         }
@@ -77,8 +71,8 @@ impl Exports {
         if whole && manifests.len() == plan.tasks().len() {
             let old = known.keys().chain(exports.written.0.keys());
             for path in old.filter(|path| !exports.files.contains_key(*path) && is_plain(path)) {
-                let found = read_if_there(&project.join(path))?;
-                if found.is_some_and(|bytes| on_record(&exports, path, &hash(&bytes))) {
+                let found = find(&project.join(path))?;
+                if found.is_some_and(|found| on_record(&exports, path, &found.hash)) {
                     exports.remove.insert(path.clone());
                 }
             }
@@ -96,9 +90,8 @@ impl Exports {
 
     /// What killed runs left behind, if none is at work.
     pub fn leftovers(&self, project: &Path) -> Vec<PathBuf> {
-        let mut folders: BTreeSet<&str> =
-            self.files.keys().filter_map(|path| path.split('/').next()).collect();
-        folders.insert("pipeline");
+        let paths = self.files.keys().filter_map(|path| Path::new(path).parent());
+        let folders: BTreeSet<&Path> = paths.chain([Path::new("pipeline")]).collect();
         leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
@@ -145,6 +138,32 @@ impl Exports {
         }
         written.save(project)
     }
+}
+
+/// An artifact that the project folder is to have a copy of.
+struct Copy<'a> {
+    task: &'a str,
+    name: &'a str,
+    path: String,
+    hash: &'a String,
+}
+
+/// The copies of these manifests' artifacts, in the order of the plan.
+fn copies<'a>(
+    plan: &'a Plan,
+    manifests: &'a BTreeMap<String, Manifest>,
+) -> impl Iterator<Item = Copy<'a>> {
+    plan.tasks().iter().flat_map(|task| {
+        let made = task.export.zip(manifests.get(&task.id));
+        made.into_iter().flat_map(move |(folder, manifest)| {
+            manifest.outputs.iter().map(move |(name, hash)| Copy {
+                task: &task.id,
+                name,
+                path: format!("{folder}/{name}"),
+                hash,
+            })
+        })
+    })
 }
 
 /// Which bytes this copy of the project was given, by path and hash; not for other copies.

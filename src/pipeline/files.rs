@@ -15,7 +15,15 @@ const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io).
 pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    write_by_way_of(folder_of(path), path, bytes)
+}
+
+/// The same, with the temporary name in a folder that is there, on the same file system.
+///
+/// # Errors
+/// [`Error::Io`](super::error::Error::Io).
+pub(super) fn write_by_way_of(scratch: &Path, path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = folder_of(path);
     fs::create_dir_all(folder).context("create", folder)?;
     let write = || {
         let mut temporary = tempfile::Builder::new();
@@ -23,13 +31,17 @@ pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
         // As for any new file; temporary ones are private otherwise.
         #[cfg(unix)]
         temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = temporary.tempfile_in(folder)?;
+        let mut file = temporary.tempfile_in(scratch)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path)?;
         Ok(())
     };
     write().context("write", path)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 /// A new folder in this one, which goes when the value does; [`leftovers`] knows its name.
@@ -47,21 +59,13 @@ pub(super) fn is_temporary(name: &OsStr) -> bool {
     name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1])
 }
 
-/// The temporary files and folders in these folders and below, as far as they can be read.
+/// The temporary files and folders in these folders, as far as they can be read.
 ///
 /// If no run is at work, killed ones left them.
 pub(super) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
-    let (mut folders, mut found) = (Vec::from_iter(folders), Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            if is_temporary(&entry.file_name()) {
-                found.push(entry.path());
-            } else if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-                folders.push(entry.path());
-            }
-        }
-    }
-    found
+    let entries = folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
+    let temporary = entries.flatten().filter(|entry| is_temporary(&entry.file_name()));
+    temporary.map(|entry| entry.path()).collect()
 }
 
 /// Removes what [`leftovers`] found; only for whoever holds the lock.
@@ -77,11 +81,38 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
 /// # Errors
 /// Those of the system; what is neither file nor folder, such as a pipe, is refused: it may never end.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    refuse_endless(path)?;
+    fs::read(path)
+}
+
+fn refuse_endless(path: &Path) -> io::Result<()> {
     let kind = fs::metadata(path)?.file_type();
     if !kind.is_file() && !kind.is_dir() {
         return Err(io::Error::new(ErrorKind::Unsupported, "it is neither a file nor a folder"));
     }
-    fs::read(path)
+    Ok(())
+}
+
+/// Hash and size of a file's contents, which need not be held whole.
+pub(super) struct Found {
+    /// Hexadecimal blake3.
+    pub(super) hash: String,
+    /// Bytes.
+    pub(super) size: u64,
+}
+
+/// What is in a file that need not be there.
+///
+/// # Errors
+/// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
+pub(super) fn find(path: &Path) -> Result<Option<Found>> {
+    let hashed = || {
+        refuse_endless(path)?;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(fs::File::open(path)?)?;
+        Ok(Found { hash: hasher.finalize().to_hex().to_string(), size: hasher.count() })
+    };
+    if_there(path, hashed())
 }
 
 /// The contents of a file that need not be there.
@@ -89,7 +120,11 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
 pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
-    match read(path) {
+    if_there(path, read(path))
+}
+
+fn if_there<T>(path: &Path, found: io::Result<T>) -> Result<Option<T>> {
+    match found {
         Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         found => found.map(Some).context("read", path),
     }

@@ -24,11 +24,10 @@ pub struct Manifest {
 struct Sealed {
     schema: u8,
     seal: String,
-    #[serde(flatten)]
     manifest: Manifest,
 }
 
-const SCHEMA: u8 = 1;
+const SCHEMA: u8 = 2;
 
 impl Manifest {
     /// Text to store.

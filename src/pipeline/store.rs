@@ -1,6 +1,6 @@
 //! The cache on disk: artifacts by content under `objects/`, manifests by task under `tasks/`.
 
-use super::files::{leftovers, read_if_there, write_atomically};
+use super::files::{find, leftovers, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason, changes};
 use super::{Artifacts, Hashes, Lock, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
@@ -31,7 +31,7 @@ pub struct Hit {
     /// Its record.
     pub manifest: Manifest,
     /// Size of its artifacts.
-    pub(super) bytes: usize,
+    pub(super) bytes: u64,
     /// Latest generation of the task; higher if an edit was reverted.
     latest: u64,
 }
@@ -99,7 +99,7 @@ impl Store {
         if read_if_there(&path)?.is_some_and(|there| there == text.as_bytes()) {
             return Ok(());
         }
-        write_atomically(&path, text.as_bytes())
+        self.write(&path, text.as_bytes())
     }
 
     /// The file that is there once the task with this stamp is done.
@@ -109,12 +109,17 @@ impl Store {
 
     /// What killed runs left behind, if none is at work.
     pub fn leftovers(&self) -> Vec<PathBuf> {
-        leftovers([self.root.clone()])
+        leftovers([self.scratch().to_path_buf()])
     }
 
-    /// Where tasks may write temporary files.
+    /// Where all temporary files are, so that those of a killed run are found at a glance.
     pub(super) fn scratch(&self) -> &Path {
         &self.root
+    }
+
+    /// Writes a file of the cache, whole or not at all.
+    fn write(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+        write_by_way_of(self.scratch(), path, bytes)
     }
 
     /// All believable manifests of a task, latest first.
@@ -150,7 +155,10 @@ impl Store {
         };
         let mut bytes = 0;
         for (name, hash) in &same.outputs {
-            bytes += self.get(hash).ok_or_else(|| Reason::Damaged(name.clone()))?.len();
+            // Unreadable is as good as absent.
+            let there = find(&self.object(hash)).ok().flatten();
+            let intact = there.filter(|found| found.hash == *hash);
+            bytes += intact.ok_or_else(|| Reason::Damaged(name.clone()))?.size;
         }
         Ok(Hit { manifest: same.clone(), bytes, latest: latest.generation })
     }
@@ -163,7 +171,7 @@ impl Store {
         let Hit { mut manifest, latest, .. } = hit;
         let old = self.manifest_file(&manifest);
         manifest.generation = latest + 1;
-        write_atomically(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
+        self.write(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
         fs::remove_file(&old).context("remove", &old)?;
         Ok(manifest)
     }
@@ -204,7 +212,7 @@ impl Store {
         for (name, bytes) in artifacts {
             let hash = hash(bytes);
             if self.get(&hash).is_none() {
-                write_atomically(&self.object(&hash), bytes)?;
+                self.write(&self.object(&hash), bytes)?;
             }
             outputs.insert(name.clone(), hash);
         }
@@ -215,7 +223,7 @@ impl Store {
             _ => manifests.first().map_or(1, |latest| latest.generation + 1),
         };
         let manifest = Manifest { task: task.into(), generation, inputs, outputs };
-        write_atomically(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
+        self.write(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
         Ok(manifest)
     }
 

@@ -230,7 +230,7 @@ fn what_killed_runs_left_is_removed_by_the_next() {
     project.run(&["run"]).lines();
     let leftovers = [
         ".signorini/v1/.signorini-book01.tmp/src/page.md",
-        ".signorini/v1/objects/ab/.signorini-abcdef.tmp",
+        ".signorini/v1/.signorini-abcdef.tmp",
         "figures/.signorini-abcdef.tmp",
         "pipeline/.signorini-abcdef.tmp",
     ];

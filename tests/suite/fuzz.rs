@@ -222,7 +222,7 @@ fn random_bytes_in_the_cache_are_never_believed() {
         prop::collection::vec(any::<u8>(), 0..200),
         "[\\[{\"a:1,}\\]]{0,300}".prop_map(String::into_bytes),
         Just(vec![b'['; 100_000]),
-        Just(b"{\"schema\":1,\"seal\":\"\",\"task\":\"\",\"generation\":18446744073709551615,\"inputs\":{},\"outputs\":{}}".to_vec()),
+        Just(br#"{"schema":2,"seal":"","manifest":{"task":"","generation":18446744073709551615,"inputs":{},"outputs":{}}}"#.to_vec()),
     ];
     let mut runner = proptest::test_runner::TestRunner::new(config(promised(
         "Random bytes in the cache",
