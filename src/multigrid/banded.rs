@@ -3,7 +3,6 @@
 /// A symmetric positive definite matrix, first by its entries and then by its factor `L`, `A = L L'`.
 ///
 /// Row `k` holds the entries `(k, k - band ..= k)` of the lower triangle.
-#[derive(Default)]
 pub(super) struct Banded {
     size: usize,
     band: usize,
@@ -14,6 +13,11 @@ impl Banded {
     /// The zero matrix.
     pub(super) fn zeros(size: usize, band: usize) -> Self {
         Self { size, band, lower: vec![0.0; size * (band + 1)] }
+    }
+
+    /// Replaces all entries by those of another matrix of this size.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.lower.copy_from_slice(&other.lower);
     }
 
     fn place(&self, row: usize, column: usize) -> usize {
@@ -54,33 +58,39 @@ impl Banded {
     pub(super) fn factor(&mut self) {
         let (band, width) = (self.band, self.band + 1);
         for row in 0..self.size {
-            let first = row.saturating_sub(band);
-            for column in first..=row {
-                let from = first.max(column.saturating_sub(band));
-                let (mine, other) = (self.place(row, from), self.place(column, from));
-                let known: f64 =
-                    (0..column - from).map(|m| self.lower[mine + m] * self.lower[other + m]).sum();
-                let at = self.place(row, column);
-                let rest = self.lower[at] - known;
-                let pivot = self.lower[column * width + band];
-                self.lower[at] = if column < row { rest / pivot } else { rest.sqrt() };
+            let (above, rest) = self.lower.split_at_mut(row * width);
+            let (mine, pivot) = rest[..width].split_at_mut(band);
+            let first = band.saturating_sub(row);
+            for place in first..band {
+                // Row `row` begins so many columns after that of the entry's column.
+                let shift = band - place;
+                let other = &above[(row - shift) * width..][..width];
+                let known: f64 = mine[first..place]
+                    .iter()
+                    .zip(&other[first + shift..])
+                    .map(|(a, b)| a * b)
+                    .sum();
+                mine[place] = (mine[place] - known) / other[band];
             }
+            let known: f64 = mine[first..].iter().map(|l| l * l).sum();
+            pivot[0] = (pivot[0] - known).sqrt();
         }
     }
 
     /// Solves `L L' x = b`, where `x` comes in as `b`.
     pub(super) fn solve(&self, x: &mut [f64]) {
-        let (size, band, width) = (self.size, self.band, self.band + 1);
-        for row in 0..size {
+        let (band, width) = (self.band, self.band + 1);
+        for (row, entries) in self.lower.chunks_exact(width).enumerate() {
             let first = row.saturating_sub(band);
-            let mine = &self.lower[self.place(row, first)..row * width + band];
+            let mine = &entries[band + first - row..band];
             let known: f64 = mine.iter().zip(&x[first..row]).map(|(l, x)| l * x).sum();
-            x[row] = (x[row] - known) / self.lower[row * width + band];
+            x[row] = (x[row] - known) / entries[band];
         }
-        for row in (0..size).rev() {
-            let known: f64 = (row + 1..size.min(row + width))
-                .map(|m| self.lower[self.place(m, row)] * x[m])
-                .sum();
+        for row in (0..self.size).rev() {
+            // Down the column, one place nearer to the start of its row in each.
+            let column = self.lower[row * width + band..].iter().step_by(band.max(1));
+            let rest = &x[row + 1..self.size.min(row + width)];
+            let known: f64 = column.skip(1).zip(rest).map(|(l, x)| l * x).sum();
             x[row] = (x[row] - known) / self.lower[row * width + band];
         }
     }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::buffers::Buffers;
 use super::layout::{At, Dimension, boundary_before, slab};
-use super::rows::{Colour, MIN_PLACES, Rows};
-use super::stencil::{Boundary, edges};
-use super::transfer::{Weighting, slab_residual};
+use super::rows::{Colour, Largest, MIN_PLACES, Rows};
+use super::stencil::{Boundary, Row, edges};
+use super::transfer::Weighting;
 
 /// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;
@@ -104,14 +104,16 @@ pub(super) struct Block<'a> {
 }
 
 impl Block<'_> {
-    /// Residual and restriction of red slab `s`; `first` is the first slab that is restricted.
+    /// Residual and restriction of red slab `s`; `first` is the first slab that is restricted; `natural` takes in
+    /// the natural residuals.
     #[inline(always)]
     pub(super) fn restrict<D: Weighting>(
         &mut self,
         (n, s, first): (usize, usize, usize),
         boundary: Boundary,
         load: [&[f64]; 2],
-    ) -> f64 {
+        natural: &mut Largest,
+    ) {
         let slab = slab::<D>(n);
         let start = self.slabs.start;
         let [red, black] = &self.values;
@@ -127,12 +129,14 @@ impl Block<'_> {
         }
         let target = self.buffers.residuals(s);
         target.copy_from_slice(&red[own]);
-        let see = |number: usize, contact| in_contact[number - first_edge] = contact;
-        let (load, other) = (load[Colour::Red as usize], (&**black, start));
-        let natural = slab_residual::<D>((n, s), Colour::Red, boundary, load, other, target, see);
+        let mut see = |number: usize, contact| in_contact[number - first_edge] = contact;
+        for at in At::of_slab::<D>(n, s) {
+            let row = Row::new::<D>(at, Colour::Red, load[Colour::Red as usize], black, start);
+            let target = &mut target[at.in_slab()];
+            row.replace_by_residual::<D>(boundary, target, natural, &mut see);
+        }
         let [coarse_red, coarse_black] = &mut self.coarse_load;
         let coarse_load = (start.div_ceil(2), [&mut **coarse_red, &mut **coarse_black]);
         self.buffers.restrict::<D>((n, s, first), coarse_load);
-        natural
     }
 }

@@ -139,7 +139,7 @@ impl<G: Geometry> Multigrid<G> {
         let finest = self.levels.len() - 1;
         let top = &mut self.levels[finest];
         check_length(top.nodes, load)?;
-        let extents = rows::split(top.n, load, &mut top.load);
+        let extents = rows::split(top.n, load, &mut top.load, Extent::of);
         // Read in one order, written in the other.
         self.traffic += 16.0;
         let extent = Extent::join(&extents);
@@ -164,7 +164,7 @@ impl<G: Geometry> Multigrid<G> {
         if start.iter().any(|value| !(value / self.scale).is_finite()) {
             return Err(InputError::NotFinite("start"));
         }
-        rows::split(top.n, start, &mut top.values);
+        rows::split(top.n, start, &mut top.values, |_| ());
         rows::scale(&mut top.values, 1.0 / self.scale);
         Ok(())
     }

@@ -45,7 +45,7 @@ impl Extent {
     /// values, at the speed of the memory.
     #[inline(always)]
     pub(super) fn of(values: &[f64]) -> Self {
-        const LANES: usize = 4;
+        const LANES: usize = 8;
         let mut largest = [0.0_f64; LANES];
         let (mut sums, mut losses) = ([0.0; LANES], [0.0; LANES]);
         let (blocks, rest) = values.as_chunks::<{ 4 * LANES }>();
@@ -63,7 +63,7 @@ impl Extent {
             (sums[0], losses[0]) = two_sum(sums[0], losses[0], value);
         }
         let of_lane = |lane| Self { largest: largest[lane], sum: sums[lane], lost: losses[lane] };
-        Self::join(&[0, 1, 2, 3].map(of_lane))
+        Self::join(&[0, 1, 2, 3, 4, 5, 6, 7].map(of_lane))
     }
 
     pub(super) fn join(parts: &[Self]) -> Self {

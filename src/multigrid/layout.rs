@@ -81,6 +81,13 @@ impl At {
         colour.first_column(self.r + self.s) == 0
     }
 
+    /// Whether no node of the row but its ends lies on the boundary.
+    #[inline(always)]
+    pub(super) fn is_inner<D: Dimension>(self) -> bool {
+        let inner = |i: usize| 0 < i && i < self.n;
+        inner(self.s) && (D::AXES == 2 || inner(self.r))
+    }
+
     /// Part of the cells around the row that lies inside, across it.
     #[inline(always)]
     pub(super) fn share<D: Dimension>(self) -> f64 {
@@ -110,6 +117,6 @@ pub(super) fn boundary_number<D: Dimension>(n: usize, node: &[usize]) -> usize {
         [_, j, k] => At { n, r: j, s: k },
         _ => unreachable!("two or three axes"),
     };
-    let along = if at.share::<D>() < 1.0 { node[0] } else { usize::from(node[0] == n) };
+    let along = if at.is_inner::<D>() { usize::from(node[0] == n) } else { node[0] };
     at.first_boundary::<D>() + along
 }

@@ -2,7 +2,7 @@
 
 use super::buffers::Buffers;
 use super::layout::{Dimension, boundary_nodes, nodes, slab};
-use super::rows::{Rows, max_abs, stride, worse};
+use super::rows::{Largest, Rows, stride};
 
 /// Values and load on a grid with `n` cells per side.
 ///
@@ -60,30 +60,22 @@ impl Level {
             + self.in_contact.len()
     }
 
-    /// Colour and place of node `k` in natural order.
-    fn locate(&self, k: usize) -> (usize, usize) {
-        let (i, row) = (k % (self.n + 1), k / (self.n + 1));
-        ((i + row) & 1, row * stride(self.n) + i / 2)
-    }
-
     /// The value at node `k` in natural order.
     pub(super) fn value(&self, k: usize) -> f64 {
-        let (colour, at) = self.locate(k);
-        self.values[colour][at]
-    }
-
-    pub(super) fn set_value(&mut self, k: usize, value: f64) {
-        let (colour, at) = self.locate(k);
-        self.values[colour][at] = value;
-    }
-
-    pub(super) fn load_at(&self, k: usize) -> f64 {
-        let (colour, at) = self.locate(k);
-        self.load[colour][at]
+        let (colour, place) = locate(self.n, k);
+        self.values[colour][place]
     }
 
     /// The largest absolute value.
     pub(super) fn max_abs(&self) -> f64 {
-        self.values.iter().map(|half| max_abs(half)).fold(0.0, worse)
+        let mut largest = Largest::default();
+        self.values.iter().for_each(|half| largest.see(1.0, half));
+        largest.value()
     }
+}
+
+/// Colour and place of node `k` in natural order.
+pub(super) fn locate(n: usize, k: usize) -> (usize, usize) {
+    let (i, row) = (k % (n + 1), k / (n + 1));
+    ((i + row) & 1, row * stride(n) + i / 2)
 }

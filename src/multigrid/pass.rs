@@ -15,9 +15,9 @@ use super::blocks::{Block, Cuts, Target, blocks};
 use super::buffers::Sums;
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
-use super::rows::{self, Colour, MIN_PLACES, worse};
+use super::rows::{self, CHUNK, Colour, Largest, MIN_PLACES, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
-use super::transfer::{Weighting, restrict_load, slab_residual};
+use super::transfer::{Weighting, restrict_load};
 use crate::discrete::simd::vectorised;
 
 /// One step of a pass.
@@ -50,9 +50,6 @@ impl Stage {
     }
 }
 
-/// Places of one colour, at least, that a stage works on before the next one follows. All stages together stay in
-/// the cache, and what a stage prepares is prepared for several short rows.
-const CHUNK: usize = 1 << 11;
 /// Stages of the longest pass.
 const MAX_STAGES: usize = 6;
 
@@ -183,21 +180,29 @@ impl<D: Weighting> Walk<'_, D> {
         let stages = || self.stages.iter().zip(slabs).enumerate();
         let begin = stages().map(|(lag, (_, slabs))| slabs.start + lag).min();
         let end = stages().map(|(lag, (_, slabs))| slabs.end + lag).max();
+        // So few that all stages together stay in the cache.
         let chunk = CHUNK.div_ceil(slab::<D>(self.n));
-        let mut natural = 0.0;
+        let mut natural = Largest::default();
         for time in (begin.unwrap_or(0)..end.unwrap_or(0)).step_by(chunk) {
             for (lag, (stage, slabs)) in stages() {
                 let from = time.saturating_sub(lag).max(slabs.start);
                 let to = (time + chunk).saturating_sub(lag).min(slabs.end);
-                natural = worse(natural, self.step(block, *stage, from..to, slabs.start));
+                self.step(block, *stage, from..to, slabs.start, &mut natural);
             }
         }
-        natural
+        natural.value()
     }
 
-    /// One stage on some slabs; `first` is the first slab of this stage.
+    /// One stage on some slabs; `first` is the first slab of this stage, `natural` takes in natural residuals.
     #[inline(always)]
-    fn step(&self, block: &mut Block, stage: Stage, slabs: Range<usize>, first: usize) -> f64 {
+    fn step(
+        &self,
+        block: &mut Block,
+        stage: Stage,
+        slabs: Range<usize>,
+        first: usize,
+        natural: &mut Largest,
+    ) {
         let (n, slab, start) = (self.n, slab::<D>(self.n), block.slabs.start);
         let [red, black] = &mut block.values;
         match stage {
@@ -234,15 +239,11 @@ impl<D: Weighting> Walk<'_, D> {
                 }
             }
             Stage::Restrict => {
-                let mut natural = 0.0;
                 for s in slabs {
-                    let of_slab = block.restrict::<D>((n, s, first), self.boundary, self.load);
-                    natural = worse(natural, of_slab);
+                    block.restrict::<D>((n, s, first), self.boundary, self.load, natural);
                 }
-                return natural;
             }
         }
-        0.0
     }
 
     #[inline(always)]
@@ -263,15 +264,17 @@ impl<D: Weighting> Walk<'_, D> {
 pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
     let (n, slab) = (level.n, slab::<D>(level.n));
     let of_slab = |s: usize| {
-        let mut residual = vec![0.0; slab];
-        let mut of_colour = |colour: Colour| {
+        let (mut residual, mut natural) = (vec![0.0; slab], Largest::default());
+        for colour in [Colour::Red, Colour::Black] {
             let (own, other) = (colour as usize, &level.values[colour.other() as usize]);
             residual.copy_from_slice(&level.values[own][s * slab..(s + 1) * slab]);
-            let (boundary, load) = (Boundary::Obstacle, &level.load[own]);
-            let other = (&other[..], 0);
-            slab_residual::<D>((n, s), colour, boundary, load, other, &mut residual, |_, _| ())
-        };
-        worse(of_colour(Colour::Red), of_colour(Colour::Black))
+            for at in At::of_slab::<D>(n, s) {
+                let row = Row::new::<D>(at, colour, &level.load[own], other, 0);
+                let target = &mut residual[at.in_slab()];
+                row.replace_by_residual::<D>(Boundary::Obstacle, target, &mut natural, |_, _| ());
+            }
+        }
+        natural.value()
     };
     (0..n + 1)
         .into_par_iter()
@@ -283,21 +286,19 @@ pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
 /// Makes the load of the coarser grid by full weighting of that of the finer one.
 pub(super) fn weigh_load<D: Weighting>(fine: &Level, coarse: &mut Level) {
     let slab = slab::<D>(coarse.n);
-    let [red, black] = &mut coarse.load;
+    let slabs = CHUNK.div_ceil(slab);
+    let [red, black] = coarse.load.each_mut().map(|half| half.par_chunks_mut(slabs * slab));
     coarse.load_scale = red
-        .par_chunks_exact_mut(slab)
-        .zip(black.par_chunks_exact_mut(slab))
+        .zip(black)
         .enumerate()
-        .with_min_len(MIN_PLACES.div_ceil(slab))
-        .map_init(
-            || Sums::new(fine.n / 2),
-            |sums, (s, (red, black))| {
-                vectorised(
-                    #[inline(always)]
-                    || restrict_load::<D>(fine.n, &fine.load, s, [red, black], sums),
-                )
-            },
-        )
+        .with_min_len(MIN_PLACES.div_ceil(slabs * slab))
+        .map(|(chunk, (red, black))| {
+            let mut sums = Sums::new(coarse.n);
+            vectorised(
+                #[inline(always)]
+                || restrict_load::<D>(fine.n, &fine.load, chunk * slabs, [red, black], &mut sums),
+            )
+        })
         .reduce(|| 0.0, worse);
 }
 

@@ -4,7 +4,6 @@ use std::ops::{Deref, DerefMut};
 
 use rayon::prelude::*;
 
-use super::input::Extent;
 use crate::discrete::simd::vectorised;
 
 /// Nodes with an even sum of indices are red, the others black.
@@ -43,6 +42,9 @@ pub(super) fn stride(n: usize) -> usize {
 
 /// Places of one colour per task at least: fewer take no longer than waking a thread.
 pub(super) const MIN_PLACES: usize = 1 << 13;
+/// Places of one colour, at least, that a loop works on at a time: what it needs stays in the cache, and what it
+/// prepares is prepared for several short rows.
+pub(super) const CHUNK: usize = 1 << 11;
 /// Numbers in a cache line.
 pub(super) const LINE: usize = 8;
 
@@ -83,21 +85,30 @@ pub(super) fn of(colours: &[Rows; 2]) -> [&[f64]; 2] {
     [&colours[0], &colours[1]]
 }
 
-/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows; returns the extent of each.
-pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) -> Vec<Extent> {
-    let stride = stride(n);
-    let [red, black] = colours;
-    let rows = red.par_chunks_exact_mut(stride).zip(black.par_chunks_exact_mut(stride));
-    rows.zip(natural.par_chunks_exact(n + 1))
+/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows; returns what `see` finds
+/// in each piece of the field.
+pub(super) fn split<R: Send>(
+    n: usize,
+    natural: &[f64],
+    colours: &mut [Rows; 2],
+    see: impl Fn(&[f64]) -> R + Sync,
+) -> Vec<R> {
+    let (stride, rows) = (stride(n), CHUNK.div_ceil(stride(n)));
+    let [red, black] = colours.each_mut().map(|half| half.par_chunks_mut(rows * stride));
+    red.zip(black)
+        .zip(natural.par_chunks(rows * (n + 1)))
         .enumerate()
-        .with_min_len(MIN_PLACES.div_ceil(stride))
-        .map(|(j, ((red, black), source))| {
-            let [long, short] = long_and_short(j, [red, black]);
+        .with_min_len(MIN_PLACES / CHUNK)
+        .map(|(chunk, ((red, black), source))| {
             vectorised(
                 #[inline(always)]
                 || {
-                    deinterleave(source, long, short);
-                    Extent::of(source)
+                    let halves = red.chunks_exact_mut(stride).zip(black.chunks_exact_mut(stride));
+                    for (j, (halves, row)) in halves.zip(source.chunks_exact(n + 1)).enumerate() {
+                        let [long, short] = long_and_short(chunk * rows + j, halves.into());
+                        deinterleave(row, long, short);
+                    }
+                    see(source)
                 },
             )
         })
@@ -116,23 +127,28 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 
 /// The inverse of [`split`], each number times `factor`.
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
-    let stride = stride(n);
+    let (stride, rows) = (stride(n), CHUNK.div_ceil(stride(n)));
     assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
-    natural
-        .par_chunks_exact_mut(n + 1)
+    let [red, black] = colours.each_ref().map(|half| half.par_chunks(rows * stride));
+    red.zip(black)
+        .zip(natural.par_chunks_mut(rows * (n + 1)))
         .enumerate()
-        .with_min_len(MIN_PLACES.div_ceil(stride))
-        .for_each(|(j, target)| {
-            let row = j * stride..(j + 1) * stride;
-            let [red, black] = [&colours[0][row.clone()], &colours[1][row]];
-            let [long, short] = long_and_short(j, [red, black]);
+        .with_min_len(MIN_PLACES / CHUNK)
+        .for_each(|(chunk, ((red, black), target))| {
             vectorised(
                 #[inline(always)]
-                || interleave(long, short, target),
+                || {
+                    let halves = red.chunks_exact(stride).zip(black.chunks_exact(stride));
+                    for (j, (halves, row)) in halves.zip(target.chunks_exact_mut(n + 1)).enumerate()
+                    {
+                        let [long, short] = long_and_short(chunk * rows + j, halves.into());
+                        interleave(long, short, row);
+                    }
+                    if factor != 1.0 {
+                        target.iter_mut().for_each(|value| *value *= factor);
+                    }
+                },
             );
-            if factor != 1.0 {
-                target.iter_mut().for_each(|value| *value *= factor);
-            }
         });
 }
 
@@ -173,21 +189,45 @@ pub(super) fn worse(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// `max |x_i|`, NaN if a number is; independent lanes so that it vectorises.
-#[inline(always)]
-pub(super) fn max_abs(x: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let (mut largest, mut sums) = ([0.0_f64; LANES], [0.0; LANES]);
-    let (chunks, tail) = x.as_chunks::<LANES>();
-    for chunk in chunks {
-        for lane in 0..LANES {
-            let size = chunk[lane].abs();
-            largest[lane] = if size > largest[lane] { size } else { largest[lane] };
-            // A maximum forgets NaN, a sum does not.
-            sums[lane] += size;
+/// The largest absolute value of many rows, NaN if a number is; kept in independent lanes so that it vectorises.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Largest {
+    lanes: [f64; LINE],
+    /// A maximum forgets NaN, a sum does not.
+    sums: [f64; LINE],
+}
+
+impl Largest {
+    /// Takes `factor` times each number into account.
+    #[inline(always)]
+    pub(super) fn see(&mut self, factor: f64, x: &[f64]) {
+        let (chunks, rest) = x.as_chunks::<LINE>();
+        let (mut lanes, mut sums) = ([0.0_f64; LINE], [0.0; LINE]);
+        for chunk in chunks {
+            for lane in 0..LINE {
+                let size = (factor * chunk[lane]).abs();
+                lanes[lane] = if size > lanes[lane] { size } else { lanes[lane] };
+                sums[lane] += size;
+            }
         }
+        for lane in 0..LINE {
+            self.lanes[lane] =
+                if lanes[lane] > self.lanes[lane] { lanes[lane] } else { self.lanes[lane] };
+            self.sums[lane] += sums[lane];
+        }
+        rest.iter().enumerate().for_each(|(lane, value)| self.put(lane, factor * value));
     }
-    let lanes =
-        largest.into_iter().zip(sums).map(|(max, sum)| if sum.is_nan() { sum } else { max });
-    lanes.chain(tail.iter().map(|value| value.abs())).fold(0.0, worse)
+
+    #[inline(always)]
+    pub(super) fn put(&mut self, lane: usize, value: f64) {
+        let size = value.abs();
+        self.lanes[lane] = if size > self.lanes[lane] { size } else { self.lanes[lane] };
+        self.sums[lane] += size;
+    }
+
+    #[inline(always)]
+    pub(super) fn value(self) -> f64 {
+        let lanes = self.lanes.into_iter().zip(self.sums);
+        lanes.map(|(max, sum)| if sum.is_nan() { sum } else { max }).fold(0.0, worse)
+    }
 }

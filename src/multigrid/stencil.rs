@@ -1,7 +1,7 @@
 //! The five- or seven-point stencil on one row of one colour, and what the boundary does to it.
 
 use super::layout::{At, Dimension, mirrored, rows_per_slab};
-use super::rows::{Colour, max_abs, stride, worse};
+use super::rows::{Colour, Largest, stride};
 
 /// What holds on the boundary of a level.
 #[derive(Clone, Copy)]
@@ -87,11 +87,11 @@ pub(super) fn coupling<D: Dimension>(n: usize) -> f64 {
 pub(super) fn edges<D: Dimension>(at: At, colour: Colour) -> impl Iterator<Item = (usize, Edge)> {
     let (half, long, first) = (at.n / 2, at.is_long(colour), at.first_boundary::<D>());
     let across = at.share::<D>();
-    let (count, step, first, next) = match (across < 1.0, long) {
-        (true, true) => (half + 1, 1, first, 2),
-        (true, false) => (half, 1, first + 1, 2),
-        (false, true) => (2, half, first, 1),
-        (false, false) => (0, 0, first, 0),
+    let (count, step, first, next) = match (at.is_inner::<D>(), long) {
+        (true, true) => (2, half, first, 1),
+        (true, false) => (0, 0, first, 0),
+        (false, true) => (half + 1, 1, first, 2),
+        (false, false) => (half, 1, first + 1, 2),
     };
     (0..count).map(move |k| {
         let m = k * step;
@@ -105,7 +105,7 @@ pub(super) fn for_each_boundary_node<D: Dimension>(n: usize, mut visit: impl FnM
     let mut number = 0;
     for s in 0..=n {
         for at in At::of_slab::<D>(n, s) {
-            let step = if at.share::<D>() < 1.0 { 1 } else { n };
+            let step = if at.is_inner::<D>() { n } else { 1 };
             let row = s * rows_per_slab::<D>(n) + at.r;
             for i in (0..=n).step_by(step) {
                 visit(number, row * (n + 1) + i);
@@ -168,43 +168,42 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Replaces the values of the row by their residuals, zero where truncated; returns the largest
-    /// natural residual of an obstacle problem, in units of the load; `see` is told of each of its boundary nodes
+    /// Replaces the values of the row by their residuals, zero where truncated; `natural` takes in the natural
+    /// residuals of an obstacle problem, in units of the load, and `see` is told of each of its boundary nodes
     /// whether it is in contact.
     #[inline(always)]
     pub(super) fn replace_by_residual<D: Dimension>(
         self,
         boundary: Boundary,
         target: &mut [f64],
+        natural: &mut Largest,
         mut see: impl FnMut(usize, bool),
-    ) -> f64 {
+    ) {
         let coupling = coupling::<D>(self.at.n);
-        let mut largest = 0.0_f64;
         self.update::<D>(
             target,
             |value, sum| sum - diagonal::<D>() * value,
             |edge, value, sum| {
-                let (residual, natural, in_contact) =
+                let (residual, of_node, in_contact) =
                     boundary.residual::<D>(edge, coupling, value, sum);
-                largest = worse(largest, natural);
                 if let Boundary::Obstacle = boundary {
+                    natural.put(0, of_node);
                     see(edge.number, in_contact);
                 }
                 residual
             },
         );
         if let Boundary::Obstacle = boundary
-            && self.at.share::<D>() == 1.0
+            && self.at.is_inner::<D>()
         {
             // From the first place on, which is aligned, but without it if it lies on the boundary.
             let first = target[0];
             if self.at.is_long(self.colour) {
                 target[0] = 0.0;
             }
-            largest = worse(largest, coupling * max_abs(&target[..self.at.n / 2]));
+            natural.see(coupling, &target[..self.at.n / 2]);
             target[0] = first;
         }
-        largest
     }
 
     /// Replaces each `t` of `target` by `inner(t, sum)` inside and `edge(node, t, sum)` on the boundary,
@@ -217,7 +216,7 @@ impl<'a> Row<'a> {
         mut edge: impl FnMut(Edge, f64, f64) -> f64,
     ) {
         let Self { at, colour, load, along, before, across } = self;
-        let (half, inside) = (at.n / 2, at.share::<D>() == 1.0);
+        let (half, inside) = (at.n / 2, at.is_inner::<D>());
         // The whole row, aligned; a long one begins with a place that is none, and gets its ends again.
         let ends = [target[0], target[half]];
         if inside {

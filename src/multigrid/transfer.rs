@@ -6,8 +6,8 @@
 
 use super::buffers::{Buffers, Sums};
 use super::layout::{At, Dimension, mirrored, rows_per_slab, slab};
-use super::rows::{Colour, Rows, deinterleave, long_and_short, max_abs, stride, worse};
-use super::stencil::{Boundary, Row, coupling, edges};
+use super::rows::{Colour, Largest, Rows, deinterleave, long_and_short, stride};
+use super::stencil::{Boundary, coupling, edges};
 
 /// Full weighting of one slab: what differs between the square and the cube.
 pub trait Weighting: Dimension {
@@ -92,7 +92,7 @@ impl Buffers {
             let (target, weight) = (&mut black[at.in_slab()], factor * weight);
             // The whole row, aligned; the ends again.
             let ends = [target[0], target[n / 2]];
-            let inner = at.share::<D>() == 1.0;
+            let inner = at.is_inner::<D>();
             if inner {
                 sums.combine(&mut target[..n / 2], |value, sum| value + weight * sum);
             }
@@ -188,47 +188,30 @@ fn add(first: bool, sum: &mut [f64], other: &[f64], row: &[f64]) {
     }
 }
 
-/// The largest natural residual of one slab; leaves its residuals in `target`, which holds its values.
-#[inline(always)]
-pub(super) fn slab_residual<D: Dimension>(
-    (n, s): (usize, usize),
-    colour: Colour,
-    boundary: Boundary,
-    load: &[f64],
-    (other, first): (&[f64], usize),
-    target: &mut [f64],
-    mut see: impl FnMut(usize, bool),
-) -> f64 {
-    let mut largest = 0.0;
-    for at in At::of_slab::<D>(n, s) {
-        let row = Row::new::<D>(at, colour, load, other, first);
-        let natural = row.replace_by_residual::<D>(boundary, &mut target[at.in_slab()], &mut see);
-        largest = worse(largest, natural);
-    }
-    largest
-}
-
-/// One slab of the load of the coarser grid: full weighting of the load of the finer one. Returns its
-/// largest entry before the division by couplings.
+/// Slabs of the load of the coarser grid, from `first` on: full weighting of the load of the finer one. Returns
+/// the largest entry before the division by couplings.
 #[inline(always)]
 pub(super) fn restrict_load<D: Weighting>(
     n: usize,
     load: &[Rows; 2],
-    s: usize,
+    first: usize,
     [red, black]: [&mut [f64]; 2],
     sums: &mut Sums,
 ) -> f64 {
-    let (half, slab) = (n / 2, slab::<D>(n));
-    let mut largest = 0.0;
-    for at in At::of_slab::<D>(half, s) {
-        let of_slab = |colour: Colour, s: usize| &load[colour as usize][s * slab..(s + 1) * slab];
-        D::weigh_load(at, of_slab, sums);
-        let row = &sums.row;
-        let ends = 0.5 * worse(row[0].abs(), row[half].abs());
-        largest = worse(largest, at.share::<D>() * worse(max_abs(&row[1..half]), ends));
-        let halves = [&mut red[at.in_slab()], &mut black[at.in_slab()]];
-        let [long, short] = long_and_short(at.r + at.s, halves);
-        deinterleave(row, long, short);
+    let (half, slab, coarse) = (n / 2, slab::<D>(n), slab::<D>(n / 2));
+    let of_slab = |colour: Colour, s: usize| &load[colour as usize][s * slab..(s + 1) * slab];
+    let mut largest = Largest::default();
+    let slabs = red.chunks_exact_mut(coarse).zip(black.chunks_exact_mut(coarse));
+    for (s, (red, black)) in (first..).zip(slabs) {
+        for at in At::of_slab::<D>(half, s) {
+            D::weigh_load(at, of_slab, sums);
+            let (row, factor) = (&sums.row, coupling::<D>(half) * at.share::<D>());
+            largest.see(factor, &row[1..half]);
+            largest.see(0.5 * factor, &[row[0], row[half]]);
+            let halves = [&mut red[at.in_slab()], &mut black[at.in_slab()]];
+            let [long, short] = long_and_short(at.r + at.s, halves);
+            deinterleave(row, long, short);
+        }
     }
-    coupling::<D>(half) * largest
+    largest.value()
 }

@@ -29,8 +29,6 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::Square;
-use crate::multigrid::layout::boundary_number;
 use crate::multigrid::level::Level;
 
 /// Where the interval of contact ends beyond its last node: sqrt(2) / 4.
@@ -74,8 +72,11 @@ pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -
         let cells = level.n;
         let springs = springs(n, &around, &intervals, cells);
         for (p, spring) in springs.iter().enumerate() {
-            let inverse = if *spring < STIFFEST { 1.0 / (4.0 + *spring) } else { 0.0 };
-            level.inverse_diagonal[number(cells, p)] = inverse;
+            level.inverse_diagonal[number(cells, p)] = match *spring {
+                0.0 => 0.25,
+                spring if spring < STIFFEST => 1.0 / (4.0 + spring),
+                _ => 0.0,
+            };
         }
         work += springs.len() as f64;
     }
@@ -98,25 +99,27 @@ fn springs(n: usize, around: &[bool], intervals: &[Interval], cells: usize) -> V
 
 /// Number of the boundary node that is the `p`-th counter-clockwise from the corner (0, 0).
 fn number(n: usize, p: usize) -> usize {
-    let node = match (p / n, p % n) {
-        (0, k) => [k, 0],
-        (1, k) => [n, k],
-        (2, k) => [n - k, n],
-        (_, k) => [0, n - k],
-    };
-    boundary_number::<Square>(n, &node)
+    if p <= n {
+        p
+    } else if p < 2 * n {
+        2 * p - n
+    } else if p <= 3 * n {
+        6 * n - 1 - p
+    } else {
+        9 * n - 1 - 2 * p
+    }
 }
 
 /// Runs of nodes in contact; none if there is no free node between them.
 fn intervals(n: usize, in_contact: &[bool]) -> Vec<Interval> {
-    let nodes = in_contact.len();
     let Some(free) = in_contact.iter().position(|contact| !contact) else {
         return Vec::new();
     };
     let mut intervals = Vec::new();
     let mut first = None;
-    for p in free + 1..=free + nodes {
-        match (first, in_contact[p % nodes]) {
+    let onwards = in_contact[free + 1..].iter().chain(&in_contact[..=free]);
+    for (p, &contact) in (free + 1..).zip(onwards) {
+        match (first, contact) {
             (None, true) => first = Some(p),
             (Some(start), false) => {
                 intervals.push(Interval::of_nodes(n, start, p - 1));
@@ -190,7 +193,7 @@ struct Corners {
 fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
     let nodes = springs.len() as i64;
     let mut add = |node: f64, spring: f64| {
-        let p = (node.round() as i64).rem_euclid(nodes) as usize;
+        let p = (node as i64).rem_euclid(nodes) as usize;
         // Springs of the half-plane count twice in the mirrored stencil.
         springs[p] += 2.0 * spring;
     };
@@ -216,7 +219,7 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
         }
     };
     if first <= last {
-        for node in first.round() as i64..=last.round() as i64 {
+        for node in first as i64..=last as i64 {
             add(node as f64, f64::INFINITY);
         }
         add(first - 1.0, before);
