@@ -27,6 +27,7 @@ pub(super) struct Moments {
 
 impl Moments {
     /// Those of a constant f, from its integral.
+    #[inline(always)]
     pub(super) fn constant(mass: f64) -> Self {
         let twelfth = mass / 12.0;
         let square = mass * mass;
@@ -101,32 +102,18 @@ pub(super) struct CellRow {
 }
 
 impl CellRow {
-    /// From f on each cell but those that jumps cut, whose numbers and moments are given in order.
-    fn new(grid: Grid, values: &[f64], cut: Vec<(usize, Moments)>) -> Self {
-        let mut row = Self::default();
-        let add_constant = |runs: &mut Vec<_>, mut start: usize, end: usize| {
-            while start < end {
-                let value = values[start];
-                let same = |block: &[f64]| block.iter().fold(true, |same, &v| same & (v == value));
-                // By blocks, which is faster than cell by cell.
-                let mut stop = start;
-                while stop + BLOCK <= end && same(&values[stop..stop + BLOCK]) {
-                    stop += BLOCK;
-                }
-                stop += values[stop..end].iter().take_while(|&&v| v == value).count();
-                runs.push((stop, Data::Constant(value * grid.h() * grid.h())));
-                start = stop;
-            }
-        };
-        let mut start = 0;
-        for (k, (i, moments)) in cut.into_iter().enumerate() {
-            add_constant(&mut row.runs, start, i);
-            row.cut.push(moments);
-            row.runs.push((i + 1, Data::Cut(k)));
-            start = i + 1;
+    /// Adds cells where f is constant, up to `end`.
+    fn add_constant(&mut self, end: usize, mass: f64) {
+        match self.runs.last_mut() {
+            Some((last, Data::Constant(before))) if *before == mass => *last = end,
+            _ => self.runs.push((end, Data::Constant(mass))),
         }
-        add_constant(&mut row.runs, start, values.len());
-        row
+    }
+
+    /// Adds a cell that jumps cut.
+    fn add_cut(&mut self, i: usize, moments: Moments) {
+        self.runs.push((i + 1, Data::Cut(self.cut.len())));
+        self.cut.push(moments);
     }
 
     fn integral(&self) -> f64 {
@@ -160,9 +147,6 @@ impl CellRow {
     }
 }
 
-/// Cells compared at once.
-const BLOCK: usize = 16;
-
 /// f on all cells: held for constant pieces, which take little room, and integrated anew each time for
 /// smooth f.
 pub(super) struct AllCells<'a> {
@@ -179,11 +163,14 @@ impl<'a> AllCells<'a> {
         let mut all = Self { grid, f, rows: Vec::new(), integral: 0.0 };
         if let Source::Pieces { background, pieces } = f {
             let mut cells = Cells::new(grid, *background, pieces);
-            let mut values = vec![0.0; n];
+            let h2 = grid.h() * grid.h();
             for j in 0..n {
-                let mut cut = Vec::new();
-                cells.row(j, &mut values, |i, cell| cut.push((i, Moments::of_cut(grid, cell))));
-                all.rows.push(CellRow::new(grid, &values, cut));
+                let mut row = CellRow::default();
+                cells.runs(j, |run, shown| match shown {
+                    Ok(value) => row.add_constant(run.end, value * h2),
+                    Err(cell) => row.add_cut(run.start, Moments::of_cut(grid, cell)),
+                });
+                all.rows.push(row);
             }
         }
         all.integral = (0..n).map(|j| all.row(j).integral()).sum();
@@ -195,8 +182,9 @@ impl<'a> AllCells<'a> {
         if let Some(row) = self.rows.get(j) {
             return Cow::Borrowed(row);
         }
-        let cells = (0..self.grid.cells()).map(|i| (i, self.integrated(i, j))).collect();
-        Cow::Owned(CellRow::new(self.grid, &[], cells))
+        let mut row = CellRow::default();
+        (0..self.grid.cells()).for_each(|i| row.add_cut(i, self.integrated(i, j)));
+        Cow::Owned(row)
     }
 
     /// Moments over cell (i, j).
@@ -228,21 +216,20 @@ fn quadrature([p, q, r]: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
         .map(|([a, b, c], weight)| ([0, 1].map(|d| a * p[d] + b * q[d] + c * r[d]), area * weight))
 }
 
-/// The nodes around which f is not one constant, between a row of cells and the one above: inclusive
+/// Finds the nodes around which f is not one constant, between a row of cells and the one above: inclusive
 /// ranges of columns, from left to right.
-pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>) -> Vec<[usize; 2]> {
-    let runs = |row: Option<&CellRow>| row.map(|row| row.runs.clone()).unwrap_or_default();
-    let (below, above) = (runs(below), runs(above));
-    let mut seams: Vec<[usize; 2]> = Vec::new();
+pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>, seams: &mut Vec<[usize; 2]>) {
+    seams.clear();
+    let [mut below, mut above] = [below, above].map(|row| row.map_or(&[][..], |row| &row.runs));
     let mut add = |from: usize, to: usize| match seams.last_mut() {
         Some(last) if from <= last[1] + 1 => last[1] = last[1].max(to),
         _ => seams.push([from, to]),
     };
-    let (mut b, mut a, mut start, mut before) = (0, 0, 0, None);
+    let (mut start, mut before) = (0, None);
     loop {
-        let (lower, upper) = (below.get(b), above.get(a));
+        let (lower, upper) = (below.first(), above.first());
         let Some(end) = [lower, upper].into_iter().flatten().map(|run| run.0).min() else {
-            return seams;
+            return;
         };
         let uniform = match (lower.map(|run| run.1), upper.map(|run| run.1)) {
             (Some(Data::Constant(p)), Some(Data::Constant(q))) if p == q => Some(p),
@@ -256,7 +243,7 @@ pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>) -> Vec<[us
         }
         before = uniform;
         start = end;
-        b += usize::from(lower.is_some_and(|run| run.0 == end));
-        a += usize::from(upper.is_some_and(|run| run.0 == end));
+        below = &below[usize::from(lower.is_some_and(|run| run.0 == end))..];
+        above = &above[usize::from(upper.is_some_and(|run| run.0 == end))..];
     }
 }

@@ -90,7 +90,7 @@ impl NodeFluxes {
         for &[from, to] in &self.seams {
             self.around[from..=to].fill(Around::default());
         }
-        self.seams = seams(below, above);
+        seams(below, above, &mut self.seams);
         let n = self.around.len() - 1;
         let mass = |row: Option<&CellRow>, cell: Option<usize>, corner: usize| {
             let cell = cell.filter(|&cell| cell < n)?;
@@ -134,6 +134,7 @@ impl Around {
 }
 
 /// The fluxes through the edges of cell `i` between two rows of nodes: left, right, bottom, top.
+#[inline(always)]
 pub(super) fn through_edges(lower: &NodeFluxes, upper: &NodeFluxes, i: usize) -> [f64; 4] {
     let (lower, upper) = (&lower.around, &upper.around);
     [

@@ -1,5 +1,6 @@
 //! A bound of the flux that a residual takes: Poincaré's inequality on squares of all sizes.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// Sums of squares of a piecewise constant function, by the size of the squares on which it varies.
@@ -36,26 +37,25 @@ impl Pyramid {
 
     /// Adds the next row of cells, each times `h^2`; an empty one is zero.
     #[inline(always)]
-    pub(super) fn push(&mut self, row: Vec<f64>) {
-        let (mut row, mut l) = (row, 0);
-        while l + 1 < self.levels.len() {
-            let level = &mut self.levels[l];
+    pub(super) fn push(&mut self, row: &[f64]) {
+        let mut row = Cow::Borrowed(row);
+        let last = self.levels.len() - 1;
+        for level in &mut self.levels[..last] {
             let Some(lower) = level.waiting.take() else {
-                level.waiting = Some(row);
+                level.waiting = Some(row.into_owned());
                 return;
             };
             if lower.is_empty() && row.is_empty() {
-                l += 1;
                 continue;
             }
             let zeros = vec![0.0; if lower.is_empty() || row.is_empty() { level.side } else { 0 }];
             let below = if lower.is_empty() { &zeros } else { &lower };
-            let above = if row.is_empty() { &zeros } else { &row };
+            let above = if row.is_empty() { &zeros } else { &*row };
             let (sums, variance) = halved(below, above);
             level.variance += variance;
-            (row, l) = (sums, l + 1);
+            row = Cow::Owned(sums);
         }
-        for block in &row {
+        for block in &*row {
             self.top[0] += block;
             self.top[1] += block * block;
         }
@@ -77,10 +77,8 @@ impl Pyramid {
 fn halved(below: &[f64], above: &[f64]) -> (Vec<f64>, f64) {
     // Sums kept apart, so that they can be added to at once.
     const LANES: usize = 8;
-    let mut sums = vec![0.0; below.len() / 2];
     let mut variances = [0.0; LANES];
-    let blocks = below.chunks(2 * LANES).zip(above.chunks(2 * LANES));
-    for (sums, (below, above)) in sums.chunks_mut(LANES).zip(blocks) {
+    let mut halve = |sums: &mut [f64], below: &[f64], above: &[f64]| {
         for (k, (sum, variance)) in sums.iter_mut().zip(&mut variances).enumerate() {
             let [[a, b], [c, d]] = [below, above].map(|row| [row[2 * k], row[2 * k + 1]]);
             let (left, right) = (a + c, b + d);
@@ -89,6 +87,14 @@ fn halved(below: &[f64], above: &[f64]) -> (Vec<f64>, f64) {
             *variance += 0.5 * ((a - c) * (a - c) + (b - d) * (b - d))
                 + 0.25 * (left - right) * (left - right);
         }
+    };
+    let mut sums = vec![0.0; below.len() / 2];
+    let (whole, rest) = sums.as_chunks_mut::<LANES>();
+    let (below, below_rest) = below.as_chunks::<{ 2 * LANES }>();
+    let (above, above_rest) = above.as_chunks::<{ 2 * LANES }>();
+    for (sums, (below, above)) in whole.iter_mut().zip(below.iter().zip(above)) {
+        halve(sums, below, above);
     }
+    halve(rest, below_rest, above_rest);
     (sums, variances.iter().sum())
 }

@@ -1,9 +1,9 @@
-//! The sweep over the cells: one pass over the vector, row by row, with arrays of the length of a row.
+//! The sweep over the cells: one pass over the vector, row by row.
 
-use super::cells::{Strip, Sums};
+use super::cells::{Axis, LANES, Special, Sums, regular};
 use super::data::{AllCells, CellRow};
 use super::flux::{NodeFluxes, Reactions, through_edges};
-use super::recovery::{EdgeRow, NodeRow, admissible, union};
+use super::recovery::{Extended, admissible, values};
 use super::residual::Pyramid;
 use super::{NoBound, contact};
 use crate::discrete::contact::ContactArc;
@@ -11,6 +11,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::simd::vectorised;
 use crate::problem::source::Source;
 use std::borrow::Cow;
+use std::f64::consts::PI;
 
 /// The sums over all cells, and what the boundary adds.
 pub(super) struct Total {
@@ -52,18 +53,16 @@ const BLOCK: usize = 64;
 struct Walk<'a> {
     grid: Grid,
     data: &'a AllCells<'a>,
-    v: &'a [f64],
+    v: Extended<'a>,
     reactions: Reactions,
     /// Rows j to j + 2 of cells, where j is the row at which the walk stands.
     cells: [Cow<'a, CellRow>; 3],
     /// Fluxes around the nodes of rows j - 1 to j + 2.
     fluxes: [NodeFluxes; 4],
-    /// Rows j and j + 1 of nodes.
-    nodes: [NodeRow; 2],
-    /// The vertical edges between them.
-    edges: EdgeRow,
-    /// Differences over the vertical edges above.
-    above: Vec<f64>,
+    /// Cells of the row that need more than the regular formulas, as inclusive ranges.
+    special: Vec<[usize; 2]>,
+    /// The means of the residual in the row, times `h^2`, but for rounding errors.
+    means: Vec<f64>,
     pyramid: Pyramid,
     total: Total,
     /// The sums over the last rows, at most [`BLOCK`].
@@ -89,16 +88,15 @@ impl<'a> Walk<'a> {
         Self {
             grid,
             data,
-            v,
+            v: Extended::new(grid, v, &reactions),
             reactions,
             cells: [0; 3].map(|_| Cow::Owned(CellRow::default())),
             fluxes: [0; 4].map(|_| NodeFluxes::zero(n)),
-            nodes: [NodeRow::new(n), NodeRow::new(n)],
-            edges: EdgeRow::new(n),
-            above: vec![0.0; n + 1],
+            special: Vec::new(),
+            means: vec![0.0; n],
             pyramid: Pyramid::new(n),
             total: Total { sums, work: 0.0, residual: 0.0, largest: 0.0, mass: 0.0, contact },
-            block: Sums::default(),
+            block: sums,
             noise: 0.0,
             recovered,
         }
@@ -110,7 +108,7 @@ impl<'a> Walk<'a> {
         [self.cells[1], self.cells[2]] = [self.data.row(0), self.data.row(1)];
         self.fluxes[2].set(None, Some(&self.cells[1]));
         self.fluxes[3].set(Some(&self.cells[1]), Some(&self.cells[2]));
-        self.nodes_up_to(0);
+        self.total.largest = largest(self.v.row(0)).max(largest(self.v.row(1)));
         for j in 0..n {
             self.cells.rotate_left(1);
             if j + 2 < n {
@@ -119,169 +117,181 @@ impl<'a> Walk<'a> {
             self.fluxes.rotate_left(1);
             let row = |k: usize| (j + k < n).then(|| &*self.cells[k]);
             self.fluxes[3].set(row(1), row(2));
-            self.nodes_up_to(j + 1);
-            self.edges_of(j);
-            if let Some(recovered) = &mut self.recovered {
-                evaluate(&self.nodes, &self.edges, j, recovered);
-            }
-            let residuals = self.sum(j);
-            self.pyramid.push(residuals);
+            let ahead = largest(self.v.row(n.min(j + 2)));
+            self.total.largest = self.total.largest.max(ahead);
+            self.write_recovered(j);
+            self.sum(j);
             if (j + 1).is_multiple_of(BLOCK) || j + 1 == n {
                 self.total.sums.add(&std::mem::take(&mut self.block));
             }
         }
         let Self { total, pyramid, noise, .. } = &mut self;
-        // Inside regular cells the residual is bilinear: what it differs from its mean by has at most a
-        // twelfth of the squares at the corners, and Poincaré's constant h / pi.
-        let inside = (total.sums.residual / 12.0).sqrt();
-        total.residual =
-            pyramid.bound() + (inside + n as f64 * noise.sqrt()) / std::f64::consts::PI;
+        // Poincaré's constant is h / pi on cells and 1 / pi on the square.
+        let inside = (total.sums.variance.sqrt() + n as f64 * noise.sqrt()) / PI;
+        total.residual = pyramid.bound() + inside;
         self.total
     }
 
-    fn values(&self, j: usize) -> &'a [f64] {
-        let side = self.grid.side();
-        &self.v[j * side..(j + 1) * side]
-    }
-
-    /// Makes row `j` the upper one of the rows of nodes, with the fluxes around it in `fluxes[2]`.
+    /// Adds row `j` of cells to the sums, and their residuals to the pyramid.
     #[inline(always)]
-    fn nodes_up_to(&mut self, j: usize) {
+    fn sum(&mut self, j: usize) {
         let n = self.grid.cells();
-        let v = self.values(j);
-        self.nodes.swap(0, 1);
-        std::mem::swap(&mut self.edges.along, &mut self.above);
-        // Beyond the boundary: reflection, and twice the reaction.
-        if j == 0 {
-            let (inner, reactions) = (self.values(1), &self.reactions.bottom);
-            for (i, below) in self.edges.along.iter_mut().enumerate() {
-                *below = v[i] - inner[i] - 2.0 * reactions[i];
-            }
-        }
-        if j == n {
-            let (inner, reactions) = (self.values(n - 1), &self.reactions.top);
-            for (i, above) in self.above.iter_mut().enumerate() {
-                *above = inner[i] - v[i] + 2.0 * reactions[i];
-            }
-        } else {
-            let next = self.values(j + 1);
-            for (above, (next, here)) in self.above.iter_mut().zip(next.iter().zip(v)) {
-                *above = next - here;
-            }
-        }
-        let row = &mut self.nodes[1];
-        let ends = [self.reactions.left[j], self.reactions.right[j]];
-        row.set(v, &self.edges.along, &self.above, ends);
-        self.total.largest = self.total.largest.max(row.largest());
-        let [_, lower, here, upper] = &self.fluxes;
-        row.follow_seams([lower, here, upper], [j == 0, j == n]);
-        if j == 0 || j == n {
-            let reactions = if j == 0 { &self.reactions.bottom } else { &self.reactions.top };
-            for i in 0..n {
-                row.bubble[i] = admissible(row.bubble[i], v[i], v[i + 1]);
-                self.total.work += work(&v[i..], &reactions[i..], row.bubble[i]);
-            }
-        }
-    }
-
-    /// Completes the vertical edges of row `j` of cells.
-    #[inline(always)]
-    fn edges_of(&mut self, j: usize) {
-        let [lower, upper] = &self.nodes;
-        self.edges.set(&lower.across, &upper.across);
-        self.edges.follow_seams(&self.fluxes[1], &self.fluxes[2]);
-        let n = self.grid.cells();
-        for (i, reactions) in [(0, &self.reactions.left), (n, &self.reactions.right)] {
-            let (v, bubble) = ([lower.v[i], upper.v[i]], &mut self.edges.bubble[i]);
-            *bubble = admissible(*bubble, v[0], v[1]);
-            self.total.work += work(&v, &reactions[j..], *bubble);
-        }
-    }
-
-    /// Adds row `j` of cells; returns the residuals in it times `h^2`, nothing if they are zero.
-    #[inline(always)]
-    fn sum(&mut self, j: usize) -> Vec<f64> {
-        let n = self.grid.cells();
-        let strip = Strip { lower: &self.nodes[0], upper: &self.nodes[1], edges: &self.edges };
-        let cells = &self.cells[0];
-        let Total { mass: whole, largest, .. } = &mut self.total;
-        let sums = &mut self.block;
+        self.find_special(j);
         // Where a residual can only be a rounding error.
-        let floor = 16.0 * f64::EPSILON * *largest;
-        let (mut residuals, mut start) = (Vec::new(), 0);
-        for [from, to] in special(n, j, &self.fluxes).into_iter().chain([[n, n]]) {
+        let floor = 16.0 * f64::EPSILON * self.total.largest;
+        let (mut start, mut residual) = (0, false);
+        for k in 0..=self.special.len() {
+            let [from, to] = self.special.get(k).copied().unwrap_or([n, n]);
             while start < from {
-                let (end, mass) = cells.constant(start);
+                let (end, mass) = self.cells[0].constant(start);
                 let run = start..end.min(from);
-                let part = strip.regular(run.clone(), mass);
-                sums.add(&part);
-                *whole += mass.abs() * run.len() as f64;
-                if part.residual > 4.0 * run.len() as f64 * floor * floor {
-                    residuals.resize(n, 0.0);
-                    strip.residuals(run.clone(), mass, &mut residuals);
+                let row = |j: usize| self.v.row(j);
+                let rows = [row(j - 1), row(j), row(j + 1), row(j + 2)];
+                let part = regular(rows, run.clone(), mass, &mut self.means);
+                self.block.add(&part);
+                self.total.mass += mass.abs() * run.len() as f64;
+                if part.means > run.len() as f64 * floor * floor {
+                    residual = true;
                 } else {
-                    self.noise += 0.25 * part.residual;
+                    self.noise += part.means;
+                    self.means[run.clone()].fill(0.0);
                 }
                 start = run.end;
             }
             for i in from..n.min(to + 1) {
-                let flux = through_edges(&self.fluxes[1], &self.fluxes[2], i);
-                let moments = cells.at(i);
-                let outer = [i == 0, i == n - 1, j == 0, j == n - 1];
-                let (part, residual) = strip.special(i, &moments, flux, outer);
-                sums.add(&part);
-                *whole += moments.square.sqrt();
-                if residual.abs() > floor {
-                    residuals.resize(n, 0.0);
-                    residuals[i] = residual;
+                let mean = self.add_special(i, j);
+                if mean.abs() > floor {
+                    residual = true;
+                    self.means[i] = mean;
                 } else {
-                    self.noise += residual * residual;
+                    self.noise += mean * mean;
+                    self.means[i] = 0.0;
                 }
             }
             start = to + 1;
         }
-        residuals
+        self.pyramid.push(if residual { &self.means } else { &[] });
     }
-}
 
-/// The cells of row `j` that need more than the regular formulas, as inclusive ranges: those at the
-/// boundary, and those within two cells of a seam of f.
-fn special(n: usize, j: usize, fluxes: &[NodeFluxes; 4]) -> Vec<[usize; 2]> {
-    if j == 0 || j == n - 1 {
-        return vec![[0, n - 1]];
-    }
-    let seams = fluxes.iter().map(|row| &row.seams[..]);
-    union(n, seams.chain([&[[0, 0], [n, n]][..]]), [2, 1])
-}
-
-/// Writes what the recovery is at the nodes, the middles of edges and the centres of row `j` of cells to its
-/// rows of the grid of half the width.
-fn evaluate([lower, upper]: &[NodeRow; 2], edges: &EdgeRow, j: usize, out: &mut [f64]) {
-    let n = lower.bubble.len();
-    let side = 2 * n + 1;
-    let on_nodes = |row: &NodeRow, out: &mut [f64]| {
-        for i in 0..n {
-            out[2 * i] = row.v[i];
-            out[2 * i + 1] = 0.5 * (row.v[i] + row.v[i + 1]) - 0.25 * row.bubble[i];
+    /// Finds the cells of row `j` at the boundary, and those within two cells of a seam of f.
+    fn find_special(&mut self, j: usize) {
+        let n = self.grid.cells();
+        self.special.clear();
+        if j == 0 || j == n - 1 || n < LANES + 2 {
+            self.special.push([0, n - 1]);
+            return;
         }
-        out[2 * n] = row.v[n];
-    };
-    let out = &mut out[2 * j * side..(2 * j + 3) * side];
-    on_nodes(lower, &mut out[..side]);
-    on_nodes(upper, &mut out[2 * side..]);
-    let middle = &mut out[side..2 * side];
-    for i in 0..=n {
-        middle[2 * i] = 0.5 * (lower.v[i] + upper.v[i]) - 0.25 * edges.bubble[i];
+        self.special.extend([[0, 0], [n - 1, n - 1]]);
+        let seams = self.fluxes.iter().flat_map(|row| &row.seams);
+        self.special.extend(seams.map(|&[from, to]| [from.saturating_sub(2), (to + 1).min(n - 1)]));
+        self.special.sort_unstable();
+        self.special.dedup_by(|next, last| {
+            let joined = next[0] <= last[1] + 1;
+            if joined {
+                last[1] = last[1].max(next[1]);
+            }
+            joined
+        });
     }
-    for i in 0..n {
-        let corners = (lower.v[i] + lower.v[i + 1]) + (upper.v[i] + upper.v[i + 1]);
-        let bubbles = (lower.bubble[i] + upper.bubble[i]) + (edges.bubble[i] + edges.bubble[i + 1]);
-        middle[2 * i + 1] = 0.25 * corners - 0.125 * bubbles;
+
+    /// Adds cell (i, j), and what the reactions on its edges do, to the sums; returns the mean of the residual
+    /// times `h^2`.
+    fn add_special(&mut self, i: usize, j: usize) -> f64 {
+        let cell = self.cell(i, j);
+        let moments = self.cells[0].at(i);
+        let (part, mean) = cell.sums(&moments);
+        self.block.add(&part);
+        self.total.mass += moments.square.sqrt();
+        if cell.outer.contains(&true) {
+            let [ll, lr, ul, ur] = cell.corners;
+            let Reactions { left, right, bottom, top, .. } = &self.reactions;
+            let edges = [
+                ([ll, ul], &left[j..], cell.y.bubble[0]),
+                ([lr, ur], &right[j..], cell.y.bubble[1]),
+                ([ll, lr], &bottom[i..], cell.x.bubble[0]),
+                ([ul, ur], &top[i..], cell.x.bubble[1]),
+            ];
+            for ((v, reactions, bubble), outer) in edges.into_iter().zip(cell.outer) {
+                self.total.work += if outer { work(v, reactions, bubble) } else { 0.0 };
+            }
+        }
+        mean
     }
+
+    /// Cell (i, j) with its bubbles.
+    fn cell(&self, i: usize, j: usize) -> Special {
+        let n = self.grid.cells();
+        let [horizontal, vertical] = self.v.around(i, j);
+        let corners = [horizontal[0][1], horizontal[0][2], horizontal[1][1], horizontal[1][2]];
+        let (mut x, mut y) = (Axis::new(horizontal), Axis::new(vertical));
+        let mut flux = [0.0; 4];
+        if self.fluxes.iter().any(|row| !row.seams.is_empty()) {
+            flux = through_edges(&self.fluxes[1], &self.fluxes[2], i);
+            let [bent_x, bent_y] = self.bends(i, j);
+            [0, 1].into_iter().for_each(|k| x.bubble[k] += bent_x[k]);
+            [0, 1].into_iter().for_each(|k| y.bubble[k] += bent_y[k]);
+        }
+        let outer = [i == 0, i + 1 == n, j == 0, j + 1 == n];
+        let [ll, lr, ul, ur] = corners;
+        let edges = [(ll, ul), (lr, ur), (ll, lr), (ul, ur)];
+        let bubbles = y.bubble.iter_mut().chain(&mut x.bubble);
+        for ((bubble, (p, q)), outer) in bubbles.zip(edges).zip(outer) {
+            if outer {
+                *bubble = admissible(*bubble, p, q);
+            }
+        }
+        Special { corners, x, y, flux, outer }
+    }
+
+    /// What the fluxes that f needs add to the bubbles of cell (i, j) along both axes: half their change over the
+    /// cells at the edge, in the mean.
+    fn bends(&self, i: usize, j: usize) -> [[f64; 2]; 2] {
+        let n = self.grid.cells();
+        let changes = |i: usize, strip: usize| {
+            let [left, right, bottom, top] =
+                through_edges(&self.fluxes[strip], &self.fluxes[strip + 1], i);
+            [right - left, top - bottom]
+        };
+        let [x, y] = changes(i, 1);
+        // Beyond the boundary as here.
+        let below = if j > 0 { changes(i, 0)[0] } else { x };
+        let above = if j + 1 < n { changes(i, 2)[0] } else { x };
+        let left = if i > 0 { changes(i - 1, 1)[1] } else { y };
+        let right = if i + 1 < n { changes(i + 1, 1)[1] } else { y };
+        [[below, above].map(|near| 0.25 * (x + near)), [left, right].map(|near| 0.25 * (y + near))]
+    }
+
+    /// Writes what the recovery is on row `j` of cells to its rows of the grid of half the width.
+    fn write_recovered(&mut self, j: usize) {
+        let Some(out) = self.recovered.take() else { return };
+        let side = 2 * self.grid.cells() + 1;
+        for i in 0..self.grid.cells() {
+            for (k, values) in values(&self.cell(i, j)).iter().enumerate() {
+                let start = (2 * j + k) * side + 2 * i;
+                out[start..start + 3].copy_from_slice(values);
+            }
+        }
+        self.recovered = Some(out);
+    }
+}
+
+/// The largest |v|.
+#[inline(always)]
+fn largest(v: &[f64]) -> f64 {
+    const LANES: usize = 16;
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let (blocks, rest) = v.as_chunks::<LANES>();
+    let mut largest = [0.0; LANES];
+    for block in blocks {
+        for (largest, v) in largest.iter_mut().zip(block) {
+            *largest = larger(v.abs(), *largest);
+        }
+    }
+    rest.iter().map(|v| v.abs()).chain(largest).fold(0.0, larger)
 }
 
 /// The work of the reactions `a` at the ends of an edge on the function there, with values `v`.
-fn work(v: &[f64], a: &[f64], bubble: f64) -> f64 {
+fn work(v: [f64; 2], a: &[f64], bubble: f64) -> f64 {
     let linear = a[0] * (2.0 * v[0] + v[1]) + a[1] * (v[0] + 2.0 * v[1]);
     linear / 6.0 - bubble * (a[0] + a[1]) / 12.0
 }

@@ -23,6 +23,8 @@ pub struct Rows<'a, P, const N: usize> {
     pieces: &'a [(P, f64)],
     /// The pieces that reach into the row, in painting order.
     present: Vec<Present<P>>,
+    /// Where runs of cells end, sorted.
+    ends: Vec<usize>,
 }
 
 /// A piece in a row of cells.
@@ -35,18 +37,57 @@ struct Present<P> {
     covered: Range<usize>,
 }
 
-/// Marks a cell that a border crosses; no value of f is like it.
-const CUT: f64 = f64::NAN;
+/// What a row of cells shows next, from left to right.
+pub enum Run<'r, P> {
+    /// Cells on which f has one value.
+    Constant(Range<usize>, f64),
+    /// A cell that a border crosses: its place, the value where no piece is, and the pieces there, of which the
+    /// first wins, in the coordinates of the cell, which run from -1/2 to 1/2.
+    Cut(usize, f64, &'r mut dyn Iterator<Item = (P, f64)>),
+}
 
 impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
     /// The cells between these grid lines under `background` and `pieces`, of which the last wins.
     pub fn new(lines: Vec<f64>, background: f64, pieces: &'a [(P, f64)]) -> Self {
-        Self { lines, background, pieces, present: Vec::new() }
+        Self { lines, background, pieces, present: Vec::new(), ends: Vec::new() }
+    }
+
+    /// Shows f on a row of cells to `visit`, from left to right.
+    pub fn runs(&mut self, at: [usize; N], mut visit: impl FnMut(Run<'_, P>)) {
+        let n = self.lines.len() - 1;
+        self.find_present(at.map(|k| [self.lines[k], self.lines[k + 1]]));
+        let Self { lines, background, present, ends, .. } = self;
+        let ranges = present.iter().flat_map(|piece| [&piece.touched, &piece.covered]);
+        ends.clear();
+        ends.extend(ranges.flat_map(|range| [range.start, range.end]).chain([n]));
+        ends.sort_unstable();
+        let middle = |k: usize| 0.5 * (lines[k] + lines[k + 1]);
+        let mut start = 0;
+        for &end in ends.iter().filter(|&&end| end > 0) {
+            if start == end {
+                continue;
+            }
+            // What a piece covers hides all below it.
+            let lowest = present.iter().rposition(|piece| piece.covered.contains(&start));
+            let hidden = lowest.map_or(*background, |k| present[k].value);
+            let above = &present[lowest.map_or(0, |k| k + 1)..];
+            let here = above.iter().rev().filter(|piece| piece.touched.contains(&start));
+            if here.clone().next().is_none() {
+                visit(Run::Constant(start..end, hidden));
+            } else {
+                for i in start..end {
+                    let seen = |p: &Present<P>| {
+                        (p.shape.seen_from(middle(i), at.map(middle), 1.0 / n as f64), p.value)
+                    };
+                    visit(Run::Cut(i, hidden, &mut here.clone().map(seen)));
+                }
+            }
+            start = end;
+        }
     }
 
     /// Writes f on the cells of a row to `values`. A cell that a border crosses gets 0 and is shown to `cut`, from
-    /// left to right: its place, the value where no piece is, and the pieces there, of which the first wins, in
-    /// the coordinates of the cell, which run from -1/2 to 1/2.
+    /// left to right, as in [`Run::Cut`].
     ///
     /// # Panics
     /// If there is not one value per cell.
@@ -56,33 +97,14 @@ impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
         values: &mut [f64],
         mut cut: impl FnMut(usize, f64, &mut dyn Iterator<Item = (P, f64)>),
     ) {
-        let n = self.lines.len() - 1;
-        assert_eq!(values.len(), n);
-        self.find_present(at.map(|k| [self.lines[k], self.lines[k + 1]]));
-        values.fill(self.background);
-        for piece in &self.present {
-            values[piece.touched.clone()].fill(CUT);
-            values[piece.covered.clone()].fill(piece.value);
-        }
-        if self.present.iter().all(|piece| piece.touched == piece.covered) {
-            return;
-        }
-        let middle = |k: usize| 0.5 * (self.lines[k] + self.lines[k + 1]);
-        for (i, value) in values.iter_mut().enumerate() {
-            if !value.is_nan() {
-                continue;
+        assert_eq!(values.len(), self.lines.len() - 1);
+        self.runs(at, |run| match run {
+            Run::Constant(cells, value) => values[cells].fill(value),
+            Run::Cut(i, background, pieces) => {
+                values[i] = 0.0;
+                cut(i, background, pieces);
             }
-            *value = 0.0;
-            // What a piece covers hides all below it.
-            let lowest = self.present.iter().rposition(|piece| piece.covered.contains(&i));
-            let background = lowest.map_or(self.background, |k| self.present[k].value);
-            let above = &self.present[lowest.map_or(0, |k| k + 1)..];
-            let here = above.iter().rev().filter(|piece| piece.touched.contains(&i));
-            let seen = |p: &Present<P>| {
-                (p.shape.seen_from(middle(i), at.map(middle), 1.0 / n as f64), p.value)
-            };
-            cut(i, background, &mut here.map(seen));
-        }
+        });
     }
 
     fn find_present(&mut self, strip: [[f64; 2]; N]) {
@@ -136,6 +158,19 @@ impl<'a> Cells<'a> {
         rows.row([j], values, |i, background, pieces| {
             cell.set(background, pieces);
             cut(i, cell);
+        });
+    }
+
+    /// Shows f on the `j`-th row, from below, to `visit`: runs of cells with one value, and cut cells, which have no
+    /// value.
+    pub fn runs(&mut self, j: usize, mut visit: impl FnMut(Range<usize>, Result<f64, &mut Cut>)) {
+        let Self { rows, cut: cell } = self;
+        rows.runs([j], |run| match run {
+            Run::Constant(cells, value) => visit(cells, Ok(value)),
+            Run::Cut(i, background, pieces) => {
+                cell.set(background, pieces);
+                visit(i..i + 1, Err(cell));
+            }
         });
     }
 
