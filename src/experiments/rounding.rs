@@ -75,7 +75,7 @@ pub struct Row {
 }
 
 /// One count.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Iterations.
     pub count: usize,

@@ -30,6 +30,13 @@ pub struct Strips {
     pub truth: Vec<[f64; 2]>,
 }
 
+impl Strips {
+    /// Problem and grid, for people.
+    pub fn title(&self) -> String {
+        format!("Problem {}, h = 1/{}", self.number, self.cells)
+    }
+}
+
 /// The contact of one run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Strip {

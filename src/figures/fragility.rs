@@ -5,7 +5,8 @@ use super::palette::{INK, MUTED, RULE, WHITE, legible_on, viridis};
 use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
 use super::table::of_fragility;
 use super::text::power_of_ten;
-use super::{Caption, Drawing, FigureError, FragilityPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, finite, not_empty};
+use crate::experiments::rounding::{Cell, Table};
 use plotters::style::RGBColor;
 
 /// Width and height of a cell in display pixels.
@@ -33,38 +34,39 @@ const FORMATS: [(f64, &str); 2] =
 pub fn fragility(
     caption: Caption,
     sizes: &[f64],
-    panels: &[FragilityPanel],
+    tables: &[Table],
 ) -> Result<Drawing, FigureError> {
     not_empty("sizes", sizes)?;
     finite("scale", "sizes", sizes.iter().map(|size| decade(*size)))?;
     let mut wide = 0;
-    for panel in not_empty("panels", panels)? {
-        for row in not_empty("rows", &panel.cells)? {
-            let (got, want) = (row.len(), panel.columns.len());
+    for table in not_empty("panels", tables)? {
+        let panel = format!("Table {}", table.number);
+        for row in not_empty("rows", &table.rows)? {
+            let (got, want) = (row.cells.len(), table.grids.len());
             if got != want {
-                let panel = panel.title.clone();
                 return Err(FigureError::Length { panel, what: "counts", got, want });
             }
-            finite(&panel.title, "sizes", row.iter().filter_map(|(_, at)| at.map(decade)))?;
+            let sizes = row.cells.iter().filter_map(|cell| cell.flips_at.map(decade));
+            finite(&panel, "sizes", sizes)?;
         }
-        wide = wide.max(panel.columns.len());
+        wide = wide.max(table.grids.len());
     }
     let (least, most) = (decade(sizes[0]), decade(sizes[sizes.len() - 1]));
     let color = |size: f64| viridis((decade(size) - least) / (most - least).max(1.0));
-    let tall = panels.iter().map(|panel| panel.cells.len()).max().unwrap_or(0) as f64;
+    let tall = tables.iter().map(|table| table.rows.len()).max().unwrap_or(0) as f64;
     let panel_width = LEFT + CELL.0 * wide as f64 + 14.0;
-    let all = panel_width * panels.len() as f64;
+    let all = panel_width * tables.len() as f64;
     let width = all.max(2.0 * HALF + 40.0);
     let below = ABOVE + CELL.1 * tall;
     let mut picture = Picture::new(width, below + SCALE);
     picture.layer("", |pen| {
-        for (k, panel) in panels.iter().enumerate() {
+        for (k, table) in tables.iter().enumerate() {
             let left = 0.5 * (width - all) + panel_width * k as f64 + LEFT;
-            draw_panel(pen, panel, (left, ABOVE), color);
+            draw_panel(pen, table, (left, ABOVE), color);
         }
         draw_scale(pen, sizes, (0.5 * width, below + 50.0), color);
     })?;
-    Ok(picture.finish(caption, Some(of_fragility(panels))))
+    Ok(picture.finish(caption, Some(of_fragility(tables))))
 }
 
 fn decade(size: f64) -> f64 {
@@ -75,38 +77,36 @@ fn named(size: f64) -> String {
     power_of_ten(libm::round(decade(size)) as i32)
 }
 
-fn draw_panel(
-    pen: &mut Pen,
-    panel: &FragilityPanel,
-    (left, top): Place,
-    color: impl Fn(f64) -> RGBColor,
-) {
+fn draw_panel(pen: &mut Pen, table: &Table, (left, top): Place, color: impl Fn(f64) -> RGBColor) {
     let at = |i: usize, j: usize| (left + CELL.0 * i as f64, top + CELL.1 * j as f64);
-    let across = CELL.0 * panel.columns.len() as f64;
-    pen.text(&panel.title, (left + 0.5 * across, top - 42.0), Type::size(LARGE).bold());
-    for (i, name) in panel.columns.iter().enumerate() {
-        pen.text(name, (at(i, 0).0 + 0.5 * CELL.0, top - 14.0), Type::size(SMALL));
+    let (columns, rows) = (table.grids.len(), table.rows.len());
+    let title = (left + 0.5 * CELL.0 * columns as f64, top - 42.0);
+    pen.text(&format!("Table {}", table.number), title, Type::size(LARGE).bold());
+    for (i, cells) in table.grids.iter().enumerate() {
+        let place = (at(i, 0).0 + 0.5 * CELL.0, top - 14.0);
+        pen.text(&format!("h = 1/{cells}"), place, Type::size(SMALL));
     }
-    for (j, (name, row)) in panel.rows.iter().zip(&panel.cells).enumerate() {
-        pen.text(name, (left - 8.0, top + CELL.1 * (j as f64 + 0.5)), Type::size(SMALL).right());
-        for (i, (count, size)) in row.iter().enumerate() {
-            let ground = size.map_or(WHITE, &color);
+    for (j, row) in table.rows.iter().enumerate() {
+        let place = (left - 8.0, top + CELL.1 * (j as f64 + 0.5));
+        pen.text(&format!("r = {}", row.r), place, Type::size(SMALL).right());
+        for (i, Cell { count, flips_at, .. }) in row.cells.iter().enumerate() {
+            let ground = flips_at.map_or(WHITE, &color);
             pen.rect(at(i, j), at(i + 1, j + 1), ground);
             let ink = legible_on(ground);
             let (x, y) = at(i, j);
             let (x, y) = (x + 0.5 * CELL.0, y + 0.5 * CELL.1);
             pen.text(&count.to_string(), (x, y - 8.0), Type::size(NORMAL).bold().color(ink));
-            let text = size.map_or_else(|| "\u{2013}".into(), named);
+            let text = flips_at.map_or_else(|| "\u{2013}".into(), named);
             pen.text(&text, (x, y + 10.0), Type::size(SMALL).color(ink));
         }
     }
-    for j in 0..=panel.cells.len() {
-        pen.path([at(0, j), at(panel.columns.len(), j)], RULE, 0.75);
+    for j in 0..=rows {
+        pen.path([at(0, j), at(columns, j)], RULE, 0.75);
     }
-    for i in 0..=panel.columns.len() {
-        pen.path([at(i, 0), at(i, panel.cells.len())], RULE, 0.75);
+    for i in 0..=columns {
+        pen.path([at(i, 0), at(i, rows)], RULE, 0.75);
     }
-    pen.outline((left, top), at(panel.columns.len(), panel.cells.len()), INK, 1.0);
+    pen.outline((left, top), at(columns, rows), INK, 1.0);
 }
 
 /// The sizes in their colours, with the roundings of the usual formats marked above.

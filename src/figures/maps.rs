@@ -6,7 +6,7 @@ use super::panels::{Panels, title};
 use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
-use super::{Caption, Drawing, FMap, FigureError, finite, not_empty};
+use super::{Caption, Drawing, FigureError, finite, not_empty};
 use crate::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
@@ -22,24 +22,24 @@ const SIDE: f64 = 288.0;
 
 type Point = [f64; 2];
 
-/// Draws one map per panel, two in a row, with a colour bar common to all and symmetric about 0.
+/// Draws one map per f, below its title, two in a row, with a colour bar common to all and symmetric about 0.
 ///
 /// Pieces are painted as exact polygons in their order; each value is printed where its region is
 /// widest, if it fits. A smooth f is painted as a raster, without values.
 ///
 /// # Errors
 /// [`FigureError::Empty`] without panels, [`FigureError::NotFinite`] if a value of f is not finite.
-pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<Drawing, FigureError> {
+pub fn maps_of_f(caption: Caption, panels: &[(&str, &Source)]) -> Result<Drawing, FigureError> {
     not_empty("panels", panels)?;
     let mut limit = 0.0f64;
     let mut rasters = Vec::new();
-    for panel in panels {
-        let values = raster(panel.f);
-        finite(panel.title, "f", values.iter().copied())?;
+    for (title, f) in panels {
+        let values = raster(f);
+        finite(title, "f", values.iter().copied())?;
         // The raster may miss a piece thinner than its cells.
-        if let Source::Pieces { background, pieces } = panel.f {
+        if let Source::Pieces { background, pieces } = f {
             let values = pieces.iter().map(|(_, value)| *value);
-            finite(panel.title, "the pieces of f", values.chain([*background]))?;
+            finite(title, "the pieces of f", values.chain([*background]))?;
         }
         limit = values.iter().fold(limit, |limit, v| limit.max(v.abs()));
         rasters.push(values);
@@ -56,9 +56,10 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<Drawing, FigureErr
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
     picture.layer("", |pen| {
-        for (k, (panel, values)) in panels.iter().zip(&rasters).enumerate() {
+        for (k, ((text, f), values)) in panels.iter().zip(&rasters).enumerate() {
             let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
-            draw_panel(pen, panel, values, frame, limit);
+            title(pen, &frame, text);
+            draw_map(pen, f, values, frame, limit);
         }
         let middle = 0.5 * width + 10.0;
         let top = layout.foot_top() + 12.0;
@@ -76,10 +77,9 @@ pub fn maps_of_f(caption: Caption, panels: &[FMap]) -> Result<Drawing, FigureErr
 }
 
 /// Colours are those of values up to `limit`; `values` is the raster of f.
-fn draw_panel(pen: &mut Pen, panel: &FMap, values: &[f64], frame: Frame, limit: f64) {
+fn draw_map(pen: &mut Pen, f: &Source, values: &[f64], frame: Frame, limit: f64) {
     let color = |value: f64| diverging(value / limit);
-    title(pen, &frame, panel.title);
-    match panel.f {
+    match f {
         Source::Pieces { background, pieces } => {
             frame.band(pen, frame.x, color(*background));
             let polygons: Vec<_> = pieces
@@ -92,7 +92,7 @@ fn draw_panel(pen: &mut Pen, panel: &FMap, values: &[f64], frame: Frame, limit: 
                     pen.polygon(polygon.iter().map(place), color(*value));
                 }
             }
-            for run in polygons.iter().flat_map(|(p, _)| borders(panel.f, p)) {
+            for run in polygons.iter().flat_map(|(p, _)| borders(f, p)) {
                 pen.path(run.iter().map(place), INK, 1.0);
             }
             label_regions(pen, &frame, values, color);

@@ -32,7 +32,6 @@ pub use surface::surfaces;
 
 use crate::discrete::grid::Grid;
 use crate::identify::Slice;
-use crate::problem::source::Source;
 use crate::saddle::{Iteration, Pair};
 
 /// What a picture says about itself to readers who cannot see it.
@@ -51,15 +50,6 @@ pub struct Drawing {
     pub svg: String,
     /// CSV with a header line.
     pub table: Option<String>,
-}
-
-/// One panel of [`maps_of_f`].
-#[derive(Clone, Copy, Debug)]
-pub struct FMap<'a> {
-    /// Text above the panel.
-    pub title: &'a str,
-    /// The right-hand side.
-    pub f: &'a Source,
 }
 
 /// One panel of [`surfaces`].
@@ -123,33 +113,6 @@ pub struct IdentifiabilityPanel<'a> {
     pub others: Vec<[f64; 2]>,
 }
 
-/// One panel of [`fragility`].
-#[derive(Clone, Debug)]
-pub struct FragilityPanel {
-    /// Text above the panel.
-    pub title: String,
-    /// Names of the columns.
-    pub columns: Vec<String>,
-    /// Names of the rows.
-    pub rows: Vec<String>,
-    /// Row by row, each count with the least disturbance that changes it.
-    pub cells: Vec<Vec<(usize, Option<f64>)>>,
-}
-
-/// One panel of [`strips`].
-#[derive(Clone, Debug)]
-pub struct StripsPanel<'a> {
-    /// Text above the panel.
-    pub title: &'a str,
-    /// Cells per side of the grid.
-    pub cells: usize,
-    /// Name of each run, and after each of its iterations the runs of boundary nodes in contact: first,
-    /// and one past the last, anticlockwise from the lower left corner.
-    pub strips: Vec<(String, Vec<Vec<[usize; 2]>>)>,
-    /// The arcs in contact in the true solution: from and to along the boundary, in lengths of a side.
-    pub truth: &'a [[f64; 2]],
-}
-
 /// One panel of [`charts`], with logarithmic axes.
 #[derive(Clone, Debug)]
 pub struct Chart {
@@ -180,14 +143,30 @@ pub struct Curve {
 }
 
 impl Curve {
+    fn new(
+        label: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        stroke: Stroke,
+    ) -> Self {
+        Self { label: label.into(), points: points.into_iter().collect(), stroke }
+    }
+
     /// A curve with a ring at each point.
-    pub fn marked(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), points, stroke: Stroke::Marked }
+    pub fn marked(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(label, points, Stroke::Marked)
+    }
+
+    /// A line only.
+    pub fn line(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(label, points, Stroke::Line)
     }
 
     /// A curve to compare others with.
-    pub fn reference(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), points, stroke: Stroke::Reference }
+    pub fn reference(
+        label: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self::new(label, points, Stroke::Reference)
     }
 }
 

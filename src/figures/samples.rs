@@ -3,6 +3,8 @@
 use super::*;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
+use crate::experiments::rounding::{Cell, Row, Table};
+use crate::problem::source::Source;
 use crate::saddle::{Monitor, Pair, Params, solve_nested};
 use std::ops::ControlFlow;
 
@@ -39,7 +41,7 @@ fn solved(f: &str, r: f64, finest: usize) -> (Vec<Grid>, Vec<Vec<Iteration>>, Pa
 pub(super) fn all() -> Vec<(&'static str, String)> {
     let titles = ["a) problem 1", "b) problem 2"];
     let fs = SOURCES.map(|text| text.parse::<Source>().unwrap());
-    let maps: Vec<_> = titles.iter().zip(&fs).map(|(title, f)| FMap { title, f }).collect();
+    let maps: Vec<_> = titles.into_iter().zip(&fs).collect();
     let runs: Vec<Vec<_>> = SOURCES
         .iter()
         .map(|f| [1e6, 10.0, 5.0, 1.0, 0.5].map(|r| solved(f, r, 64)).into())
@@ -123,11 +125,8 @@ fn unusual_scenes() -> Vec<(String, String)> {
         "disc(0.1,0.1,0.3)=1; rect(-0.5,-0.2,-0.1,0.02)=-1.5; halfplane(1,1,-0.4)=2; else=-1";
     let texts = ["else=0", "exact(full-contact)", shapes];
     let fs = texts.map(|text| text.parse::<Source>().unwrap());
-    let maps: Vec<_> = texts
-        .iter()
-        .zip(&fs)
-        .map(|(title, f)| FMap { title: &title[..title.len().min(30)], f })
-        .collect();
+    let maps: Vec<_> =
+        texts.iter().zip(&fs).map(|(title, f)| (&title[..title.len().min(30)], f)).collect();
     figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap().svg));
     figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap().svg));
     let (grids, _, pair) = solved(SOURCES[0], 10.0, 8);
@@ -159,31 +158,28 @@ fn unusual_scenes() -> Vec<(String, String)> {
 /// Those of numbers.
 fn unusual_charts() -> Vec<(String, String)> {
     let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
-    let slope = vec![(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
-    let line = |label: &str, stroke| Curve { stroke, ..Curve::marked(label, falling[3..6].into()) };
+    let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
+    let few = || falling[3..6].iter().copied();
     let curves = vec![
         Curve::marked("multigrid", falling.clone()),
-        line("multigrid, again", Stroke::Marked),
-        line("maximum error", Stroke::Line),
-        Curve::marked("one", falling[..1].into()),
-        Curve::marked("none", Vec::new()),
+        Curve::marked("multigrid, again", few()),
+        Curve::line("maximum error", few()),
+        Curve::marked("one", few().take(1)),
+        Curve::marked("none", []),
         Curve::reference("order 2", slope),
     ];
     let panels = ["first", "second", "alone"]
         .map(|title| Chart::new(title, ["1/h", "error"], curves.clone()));
-    let names = |names: [&str; 3]| names.map(String::from);
-    let (columns, rows) = (names(["h = 1/4", "1/8", "1/16"]), names(["r = 10", "5", "0.5"]));
-    let cells = [-15.0, -6.0, -2.0]
-        .map(|k| vec![(1, None), (1234, Some(libm::pow(10.0, k))), (56, Some(1e-8))]);
-    let panel = FragilityPanel {
-        title: "one".into(),
-        columns: columns.into(),
-        rows: rows.into(),
-        cells: cells.into(),
+    let cells = |size: f64| {
+        let cell = |count, flips_at| Cell { count, flips_at, ..Cell::default() };
+        vec![cell(1, None), cell(1234, Some(size)), cell(56, Some(1e-8))]
     };
+    let row = |(r, size)| Row { r, cells: cells(size) };
+    let rows = [(10.0, 1e-15), (5.0, 1e-6), (0.5, 1e-2)].map(row).into();
+    let table = Table { number: 1, grids: vec![4, 8, 16], rows, changed: Vec::new() };
     let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
     vec![
-        ("fragility".into(), fragility(CAPTION, &sizes, &[panel.clone(), panel]).unwrap().svg),
+        ("fragility".into(), fragility(CAPTION, &sizes, &[table.clone(), table]).unwrap().svg),
         ("charts".into(), charts(CAPTION, 2, false, &panels).unwrap().svg),
         ("chart".into(), charts(CAPTION, 1, true, &panels[..1]).unwrap().svg),
     ]

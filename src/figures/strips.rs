@@ -5,7 +5,8 @@ use super::palette::{CONTACT, INK, MUTED, RULE};
 use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
 use super::table::of_strips;
 use super::text::Ticks;
-use super::{Caption, Drawing, FigureError, StripsPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, finite, not_empty};
+use crate::experiments::strips::{Strip, Strips};
 
 /// Width of the picture in display pixels.
 const WIDTH: f64 = 800.0;
@@ -30,10 +31,10 @@ const BELOW: f64 = 68.0;
 ///
 /// # Errors
 /// [`FigureError`] without panels or strips, or with ends that are not finite.
-pub fn strips(caption: Caption, panels: &[StripsPanel]) -> Result<Drawing, FigureError> {
+pub fn strips(caption: Caption, panels: &[Strips]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         not_empty("strips", &panel.strips)?;
-        finite(panel.title, "ends of contact", panel.truth.iter().flatten().copied())?;
+        finite(&panel.title(), "ends of contact", panel.truth.iter().flatten().copied())?;
     }
     let high = ABOVE + TALL + BELOW;
     let mut picture = Picture::new(WIDTH, high * panels.len() as f64 + 24.0);
@@ -51,18 +52,18 @@ pub fn strips(caption: Caption, panels: &[StripsPanel]) -> Result<Drawing, Figur
     Ok(picture.finish(caption, Some(of_strips(panels))))
 }
 
-fn draw_panel(pen: &mut Pen, panel: &StripsPanel, top: f64) {
-    pen.text(panel.title, (ACROSS.0, top + 18.0), Type::size(LARGE).bold().left());
+fn draw_panel(pen: &mut Pen, panel: &Strips, top: f64) {
+    pen.text(&panel.title(), (ACROSS.0, top + 18.0), Type::size(LARGE).bold().left());
     let count = panel.strips.len() as f64;
     let wide = (ACROSS.1 - ACROSS.0 - GAP * (count - 1.0)) / count;
-    let longest = panel.strips.iter().map(|(_, rows)| rows.len()).max().unwrap_or(0).max(1);
+    let longest = panel.strips.iter().map(|strip| strip.contact.len()).max().unwrap_or(0).max(1);
     let down = (top + ABOVE, top + ABOVE + TALL);
-    for (k, (label, rows)) in panel.strips.iter().enumerate() {
+    for (k, Strip { r, contact }) in panel.strips.iter().enumerate() {
         let left = ACROSS.0 + (wide + GAP) * k as f64;
         let frame =
             Frame { across: (left, left + wide), down, x: (0.0, 4.0), y: (longest as f64, 0.0) };
-        draw_strip(pen, panel, &frame, rows);
-        pen.text(label, (left + 0.5 * wide, down.0 - 12.0), Type::size(SMALL));
+        draw_strip(pen, panel, &frame, contact);
+        pen.text(&format!("r = {r}"), (left + 0.5 * wide, down.0 - 12.0), Type::size(SMALL));
         if k == 0 {
             frame.label_left(pen, Ticks::inside(0.0, longest as f64, 5).labelled());
         }
@@ -71,7 +72,7 @@ fn draw_panel(pen: &mut Pen, panel: &StripsPanel, top: f64) {
     pen.text("iteration", (14.0, middle), Type::size(NORMAL).upwards());
 }
 
-fn draw_strip(pen: &mut Pen, panel: &StripsPanel, frame: &Frame, rows: &[Vec<[usize; 2]>]) {
+fn draw_strip(pen: &mut Pen, panel: &Strips, frame: &Frame, rows: &[Vec<[usize; 2]>]) {
     let end = frame.up(rows.len() as f64);
     let at = |node: usize| frame.right(((node as f64 - 0.5) / panel.cells as f64).clamp(0.0, 4.0));
     let mut row = 0;
@@ -93,7 +94,7 @@ fn draw_strip(pen: &mut Pen, panel: &StripsPanel, frame: &Frame, rows: &[Vec<[us
     shown.verticals(pen, [1.0, 2.0, 3.0], RULE);
     shown.outline(pen);
     let bar = (frame.down.1 + BAR.1, frame.down.1 + BAR.1 + BAR.0);
-    for &[from, to] in panel.truth {
+    for &[from, to] in &panel.truth {
         let parts = if from < to { vec![(from, to)] } else { vec![(from, 4.0), (0.0, to)] };
         for (from, to) in parts {
             // At least as wide as one can see.

@@ -2,6 +2,7 @@
 
 use super::samples::{CAPTION, all, every, unusual};
 use super::*;
+use crate::problem::source::Source;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
 fn well_formed(svg: &str) {
@@ -128,7 +129,7 @@ fn bad_data_is_refused_with_its_place() {
     let torn = Slice { exact: vec![vec![3, 3]], ..slice(1.0) };
     assert!(matches!(map(&torn), Err(FigureError::Length { got: 2, want: 1, .. })));
     let f = Source::constant(f64::NAN);
-    assert!(maps_of_f(CAPTION, &[FMap { title: "t", f: &f }]).is_err());
+    assert!(maps_of_f(CAPTION, &[("t", &f)]).is_err());
 }
 
 #[test]

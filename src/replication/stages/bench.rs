@@ -3,11 +3,12 @@
 mod claims;
 mod stability;
 
-use super::{cost, figures, to_json};
+use super::figures::drawing;
+use super::{cost, to_json};
 use crate::experiments::problems::Problem;
-use crate::experiments::{self, accuracy, strips, truth};
-use crate::figures::{Caption, Drawing, StripsPanel};
-use crate::pipeline::error::Failure;
+use crate::experiments::rounding::{self, Rounding};
+use crate::experiments::{self, accuracy, stress, strips, truth};
+use crate::figures::{self, Caption, Drawing, FigureError};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
@@ -24,16 +25,18 @@ pub fn tasks(project: &Project) -> Vec<Task> {
     let named = |problem: &Problem| (format!("problem {}", problem.number), problem.f.clone());
     let truth = truth::Plan::new(problems.iter().map(named));
     let strips = strips::Plan { problems: problems.clone() };
+    let stress = stress::Plan::new(problems.clone());
+    let rounding = rounding::Plan::new(problems.clone());
     let plan = experiments::claims::Plan::new(problems);
-    let mut tasks = vec![
+    vec![
         task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
         task("cube", experiments::cube::Plan::default(), experiments::cube::cube),
         task("truth", truth, truth::truth),
         task("strips", strips, strips::strips),
-    ];
-    tasks.extend(stability::tasks(project));
-    tasks
+        task("stress", stress, stress::stress),
+        task("rounding", rounding, rounding::rounding),
+    ]
 }
 
 /// The problem of a scene as experiments take it, if it belongs to a published table.
@@ -49,115 +52,87 @@ pub fn problem(scene: &Scene) -> Option<Problem> {
     })
 }
 
-/// A picture of what experiments found.
-struct Picture {
-    /// Name of the file, without ending, and in the book.
-    name: &'static str,
-    /// Experiments it is drawn from.
-    experiments: &'static [&'static str],
-    /// Its title for readers who cannot see it.
-    title: &'static str,
-    draw: fn(&Inputs, Caption) -> Result<Drawing, Failure>,
+/// The tasks that draw the pictures of the chapters on experiments.
+pub fn pictures() -> Vec<Task> {
+    vec![
+        picture(
+            "accuracy",
+            "accuracy",
+            "Errors against the width of the grid, problems with known solutions",
+            cost::accuracy,
+        ),
+        picture(
+            "work",
+            "accuracy",
+            "Residual, error and cost of three methods in sweeps and visits of unknowns",
+            cost::work,
+        ),
+        picture(
+            "ends",
+            "truth",
+            "Error of the ends of contact and of the energy against the width of the grid",
+            cost::ends,
+        ),
+        picture(
+            "strips",
+            "strips",
+            "Contact along the boundary, iteration by iteration, for both problems and every r",
+            |caption, found: &Vec<strips::Strips>| figures::strips(caption, found),
+        ),
+        picture(
+            "sweep",
+            "claims",
+            "Iterations of both problems against the duality parameter, three ways of stopping",
+            claims::sweep,
+        ),
+        picture(
+            "uzawa",
+            "claims",
+            "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
+            claims::uzawa,
+        ),
+        picture(
+            "rounding",
+            "rounding",
+            "The least relative disturbance that changes each published count",
+            |caption, found: &Rounding| figures::fragility(caption, &found.sizes, &found.tables),
+        ),
+        picture(
+            "duality",
+            "stress",
+            "KKT residual and iterations of the paper's method over r",
+            stability::duality,
+        ),
+        picture(
+            "tolerances",
+            "stress",
+            "KKT residual reached against the tolerance asked for",
+            stability::tolerances,
+        ),
+        picture(
+            "deficits",
+            "stress",
+            "Work and contact as the integral of f tends to zero",
+            stability::deficits,
+        ),
+        picture(
+            "precision",
+            "stress",
+            "KKT residual that rounding leaves, over the grids",
+            stability::precision,
+        ),
+    ]
 }
 
-/// The pictures of the chapters on experiments.
-const PICTURES: &[Picture] = &[
-    Picture {
-        name: "accuracy",
-        experiments: &["accuracy"],
-        title: "Errors against the width of the grid, problems with known solutions",
-        draw: |inputs, caption| Ok(cost::accuracy(caption, &result(inputs, "accuracy")?)?),
-    },
-    Picture {
-        name: "work",
-        experiments: &["accuracy"],
-        title: "Residual, error and cost of three methods in sweeps and visits of unknowns",
-        draw: |inputs, caption| Ok(cost::work(caption, &result(inputs, "accuracy")?)?),
-    },
-    Picture {
-        name: "ends",
-        experiments: &["truth"],
-        title: "Error of the ends of contact and of the energy against the width of the grid",
-        draw: |inputs, caption| Ok(cost::ends(caption, &result(inputs, "truth")?)?),
-    },
-    Picture {
-        name: "strips",
-        experiments: &["strips"],
-        title: "Contact along the boundary, iteration by iteration, for both problems and every r",
-        draw: draw_strips,
-    },
-    Picture {
-        name: "sweep",
-        experiments: &["claims"],
-        title: "Iterations of both problems against the duality parameter, three ways of stopping",
-        draw: claims::sweep,
-    },
-    Picture {
-        name: "uzawa",
-        experiments: &["claims"],
-        title: "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
-        draw: claims::uzawa,
-    },
-    Picture {
-        name: "rounding",
-        experiments: &["rounding"],
-        title: "The least relative disturbance that changes each published count",
-        draw: stability::draw_rounding,
-    },
-    Picture {
-        name: "duality",
-        experiments: &["stress"],
-        title: "KKT residual and iterations of the paper's method over r",
-        draw: stability::draw_duality,
-    },
-    Picture {
-        name: "tolerances",
-        experiments: &["stress"],
-        title: "KKT residual reached against the tolerance asked for",
-        draw: stability::draw_tolerances,
-    },
-    Picture {
-        name: "deficits",
-        experiments: &["stress"],
-        title: "Work and contact as the integral of f tends to zero",
-        draw: stability::draw_deficits,
-    },
-    Picture {
-        name: "precision",
-        experiments: &["stress"],
-        title: "KKT residual that rounding leaves, over the grids",
-        draw: stability::draw_precision,
-    },
-];
-
-/// The contact of both problems, a strip for each r.
-fn draw_strips(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let found: Vec<strips::Strips> = result(inputs, "strips")?;
-    let titles: Vec<String> = found
-        .iter()
-        .map(|problem| format!("Problem {}, h = 1/{}", problem.number, problem.cells))
-        .collect();
-    let panels: Vec<_> = found
-        .iter()
-        .zip(&titles)
-        .map(|(problem, title)| {
-            let strips = problem.strips.iter().map(|s| (format!("r = {}", s.r), s.contact.clone()));
-            StripsPanel {
-                title,
-                cells: problem.cells,
-                strips: strips.collect(),
-                truth: &problem.truth,
-            }
-        })
-        .collect();
-    Ok(crate::figures::strips(caption, &panels)?)
-}
-
-/// The tasks that draw [`PICTURES`].
-pub fn pictures() -> impl Iterator<Item = Task> {
-    PICTURES.iter().map(|picture| {
-        let needs = picture.experiments.iter().map(|name| id(name)).collect();
-        figures::drawing(picture.name, picture.title.into(), needs, picture.draw)
+/// The task that draws what an experiment found; `title` is for readers who cannot see it.
+fn picture<T: DeserializeOwned + 'static>(
+    name: &str,
+    experiment: &'static str,
+    title: &str,
+    draw: fn(Caption, &T) -> Result<Drawing, FigureError>,
+) -> Task {
+    drawing(name, title.into(), vec![id(experiment)], move |inputs, caption| {
+        Ok(draw(caption, &result(inputs, experiment)?)?)
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::experiments::accuracy::{self, Findings};
 use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Run};
-use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, Stroke, charts};
+use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, charts};
 use crate::problem::exact::Exact;
 use crate::timing::measure::SOLVERS;
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
@@ -20,49 +20,36 @@ fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
         false => factor * scaled.fold(0.0, f64::max),
     };
     let at = |x: f64| (x, constant * libm::pow(x, power));
-    Curve::reference(label, vec![at(ends.0), at(ends.1)])
+    Curve::reference(label, [at(ends.0), at(ends.1)])
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
 pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, FigureError> {
-    type Norm = (
-        &'static str,
-        &'static str,
-        fn(&accuracy::Level) -> Option<f64>,
-        &'static [(&'static str, f64, f64)],
-    );
-    let norms: [Norm; 4] = [
-        ("v in L2", "error in L2", |level| level.errors.l2, &[("order 2", -2.0, 0.12)]),
-        ("v in H1", "error in H1", |level| Some(level.errors.h1), &[("order 1", -1.0, 0.25)]),
-        (
-            "v at the nodes",
-            "greatest error",
-            |level| Some(level.errors.max),
-            &[("order 2", -2.0, 0.12)],
-        ),
-        (
+    type Error = fn(&accuracy::Level) -> Option<f64>;
+    let panel = |title, y, error: Error, slopes: &[(&str, f64, f64)]| {
+        let point = |level: &accuracy::Level| Some((level.cost.cells as f64, error(level)?));
+        let known = found.problems.iter();
+        let mut lines: Vec<_> = known
+            .map(|known| Curve::marked(&known.name, known.levels.iter().filter_map(point)))
+            .collect();
+        let slopes = slopes.iter().map(|&(label, power, at)| slope(label, &lines, power, at));
+        let slopes: Vec<_> = slopes.collect();
+        lines.extend(slopes);
+        Chart::new(title, ["1/h", y], lines)
+    };
+    let two = &[("order 2", -2.0, 0.12)];
+    let both = &[("order 2", -2.0, 0.3), ("order 1", -1.0, 2.0)];
+    let panels = [
+        panel("v in L2", "error in L2", |level| level.errors.l2, two),
+        panel("v in H1", "error in H1", |level| Some(level.errors.h1), &[("order 1", -1.0, 0.25)]),
+        panel("v at the nodes", "greatest error", |level| Some(level.errors.max), two),
+        panel(
             "multiplier in L2",
             "error in L2 of the boundary",
             |level| Some(level.errors.multiplier_l2),
-            &[("order 2", -2.0, 0.3), ("order 1", -1.0, 2.0)],
+            both,
         ),
     ];
-    let panels = norms.map(|(title, y, pick, slopes)| {
-        let point = |level: &accuracy::Level| Some((level.cost.cells as f64, pick(level)?));
-        let mut lines: Vec<_> = found
-            .problems
-            .iter()
-            .map(|known| {
-                Curve::marked(&known.name, known.levels.iter().filter_map(point).collect())
-            })
-            .collect();
-        let references: Vec<_> = slopes
-            .iter()
-            .map(|(label, power, factor)| slope(label, &lines, *power, *factor))
-            .collect();
-        lines.extend(references);
-        Chart::new(title, ["1/h", y], lines)
-    });
     charts(caption, 2, false, &panels)
 }
 
@@ -71,10 +58,12 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, Figure
     let compared = &found.comparison;
     let trace = |column: usize| -> Vec<Curve> {
         let of = |run: &Run| {
-            let points = run.trace.iter().map(|point| (point[0], point[column])).collect();
+            let points = run.trace.iter().map(|point| (point[0], point[column]));
             // Rings at hundreds of checks would hide the line.
-            let stroke = if run.trace.len() > 40 { Stroke::Line } else { Stroke::Marked };
-            Curve { label: run.method.clone(), points, stroke }
+            match run.trace.len() > 40 {
+                true => Curve::line(&run.method, points),
+                false => Curve::marked(&run.method, points),
+            }
         };
         compared.runs.iter().map(of).collect()
     };
@@ -82,12 +71,9 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, Figure
     let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let ends = work.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
     let error = compared.discretisation;
-    errors.push(Curve::reference("discretisation error", vec![(ends.0, error), (ends.1, error)]));
-    let mut reached: Vec<_> = compared
-        .runs
-        .iter()
-        .map(|run| Curve::marked(&run.method, run.reached.iter().map(|a| (a.1, a.3)).collect()))
-        .collect();
+    errors.push(Curve::reference("discretisation error", [(ends.0, error), (ends.1, error)]));
+    let reached = |run: &Run| Curve::marked(&run.method, run.reached.iter().map(|a| (a.1, a.3)));
+    let mut reached: Vec<_> = compared.runs.iter().map(reached).collect();
     reached.push(slope("order 1", &reached[..1], -1.0, 0.15));
     let finest = |law: &&CostLaw| law.target < 1e-5;
     let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
@@ -123,7 +109,7 @@ fn law_line(law: &CostLaw) -> Curve {
     let f = if f.contains('=') { "problem 2" } else { f };
     let start = if law.nested { "nested" } else { "from zero" };
     let points = law.sweeps.iter().map(|&(n, s)| (n as f64, s as f64));
-    Curve::marked(format!("{f}, {start}"), points.collect())
+    Curve::marked(format!("{f}, {start}"), points)
 }
 
 /// A solver's name in words.
@@ -150,14 +136,14 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
             let lines = timings.multigrid.iter().filter(wanted);
             let points = lines.map(|line| per_unknown((line.cells, line.seconds)));
-            Curve::marked(label, points.collect())
+            Curve::marked(label, points)
         })
     };
     let problem = timings.solver.last().map(|line| &line.problem);
     let solvers = ["multigrid", "active-set", "arrow-hurwicz", "uzawa"].map(|solver| {
         let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        Curve::marked(in_words(solver), to_discretisation(&mine).map(per_unknown).collect())
+        Curve::marked(in_words(solver), to_discretisation(&mine).map(per_unknown))
     });
     let axes = ["unknowns", "nanoseconds per unknown"];
     let mut panels = vec![
@@ -188,7 +174,7 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
                 let mine = lines().filter(|line| line.solver == *solver && !stop(line));
                 curves.push(Curve::marked(in_words(solver), front(mine.map(point))));
             }
-            let published = lines().filter(stop).map(point).collect();
+            let published = lines().filter(stop).map(point);
             curves.push(Curve::marked("Arrow-Hurwicz, published stop", published));
             let formula = Exact::ALL.iter().any(|exact| exact.name() == problem);
             let error =
@@ -219,7 +205,7 @@ pub(super) fn ends(caption: Caption, found: &Truth) -> Result<Drawing, FigureErr
     let curves = |of: fn(&Level) -> Option<f64>| -> Vec<Curve> {
         let line = |elements: &Elements| {
             let points = elements.levels.iter().filter_map(|l| Some((l.cells as f64, of(l)?)));
-            Curve::marked(&elements.name, points.collect())
+            Curve::marked(&elements.name, points)
         };
         with_energy().map(line).filter(|curve| !curve.points.is_empty()).collect()
     };

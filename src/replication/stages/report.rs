@@ -5,14 +5,14 @@ mod chapters;
 mod search;
 mod times;
 
-use super::solutions::{self, Solution};
-use super::{artifact, figures, results, to_json};
+use super::{artifact, figures, results, solutions, to_json};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
-use crate::replication::project::{CommandHelp, Project};
+use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::report;
 use std::collections::BTreeMap;
+use std::mem::take;
 
 /// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
 /// what one of them does not ask for, they are left out of the book.
@@ -26,7 +26,7 @@ pub fn left_out(project: &Project) -> Option<String> {
     }
     problems.iter().find_map(|scene| {
         let rule = chapters::RULES.iter().find(|rule| !scene.stop.contains(rule));
-        let mut kinds = figures::KINDS.iter().map(|(kind, _)| *kind).chain([Output::Table]);
+        let mut kinds = figures::KINDS.iter().map(|kind| kind.output).chain([Output::Table]);
         let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
             .find(|kind| !scene.wants(*kind))
             .map(|kind| format!("\"{}\" to `outputs`", kind.name())))?;
@@ -49,28 +49,23 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
     let graph = Graph { nodes: earlier.iter().map(Node::of).chain([own]).collect() };
     // By hash: whoever asks what changed does not want to read it all, old and new.
     let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
-    let about = About { commands: project.commands, graph };
-    let work = move |inputs: &Inputs| match &left_out {
-        None => {
-            let solutions = solutions::all(inputs, &problems, &others)?;
-            let data = solutions.iter().flat_map(Solution::files).collect();
-            let names: Vec<_> = solutions.iter().map(|solution| &solution.file).collect();
-            book(inputs, data, |templates| {
-                let context = chapters::context(inputs, &problems, &others, &names, &about)?;
-                Ok(report::pages(templates, &context)?)
-            })
+    let commands = project.commands;
+    let work = move |inputs: &Inputs| {
+        if let Some(reason) = &left_out {
+            let stubs = |templates: &_| Ok(report::stubs(templates, reason));
+            return book(inputs, Artifacts::new(), stubs);
         }
-        Some(reason) => {
-            book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)))
-        }
+        let mut solutions = solutions::all(inputs, &problems, &others)?;
+        let data = solutions.iter_mut().flat_map(|solution| take(&mut solution.files)).collect();
+        book(inputs, data, |templates| {
+            let mut context = chapters::context(inputs, &problems, &others)?;
+            context.insert("solutions", &solutions);
+            context.insert("commands", &commands());
+            context.insert("mermaid", &graph.mermaid());
+            Ok(report::pages(templates, &context)?)
+        })
     };
     Task { files, export: Some("report"), ..Task::new("report/book", parameters, needs, work) }
-}
-
-/// What the book tells about the program and its run; of the program, the digest is an input anyway.
-struct About {
-    commands: fn() -> Vec<CommandHelp>,
-    graph: Graph,
 }
 
 /// The pages made of the templates, and the book made of the pages and of `data`, files by name.

@@ -1,18 +1,14 @@
 //! Pictures of the experiment on the paper's claims.
 
-use super::result;
 use crate::experiments::claims::{Cell, Claims, Count, Measure, Measured, VARIANTS};
-use crate::figures::{Caption, Chart, Curve, Drawing, Stroke, charts};
-use crate::pipeline::Inputs;
-use crate::pipeline::error::Failure;
+use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, charts};
 use crate::saddle::StopRule;
 
 type Points = Vec<(f64, f64)>;
 
 /// Iterations against r: a row of panels per measure, a column per problem, a curve per grid.
-pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let claims: Claims = result(inputs, "claims")?;
-    let (target, _) = *claims.targets.first().ok_or("no KKT residual was asked for")?;
+pub(super) fn sweep(caption: Caption, claims: &Claims) -> Result<Drawing, FigureError> {
+    let (target, _) = *claims.targets.first().ok_or(FigureError::Empty("KKT residual"))?;
     let shown = [
         (Measure::Rule(StopRule::Signed), "signed rule".to_owned()),
         (Measure::Rule(StopRule::Printed), "printed rule".to_owned()),
@@ -22,22 +18,19 @@ pub(super) fn sweep(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failur
     for (measure, name) in &shown {
         for problem in &claims.problems {
             let rows = problem.rows.iter().filter(|row| row.measure == *measure);
-            let curves = rows.map(|row| Curve {
-                label: format!("1/{}", row.cells),
-                points: reached(claims.r.iter().zip(row.counts.iter())),
-                stroke: Stroke::Line,
+            let curves = rows.map(|row| {
+                Curve::line(format!("1/{}", row.cells), reached(claims.r.iter().zip(&row.counts)))
             });
             let title = format!("Problem {}, {name}", problem.number);
             let axes = ["duality parameter r", "iterations"];
             panels.push(Chart::new(title, axes, curves.collect()));
         }
     }
-    Ok(charts(caption, claims.problems.len(), true, &panels)?)
+    charts(caption, claims.problems.len(), true, &panels)
 }
 
 /// Sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
-pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let claims: Claims = result(inputs, "claims")?;
+pub(super) fn uzawa(caption: Caption, claims: &Claims) -> Result<Drawing, FigureError> {
     let mut panels = Vec::new();
     for &(target, cells) in &claims.targets {
         for problem in &claims.problems {
@@ -50,7 +43,7 @@ pub(super) fn uzawa(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failur
             panels.push(Chart::new(title, ["duality parameter r", "sweeps"], curves));
         }
     }
-    Ok(charts(caption, claims.problems.len(), true, &panels)?)
+    charts(caption, claims.problems.len(), true, &panels)
 }
 
 /// A method over r on one grid; `variant` is a place in [`VARIANTS`], `None` stands for Arrow-Hurwicz.

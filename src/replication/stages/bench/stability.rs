@@ -1,43 +1,8 @@
-//! The experiments on stability and their pictures.
+//! Pictures of the experiment on stability.
 
-use super::{problem, result, task};
-use crate::experiments::rounding::{self, Rounding, rounding};
-use crate::experiments::stress::{self, Attained, Case, Series, Stress, stress};
+use crate::experiments::stress::{Attained, Case, Series, Stress};
 use crate::experiments::trial::Trial;
-use crate::figures::{Caption, Chart, Curve, Drawing, FragilityPanel, charts, fragility};
-use crate::pipeline::error::Failure;
-use crate::pipeline::{Inputs, Task};
-use crate::replication::project::Project;
-
-/// The tasks of both experiments: they start from the paper's problems.
-pub(super) fn tasks(project: &Project) -> Vec<Task> {
-    let mut tables: Vec<_> = project.problems().into_iter().filter_map(problem).collect();
-    tables.sort_by_key(|table| table.number);
-    vec![
-        task("stress", stress::Plan::new(tables.clone()), stress),
-        task("rounding", rounding::Plan::new(tables), rounding),
-    ]
-}
-
-/// The least disturbance that changes each count.
-pub(super) fn draw_rounding(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let found: Rounding = result(inputs, "rounding")?;
-    let panels: Vec<_> = found
-        .tables
-        .iter()
-        .map(|table| FragilityPanel {
-            title: format!("Table {}", table.number),
-            columns: table.grids.iter().map(|cells| format!("h = 1/{cells}")).collect(),
-            rows: table.rows.iter().map(|row| format!("r = {}", row.r)).collect(),
-            cells: table
-                .rows
-                .iter()
-                .map(|row| row.cells.iter().map(|cell| (cell.count, cell.flips_at)).collect())
-                .collect(),
-        })
-        .collect();
-    Ok(fragility(caption, &found.sizes, &panels)?)
-}
+use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, charts};
 
 /// A curve with a ring at each case in which the method ran and the value is positive.
 fn marked(
@@ -50,7 +15,7 @@ fn marked(
         let value = value(case.trials.get(method)?).filter(|value| *value > 0.0)?;
         Some((case.x, value))
     };
-    Curve::marked(label, cases.iter().filter_map(of).collect())
+    Curve::marked(label, cases.iter().filter_map(of))
 }
 
 fn steps(trial: &Trial) -> Option<f64> {
@@ -58,8 +23,7 @@ fn steps(trial: &Trial) -> Option<f64> {
 }
 
 /// The paper's method over the duality parameter.
-pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let found: Stress = result(inputs, "stress")?;
+pub(super) fn duality(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
     let curves = |value: fn(&Trial) -> Option<f64>| {
         let of_problem = |(name, cases): (String, &Series<f64>)| {
             let label = |rule: &str| format!("{rule} rule, {name}");
@@ -70,19 +34,17 @@ pub(super) fn draw_duality(inputs: &Inputs, caption: Caption) -> Result<Drawing,
     let mut residual = curves(|trial| trial.kkt);
     let ends = found.duality.first().and_then(|cases| Some((cases.first()?.x, cases.last()?.x)));
     if let Some((low, high)) = ends {
-        let line = vec![(low, 1.0), (high, 1.0)];
-        residual.push(Curve::reference("as large as the load", line));
+        residual.push(Curve::reference("as large as the load", [(low, 1.0), (high, 1.0)]));
     }
     let parts = [
         Chart::new("Where it stops", ["r", "KKT residual"], residual),
         Chart::new("How long it takes", ["r", "iterations"], curves(steps)),
     ];
-    Ok(charts(caption, 2, false, &parts)?)
+    charts(caption, 2, false, &parts)
 }
 
 /// What is reached for each tolerance.
-pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let found: Stress = result(inputs, "stress")?;
+pub(super) fn tolerances(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
     let named = found.plan.names().into_iter().zip(&found.tolerances);
     let parts: Vec<_> = named
         .map(|(name, cases)| {
@@ -90,18 +52,17 @@ pub(super) fn draw_tolerances(inputs: &Inputs, caption: Caption) -> Result<Drawi
                 [("signed rule", "signed"), ("strict rule", "strict"), ("multigrid", "multigrid")];
             let mut curves: Vec<_> =
                 named.map(|(label, name)| marked(label, cases, name, |trial| trial.kkt)).into();
-            let asked = cases.iter().map(|case| (case.x, case.x)).collect();
+            let asked = cases.iter().map(|case| (case.x, case.x));
             curves.push(Curve::reference("as asked", asked));
             let axes = ["tolerance over the load", "KKT residual"];
             Chart::new(name, axes, curves)
         })
         .collect();
-    Ok(charts(caption, 2, false, &parts)?)
+    charts(caption, 2, false, &parts)
 }
 
 /// Work and contact as the integral of f tends to zero.
-pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let found: Stress = result(inputs, "stress")?;
+pub(super) fn deficits(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
     let (mut work, mut contact) = (Vec::new(), Vec::new());
     for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
         let multigrid = format!("multigrid, {way}");
@@ -113,21 +74,17 @@ pub(super) fn draw_deficits(inputs: &Inputs, caption: Caption) -> Result<Drawing
         Chart::new("Work", ["deficit", "sweeps of the finest grid"], work),
         Chart::new("Contact", ["deficit", "boundary nodes in contact"], contact),
     ];
-    Ok(charts(caption, 2, false, &parts)?)
+    charts(caption, 2, false, &parts)
 }
 
 /// What rounding leaves of the residual, over the grids.
-pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let found: Stress = result(inputs, "stress")?;
+pub(super) fn precision(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
     let curves = |double: fn(&Trial) -> Option<f64>, single: fn(&Attained) -> f64| {
         let single = |of: &Attained| (of.cells as f64, single(of));
         vec![
             marked("multigrid, double", &found.floors, "multigrid", double),
             marked("Arrow-Hurwicz, double", &found.floors, "strict", double),
-            Curve::marked(
-                "Arrow-Hurwicz, single",
-                found.single_floors.iter().map(single).collect(),
-            ),
+            Curve::marked("Arrow-Hurwicz, single", found.single_floors.iter().map(single)),
         ]
     };
     let residual = curves(|trial| trial.kkt, |single| single.kkt);
@@ -136,5 +93,5 @@ pub(super) fn draw_precision(inputs: &Inputs, caption: Caption) -> Result<Drawin
         Chart::new("Over the load", ["1/h", "KKT residual"], residual),
         Chart::new("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
     ];
-    Ok(charts(caption, 2, false, &parts)?)
+    charts(caption, 2, false, &parts)
 }
