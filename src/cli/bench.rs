@@ -6,7 +6,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing::measure::{Plan, SOLVERS, SPECTRAL, TIMED, measure};
-use crate::timing::recorded::{self, Goal, Timings};
+use crate::timing::recorded::{self, Goal, Peer, Timings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
@@ -55,35 +55,28 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     let wanted = |name: &&str| args.solver.is_empty() || args.solver.iter().any(|s| s == name);
     let solvers = all().filter(wanted);
     let plan = Plan { repeats, quick: args.quick, solvers: solvers.collect(), finest };
-    let record = if args.record { Some(Record::open()?) } else { None };
+    // Before anything is measured: a project that is missing or spoilt would waste minutes.
+    let record = args.record.then(open_record).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
-    if let Some(record) = &record {
-        timings.peer.clone_from(&record.peer);
+    if let Some((_, peers)) = &record {
+        timings.peer.clone_from(peers);
     }
     if args.json { say_json(&timings) } else { say(&text(&timings)) }?;
-    if let Some(record) = record {
-        record.file.write(timings.to_toml().as_bytes())?;
+    if let Some((file, _)) = record {
+        file.write(timings.to_toml().as_bytes())?;
         talk(&format!("wrote {}; `signorini` now builds the book with it", recorded::PATH));
     }
     Ok(0)
 }
 
 /// Where the record goes, and what of the old one is kept.
-struct Record {
-    file: OutputFile,
-    peer: Vec<recorded::Peer>,
-}
-
-impl Record {
-    /// Before anything is measured: a project that is missing or spoilt would waste minutes.
-    fn open() -> Result<Self> {
-        let path = Project::find(&current_folder()?)?.join(recorded::PATH);
-        let peer = match read_if_there(&path)? {
-            Some(text) => Timings::parse(&String::from_utf8_lossy(&text))?.peer,
-            None => Vec::new(),
-        };
-        Ok(Self { file: OutputFile::check(&path)?, peer })
-    }
+fn open_record() -> Result<(OutputFile, Vec<Peer>)> {
+    let path = Project::find(&current_folder()?)?.join(recorded::PATH);
+    let peers = match read_if_there(&path)? {
+        Some(text) => Timings::parse(&String::from_utf8_lossy(&text))?.peer,
+        None => Vec::new(),
+    };
+    Ok((OutputFile::check(&path)?, peers))
 }
 
 fn text(timings: &Timings) -> String {
@@ -142,7 +135,7 @@ fn multigrid(timings: &Timings) -> String {
     });
     let head =
         ["grid", "unknowns", "threads", "goal", "WU", "ns", "ns/WU", "noise", "bytes", "stream ns"];
-    columns(&head, &["goal"], rows.collect())
+    columns(&head, &[3], rows.collect())
 }
 
 fn solvers(timings: &Timings) -> String {
@@ -161,7 +154,7 @@ fn solvers(timings: &Timings) -> String {
     });
     let head =
         ["solver", "problem", "grid", "goal", "error", "discr.", "rel. KKT", "seconds", "noise"];
-    columns(&head, &["solver", "problem", "goal"], rows.collect())
+    columns(&head, &[0, 1, 3], rows.collect())
 }
 
 fn spectral(timings: &Timings) -> String {
@@ -176,5 +169,5 @@ fn spectral(timings: &Timings) -> String {
         ]
     });
     let head = ["problem", "nodes", "levels", "error", "seconds", "noise"];
-    columns(&head, &["problem"], rows.collect())
+    columns(&head, &[0], rows.collect())
 }

@@ -6,7 +6,7 @@ mod machine;
 use super::CacheArgs;
 use super::diff::comparison;
 use super::output::{OutputFile, say, talk};
-use super::pipeline::Workplace;
+use super::pipeline::{Scope, Workplace};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
 use crate::replication::comparison::TableComparison;
@@ -123,7 +123,7 @@ fn folder(asked: Option<&Path>, project: &Path) -> Result<PathBuf> {
 
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
-    let summary = workplace.judge(&workplace.tasks(&[], None)?, true)?;
+    let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole)?;
     let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
     let refused = if let Some(first) = stale.clone().next() {
         let of = summary.verdicts.len();

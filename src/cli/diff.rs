@@ -1,8 +1,8 @@
 //! `diff`: our tables beside the published ones.
 
 use super::CacheArgs;
-use super::output::{say, say_json, styled};
-use super::pipeline::{Workplace, bring_up_to_date};
+use super::output::{columns, say, say_json, styled};
+use super::pipeline::Workplace;
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::comparison::{Comparison, RowComparison, TableComparison};
@@ -28,7 +28,7 @@ pub(super) struct DiffArgs {
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    let comparison = comparison(&workplace, &bring_up_to_date(&workplace, &tasks)?)?;
+    let comparison = comparison(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
     if args.json {
         say_json(&comparison)?;
     } else {
@@ -84,31 +84,30 @@ fn summary(table: &TableComparison) -> String {
 
 fn text(table: &TableComparison) -> String {
     let levels = table.rows.first().map_or(0, |row| row.paper.len());
-    let mut out = format!(
-        "{}\n{:>10}  ",
-        styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan),
-        "r"
-    );
-    (0..levels).for_each(|level| out += &format!("{:>14}", format!("grid {}", level + 1)));
-    out += &format!("{:>22}\n{:>10}  ", "Delta a", "");
-    (0..levels).for_each(|_| out += &format!("{:>14}", "ours paper"));
-    out += &format!("{:>22}\n", "ours   paper");
+    let grids: Vec<_> = (1..=levels).map(|level| format!("grid {level}")).collect();
+    let mut head = vec!["r"];
+    head.extend(grids.iter().map(String::as_str));
+    head.push("Delta a");
+    let mut rows = vec![vec![String::new()]];
+    rows[0].resize(levels + 1, "ours paper".into());
+    rows[0].push("ours   paper".into());
     for row in &table.rows {
-        out += &format!("{:>10}  ", row.r);
-        for level in 0..levels {
-            let pair =
-                format!("{:>5}{} {:>5}", row.ours[level], mark(row, level), row.paper[level]);
-            out += &format!("{pair:>14}");
-        }
+        let mut cells = vec![row.r.to_string()];
+        let count =
+            |level| format!("{}{} {:>5}", row.ours[level], mark(row, level), row.paper[level]);
+        cells.extend((0..levels).map(count));
         let sign = if row.delta_a_within { ' ' } else { '!' };
-        out += &format!(
-            "{:>22}\n",
-            format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper)
-        );
+        cells.push(format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
+        rows.push(cells);
     }
-    out += &format!("{}\n= exact, ~ within tolerance, ! outside", summary(table));
+    let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
     let any_capped = table.rows.iter().any(|row| row.capped.contains(&true));
-    out + if any_capped { ", > cut off by max_iterations\n" } else { "\n" }
+    let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
+    format!(
+        "{title}\n{}{}\n= exact, ~ within tolerance, ! outside{capped}\n",
+        columns(&head, &[], rows),
+        summary(table)
+    )
 }
 
 fn markdown(table: &TableComparison) -> String {

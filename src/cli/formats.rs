@@ -3,14 +3,13 @@
 use crate::discrete::grid::Grid;
 use crate::figures::{Caption, Surface, View, surfaces};
 use crate::pipeline::error::{Error, Result};
-use crate::report::Fields;
 use crate::saddle::Pair;
 use clap::ValueEnum;
 use std::path::Path;
 
 /// A kind of file, by its ending.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
     /// VTK XML image data.
     Vti,
     /// A NumPy array.
@@ -26,39 +25,12 @@ impl Format {
     ///
     /// # Errors
     /// [`Error::Input`] with the known endings.
-    pub fn of(path: &Path) -> Result<Self> {
+    pub(super) fn of(path: &Path) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         Self::from_str(ending, false).map_err(|_| {
             let path = path.display();
             Error::input(format!("--out {path}: unknown ending; use one of .vti, .npy, .npz, .svg"))
         })
-    }
-
-    /// The bytes of a file with these fields; `picture` draws them.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if they cannot be drawn, or are too large.
-    pub fn bytes(
-        self,
-        fields: &Fields,
-        name: &str,
-        picture: impl FnOnce() -> Result<Vec<u8>>,
-    ) -> Result<Vec<u8>> {
-        match self {
-            Self::Npy => Ok(fields.npy()),
-            Self::Npz => fields.npz().ok_or_else(|| {
-                Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vti")
-            }),
-            Self::Vti => Ok(fields.vti(name)),
-            Self::Svg => picture(),
-        }
-    }
-
-    /// Why a solution on the cube is not drawn.
-    pub fn no_picture() -> Error {
-        Error::input(
-            "--out: a solution on the cube has no picture; use .vti and open it in ParaView, or .npz",
-        )
     }
 }
 
@@ -66,7 +38,7 @@ impl Format {
 ///
 /// # Errors
 /// [`Error::Input`] if it cannot be drawn.
-pub fn picture(grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
+pub(super) fn picture(grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
     let view = View::uphill(grid, &pair.y);
     let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view, range: None };
     let caption = Caption { title: name, description: "Made by `signorini solve`." };

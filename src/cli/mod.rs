@@ -4,7 +4,7 @@ mod bench;
 mod certificate;
 mod dag;
 mod diff;
-pub mod formats;
+mod formats;
 mod identify;
 mod init;
 mod interrupt;

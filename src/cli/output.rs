@@ -29,16 +29,16 @@ pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// Rows below a head, in columns as wide as their longest cell: those called `left` begin, all others end
-/// at one place.
-pub(super) fn columns(head: &[&str], left: &[&str], rows: Vec<Vec<String>>) -> String {
-    let names = head.iter().map(|name| (*name).to_owned()).collect();
-    let rows: Vec<Vec<String>> = std::iter::once(names).chain(rows).collect();
-    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..head.len()).map(width).collect();
-    let cell = |(k, text): (usize, &String)| match left.contains(&head[k]) {
-        true => format!("{text:<0$}", widths[k]),
-        false => format!("{text:>0$}", widths[k]),
+/// Rows below a head, which may be empty, in columns as wide as their longest cell: those in `left` begin, all
+/// others end at one place.
+pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> String {
+    let names = head.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let rows: Vec<_> = [names].into_iter().filter(|names| !names.is_empty()).chain(rows).collect();
+    let widest =
+        |k: usize| rows.iter().filter_map(|row| row.get(k)).map(|t| t.chars().count()).max();
+    let cell = |(k, text): (usize, &String)| match (left.contains(&k), widest(k).unwrap_or(0)) {
+        (true, width) => format!("{text:<width$}"),
+        (false, width) => format!("{text:>width$}"),
     };
     let line = |row: &Vec<String>| {
         let cells: Vec<String> = row.iter().enumerate().map(cell).collect();

@@ -48,6 +48,20 @@ pub(super) struct Workplace {
     pub store: Store,
 }
 
+/// How much of the project a plan is, and what its results may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scope {
+    /// Some tasks.
+    Part,
+    /// All tasks.
+    Whole,
+    /// All tasks, and the lock file is to stay as it is.
+    Locked,
+}
+
+/// How to walk a plan without doing anything.
+const LOOK: Options = Options { dry_run: true, force: false, keep_going: false, jobs: 0 };
+
 impl Workplace {
     pub(super) fn open(cache: &CacheArgs) -> Result<Self> {
         let root = Project::find(&current_folder()?)?;
@@ -63,29 +77,28 @@ impl Workplace {
     }
 
     /// What [`Workplace::run`] would do; needs no lock and writes nothing.
-    pub(super) fn judge(&self, plan: &Plan, whole: bool) -> Result<Summary> {
-        let known = LockFile::read(&self.project.root)?;
-        Ok(self.look(plan, whole, &known, &Progress::new(false, true))?.0)
+    pub(super) fn judge(&self, plan: &Plan, scope: Scope) -> Result<Summary> {
+        Ok(self.walk(plan, scope, LOOK, &Progress::new(false, true))?.0)
     }
 
     /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to
-    /// date. If `whole`, the plan is all there is.
+    /// date. If this is not in the `scope`, and the results differ from it, nothing outside the cache
+    /// is written, and the summary tells in which hashes they differ.
     pub(super) fn run(
         &self,
         plan: &Plan,
-        whole: bool,
+        scope: Scope,
         options: Options,
         progress: &Progress,
     ) -> Result<Summary> {
         let root = &self.project.root;
-        let lock_file = |summary: &Summary, known: &LockFile| {
-            let ours = summary.lock_file();
-            if whole { ours } else { known.clone().updated(ours) }
+        let lock_file = |summary: &Summary, known: &LockFile| match scope {
+            Scope::Part => known.clone().updated(summary.lock_file()),
+            Scope::Whole | Scope::Locked => summary.lock_file(),
         };
         // Looking needs no lock and no writing, and is enough when nothing is to do.
         if !options.force && progress.trace().is_none() {
-            let known = LockFile::read(root)?;
-            let (summary, exports) = self.look(plan, whole, &known, progress)?;
+            let (summary, exports, known) = self.walk(plan, scope, LOOK, progress)?;
             if summary.nothing_to_do()
                 && lock_file(&summary, &known) == known
                 && self.leftovers(&exports).is_empty()
@@ -94,10 +107,17 @@ impl Workplace {
             }
         }
         let _locks = self.lock()?;
-        let known = LockFile::read(root)?;
-        let (mut summary, exports) = self.walk(plan, whole, &known, options, progress)?;
-        remove(&self.leftovers(&exports));
-        exports.perform(root, &self.store)?;
+        let (mut summary, exports, known) = self.walk(plan, scope, options, progress)?;
+        if scope == Scope::Locked && summary.failed.is_empty() {
+            summary.differences = known.differences(&summary.lock_file());
+            if !summary.differences.is_empty() {
+                return Ok(summary);
+            }
+        }
+        if scope != Scope::Locked || summary.failed.is_empty() {
+            remove(&self.leftovers(&exports));
+            exports.perform(root, &self.store)?;
+        }
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
@@ -110,26 +130,10 @@ impl Workplace {
         Ok(summary)
     }
 
-    /// The same, but if the results differ from the lock file, nothing outside the cache is written,
-    /// and it is told in which hashes they differ.
-    pub(super) fn run_locked(
-        &self,
-        plan: &Plan,
-        options: Options,
-        progress: &Progress,
-    ) -> Result<(Summary, Vec<String>)> {
-        let _locks = self.lock()?;
-        let known = LockFile::read(&self.project.root)?;
-        let (summary, exports) = self.walk(plan, true, &known, options, progress)?;
-        if !summary.failed.is_empty() {
-            return Err(Error::Stage(summary.failed));
-        }
-        let differences = known.differences(&summary.lock_file());
-        if differences.is_empty() {
-            exports.perform(&self.project.root, &self.store)?;
-            refuse_edited(&summary)?;
-        }
-        Ok((summary, differences))
+    /// Runs what is stale among a part of the tasks; their manifests.
+    pub(super) fn bring_up_to_date(&self, part: &Plan) -> Result<BTreeMap<String, Manifest>> {
+        let progress = Progress::new(false, false);
+        Ok(self.run(part, Scope::Part, Options::default(), &progress)?.manifests)
     }
 
     /// Runs single tasks beside other processes; only the cache is written.
@@ -154,41 +158,30 @@ impl Workplace {
         [self.store.leftovers(), exports.leftovers(&self.project.root)].concat()
     }
 
-    fn look(
-        &self,
-        plan: &Plan,
-        whole: bool,
-        known: &LockFile,
-        progress: &Progress,
-    ) -> Result<(Summary, Exports)> {
-        self.walk(plan, whole, known, Options { dry_run: true, ..Options::default() }, progress)
-    }
-
+    /// What there is to say, what to export, and the lock file as it was.
     fn walk(
         &self,
         plan: &Plan,
-        whole: bool,
-        known: &LockFile,
+        scope: Scope,
         options: Options,
         progress: &Progress,
-    ) -> Result<(Summary, Exports)> {
+    ) -> Result<(Summary, Exports, LockFile)> {
         // Zero would ask the environment, without a bound.
         let jobs = match options.jobs {
             0 => rayon::current_num_threads(),
             jobs => threads("-j", jobs),
         };
         let options = Options { jobs, ..options };
-        let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
         let root = &self.project.root;
-        let made = &summary.manifests;
-        let exports = {
-            let may = [options.force, whole];
-            Exports::plan(root, plan, made, &self.store, &known.exports, may)?
-        };
+        let known = LockFile::read(root)?;
+        let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
+        let may = [options.force, scope != Scope::Part];
+        let exports =
+            Exports::plan(root, plan, &summary.manifests, &self.store, &known.exports, may)?;
         (summary.written, summary.removed) = exports.counts();
         summary.exports = exports.files.clone();
         summary.edited = exports.edited.clone();
-        Ok((summary, exports))
+        Ok((summary, exports, known))
     }
 }
 
@@ -225,7 +218,7 @@ pub(super) fn edited(path: &str) -> String {
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Report))?;
-    workplace.run(&tasks, false, Options::default(), &Progress::new(false, false))?;
+    workplace.bring_up_to_date(&tasks)?;
     let book = workplace.project.root.join("report/book/index.html");
     if args.open {
         open(&book)?;
@@ -277,13 +270,4 @@ fn size(bytes: u64) -> String {
         10_000..10_000_000 => format!("{} kB", bytes / 1000),
         _ => format!("{} MB", bytes / 1_000_000),
     }
-}
-
-/// The manifests of tasks, run if need be.
-pub(super) fn bring_up_to_date(
-    workplace: &Workplace,
-    plan: &Plan,
-) -> Result<BTreeMap<String, Manifest>> {
-    let progress = Progress::new(false, false);
-    Ok(workplace.run(plan, false, Options::default(), &progress)?.manifests)
 }

@@ -2,13 +2,13 @@
 
 use super::CacheArgs;
 use super::output::{OutputFile, say, talk};
-use super::pipeline::{Workplace, edited, outside_report};
+use super::pipeline::{Scope, Workplace, edited, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, Times, Verdict, brief, why};
 use crate::replication::project::PAPER;
 use crate::replication::stages::{Stage, report};
 use crate::timing::machine;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -73,9 +73,13 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
-    let whole = args.scenes.is_empty() && args.only.is_none();
+    let scope = match args.scenes.is_empty() && args.only.is_none() {
+        true if args.locked => Scope::Locked,
+        true => Scope::Whole,
+        false => Scope::Part,
+    };
     if args.dry_run {
-        return dry_run(&workplace, &tasks, whole, args.jobs);
+        return dry_run(&workplace, &tasks, scope, args.jobs);
     }
     let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
     if let Some(file) = &trace_file {
@@ -86,22 +90,18 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         progress = progress.traced();
     }
     let start = Instant::now();
-    let ran = if args.locked {
-        workplace.run_locked(&tasks, options, &progress)
-    } else {
-        workplace.run(&tasks, whole, options, &progress).map(|summary| (summary, Vec::new()))
-    };
+    let ran = workplace.run(&tasks, scope, options, &progress);
     // A run that failed is worth looking at too.
     if let (Some(file), Some(trace)) = (&trace_file, progress.trace()) {
         file.write(trace.to_json().as_bytes())?;
     }
-    let (summary, differences) = ran?;
+    let summary = ran?;
     if !args.quiet && !summary.ran.is_empty() {
         let expected = summary.expected.map(|time| format!(" ({} expected)", brief(time)));
         talk(&format!("took {}{}", brief(start.elapsed()), expected.unwrap_or_default()));
     }
-    if !differences.is_empty() {
-        let lines = differences.join("\n  ");
+    if !summary.differences.is_empty() {
+        let lines = summary.differences.join("\n  ");
         say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
         return Ok(1);
     }
@@ -117,8 +117,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
 }
 
 /// Says what a run would do, and about how long it would take.
-fn dry_run(workplace: &Workplace, tasks: &Plan, whole: bool, jobs: usize) -> Result<u8> {
-    let summary = workplace.judge(tasks, whole)?;
+fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, jobs: usize) -> Result<u8> {
+    let summary = workplace.judge(tasks, scope)?;
     if let Some(time) = expected(workplace, &summary, jobs) {
         talk(&format!("about {}, if all that waits has to run", brief(time)));
     }
@@ -140,17 +140,17 @@ fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Dur
 /// One line per stage that ran: how many tasks, how long, why.
 fn what_ran(summary: &Summary) -> String {
     let mut text = String::new();
-    for stage in Stage::ALL {
-        let ran: Vec<_> = summary.ran.iter().filter(|ran| stage.has(&ran.task)).collect();
-        let all = summary.verdicts.iter().filter(|judged| stage.has(&judged.task)).count();
+    for stage in Stage::value_variants() {
+        let of_stage = |task: &str| Stage::of(task) == Some(*stage);
+        let ran: Vec<_> = summary.ran.iter().filter(|ran| of_stage(&ran.task)).collect();
+        let all = summary.verdicts.iter().filter(|judged| of_stage(&judged.task)).count();
         if ran.is_empty() {
             continue;
         }
         let time: Duration = ran.iter().map(|ran| ran.time).sum();
         let reasons: Vec<_> = ran.iter().map(|ran| &ran.reason).collect();
         text += &format!(
-            "{:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}\n",
-            stage.name(),
+            "{stage:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}\n",
             ran.len(),
             time.as_secs_f64(),
             why(&reasons)

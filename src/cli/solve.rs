@@ -12,8 +12,10 @@ use super::formats::Format;
 use super::output::{OutputFile, say, say_json};
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::pipeline::error::{Error, Result};
+use crate::problem::source::Tie;
 use crate::saddle::Method;
 use accuracy::Accuracy;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use problem::Problem;
 use std::path::PathBuf;
@@ -39,7 +41,7 @@ pub(super) struct SolveArgs {
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or exact]
     #[arg(long, value_enum)]
-    load: Option<LoadName>,
+    load: Option<LoadRule>,
     /// Duality parameter [default: the scene's, or 10]
     #[arg(long)]
     r: Option<f64>,
@@ -85,9 +87,7 @@ impl SolveArgs {
         });
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        if problem.domain.dimension() == 3 && format == Format::Svg {
-            return Err(Format::no_picture());
-        }
+        problem.domain.check_format(format)?;
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
@@ -128,10 +128,6 @@ pub(super) enum Solver {
 }
 
 impl Solver {
-    fn name(self) -> String {
-        self.to_possible_value().expect("no solver is hidden").get_name().into()
-    }
-
     /// Memory for a nodal vector's entry, all vectors and factors together, rounded up from measured peaks.
     fn bytes_per_node(self, dimension: u8, n: u64) -> u64 {
         match (self, dimension) {
@@ -158,27 +154,35 @@ impl Solver {
     }
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum LoadName {
-    /// f at the nodes; on a jump from the left and below
-    Nodal,
-    /// Integrals of f times the hat functions
-    Exact,
-    /// Integrals of f times bilinear hat functions: bounds are closer than with exact
-    Bilinear,
-    /// Mean of f around each node
-    LumpedAverage,
+/// The rules by the names of `--load`; what a rule leaves open is as by default.
+impl ValueEnum for LoadRule {
+    fn value_variants<'a>() -> &'a [Self] {
+        const DIAGONAL: Diagonal = Diagonal::Rising;
+        &[
+            Self::Nodal { tie: Tie::LowerLeft, diagonal: Some(DIAGONAL) },
+            Self::Exact { diagonal: DIAGONAL },
+            Self::Bilinear,
+            Self::LumpedAverage,
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Self::Nodal { .. } => ("nodal", "f at the nodes; on a jump from the left and below"),
+            Self::Exact { .. } => ("exact", "Integrals of f times the hat functions"),
+            Self::Bilinear => (
+                "bilinear",
+                "Integrals of f times bilinear hat functions: bounds are closer than with exact",
+            ),
+            Self::LumpedAverage => ("lumped-average", "Mean of f around each node"),
+        };
+        Some(PossibleValue::new(name).help(help))
+    }
 }
 
-impl From<LoadName> for LoadRule {
-    fn from(name: LoadName) -> Self {
-        match name {
-            LoadName::Nodal => Self::default(),
-            LoadName::Exact => Self::Exact { diagonal: Diagonal::Rising },
-            LoadName::Bilinear => Self::Bilinear,
-            LoadName::LumpedAverage => Self::LumpedAverage,
-        }
-    }
+/// The name of a value among those that an option may have.
+fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().expect("no value is hidden").get_name().into()
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
@@ -199,8 +203,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some((file, format)) = file {
         let (domain, n) = (&problem.domain, problem.finest());
         let (n, pair) = match args.recover {
-            true => (2 * n, domain.recovered(n, &answer.pair)?),
-            false => (n, answer.pair),
+            true => (2 * n, domain.recovered(n, &answer.solved.pair)?),
+            false => (n, answer.solved.pair),
         };
         file.write(&domain.file(format, n, &pair, problem.name())?)?;
         if !args.json {

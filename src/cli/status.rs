@@ -1,14 +1,14 @@
 //! `status` and `explain`: what is stale, and why.
 
 use super::CacheArgs;
-use super::output::{say, say_json, styled};
-use super::pipeline::Workplace;
+use super::output::{columns, say, say_json, styled};
+use super::pipeline::{Scope, Workplace};
 use super::run::exports;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Judged, Reason, Summary, Verdict, stage};
 use crate::replication::stages::Stage;
 use anstyle::AnsiColor;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 
 /// Arguments of `status`.
@@ -41,7 +41,8 @@ pub(super) struct ExplainArgs {
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
-    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, args.scenes.is_empty())?;
+    let scope = if args.scenes.is_empty() { Scope::Whole } else { Scope::Part };
+    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, scope)?;
     let stale = !summary.nothing_to_do();
     if args.json {
         let tasks: BTreeMap<_, _> =
@@ -63,37 +64,32 @@ fn width() -> usize {
 
 /// A line for each stage: its state, how many tasks are concerned, and one of them with the reason.
 fn table(summary: &Summary, width: usize) -> String {
-    let mut lines = Vec::new();
-    for stage in Stage::ALL {
-        let of: Vec<_> = summary.verdicts.iter().filter(|j| stage.has(&j.task)).collect();
-        let is_stale = |judged: &&&Judged| matches!(judged.verdict, Verdict::Stale(_));
+    let (mut states, mut rows) = (Vec::new(), Vec::new());
+    for stage in Stage::value_variants() {
+        let of_stage = |judged: &&Judged| Stage::of(&judged.task) == Some(*stage);
+        let of: Vec<_> = summary.verdicts.iter().filter(of_stage).collect();
         let late: Vec<_> = of.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
-        let Some(any) = late.first() else {
-            if !of.is_empty() {
-                let state = ("up to date", AnsiColor::Green);
-                lines.push((stage, state, of.len().to_string(), "", String::new()));
-            }
-            continue;
+        let is_stale = |judged: &&&&Judged| matches!(judged.verdict, Verdict::Stale(_));
+        let shown = late.iter().find(is_stale).or(late.first());
+        let (state, color, reason) = match shown.map(|judged| &judged.verdict) {
+            None if of.is_empty() => continue,
+            None => ("up to date", AnsiColor::Green, String::new()),
+            Some(Verdict::Stale(reason)) => ("stale", AnsiColor::Yellow, reason.to_string()),
+            Some(other) => ("waits", AnsiColor::Cyan, other.to_string()),
         };
-        let first = late.iter().find(|judged| is_stale(judged)).unwrap_or(any);
-        let (state, reason) = match &first.verdict {
-            Verdict::Stale(reason) => (("stale", AnsiColor::Yellow), reason.to_string()),
-            other => (("waits", AnsiColor::Cyan), other.to_string()),
+        let count = match late.len() {
+            0 => of.len().to_string(),
+            late => format!("{late} of {}", of.len()),
         };
-        let count = format!("{} of {}", late.len(), of.len());
-        lines.push((stage, state, count, first.task.as_str(), reason));
+        let task = shown.map_or(String::new(), |judged| judged.task.clone());
+        states.push((state, styled(state, color)));
+        rows.push(vec![stage.to_string(), state.to_owned(), count, task, reason]);
     }
-    let widest = |of: fn(&Line) -> usize| lines.iter().map(of).max().unwrap_or(0);
-    let counts = widest(|(_, _, count, ..)| count.len());
-    let ids = widest(|(.., id, _)| id.chars().count());
-    let mut text = String::new();
-    for (stage, (state, color), count, id, reason) in &lines {
-        let gap = " ".repeat("up to date".len() - state.len());
-        let detail = format!("{count:>counts$}  {id:<ids$}  {reason}");
-        let room = width.saturating_sub("tabulate   up to date  ".len());
-        let state = styled(state, *color);
-        text += &format!("{:<9}  {state}{gap}  {}\n", stage.name(), cut(detail.trim_end(), room));
-    }
+    let lines = columns(&[], &[0, 1, 3, 4], rows);
+    let colored = lines.lines().zip(states).map(|(line, (state, styled))| {
+        // After it was cut: colours take no room.
+        cut(line, width).replacen(state, &styled, 1) + "\n"
+    });
     let count =
         |of: fn(&Verdict) -> bool| summary.verdicts.iter().filter(|j| of(&j.verdict)).count();
     let counts = [
@@ -103,11 +99,8 @@ fn table(summary: &Summary, width: usize) -> String {
     ];
     let counts = counts.iter().filter(|(n, _)| *n > 0).map(|(n, state)| format!("{n} {state}"));
     let counts = counts.collect::<Vec<_>>().join(", ");
-    text + &format!("{} tasks: {counts}\n", summary.verdicts.len())
+    colored.collect::<String>() + &format!("{} tasks: {counts}\n", summary.verdicts.len())
 }
-
-/// Stage, state, counts, one task, and why it is not up to date.
-type Line<'a> = (Stage, (&'static str, AnsiColor), String, &'a str, String);
 
 /// The text in so many columns, with dots where something is missing.
 fn cut(text: &str, width: usize) -> String {
@@ -121,7 +114,7 @@ fn cut(text: &str, width: usize) -> String {
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
-    let summary = workplace.judge(&tasks, true)?;
+    let summary = workplace.judge(&tasks, Scope::Whole)?;
     // A stage, a task, or the beginning of the ids of several.
     let is_asked = |id: &str| match tasks.task(&args.stage) {
         Some(task) => task.id == id,
@@ -130,10 +123,11 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     };
     let asked: Vec<_> = summary.verdicts.iter().filter(|j| is_asked(&j.task)).collect();
     if asked.is_empty() {
-        let names = Stage::ALL.map(Stage::name).join(", ");
+        let names: Vec<_> = Stage::value_variants().iter().map(Stage::to_string).collect();
         return Err(Error::input(format!(
-            "no stage or task `{}`; stages are {names}, `signorini dag` lists the tasks",
-            args.stage
+            "no stage or task `{}`; stages are {}, `signorini dag` lists the tasks",
+            args.stage,
+            names.join(", ")
         )));
     }
     if args.json {

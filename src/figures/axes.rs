@@ -1,9 +1,8 @@
 //! Parts that several figures share: plot frames with ticks, colour bars and legends.
 
-use super::palette::{INK, MUTED, RULE, series};
-use super::picture::{NORMAL, Pen, Place, SMALL, Type, text_width};
+use super::palette::{INK, MUTED, RGBColor, RULE, series};
+use super::picture::{NORMAL, Picture, Place, SMALL, Type, text_width};
 use super::text::Ticks;
-use plotters::style::RGBColor;
 
 /// A rectangle of the picture with a linear scale along each side.
 #[derive(Clone, Copy, Debug)]
@@ -35,9 +34,9 @@ impl Frame {
     }
 
     /// The four sides.
-    pub(super) fn outline(&self, pen: &mut Pen) {
+    pub(super) fn outline(&self, picture: &mut Picture) {
         let (x, y) = (self.across, self.down);
-        pen.outline((x.0, y.0), (x.1, y.1), INK, 1.0);
+        picture.outline((x.0, y.0), (x.1, y.1), INK, 1.0);
     }
 
     /// Its middle.
@@ -54,7 +53,7 @@ impl Frame {
     }
 
     /// Paints cells, row by row from below, `columns` in each.
-    pub(super) fn raster(&self, pen: &mut Pen, columns: usize, colors: &[RGBColor]) {
+    pub(super) fn raster(&self, picture: &mut Picture, columns: usize, colors: &[RGBColor]) {
         let cells = (columns, colors.len() / columns);
         for (j, row) in colors.chunks(columns).enumerate() {
             let mut start = 0;
@@ -62,7 +61,7 @@ impl Frame {
                 let end = start + run.len();
                 // One more cell to the right and above, painted over by the next: no seams show.
                 let (low, high) = ((start, j), (end + 1, j + 2));
-                pen.rect(self.corner(low, cells), self.corner(high, cells), run[0]);
+                picture.rect(self.corner(low, cells), self.corner(high, cells), run[0]);
                 start = end;
             }
         }
@@ -71,51 +70,55 @@ impl Frame {
     /// Vertical lines from top to bottom at `values`.
     pub(super) fn verticals(
         &self,
-        pen: &mut Pen,
+        picture: &mut Picture,
         values: impl IntoIterator<Item = f64>,
         color: RGBColor,
     ) {
         for x in values {
             let x = self.right(x);
-            pen.path([(x, self.down.0), (x, self.down.1)], color, 0.75);
+            picture.path([(x, self.down.0), (x, self.down.1)], color, 0.75);
         }
     }
 
     /// Horizontal rules across the frame at `values`.
-    pub(super) fn rules(&self, pen: &mut Pen, values: impl IntoIterator<Item = f64>) {
+    pub(super) fn rules(&self, picture: &mut Picture, values: impl IntoIterator<Item = f64>) {
         for y in values {
             let y = self.up(y);
-            pen.path([(self.across.0, y), (self.across.1, y)], RULE, 0.75);
+            picture.path([(self.across.0, y), (self.across.1, y)], RULE, 0.75);
         }
     }
 
     /// Ticks and numbers below the frame.
     pub(super) fn label_below(
         &self,
-        pen: &mut Pen,
+        picture: &mut Picture,
         ticks: impl IntoIterator<Item = (f64, String)>,
     ) {
         let y = self.down.1;
         for (value, text) in ticks {
             let x = self.right(value);
-            pen.path([(x, y), (x, y + 4.0)], INK, 1.0);
-            pen.text(&text, (x, y + 14.0), Type::size(SMALL));
+            picture.path([(x, y), (x, y + 4.0)], INK, 1.0);
+            picture.text(&text, (x, y + 14.0), Type::size(SMALL));
         }
     }
 
     /// Ticks and numbers to the left of the frame.
-    pub(super) fn label_left(&self, pen: &mut Pen, ticks: impl IntoIterator<Item = (f64, String)>) {
+    pub(super) fn label_left(
+        &self,
+        picture: &mut Picture,
+        ticks: impl IntoIterator<Item = (f64, String)>,
+    ) {
         let x = self.across.0;
         for (value, text) in ticks {
             let y = self.up(value);
-            pen.path([(x - 4.0, y), (x, y)], INK, 1.0);
-            pen.text(&text, (x - 7.0, y), Type::size(SMALL).right());
+            picture.path([(x - 4.0, y), (x, y)], INK, 1.0);
+            picture.text(&text, (x - 7.0, y), Type::size(SMALL).right());
         }
     }
 
     /// A filled rectangle between two values of x, from top to bottom.
-    pub(super) fn band(&self, pen: &mut Pen, (from, to): (f64, f64), color: RGBColor) {
-        pen.rect((self.right(from), self.down.0), (self.right(to), self.down.1), color);
+    pub(super) fn band(&self, picture: &mut Picture, (from, to): (f64, f64), color: RGBColor) {
+        picture.rect((self.right(from), self.down.0), (self.right(to), self.down.1), color);
     }
 }
 
@@ -129,7 +132,7 @@ const SHADES: usize = 128;
 
 /// A horizontal colour bar over `range`, numbers below it, its name to the left.
 pub(super) fn colour_bar(
-    pen: &mut Pen,
+    picture: &mut Picture,
     across: (f64, f64),
     top: f64,
     range: (f64, f64),
@@ -140,13 +143,13 @@ pub(super) fn colour_bar(
     for k in 0..SHADES {
         let value = |k: usize| range.0 + (range.1 - range.0) * k as f64 / SHADES as f64;
         // Each shade reaches to the end: the next covers the rest, and no seam shows.
-        frame.band(pen, (value(k), range.1), color(0.5 * (value(k) + value(k + 1))));
+        frame.band(picture, (value(k), range.1), color(0.5 * (value(k) + value(k + 1))));
     }
-    frame.outline(pen);
+    frame.outline(picture);
     let most = ((across.1 - across.0) / 42.0) as usize;
-    frame.label_below(pen, Ticks::inside(range.0, range.1, most).labelled());
+    frame.label_below(picture, Ticks::inside(range.0, range.1, most).labelled());
     let kind = Type::size(NORMAL).italic().right();
-    pen.text(name, (across.0 - 10.0, top + 6.0), kind);
+    picture.text(name, (across.0 - 10.0, top + 6.0), kind);
 }
 
 /// Height of one row of a legend.
@@ -192,21 +195,21 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws it with the first entry's middle height at `at`.
-    pub(super) fn draw(&self, pen: &mut Pen, (left, top): Place) {
+    pub(super) fn draw(&self, picture: &mut Picture, (left, top): Place) {
         for &(Entry { label, color, dashed }, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);
             let parts: &[(f64, f64)] =
                 if dashed { &[(0.0, 0.4), (0.6, 1.0)] } else { &[(0.0, 1.0)] };
             for (from, to) in parts {
-                pen.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);
+                picture.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);
             }
-            pen.text(label, (x + STROKE + 6.0, y), Type::size(SMALL).left());
+            picture.text(label, (x + STROKE + 6.0, y), Type::size(SMALL).left());
         }
     }
 }
 
 /// A key that explains a line style, in secondary ink; returns where it ends.
-pub(super) fn key(pen: &mut Pen, (x, y): Place, text: &str) -> f64 {
-    pen.text(text, (x, y), Type::size(SMALL).left().color(MUTED));
+pub(super) fn key(picture: &mut Picture, (x, y): Place, text: &str) -> f64 {
+    picture.text(text, (x, y), Type::size(SMALL).left().color(MUTED));
     x + text_width(text, SMALL)
 }

@@ -2,7 +2,7 @@
 
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend};
 use super::palette::{MUTED, RULE, series, solver};
-use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
 use super::table::of_charts;
 use super::text::power_of_ten;
 use super::{Caption, Chart, Curve, Drawing, FigureError, Stroke, finite, not_empty};
@@ -50,7 +50,7 @@ pub fn charts(
     let rows = panels.len().div_ceil(columns);
     let mut picture = Picture::new(WIDTH, head + high * rows as f64);
     if !labels.is_empty() {
-        picture.layer("", |pen| legend.draw(pen, (LEFT, 18.0)))?;
+        legend.draw(&mut picture, (LEFT, 18.0));
     }
     let heights = extent(panels.iter().flat_map(points).map(|p| p.1));
     for (k, panel) in panels.iter().enumerate() {
@@ -61,7 +61,7 @@ pub fn charts(
             x: extent(points(panel).map(|p| p.0)),
             y: if alike { heights } else { extent(points(panel).map(|p| p.1)) },
         };
-        draw(&mut picture, panel, &frame, &entries)?;
+        draw(&mut picture, panel, &frame, &entries);
     }
     Ok(picture.finish(caption, Some(of_charts(panels))))
 }
@@ -81,12 +81,7 @@ fn entries<'a>(labels: &[&'a str]) -> Vec<Entry<'a>> {
     labels.iter().map(|label| entry(label)).collect()
 }
 
-fn draw(
-    picture: &mut Picture,
-    panel: &Chart,
-    frame: &Frame,
-    entries: &[Entry],
-) -> Result<(), FigureError> {
+fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) {
     let curves = panel.curves.iter().filter(|curve| !curve.points.is_empty());
     let (references, measured): (Vec<&Curve>, Vec<&Curve>) =
         curves.partition(|curve| curve.stroke == Stroke::Reference);
@@ -94,34 +89,32 @@ fn draw(
         .into_iter()
         .filter_map(|curve| Some((curve, entries.iter().find(|e| e.label == curve.label)?)))
         .collect();
-    let line = |pen: &mut Pen, dashed: bool| {
+    let line = |picture: &mut Picture, dashed: bool| {
         for (curve, entry) in measured.iter().filter(|(_, entry)| entry.dashed == dashed) {
             if curve.points.len() > 1 {
-                pen.path(places(frame, curve), entry.color, 2.0);
+                picture.path(places(frame, curve), entry.color, 2.0);
             }
         }
     };
-    picture.layer("", |pen| ground(pen, panel, frame))?;
-    picture.layer("stroke-dasharray=\"16 12\"", |pen| {
+    ground(picture, panel, frame);
+    picture.group("stroke-dasharray=\"16 12\"", |picture| {
         for curve in &references {
-            pen.path(places(frame, curve), MUTED, 1.0);
+            picture.path(places(frame, curve), MUTED, 1.0);
         }
-    })?;
-    picture.layer("stroke-dasharray=\"28 16\"", |pen| line(pen, true))?;
-    picture.layer("", |pen| {
-        for curve in &references {
-            name_reference(pen, frame, curve);
+    });
+    picture.group("stroke-dasharray=\"28 16\"", |picture| line(picture, true));
+    for curve in &references {
+        name_reference(picture, frame, curve);
+    }
+    line(picture, false);
+    for (curve, entry) in measured.iter().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
+        // A point that no line leads to must be seen.
+        let radius = if curve.points.len() > 1 { 3.5 } else { 6.0 };
+        for at in places(frame, curve) {
+            picture.ring(at, radius, entry.color);
         }
-        line(pen, false);
-        for (curve, entry) in measured.iter().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
-            // A point that no line leads to must be seen.
-            let radius = if curve.points.len() > 1 { 3.5 } else { 6.0 };
-            for at in places(frame, curve) {
-                pen.ring(at, radius, entry.color);
-            }
-        }
-        frame.outline(pen);
-    })
+    }
+    frame.outline(picture);
 }
 
 fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
@@ -156,18 +149,18 @@ fn ticks((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
 }
 
 /// Everything but the data.
-fn ground(pen: &mut Pen, panel: &Chart, frame: &Frame) {
+fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     let title = (frame.across.0, frame.down.0 - 14.0);
-    pen.text(&panel.title, title, Type::size(LARGE).bold().left());
+    picture.text(&panel.title, title, Type::size(LARGE).bold().left());
     let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
     let (x, y) = (ticks(frame.x, across), ticks(frame.y, 8));
-    frame.rules(pen, y.iter().map(|tick| tick.0));
-    frame.verticals(pen, x.iter().map(|tick| tick.0), RULE);
-    frame.label_left(pen, y);
-    frame.label_below(pen, x);
+    frame.rules(picture, y.iter().map(|tick| tick.0));
+    frame.verticals(picture, x.iter().map(|tick| tick.0), RULE);
+    frame.label_left(picture, y);
+    frame.label_below(picture, x);
     let (x, y) = frame.middle();
-    pen.text(panel.axes[0], (x, frame.down.1 + 32.0), Type::size(NORMAL));
-    pen.text(panel.axes[1], (frame.across.0 - 55.0, y), Type::size(NORMAL).upwards());
+    picture.text(panel.axes[0], (x, frame.down.1 + 32.0), Type::size(NORMAL));
+    picture.text(panel.axes[1], (frame.across.0 - 55.0, y), Type::size(NORMAL).upwards());
 }
 
 fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {
@@ -175,14 +168,14 @@ fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {
 }
 
 /// The name of a reference, beside its middle, on the side where the line is not.
-fn name_reference(pen: &mut Pen, frame: &Frame, curve: &Curve) {
+fn name_reference(picture: &mut Picture, frame: &Frame, curve: &Curve) {
     let ends = places(frame, curve);
     let (&[(x0, y0), ..], &[.., (x1, y1)]) = (&ends[..], &ends[..]) else { return };
     let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) - 9.0);
     let kind = Type::size(SMALL).color(MUTED);
     if (y1 - y0) * (x1 - x0) < 0.0 {
-        pen.text(&curve.label, (x - 6.0, y), kind.right());
+        picture.text(&curve.label, (x - 6.0, y), kind.right());
     } else {
-        pen.text(&curve.label, (x + 6.0, y), kind.left());
+        picture.text(&curve.label, (x + 6.0, y), kind.left());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
-use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, SMALL, Type};
 use super::table::of_contact;
 use super::text::Ticks;
 use super::{Caption, ContactPanel, Drawing, FigureError, not_empty, range_with_zero, vector};
@@ -43,20 +43,18 @@ pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, Fig
         .collect();
     let height = heights.iter().sum::<f64>() + 36.0;
     let mut picture = Picture::new(WIDTH, height);
-    picture.layer("", |pen| {
-        let mut top = 8.0;
-        for (panel, height) in panels.iter().zip(&heights) {
-            draw_panel(pen, panel, &legend(panel), top);
-            top += height;
-        }
-        let y = height - 20.0;
-        pen.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
-        key(
-            pen,
-            (ACROSS.0 + 36.0, y),
-            "in contact (a > 0) in every run shown; bars: in contact, run by run",
-        );
-    })?;
+    let mut top = 8.0;
+    for (panel, height) in panels.iter().zip(&heights) {
+        draw_panel(&mut picture, panel, &legend(panel), top);
+        top += height;
+    }
+    let y = height - 20.0;
+    picture.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
+    key(
+        &mut picture,
+        (ACROSS.0 + 36.0, y),
+        "in contact (a > 0) in every run shown; bars: in contact, run by run",
+    );
     Ok(picture.finish(caption, Some(of_contact(panels))))
 }
 
@@ -64,9 +62,9 @@ fn legend<'a>(panel: &'a ContactPanel) -> Legend<'a> {
     Legend::new(panel.lines.iter().map(|(label, _)| &**label), WIDTH - 100.0)
 }
 
-fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
-    pen.text(panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
-    legend.draw(pen, (ACROSS.0, top + 38.0));
+fn draw_panel(picture: &mut Picture, panel: &ContactPanel, legend: &Legend, top: f64) {
+    picture.text(panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
+    legend.draw(picture, (ACROSS.0, top + 38.0));
     let grid = panel.grid;
     let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
     let band = ROW * panel.lines.len() as f64 + 16.0;
@@ -93,63 +91,63 @@ fn draw_panel(pen: &mut Pen, panel: &ContactPanel, legend: &Legend, top: f64) {
     let all: Vec<bool> = (0..boundary.len()).map(|b| touching.iter().all(|line| line[b])).collect();
     let whole = Frame { down: (top, lower_top + PLOT), ..upper.0 };
     for run in contact_runs(grid, &all) {
-        whole.band(pen, run, SHADE);
+        whole.band(picture, run, SHADE);
     }
-    draw_plot(pen, "y", &upper, &ys, grid.h());
-    draw_plot(pen, "a", &lower, &multipliers, grid.h());
+    draw_plot(picture, "y", &upper, &ys, grid.h());
+    draw_plot(picture, "a", &lower, &multipliers, grid.h());
     for (k, line) in touching.iter().enumerate() {
         let y = top + PLOT + 8.0 + ROW * k as f64;
         for (from, to) in contact_runs(grid, line) {
-            pen.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
+            picture.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
         }
     }
     let middle = top + PLOT + 0.5 * band;
-    pen.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
-    name_sides(pen, &whole);
+    picture.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
+    name_sides(picture, &whole);
 }
 
 /// The curves of one quantity, a line each, given at the boundary nodes, `h` apart.
 fn draw_plot(
-    pen: &mut Pen,
+    picture: &mut Picture,
     name: &str,
     (frame, ticks): &(Frame, Ticks),
     data: &[Vec<f64>],
     h: f64,
 ) {
-    frame.rules(pen, ticks.values());
-    frame.label_left(pen, ticks.labelled());
-    pen.text(name, (26.0, frame.middle().1), Type::size(NORMAL).italic());
-    frame.verticals(pen, [1.0, 2.0, 3.0], MUTED);
+    frame.rules(picture, ticks.values());
+    frame.label_left(picture, ticks.labelled());
+    picture.text(name, (26.0, frame.middle().1), Type::size(NORMAL).italic());
+    frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
     for (k, values) in data.iter().enumerate() {
         // Closed: s = 4 is the corner s = 0 again.
         let places = (0..=values.len()).map(|b| frame.at(b as f64 * h, values[b % values.len()]));
         // The first lines are thicker, so that a later one on top does not hide them.
         let thick = 1.5 + 0.75 * (data.len() - 1 - k).min(3) as f64;
-        pen.path(places, series(k), thick);
+        picture.path(places, series(k), thick);
     }
-    frame.outline(pen);
+    frame.outline(picture);
 }
 
 /// Names the sides above both plots, and the corners below.
-fn name_sides(pen: &mut Pen, whole: &Frame) {
+fn name_sides(picture: &mut Picture, whole: &Frame) {
     let (top, bottom) = whole.down;
     for (k, side) in ["bottom", "right", "top", "left"].into_iter().enumerate() {
         let x = whole.right(k as f64 + 0.5);
-        pen.text(side, (x, top - 11.0), Type::size(SMALL).color(MUTED));
+        picture.text(side, (x, top - 11.0), Type::size(SMALL).color(MUTED));
     }
     let corners = ["lower left", "lower right", "upper right", "upper left", "lower left"];
     for (k, corner) in corners.into_iter().enumerate() {
         let x = whole.right(k as f64);
-        pen.path([(x, bottom), (x, bottom + 4.0)], INK, 1.0);
-        pen.text(&k.to_string(), (x, bottom + 13.0), Type::size(SMALL));
+        picture.path([(x, bottom), (x, bottom + 4.0)], INK, 1.0);
+        picture.text(&k.to_string(), (x, bottom + 13.0), Type::size(SMALL));
         let kind = Type::size(SMALL).color(MUTED);
         match k {
-            0 => pen.text(corner, (x - 8.0, bottom + 29.0), kind.left()),
-            4 => pen.text(corner, (x + 8.0, bottom + 29.0), kind.right()),
-            _ => pen.text(corner, (x, bottom + 29.0), kind),
+            0 => picture.text(corner, (x - 8.0, bottom + 29.0), kind.left()),
+            4 => picture.text(corner, (x + 8.0, bottom + 29.0), kind.right()),
+            _ => picture.text(corner, (x, bottom + 29.0), kind),
         }
     }
-    pen.text("s", (whole.right(0.5), bottom + 15.0), Type::size(NORMAL).italic());
+    picture.text("s", (whole.right(0.5), bottom + 15.0), Type::size(NORMAL).italic());
 }
 
 /// Intervals of s in [0, 4] in which the boundary is in contact, ascending, disjoint.

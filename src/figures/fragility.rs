@@ -1,13 +1,12 @@
 //! How large a disturbance it takes to change each count of a table.
 
 use super::axes::Frame;
-use super::palette::{INK, MUTED, RULE, WHITE, legible_on, viridis};
-use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::palette::{INK, MUTED, RGBColor, RULE, WHITE, legible_on, viridis};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
 use super::table::of_fragility;
 use super::text::power_of_ten;
 use super::{Caption, Drawing, FigureError, finite, not_empty};
 use crate::experiments::rounding::{Cell, Table};
-use plotters::style::RGBColor;
 
 /// Width and height of a cell in display pixels.
 const CELL: (f64, f64) = (60.0, 42.0);
@@ -59,13 +58,11 @@ pub fn fragility(
     let width = all.max(2.0 * HALF + 40.0);
     let below = ABOVE + CELL.1 * tall;
     let mut picture = Picture::new(width, below + SCALE);
-    picture.layer("", |pen| {
-        for (k, table) in tables.iter().enumerate() {
-            let left = 0.5 * (width - all) + panel_width * k as f64 + LEFT;
-            draw_panel(pen, table, (left, ABOVE), color);
-        }
-        draw_scale(pen, sizes, (0.5 * width, below + 50.0), color);
-    })?;
+    for (k, table) in tables.iter().enumerate() {
+        let left = 0.5 * (width - all) + panel_width * k as f64 + LEFT;
+        draw_panel(&mut picture, table, (left, ABOVE), color);
+    }
+    draw_scale(&mut picture, sizes, (0.5 * width, below + 50.0), color);
     Ok(picture.finish(caption, Some(of_fragility(tables))))
 }
 
@@ -77,40 +74,50 @@ fn named(size: f64) -> String {
     power_of_ten(libm::round(decade(size)) as i32)
 }
 
-fn draw_panel(pen: &mut Pen, table: &Table, (left, top): Place, color: impl Fn(f64) -> RGBColor) {
+fn draw_panel(
+    picture: &mut Picture,
+    table: &Table,
+    (left, top): Place,
+    color: impl Fn(f64) -> RGBColor,
+) {
     let at = |i: usize, j: usize| (left + CELL.0 * i as f64, top + CELL.1 * j as f64);
     let (columns, rows) = (table.grids.len(), table.rows.len());
     let title = (left + 0.5 * CELL.0 * columns as f64, top - 42.0);
-    pen.text(&format!("Table {}", table.number), title, Type::size(LARGE).bold());
+    picture.text(&format!("Table {}", table.number), title, Type::size(LARGE).bold());
     for (i, cells) in table.grids.iter().enumerate() {
         let place = (at(i, 0).0 + 0.5 * CELL.0, top - 14.0);
-        pen.text(&format!("h = 1/{cells}"), place, Type::size(SMALL));
+        picture.text(&format!("h = 1/{cells}"), place, Type::size(SMALL));
     }
     for (j, row) in table.rows.iter().enumerate() {
         let place = (left - 8.0, top + CELL.1 * (j as f64 + 0.5));
-        pen.text(&format!("r = {}", row.r), place, Type::size(SMALL).right());
+        picture.text(&format!("r = {}", row.r), place, Type::size(SMALL).right());
         for (i, Cell { count, flips_at, .. }) in row.cells.iter().enumerate() {
             let ground = flips_at.map_or(WHITE, &color);
-            pen.rect(at(i, j), at(i + 1, j + 1), ground);
+            picture.rect(at(i, j), at(i + 1, j + 1), ground);
             let ink = legible_on(ground);
             let (x, y) = at(i, j);
             let (x, y) = (x + 0.5 * CELL.0, y + 0.5 * CELL.1);
-            pen.text(&count.to_string(), (x, y - 8.0), Type::size(NORMAL).bold().color(ink));
+            picture.text(&count.to_string(), (x, y - 8.0), Type::size(NORMAL).bold().color(ink));
             let text = flips_at.map_or_else(|| "\u{2013}".into(), named);
-            pen.text(&text, (x, y + 10.0), Type::size(SMALL).color(ink));
+            picture.text(&text, (x, y + 10.0), Type::size(SMALL).color(ink));
         }
     }
     for j in 0..=rows {
-        pen.path([at(0, j), at(columns, j)], RULE, 0.75);
+        picture.path([at(0, j), at(columns, j)], RULE, 0.75);
     }
     for i in 0..=columns {
-        pen.path([at(i, 0), at(i, rows)], RULE, 0.75);
+        picture.path([at(i, 0), at(i, rows)], RULE, 0.75);
     }
-    pen.outline((left, top), at(columns, rows), INK, 1.0);
+    picture.outline((left, top), at(columns, rows), INK, 1.0);
 }
 
 /// The sizes in their colours, with the roundings of the usual formats marked above.
-fn draw_scale(pen: &mut Pen, sizes: &[f64], (middle, top): Place, color: impl Fn(f64) -> RGBColor) {
+fn draw_scale(
+    picture: &mut Picture,
+    sizes: &[f64],
+    (middle, top): Place,
+    color: impl Fn(f64) -> RGBColor,
+) {
     const HEIGHT: f64 = 14.0;
     let (least, most) = (decade(sizes[0]), decade(sizes[sizes.len() - 1]));
     let roundings = FORMATS.map(|(rounding, _)| decade(rounding));
@@ -122,15 +129,15 @@ fn draw_scale(pen: &mut Pen, sizes: &[f64], (middle, top): Place, color: impl Fn
     };
     for &size in sizes {
         let x = decade(size);
-        frame.band(pen, (x - 0.5, x + 0.5), color(size));
+        frame.band(picture, (x - 0.5, x + 0.5), color(size));
     }
-    frame.label_below(pen, sizes.iter().map(|&size| (decade(size), named(size))));
+    frame.label_below(picture, sizes.iter().map(|&size| (decade(size), named(size))));
     for (rounding, name) in FORMATS {
         let x = frame.right(decade(rounding));
-        pen.path([(x, top - 6.0), (x, top + HEIGHT)], INK, 1.5);
+        picture.path([(x, top - 6.0), (x, top + HEIGHT)], INK, 1.5);
         let text = format!("one rounding in {name}");
-        pen.text(&text, (x - 4.0, top - 14.0), Type::size(SMALL).color(MUTED).left());
+        picture.text(&text, (x - 4.0, top - 14.0), Type::size(SMALL).color(MUTED).left());
     }
     let name = "largest relative disturbance of each value";
-    pen.text(name, (middle, top + HEIGHT + 32.0), Type::size(SMALL));
+    picture.text(name, (middle, top + HEIGHT + 32.0), Type::size(SMALL));
 }

@@ -2,7 +2,7 @@
 
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, RULE, series};
-use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
 use super::{Caption, Drawing, FigureError, History, HistoryPanel, finite, not_empty};
@@ -38,34 +38,30 @@ pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, F
     let mut top = 8.0;
     for plan in &plans {
         let frame = plan.frame(top);
-        picture.layer("", |pen| plan.ground(pen, &frame, top))?;
-        picture.layer("stroke-dasharray=\"4 8\"", |pen| plan.tolerances(pen, &frame))?;
-        picture.layer("stroke-dasharray=\"18 10\"", |pen| {
-            plan.curves(pen, &frame, 1.0, |i| i.gradient_abs);
-        })?;
-        picture.layer("", |pen| {
-            plan.curves(pen, &frame, 2.0, |i| i.gradient_signed);
-            plan.rings(pen, &frame);
-            frame.outline(pen);
-        })?;
+        plan.ground(&mut picture, &frame, top);
+        picture.group("stroke-dasharray=\"4 8\"", |picture| plan.tolerances(picture, &frame));
+        picture.group("stroke-dasharray=\"18 10\"", |picture| {
+            plan.curves(picture, &frame, 1.0, |i| i.gradient_abs);
+        });
+        plan.curves(&mut picture, &frame, 2.0, |i| i.gradient_signed);
+        plan.rings(&mut picture, &frame);
+        frame.outline(&mut picture);
         top += plan.height();
     }
     let y = height - 22.0;
     let x = ACROSS.0;
-    picture.layer("", |pen| {
-        pen.path([(x, y), (x + 28.0, y)], MUTED, 2.0);
-        key(pen, (x + 35.0, y), "max \u{2202}M/\u{2202}y, signed");
-        key(pen, (x + 227.0, y), "max |\u{2202}M/\u{2202}y|, as printed");
-        pen.ring((x + 410.0, y), 4.0, MUTED);
-        key(pen, (x + 421.0, y), "end of a grid");
-        key(pen, (x + 557.0, y), "tolerance 10\u{207b}\u{1d3a}");
-    })?;
-    picture.layer("stroke-dasharray=\"18 10\"", |pen| {
-        pen.path([(x + 192.0, y), (x + 220.0, y)], MUTED, 1.0);
-    })?;
-    picture.layer("stroke-dasharray=\"4 8\"", |pen| {
-        pen.path([(x + 522.0, y), (x + 550.0, y)], INK, 1.0);
-    })?;
+    picture.path([(x, y), (x + 28.0, y)], MUTED, 2.0);
+    key(&mut picture, (x + 35.0, y), "max \u{2202}M/\u{2202}y, signed");
+    key(&mut picture, (x + 227.0, y), "max |\u{2202}M/\u{2202}y|, as printed");
+    picture.ring((x + 410.0, y), 4.0, MUTED);
+    key(&mut picture, (x + 421.0, y), "end of a grid");
+    key(&mut picture, (x + 557.0, y), "tolerance 10\u{207b}\u{1d3a}");
+    picture.group("stroke-dasharray=\"18 10\"", |picture| {
+        picture.path([(x + 192.0, y), (x + 220.0, y)], MUTED, 1.0);
+    });
+    picture.group("stroke-dasharray=\"4 8\"", |picture| {
+        picture.path([(x + 522.0, y), (x + 550.0, y)], INK, 1.0);
+    });
     Ok(picture.finish(caption, Some(of_histories(panels))))
 }
 
@@ -122,38 +118,32 @@ impl<'a> Plan<'a> {
     }
 
     /// Everything but the data.
-    fn ground(&self, pen: &mut Pen, frame: &Frame, top: f64) {
-        pen.text(self.panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
-        self.legend.draw(pen, (ACROSS.0, top + 38.0));
+    fn ground(&self, picture: &mut Picture, frame: &Frame, top: f64) {
+        picture.text(self.panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
+        self.legend.draw(picture, (ACROSS.0, top + 38.0));
         let (low, high) = self.decades;
         let step = ((high - low + 7) / 8).max(1) as usize;
-        frame.rules(pen, (low..=high).step_by(step).map(f64::from));
+        frame.rules(picture, (low..=high).step_by(step).map(f64::from));
         let ticks = (low..=high).step_by(step);
-        frame.label_left(pen, ticks.map(|e| (f64::from(e), power_of_ten(e))));
+        frame.label_left(picture, ticks.map(|e| (f64::from(e), power_of_ten(e))));
         let ticks = Ticks::inside(0.0, frame.x.1, 10);
-        frame.verticals(pen, ticks.values(), RULE);
+        frame.verticals(picture, ticks.values(), RULE);
         // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
-        frame.label_below(pen, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
+        frame.label_below(picture, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
         let (x, y) = frame.middle();
-        pen.text("iterations, all grids", (x, frame.down.1 + 31.0), Type::size(NORMAL));
-        pen.text("residual", (17.0, y), Type::size(NORMAL).upwards());
-        for (k, grid) in self.shown_grids() {
-            let y = frame.up(level(k));
-            let text = format!("{}  h = 1/{}", power_of_ten(-(k as i32)), grid.cells());
-            pen.text(&text, (ACROSS.1 + 7.0, y), Type::size(SMALL).left().color(MUTED));
+        picture.text("iterations, all grids", (x, frame.down.1 + 31.0), Type::size(NORMAL));
+        picture.text("residual", (17.0, y), Type::size(NORMAL).upwards());
+        for (k, grid) in (1..).zip(self.panel.grids) {
+            let y = frame.up(-f64::from(k));
+            let text = format!("{}  h = 1/{}", power_of_ten(-k), grid.cells());
+            picture.text(&text, (ACROSS.1 + 7.0, y), Type::size(SMALL).left().color(MUTED));
         }
     }
 
-    /// Grids shown, with their numbers from 1.
-    fn shown_grids(&self) -> impl Iterator<Item = (usize, &'a crate::discrete::grid::Grid)> {
-        let grids: &'a [_] = self.panel.grids;
-        (1..).zip(grids)
-    }
-
-    fn tolerances(&self, pen: &mut Pen, frame: &Frame) {
-        for (k, _) in self.shown_grids() {
-            let y = frame.up(level(k));
-            pen.path([(ACROSS.0, y), (ACROSS.1, y)], INK, 1.0);
+    fn tolerances(&self, picture: &mut Picture, frame: &Frame) {
+        for k in 1..=self.panel.grids.len() as i32 {
+            let y = frame.up(-f64::from(k));
+            picture.path([(ACROSS.0, y), (ACROSS.1, y)], INK, 1.0);
         }
     }
 
@@ -172,28 +162,29 @@ impl<'a> Plan<'a> {
         frame.at(number as f64, y)
     }
 
-    fn curves(&self, pen: &mut Pen, frame: &Frame, width: f64, pick: fn(&Iteration) -> f64) {
+    fn curves(
+        &self,
+        picture: &mut Picture,
+        frame: &Frame,
+        width: f64,
+        pick: fn(&Iteration) -> f64,
+    ) {
         for (k, curve) in self.panel.curves.iter().enumerate() {
             let places = self.shown(curve).map(|(number, _, i)| self.place(frame, number, pick(i)));
             let thinned = thinned(places.collect());
             if thinned.len() > 1 {
-                pen.path(thinned, series(k), width);
+                picture.path(thinned, series(k), width);
             }
         }
     }
 
-    fn rings(&self, pen: &mut Pen, frame: &Frame) {
+    fn rings(&self, picture: &mut Picture, frame: &Frame) {
         for (k, curve) in self.panel.curves.iter().enumerate() {
             for (number, _, i) in self.shown(curve).filter(|(_, last, _)| *last) {
-                pen.ring(self.place(frame, number, i.gradient_signed), 4.0, series(k));
+                picture.ring(self.place(frame, number, i.gradient_signed), 4.0, series(k));
             }
         }
     }
-}
-
-/// log10 of the tolerance on the k-th grid.
-fn level(k: usize) -> f64 {
-    -(k as f64)
 }
 
 /// At most four points per half display pixel across: first, lowest, highest, last.
@@ -207,13 +198,11 @@ fn thinned(places: Vec<Place>) -> Vec<Place> {
             kept.extend_from_slice(run);
             continue;
         }
+        // The first of several.
         let extreme = |sign: f64| {
-            (0..run.len()).fold(
-                0,
-                |best, k| {
-                    if sign * run[k].1 > sign * run[best].1 { k } else { best }
-                },
-            )
+            let by_height =
+                |a: &usize, b: &usize| (sign * run[*a].1).total_cmp(&(sign * run[*b].1));
+            (0..run.len()).rev().max_by(by_height).unwrap_or(0)
         };
         let mut picks = [0, extreme(1.0), extreme(-1.0), run.len() - 1];
         picks.sort_unstable();

@@ -1,13 +1,12 @@
 //! How sharply the tables fix f: published counts that come out, over the plane of two of its values.
 
 use super::axes::{Frame, colour_bar, key};
-use super::palette::{CONTACT, INK, WHITE, viridis};
+use super::palette::{CONTACT, INK, RGBColor, WHITE, viridis};
 use super::panels::{Panels, title};
-use super::picture::{NORMAL, Pen, Picture, Place, SMALL, Type, text_width};
+use super::picture::{NORMAL, Picture, Place, SMALL, Type, text_width};
 use super::table::of_identifiability;
 use super::text::Ticks;
 use super::{Caption, Drawing, FigureError, IdentifiabilityPanel, finite, not_empty};
-use plotters::style::RGBColor;
 
 /// Side of a panel in display pixels.
 const SIDE: f64 = 290.0;
@@ -50,17 +49,22 @@ pub fn identifiability(
     };
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
-    picture.layer("", |pen| {
-        for (k, panel) in panels.iter().enumerate() {
-            let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
-            draw_panel(pen, panel, frame, color);
-        }
-        let top = layout.foot_top() + 14.0;
-        let middle = 0.5 * width + 60.0;
-        let half = 0.5 * (width - 260.0).min(420.0);
-        colour_bar(pen, (middle - half, middle + half), top, range, color, "counts that come out");
-        legend(pen, (0.5 * width, top + 56.0), most, width);
-    })?;
+    for (k, panel) in panels.iter().enumerate() {
+        let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
+        draw_panel(&mut picture, panel, frame, color);
+    }
+    let top = layout.foot_top() + 14.0;
+    let middle = 0.5 * width + 60.0;
+    let half = 0.5 * (width - 260.0).min(420.0);
+    colour_bar(
+        &mut picture,
+        (middle - half, middle + half),
+        top,
+        range,
+        color,
+        "counts that come out",
+    );
+    legend(&mut picture, (0.5 * width, top + 56.0), most, width);
     Ok(picture.finish(caption, Some(of_identifiability(panels))))
 }
 
@@ -72,61 +76,61 @@ fn ends(values: &[f64]) -> (f64, f64) {
 }
 
 fn draw_panel(
-    pen: &mut Pen,
+    picture: &mut Picture,
     panel: &IdentifiabilityPanel,
     frame: Frame,
     color: impl Fn(f64) -> RGBColor,
 ) {
     let slice = panel.slice;
-    title(pen, &frame, panel.title);
+    title(picture, &frame, panel.title);
     let (nx, ny) = (slice.x.len(), slice.y.len());
     let colors: Vec<_> = slice.exact.iter().flatten().map(|&count| color(count as f64)).collect();
-    frame.raster(pen, nx, &colors);
+    frame.raster(picture, nx, &colors);
     let corner = |i: usize, j: usize| frame.corner((i, j), (nx, ny));
     let full = |i: usize, j: usize| slice.exact[j][i] == panel.cells;
     for j in 0..ny {
         for i in 0..=nx {
             if (i > 0 && full(i - 1, j)) != (i < nx && full(i, j)) {
-                pen.path([corner(i, j), corner(i, j + 1)], CONTACT, 1.75);
+                picture.path([corner(i, j), corner(i, j + 1)], CONTACT, 1.75);
             }
         }
     }
     for j in 0..=ny {
         for i in 0..nx {
             if (j > 0 && full(i, j - 1)) != (j < ny && full(i, j)) {
-                pen.path([corner(i, j), corner(i + 1, j)], CONTACT, 1.75);
+                picture.path([corner(i, j), corner(i + 1, j)], CONTACT, 1.75);
             }
         }
     }
     let inside =
         |&&[x, y]: &&[f64; 2]| frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1;
     for &[x, y] in panel.others.iter().filter(inside) {
-        cross(pen, frame.at(x, y));
+        cross(picture, frame.at(x, y));
     }
-    ring(pen, frame.middle());
-    frame.outline(pen);
-    frame.label_below(pen, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
-    frame.label_left(pen, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
+    ring(picture, frame.middle());
+    frame.outline(picture);
+    frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
+    frame.label_left(picture, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
     let kind = Type::size(NORMAL);
     let (x, y) = frame.middle();
-    pen.text("f on the odd quadrant", (x, frame.down.1 + 32.0), kind);
-    pen.text("f elsewhere", (frame.across.0 - 64.0, y), kind.upwards());
+    picture.text("f on the odd quadrant", (x, frame.down.1 + 32.0), kind);
+    picture.text("f elsewhere", (frame.across.0 - 64.0, y), kind.upwards());
 }
 
-fn ring(pen: &mut Pen, at: Place) {
-    pen.ring(at, 5.5, INK);
+fn ring(picture: &mut Picture, at: Place) {
+    picture.ring(at, 5.5, INK);
 }
 
 /// A cross in ink on white, which shows on every colour.
-fn cross(pen: &mut Pen, (x, y): Place) {
+fn cross(picture: &mut Picture, (x, y): Place) {
     for (color, width, size) in [(WHITE, 4.5, 5.5), (INK, 1.75, 4.5)] {
-        pen.path([(x - size, y - size), (x + size, y + size)], color, width);
-        pen.path([(x - size, y + size), (x + size, y - size)], color, width);
+        picture.path([(x - size, y - size), (x + size, y + size)], color, width);
+        picture.path([(x - size, y + size), (x + size, y - size)], color, width);
     }
 }
 
 /// What the marks mean, centred.
-fn legend(pen: &mut Pen, (middle, y): Place, most: usize, width: f64) {
+fn legend(picture: &mut Picture, (middle, y): Place, most: usize, width: f64) {
     let outline = format!("all {most} counts come out");
     let texts = [outline.as_str(), "recovered f", "other f of the report"];
     let wide: f64 = texts.iter().map(|text| 22.0 + text_width(text, SMALL) + 14.0).sum();
@@ -134,10 +138,10 @@ fn legend(pen: &mut Pen, (middle, y): Place, most: usize, width: f64) {
     for (k, text) in texts.into_iter().enumerate() {
         let at = (x + 8.0, y);
         match k {
-            0 => pen.outline((x, y - 6.0), (x + 15.0, y + 6.0), CONTACT, 1.75),
-            1 => ring(pen, at),
-            _ => cross(pen, at),
+            0 => picture.outline((x, y - 6.0), (x + 15.0, y + 6.0), CONTACT, 1.75),
+            1 => ring(picture, at),
+            _ => cross(picture, at),
         }
-        x = key(pen, (x + 22.0, y), text) + 14.0;
+        x = key(picture, (x + 22.0, y), text) + 14.0;
     }
 }

@@ -1,9 +1,9 @@
 //! Figure 1: maps of the piecewise constant right-hand sides.
 
 use super::axes::{Frame, colour_bar};
-use super::palette::{INK, WHITE, diverging, legible_on};
+use super::palette::{INK, RGBColor, WHITE, diverging, legible_on};
 use super::panels::{Panels, title};
-use super::picture::{NORMAL, Pen, Picture, SMALL, Type, text_width};
+use super::picture::{NORMAL, Picture, SMALL, Type, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
 use super::{Caption, Drawing, FigureError, finite, not_empty};
@@ -55,33 +55,31 @@ pub fn maps_of_f(caption: Caption, panels: &[(&str, &Source)]) -> Result<Drawing
     };
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
-    picture.layer("", |pen| {
-        for (k, ((text, f), values)) in panels.iter().zip(&rasters).enumerate() {
-            let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
-            title(pen, &frame, text);
-            draw_map(pen, f, values, frame, limit);
-        }
-        let middle = 0.5 * width + 10.0;
-        let top = layout.foot_top() + 12.0;
-        let half = 0.5 * (width - 160.0).min(420.0);
-        colour_bar(
-            pen,
-            (middle - half, middle + half),
-            top,
-            (-limit, limit),
-            |value| diverging(value / limit),
-            "f (x, y)",
-        );
-    })?;
+    for (k, ((text, f), values)) in panels.iter().zip(&rasters).enumerate() {
+        let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
+        title(&mut picture, &frame, text);
+        draw_map(&mut picture, f, values, frame, limit);
+    }
+    let middle = 0.5 * width + 10.0;
+    let top = layout.foot_top() + 12.0;
+    let half = 0.5 * (width - 160.0).min(420.0);
+    colour_bar(
+        &mut picture,
+        (middle - half, middle + half),
+        top,
+        (-limit, limit),
+        |value| diverging(value / limit),
+        "f (x, y)",
+    );
     Ok(picture.finish(caption, None))
 }
 
 /// Colours are those of values up to `limit`; `values` is the raster of f.
-fn draw_map(pen: &mut Pen, f: &Source, values: &[f64], frame: Frame, limit: f64) {
+fn draw_map(picture: &mut Picture, f: &Source, values: &[f64], frame: Frame, limit: f64) {
     let color = |value: f64| diverging(value / limit);
     match f {
         Source::Pieces { background, pieces } => {
-            frame.band(pen, frame.x, color(*background));
+            frame.band(picture, frame.x, color(*background));
             let polygons: Vec<_> = pieces
                 .iter()
                 .map(|(region, value)| (inside_square(&region.half_planes()), *value))
@@ -89,26 +87,26 @@ fn draw_map(pen: &mut Pen, f: &Source, values: &[f64], frame: Frame, limit: f64)
             let place = |p: &Point| frame.at(p[0], p[1]);
             for (polygon, value) in &polygons {
                 if polygon.len() > 2 {
-                    pen.polygon(polygon.iter().map(place), color(*value));
+                    picture.polygon(polygon.iter().map(place), color(*value));
                 }
             }
             for run in polygons.iter().flat_map(|(p, _)| borders(f, p)) {
-                pen.path(run.iter().map(place), INK, 1.0);
+                picture.path(run.iter().map(place), INK, 1.0);
             }
-            label_regions(pen, &frame, values, color);
+            label_regions(picture, &frame, values, color);
         }
         Source::Exact(_) => {
             let band = |value: f64| color((BANDS * value / limit).round() / BANDS * limit);
-            frame.raster(pen, RASTER, &values.iter().map(|v| band(*v)).collect::<Vec<_>>());
+            frame.raster(picture, RASTER, &values.iter().map(|v| band(*v)).collect::<Vec<_>>());
         }
     }
-    frame.outline(pen);
-    frame.label_below(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
-    frame.label_left(pen, Ticks::inside(-0.5, 0.5, 4).labelled());
+    frame.outline(picture);
+    frame.label_below(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
+    frame.label_left(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
     let kind = Type::size(NORMAL).italic();
     let (x, y) = frame.middle();
-    pen.text("x", (x, frame.down.1 + 31.0), kind);
-    pen.text("y", (frame.across.0 - 48.0, y), kind);
+    picture.text("x", (x, frame.down.1 + 31.0), kind);
+    picture.text("y", (frame.across.0 - 48.0, y), kind);
 }
 
 /// The part of the square that lies in all half-planes.
@@ -175,10 +173,10 @@ fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
 
 /// Prints the value of every connected region where its largest inscribed disc is.
 fn label_regions(
-    pen: &mut Pen,
+    picture: &mut Picture,
     frame: &Frame,
     values: &[f64],
-    color: impl Fn(f64) -> plotters::style::RGBColor,
+    color: impl Fn(f64) -> RGBColor,
 ) {
     for region in regions(values) {
         let value = values[region[0]];
@@ -189,7 +187,11 @@ fn label_regions(
         if 0.5 * text_width(&text, SMALL) < room {
             let ink = legible_on(color(value));
             let kind = Type::size(size).color(ink);
-            pen.text(&text, frame.at(at.0, at.1), if ink == WHITE { kind.bold() } else { kind });
+            picture.text(
+                &text,
+                frame.at(at.0, at.1),
+                if ink == WHITE { kind.bold() } else { kind },
+            );
         }
     }
 }

@@ -211,9 +211,6 @@ pub enum FigureError {
         /// Entries wanted.
         want: usize,
     },
-    /// The drawing library refused.
-    #[error("drawing failed: {0}")]
-    Backend(String),
 }
 
 /// Refuses an empty slice.

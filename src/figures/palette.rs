@@ -1,6 +1,6 @@
 //! Colours that readers with any colour vision tell apart, on white.
 
-use plotters::style::RGBColor;
+pub(super) use plotters::style::RGBColor;
 
 /// Text and axes.
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);

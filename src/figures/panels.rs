@@ -1,7 +1,7 @@
 //! Square panels, two in a row, each with room for its title and axes, above a foot common to all.
 
 use super::axes::Frame;
-use super::picture::{LARGE, Pen, Type};
+use super::picture::{LARGE, Picture, Type};
 
 /// The layout, in display pixels.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,6 @@ impl Panels {
 }
 
 /// The title above a panel.
-pub(super) fn title(pen: &mut Pen, frame: &Frame, text: &str) {
-    pen.text(text, (frame.middle().0, frame.down.0 - 22.0), Type::size(LARGE).bold());
+pub(super) fn title(picture: &mut Picture, frame: &Frame, text: &str) {
+    picture.text(text, (frame.middle().0, frame.down.0 - 22.0), Type::size(LARGE).bold());
 }

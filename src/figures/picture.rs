@@ -1,10 +1,10 @@
-//! The canvas: layers of shapes drawn by plotters on a finer raster, put together into one SVG.
+//! The canvas: shapes, drawn by plotters on a finer raster, put together into one SVG.
 
-use super::palette::{DARK, INK, WHITE};
-use super::{Caption, Drawing, FigureError};
+use super::palette::{DARK, INK, RGBColor, WHITE};
+use super::{Caption, Drawing};
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
+use plotters::style::{Color, FontStyle, FontTransform, IntoFont, ShapeStyle, TextStyle};
 use std::fmt::Write as _;
 
 /// Canvas pixels per display pixel: plotters has whole pixels only, too coarse for a mesh.
@@ -26,7 +26,15 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
 
-/// A picture under construction.
+fn fine((x, y): Place) -> (i32, i32) {
+    ((x * FINE).round() as i32, (y * FINE).round() as i32)
+}
+
+fn filled(color: RGBColor) -> ShapeStyle {
+    ShapeStyle { color: color.to_rgba(), filled: true, stroke_width: 1 }
+}
+
+/// A picture under construction; shapes are given in display pixels.
 pub(super) struct Picture {
     width: f64,
     height: f64,
@@ -43,47 +51,85 @@ impl Picture {
         ((self.width * FINE) as u32, (self.height * FINE) as u32)
     }
 
-    /// Adds a layer; its shapes inherit `attributes`, such as a dash pattern, in canvas pixels.
-    pub(super) fn layer(
-        &mut self,
-        attributes: &str,
-        draw: impl FnOnce(&mut Pen),
-    ) -> Result<(), FigureError> {
+    /// Adds a shape: what plotters draws, without the document around it.
+    fn shape<E>(&mut self, draw: impl FnOnce(&mut SVGBackend) -> Result<(), E>) {
         let mut svg = String::new();
-        let mut pen =
-            Pen { backend: SVGBackend::with_string(&mut svg, self.canvas()), failure: None };
-        draw(&mut pen);
-        let failure = pen.failure.take();
-        drop(pen);
-        if let Some(message) = failure {
-            return Err(FigureError::Backend(message));
+        let drawn = draw(&mut SVGBackend::with_string(&mut svg, self.canvas()));
+        assert!(drawn.is_ok(), "memory takes every byte");
+        // plotters puts text on a line of its own; joined again, it gets no stray spaces.
+        let lines = svg.lines().filter(|l| !l.starts_with("<svg") && !l.starts_with("</svg"));
+        // Attributes that say nothing; and text is centred on its capitals, not on its x.
+        let shape = lines.collect::<String>().replace(" opacity=\"1\"", "");
+        let shape = shape.replace(" \"/>", "\"/>").replace("dy=\"0.5ex\"", "dy=\"0.36em\"");
+        self.body += &(shape + "\n");
+    }
+
+    /// Adds shapes that inherit `attributes`, such as a dash pattern, in canvas pixels.
+    pub(super) fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Self)) {
+        self.body += &format!("<g {attributes}>\n");
+        draw(self);
+        self.body += "</g>\n";
+    }
+
+    /// An open polygon, `width` display pixels thick.
+    pub(super) fn path(
+        &mut self,
+        places: impl IntoIterator<Item = Place>,
+        color: RGBColor,
+        width: f64,
+    ) {
+        let mut path: Vec<_> = places.into_iter().map(fine).collect();
+        path.dedup();
+        let stroke_width = (width * FINE).round().max(1.0) as u32;
+        let style = ShapeStyle { color: color.to_rgba(), filled: false, stroke_width };
+        self.shape(|svg| svg.draw_path(path, &style));
+    }
+
+    /// A filled polygon.
+    pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
+        self.shape(|svg| svg.fill_polygon(places.into_iter().map(fine), &filled(color)));
+    }
+
+    /// A filled rectangle between opposite corners.
+    pub(super) fn rect(&mut self, (x0, y0): Place, (x1, y1): Place, color: RGBColor) {
+        let low = fine((x0.min(x1), y0.min(y1)));
+        let high = fine((x0.max(x1), y0.max(y1)));
+        self.shape(|svg| svg.draw_rect(low, high, &filled(color), true));
+    }
+
+    /// The outline of a rectangle.
+    pub(super) fn outline(
+        &mut self,
+        (x0, y0): Place,
+        (x1, y1): Place,
+        color: RGBColor,
+        width: f64,
+    ) {
+        // Begun in the middle of a side, so that all four corners are joined.
+        let middle = (0.5 * (x0 + x1), y0);
+        self.path([middle, (x1, y0), (x1, y1), (x0, y1), (x0, y0), middle], color, width);
+    }
+
+    /// A disc with a white core.
+    pub(super) fn ring(&mut self, at: Place, radius: f64, color: RGBColor) {
+        for (radius, color) in [(radius, color), (radius - 1.5, WHITE)] {
+            let radius = (radius * FINE).round() as u32;
+            self.shape(|svg| svg.draw_circle(fine(at), radius, &filled(color), true));
         }
-        if !attributes.is_empty() {
-            let _ = writeln!(self.body, "<g {attributes}>");
-        }
-        for line in svg.lines() {
-            if line.starts_with("<svg") || line.starts_with("</svg") {
-                continue;
-            }
-            if line.starts_with('<') && !line.starts_with("</") {
-                // Attributes that say nothing; and text is centred on its capitals, not on its x.
-                let line = line
-                    .replace(" opacity=\"1\"", "")
-                    .replace(" \"/>", "\"/>")
-                    .replace("dy=\"0.5ex\"", "dy=\"0.36em\"");
-                self.body.push_str(&line);
-            } else {
-                self.body.push_str(line);
-            }
-            // plotters puts text on a line of its own; joined again, it gets no stray spaces.
-            if !line.starts_with("<text") && line.starts_with('<') {
-                self.body.push('\n');
-            }
-        }
-        if !attributes.is_empty() {
-            self.body.push_str("</g>\n");
-        }
-        Ok(())
+    }
+
+    /// A line of text whose middle height is at `at`.
+    pub(super) fn text(&mut self, text: &str, at: Place, kind: Type) {
+        let transform = if kind.upwards { FontTransform::Rotate270 } else { FontTransform::None };
+        let font = ("sans-serif", kind.size * FINE * FONT_UNIT)
+            .into_font()
+            .style(kind.style)
+            .transform(transform);
+        let style =
+            TextStyle::from(font).color(&kind.color).pos(Pos::new(kind.align, VPos::Center));
+        // XML has no control characters, not even escaped ones.
+        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        self.shape(|svg| svg.draw_text(&text, &style, fine(at)));
     }
 
     /// The SVG document: scalable, shown at its size in display pixels where nothing else is said.
@@ -175,100 +221,5 @@ impl Type {
     /// In another colour.
     pub(super) fn color(self, color: RGBColor) -> Self {
         Self { color, ..self }
-    }
-}
-
-/// Draws shapes given in display pixels.
-pub(super) struct Pen<'a> {
-    backend: SVGBackend<'a>,
-    failure: Option<String>,
-}
-
-fn fine((x, y): Place) -> (i32, i32) {
-    ((x * FINE).round() as i32, (y * FINE).round() as i32)
-}
-
-fn style(color: RGBColor, width: f64, filled: bool) -> ShapeStyle {
-    ShapeStyle {
-        color: color.to_rgba(),
-        filled,
-        stroke_width: (width * FINE).round().max(1.0) as u32,
-    }
-}
-
-impl Pen<'_> {
-    fn note<E: std::fmt::Display>(&mut self, result: Result<(), E>) {
-        if let Err(error) = result {
-            self.failure.get_or_insert_with(|| error.to_string());
-        }
-    }
-
-    /// An open polygon, `width` display pixels thick.
-    pub(super) fn path(
-        &mut self,
-        places: impl IntoIterator<Item = Place>,
-        color: RGBColor,
-        width: f64,
-    ) {
-        let mut path: Vec<_> = places.into_iter().map(fine).collect();
-        path.dedup();
-        let result = self.backend.draw_path(path, &style(color, width, false));
-        self.note(result);
-    }
-
-    /// A filled polygon.
-    pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
-        let result =
-            self.backend.fill_polygon(places.into_iter().map(fine), &style(color, 0.0, true));
-        self.note(result);
-    }
-
-    /// A filled rectangle between opposite corners.
-    pub(super) fn rect(&mut self, (x0, y0): Place, (x1, y1): Place, color: RGBColor) {
-        let low = fine((x0.min(x1), y0.min(y1)));
-        let high = fine((x0.max(x1), y0.max(y1)));
-        let result = self.backend.draw_rect(low, high, &style(color, 0.0, true), true);
-        self.note(result);
-    }
-
-    /// The outline of a rectangle.
-    pub(super) fn outline(
-        &mut self,
-        (x0, y0): Place,
-        (x1, y1): Place,
-        color: RGBColor,
-        width: f64,
-    ) {
-        // Begun in the middle of a side, so that all four corners are joined.
-        let middle = (0.5 * (x0 + x1), y0);
-        self.path([middle, (x1, y0), (x1, y1), (x0, y1), (x0, y0), middle], color, width);
-    }
-
-    /// A disc with a white core.
-    pub(super) fn ring(&mut self, at: Place, radius: f64, color: RGBColor) {
-        for (radius, color) in [(radius, color), (radius - 1.5, WHITE)] {
-            let result = self.backend.draw_circle(
-                fine(at),
-                (radius * FINE).round() as u32,
-                &style(color, 0.0, true),
-                true,
-            );
-            self.note(result);
-        }
-    }
-
-    /// A line of text whose middle height is at `at`.
-    pub(super) fn text(&mut self, text: &str, at: Place, kind: Type) {
-        let transform = if kind.upwards { FontTransform::Rotate270 } else { FontTransform::None };
-        let font = ("sans-serif", kind.size * FINE * FONT_UNIT)
-            .into_font()
-            .style(kind.style)
-            .transform(transform);
-        let style =
-            TextStyle::from(font).color(&kind.color).pos(Pos::new(kind.align, VPos::Center));
-        // XML has no control characters, not even escaped ones.
-        let text: String = text.chars().filter(|c| !c.is_control()).collect();
-        let result = self.backend.draw_text(&text, &style, fine(at));
-        self.note(result);
     }
 }

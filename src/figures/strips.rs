@@ -2,7 +2,7 @@
 
 use super::axes::Frame;
 use super::palette::{CONTACT, INK, MUTED, RULE};
-use super::picture::{LARGE, NORMAL, Pen, Picture, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, SMALL, Type};
 use super::table::of_strips;
 use super::text::Ticks;
 use super::{Caption, Drawing, FigureError, finite, not_empty};
@@ -38,22 +38,20 @@ pub fn strips(caption: Caption, panels: &[Strips]) -> Result<Drawing, FigureErro
     }
     let high = ABOVE + TALL + BELOW;
     let mut picture = Picture::new(WIDTH, high * panels.len() as f64 + 24.0);
-    picture.layer("", |pen| {
-        for (k, panel) in panels.iter().enumerate() {
-            draw_panel(pen, panel, high * k as f64);
-        }
-        let y = high * panels.len() as f64 + 8.0;
-        pen.rect((ACROSS.0, y - 6.0), (ACROSS.0 + 24.0, y + 6.0), CONTACT);
-        pen.text("in contact (a > 0)", (ACROSS.0 + 32.0, y), Type::size(SMALL).left());
-        pen.rect((ACROSS.0 + 190.0, y - 4.5), (ACROSS.0 + 214.0, y + 4.5), INK);
-        let kind = Type::size(SMALL).left();
-        pen.text("contact of the true solution", (ACROSS.0 + 222.0, y), kind);
-    })?;
+    for (k, panel) in panels.iter().enumerate() {
+        draw_panel(&mut picture, panel, high * k as f64);
+    }
+    let y = high * panels.len() as f64 + 8.0;
+    picture.rect((ACROSS.0, y - 6.0), (ACROSS.0 + 24.0, y + 6.0), CONTACT);
+    picture.text("in contact (a > 0)", (ACROSS.0 + 32.0, y), Type::size(SMALL).left());
+    picture.rect((ACROSS.0 + 190.0, y - 4.5), (ACROSS.0 + 214.0, y + 4.5), INK);
+    let kind = Type::size(SMALL).left();
+    picture.text("contact of the true solution", (ACROSS.0 + 222.0, y), kind);
     Ok(picture.finish(caption, Some(of_strips(panels))))
 }
 
-fn draw_panel(pen: &mut Pen, panel: &Strips, top: f64) {
-    pen.text(&panel.title(), (ACROSS.0, top + 18.0), Type::size(LARGE).bold().left());
+fn draw_panel(picture: &mut Picture, panel: &Strips, top: f64) {
+    picture.text(&panel.title(), (ACROSS.0, top + 18.0), Type::size(LARGE).bold().left());
     let count = panel.strips.len() as f64;
     let wide = (ACROSS.1 - ACROSS.0 - GAP * (count - 1.0)) / count;
     let longest = panel.strips.iter().map(|strip| strip.contact.len()).max().unwrap_or(0).max(1);
@@ -62,17 +60,17 @@ fn draw_panel(pen: &mut Pen, panel: &Strips, top: f64) {
         let left = ACROSS.0 + (wide + GAP) * k as f64;
         let frame =
             Frame { across: (left, left + wide), down, x: (0.0, 4.0), y: (longest as f64, 0.0) };
-        draw_strip(pen, panel, &frame, contact);
-        pen.text(&format!("r = {r}"), (left + 0.5 * wide, down.0 - 12.0), Type::size(SMALL));
+        draw_strip(picture, panel, &frame, contact);
+        picture.text(&format!("r = {r}"), (left + 0.5 * wide, down.0 - 12.0), Type::size(SMALL));
         if k == 0 {
-            frame.label_left(pen, Ticks::inside(0.0, longest as f64, 5).labelled());
+            frame.label_left(picture, Ticks::inside(0.0, longest as f64, 5).labelled());
         }
     }
     let middle = 0.5 * (down.0 + down.1);
-    pen.text("iteration", (14.0, middle), Type::size(NORMAL).upwards());
+    picture.text("iteration", (14.0, middle), Type::size(NORMAL).upwards());
 }
 
-fn draw_strip(pen: &mut Pen, panel: &Strips, frame: &Frame, rows: &[Vec<[usize; 2]>]) {
+fn draw_strip(picture: &mut Picture, panel: &Strips, frame: &Frame, rows: &[Vec<[usize; 2]>]) {
     let end = frame.up(rows.len() as f64);
     let at = |node: usize| frame.right(((node as f64 - 0.5) / panel.cells as f64).clamp(0.0, 4.0));
     let mut row = 0;
@@ -82,17 +80,17 @@ fn draw_strip(pen: &mut Pen, panel: &Strips, frame: &Frame, rows: &[Vec<[usize; 
         let (from, to) = (frame.up(row as f64), frame.up((row + alike.len()) as f64) + 0.5);
         let to = to.min(end);
         for run in &alike[0] {
-            pen.rect((at(run[0]), from), (at(run[1]), to), CONTACT);
+            picture.rect((at(run[0]), from), (at(run[1]), to), CONTACT);
             // Half a cell of the first node lies before the corner where the boundary closes.
             if run[0] == 0 {
-                pen.rect((at(4 * panel.cells), from), (frame.across.1, to), CONTACT);
+                picture.rect((at(4 * panel.cells), from), (frame.across.1, to), CONTACT);
             }
         }
         row += alike.len();
     }
     let shown = Frame { down: (frame.down.0, end), ..*frame };
-    shown.verticals(pen, [1.0, 2.0, 3.0], RULE);
-    shown.outline(pen);
+    shown.verticals(picture, [1.0, 2.0, 3.0], RULE);
+    shown.outline(picture);
     let bar = (frame.down.1 + BAR.1, frame.down.1 + BAR.1 + BAR.0);
     for &[from, to] in &panel.truth {
         let parts = if from < to { vec![(from, to)] } else { vec![(from, 4.0), (0.0, to)] };
@@ -103,11 +101,11 @@ fn draw_strip(pen: &mut Pen, panel: &Strips, frame: &Frame, rows: &[Vec<[usize; 
                 true => (left, right.max(left + SEEN)),
                 false => (left.min(right - SEEN), right),
             };
-            pen.rect((left, bar.0), (right, bar.1), INK);
+            picture.rect((left, bar.0), (right, bar.1), INK);
         }
     }
-    pen.outline((frame.across.0, bar.0), (frame.across.1, bar.1), MUTED, 0.75);
+    picture.outline((frame.across.0, bar.0), (frame.across.1, bar.1), MUTED, 0.75);
     let below = Frame { down: (frame.down.0, bar.1), ..*frame };
-    below.label_below(pen, [0.0, 1.0, 2.0, 3.0, 4.0].map(|s| (s, format!("{s}"))));
-    pen.text("s", (frame.middle().0, bar.1 + 30.0), Type::size(NORMAL).italic());
+    below.label_below(picture, [0.0, 1.0, 2.0, 3.0, 4.0].map(|s| (s, format!("{s}"))));
+    picture.text("s", (frame.middle().0, bar.1 + 30.0), Type::size(NORMAL).italic());
 }

@@ -2,8 +2,8 @@
 
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, Scene, UNIT};
-use super::palette::{CONTACT, INK, MUTED, RULE, SHADE, lit, viridis};
-use super::picture::{LARGE, NORMAL, Pen, Picture, Place, SMALL, Type};
+use super::palette::{CONTACT, INK, MUTED, RGBColor, RULE, SHADE, lit, viridis};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
 use super::text::Ticks;
 use super::{Caption, Drawing, FigureError, Surface, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
@@ -61,56 +61,52 @@ pub fn surfaces(
             heights,
         };
         let color = |v: f64| viridis((v - data.0) / (data.1 - data.0));
-        picture.layer("", |pen| {
-            pen.text(panel.title, (left + 0.5 * wide, top + 16.0), Type::size(LARGE).bold());
-            walls(pen, &scene, &ticks);
-        })?;
+        picture.text(panel.title, (left + 0.5 * wide, top + 16.0), Type::size(LARGE).bold());
+        walls(&mut picture, &scene, &ticks);
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
         let mesh = "stroke=\"#203038\" stroke-width=\"1\"";
-        picture.layer(mesh, |pen| quads(pen, &scene, panel, color))?;
-        picture.layer("stroke-linecap=\"round\"", |pen| near_contact(pen, &scene, panel))?;
-        picture.layer("", |pen| {
-            axes(pen, &scene, &ticks);
-            let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
-            let bottom = top + high - 44.0;
-            colour_bar(pen, bar, bottom, data, color, "v");
-        })?;
+        picture.group(mesh, |picture| quads(picture, &scene, panel, color));
+        picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &scene, panel));
+        axes(&mut picture, &scene, &ticks);
+        let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
+        let bottom = top + high - 44.0;
+        colour_bar(&mut picture, bar, bottom, data, color, "v");
     }
-    picture.layer("stroke-linecap=\"round\"", |pen| {
+    picture.group("stroke-linecap=\"round\"", |picture| {
         let y = margin + rows as f64 * high + 12.0;
         let x = margin + 76.0;
-        pen.path([(x, y), (x + 28.0, y)], CONTACT, 2.75);
-        key(pen, (x + 38.0, y), "boundary in contact (multiplier a > 0)");
+        picture.path([(x, y), (x + 28.0, y)], CONTACT, 2.75);
+        key(picture, (x + 38.0, y), "boundary in contact (multiplier a > 0)");
         let units = if columns > 1 { (x + 390.0, y) } else { (x, y + 20.0) };
-        key(pen, units, "x, y and v are dimensionless");
-    })?;
+        key(picture, units, "x, y and v are dimensionless");
+    });
     Ok(picture.finish(caption, None))
 }
 
 /// Floor and the two far walls, with rules at the ticks.
-fn walls(pen: &mut Pen, scene: &Scene, ticks: &Ticks) {
+fn walls(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
     let [nx, ny] = scene.camera.near.map(|sign| 0.5 * sign);
     let (low, high) = scene.heights;
     let at = |(x, y, v): (f64, f64, f64)| scene.place(x, y, v);
     let floor = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
-    pen.polygon(floor.map(|(x, y)| at((x, y, low))), SHADE);
+    picture.polygon(floor.map(|(x, y)| at((x, y, low))), SHADE);
     for v in ticks.values() {
         let line = [(-nx, ny, v), (-nx, -ny, v), (nx, -ny, v)].map(at);
         let (color, width) = if v == 0.0 { (MUTED, 1.0) } else { (RULE, 0.75) };
-        pen.path(line, color, width);
+        picture.path(line, color, width);
     }
     for t in [-0.25, 0.0, 0.25] {
         let across = [(t, ny, low), (t, -ny, low), (t, -ny, high)];
         let along = [(nx, t, low), (-nx, t, low), (-nx, t, high)];
-        pen.path(across.map(at), RULE, 0.75);
-        pen.path(along.map(at), RULE, 0.75);
+        picture.path(across.map(at), RULE, 0.75);
+        picture.path(along.map(at), RULE, 0.75);
     }
     for (x, y) in [(-nx, ny), (-nx, -ny), (nx, -ny)] {
-        pen.path([(x, y, low), (x, y, high)].map(at), MUTED, 0.75);
+        picture.path([(x, y, low), (x, y, high)].map(at), MUTED, 0.75);
     }
     for v in [low, high] {
         let rim = [(-nx, ny, v), (-nx, -ny, v), (nx, -ny, v)];
-        pen.path(rim.map(at), MUTED, 0.75);
+        picture.path(rim.map(at), MUTED, 0.75);
     }
 }
 
@@ -122,12 +118,7 @@ fn thinned(grid: Grid) -> Vec<usize> {
     lines
 }
 
-fn quads(
-    pen: &mut Pen,
-    scene: &Scene,
-    panel: &Surface,
-    color: impl Fn(f64) -> plotters::style::RGBColor,
-) {
+fn quads(picture: &mut Picture, scene: &Scene, panel: &Surface, color: impl Fn(f64) -> RGBColor) {
     let lines = thinned(panel.grid);
     let value = |(i, j): (usize, usize)| panel.y[panel.grid.index(i, j)];
     let xy = |(i, j): (usize, usize)| (panel.grid.coordinate(i), panel.grid.coordinate(j));
@@ -135,7 +126,7 @@ fn quads(
         let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(p, q)| (lines[i + p], lines[j + q]));
         let points = corners.map(|node| scene.point(xy(node).0, xy(node).1, value(node)));
         let mean = 0.25 * corners.map(value).iter().sum::<f64>();
-        pen.polygon(
+        picture.polygon(
             corners.map(|node| scene.place(xy(node).0, xy(node).1, value(node))),
             lit(color(mean), scene.brightness(points)),
         );
@@ -143,21 +134,21 @@ fn quads(
         for side in 0..4 {
             let edge = [corners[side], corners[(side + 1) % 4]];
             if is_far(scene, panel.grid, edge) {
-                mark(pen, scene, panel, edge);
+                mark(picture, scene, panel, edge);
             }
         }
     }
 }
 
 /// Contact on the near sides, which nothing hides: last, so that the mesh does not cover half of it.
-fn near_contact(pen: &mut Pen, scene: &Scene, panel: &Surface) {
+fn near_contact(picture: &mut Picture, scene: &Scene, panel: &Surface) {
     let lines = thinned(panel.grid);
     let n = panel.grid.cells();
     for pair in lines.windows(2) {
         let (p, q) = (pair[0], pair[1]);
         for edge in [[(p, 0), (q, 0)], [(n, p), (n, q)], [(p, n), (q, n)], [(0, p), (0, q)]] {
             if !is_far(scene, panel.grid, edge) {
-                mark(pen, scene, panel, edge);
+                mark(picture, scene, panel, edge);
             }
         }
     }
@@ -170,7 +161,7 @@ fn is_far(scene: &Scene, grid: Grid, [p, q]: [(usize, usize); 2]) -> bool {
 }
 
 /// Draws the part of an edge on the boundary that is in contact, node by node of the full grid.
-fn mark(pen: &mut Pen, scene: &Scene, panel: &Surface, [p, q]: [(usize, usize); 2]) {
+fn mark(picture: &mut Picture, scene: &Scene, panel: &Surface, [p, q]: [(usize, usize); 2]) {
     let grid = panel.grid;
     let length = p.0.abs_diff(q.0).max(p.1.abs_diff(q.1));
     let node = |k: usize| {
@@ -189,7 +180,7 @@ fn mark(pen: &mut Pen, scene: &Scene, panel: &Surface, [p, q]: [(usize, usize); 
             k += 1;
         }
         if k > start {
-            pen.path((start..=k).map(place), CONTACT, 2.75);
+            picture.path((start..=k).map(place), CONTACT, 2.75);
         }
         k += 1;
     }
@@ -208,7 +199,7 @@ fn boundary_number(grid: Grid, (i, j): (usize, usize)) -> Option<usize> {
 }
 
 /// Near edges of the floor and the vertical axis, with ticks, numbers and names.
-fn axes(pen: &mut Pen, scene: &Scene, ticks: &Ticks) {
+fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
     let [nx, ny] = scene.camera.near.map(|sign| 0.5 * sign);
     let low = scene.heights.0;
     // Outward steps in the plane of the picture, a given number of display pixels long.
@@ -225,12 +216,12 @@ fn axes(pen: &mut Pen, scene: &Scene, ticks: &Ticks) {
     ];
     for (name, out, marks) in sides {
         let at = |k: usize| scene.place(marks[k].0, marks[k].1, low);
-        pen.path([at(0), at(4)], INK, 1.0);
+        picture.path([at(0), at(4)], INK, 1.0);
         for (k, text) in [(0, "\u{2212}0.5"), (2, "0"), (4, "0.5")] {
-            pen.path([at(k), step(at(k), out, 5.0)], INK, 1.0);
-            pen.text(text, step(at(k), out, 17.0), Type::size(SMALL));
+            picture.path([at(k), step(at(k), out, 5.0)], INK, 1.0);
+            picture.text(text, step(at(k), out, 17.0), Type::size(SMALL));
         }
-        pen.text(name, step(at(1), out, 24.0), Type::size(NORMAL).italic());
+        picture.text(name, step(at(1), out, 24.0), Type::size(NORMAL).italic());
     }
     // The vertical axis stands at the leftmost corner, where the surface cannot hide it.
     let corner = [(nx, -ny), (-nx, ny)]
@@ -241,17 +232,17 @@ fn axes(pen: &mut Pen, scene: &Scene, ticks: &Ticks) {
         })
         .unwrap_or((nx, -ny));
     let at = |v: f64| scene.place(corner.0, corner.1, v);
-    pen.path([at(low), at(scene.heights.1)], INK, 1.0);
+    picture.path([at(low), at(scene.heights.1)], INK, 1.0);
     for (v, text) in ticks.labelled() {
         let (x, y) = at(v);
-        pen.path([(x - 5.0, y), (x, y)], INK, 1.0);
+        picture.path([(x - 5.0, y), (x, y)], INK, 1.0);
         // Too near the floor, a number would collide with the first one there.
         if y < at(low).1 - SMALL {
-            pen.text(&text, (x - 8.0, y), Type::size(SMALL).right());
+            picture.text(&text, (x - 8.0, y), Type::size(SMALL).right());
         }
     }
     let (x, y) = at(scene.heights.1);
-    pen.text("v", (x, y - 14.0), Type::size(NORMAL).italic());
+    picture.text("v", (x, y - 14.0), Type::size(NORMAL).italic());
 }
 
 #[cfg(test)]

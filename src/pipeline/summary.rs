@@ -58,6 +58,8 @@ pub struct Summary {
     pub failed: Vec<String>,
     /// Manifests of all tasks that are up to date now.
     pub manifests: BTreeMap<String, Manifest>,
+    /// Where the results differ from `pipeline/lock.toml`, of a run that must not change it.
+    pub differences: Vec<String>,
     /// Whether `pipeline/lock.toml` was written anew.
     pub lock_file_changed: bool,
     /// Whether a run would have to note that an older result is in use again.

@@ -67,20 +67,13 @@ impl Paper {
         })
     }
 
-    /// The rows of the published table of this number, if there is one.
-    pub fn printed(&self, number: u8) -> Option<Target> {
-        let table = self.table.iter().find(|table| table.number == number)?;
-        let (counts, delta_a) = (table.counts.clone(), table.delta_a.clone());
-        Some(Target { r: self.r.clone(), counts, delta_a })
-    }
-
     /// The published table of this number as a search takes it.
     ///
     /// # Errors
     /// [`Error::Input`] if there is no such table, or it holds what no run can give.
     pub fn target(&self, number: u8) -> Result<Target> {
-        self.published(number)?;
-        let target = self.printed(number).unwrap_or_default();
+        let PublishedTable { counts, delta_a, .. } = self.published(number)?.clone();
+        let target = Target { r: self.r.clone(), counts, delta_a };
         let wrong = |e| Error::input(format!("pipeline/paper.toml, table {number}: {e}"));
         target.validate().map_err(wrong)?;
         Ok(target)

@@ -9,6 +9,7 @@ use crate::problem::cube;
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 
 /// What a scene may ask for. What it does not ask for is not computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -28,17 +29,10 @@ pub enum Output {
     Identify,
 }
 
-impl Output {
-    /// The name used in scenes and file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Table => "table",
-            Self::Source => "source",
-            Self::Surface => "surface",
-            Self::History => "history",
-            Self::Contact => "contact",
-            Self::Identify => "identify",
-        }
+/// The name used in scenes and file names.
+impl fmt::Display for Output {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(out)
     }
 }
 

@@ -41,10 +41,7 @@ fn a_scene_is_obeyed_and_what_overrides_it_is_announced() {
     let text = project.run(&["solve", "a", "--h", "1/64", "--r", "10", "--stop", "printed"]).out;
     let line = "not as in the scene: finest grid 1/64 instead of 1/32, r 10 instead of 3, stop printed instead of printed-dual";
     assert!(text.contains(line), "{text}");
-    assert!(
-        text.contains("    1/16 ") && !text.contains("     1/8 "),
-        "the scene's coarsest: {text}"
-    );
+    assert!(text.contains("\n1/16 ") && !text.contains("\n 1/8 "), "the scene's coarsest: {text}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::stages::tabulate;
 use crate::saddle::StopRule;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::fs;
 
 /// A file of the bundle.
@@ -24,15 +25,6 @@ impl File {
     pub(super) fn new(path: impl Into<String>, comment: impl Into<String>, bytes: Vec<u8>) -> Self {
         Self { path: path.into(), comment: comment.into(), hash: hash(&bytes), bytes }
     }
-}
-
-/// A cell that is not as printed.
-#[derive(Serialize)]
-pub(super) struct Differing {
-    place: String,
-    paper: String,
-    ours: String,
-    verdict: String,
 }
 
 /// What matched of all tables, in a sentence for each.
@@ -58,7 +50,7 @@ fn sentence(table: &TableComparison) -> String {
 }
 
 /// The cells of a table that are not as printed.
-pub(super) fn differing(table: &TableComparison) -> Vec<Differing> {
+pub(super) fn differing(table: &TableComparison) -> Vec<Value> {
     let mut cells = Vec::new();
     let tolerance =
         |within: bool| if within { "within tolerance" } else { "**outside** tolerance" };
@@ -73,22 +65,17 @@ pub(super) fn differing(table: &TableComparison) -> Vec<Differing> {
                 }
             };
             let place = format!("{place}, grid {}", level + 1);
-            cells.push(Differing {
-                place,
-                paper: paper.to_string(),
-                ours: ours.to_string(),
-                verdict,
-            });
+            cells.push(json!({ "place": place, "paper": paper, "ours": ours, "verdict": verdict }));
         }
         if !row.delta_a_exact() {
             let ratio = row.delta_a_ours / row.delta_a_paper;
             let factor = ratio.max(1.0 / ratio);
-            cells.push(Differing {
-                place: format!("{place}, Δa"),
-                paper: format!("{:.1e}", row.delta_a_paper),
-                ours: format!("{:.2e}", row.delta_a_ours),
-                verdict: format!("{}: a factor of {factor:.2}", tolerance(row.delta_a_within)),
-            });
+            cells.push(json!({
+                "place": format!("{place}, Δa"),
+                "paper": format!("{:.1e}", row.delta_a_paper),
+                "ours": format!("{:.2e}", row.delta_a_ours),
+                "verdict": format!("{}: a factor of {factor:.2}", tolerance(row.delta_a_within)),
+            }));
         }
     }
     cells

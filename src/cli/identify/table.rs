@@ -41,28 +41,31 @@ pub(super) fn found(answer: &Answer, target: &Target) -> String {
             ]
         });
     let head = ["rank", "counts", "misfit", "Delta a", "complexity", "total", "integral", "f"];
-    out += &columns(&head, &["f"], rows.collect());
+    out += &columns(&head, &[head.len() - 1], rows.collect());
     out += "the first one's table, with the published value where it differs:\n";
     out + &own(&report.found[0], target)
 }
 
 fn own(found: &Found, target: &Target) -> String {
-    let mut out = String::new();
-    for (k, r) in target.r.iter().enumerate() {
-        out += &format!("{r:>10} ");
-        for (ours, &published) in found.counts[k].iter().zip(&target.counts[k]) {
-            out += &match ours {
-                Some(n) if *n == published => format!("{n:>12}"),
-                Some(n) => format!("{:>12}", format!("{n} ({published})")),
-                None => format!("{:>12}", format!("- ({published})")),
-            };
-        }
+    let row = |(k, r): (usize, &f64)| {
+        let mut row = vec![r.to_string()];
+        row.extend(found.counts[k].iter().zip(&target.counts[k]).map(
+            |(ours, &published)| match ours {
+                Some(n) if *n == published => n.to_string(),
+                Some(n) => format!("{n} ({published})"),
+                None => format!("- ({published})"),
+            },
+        ));
         let (ours, published) = (found.delta_a[k], target.delta_a[k]);
-        let same = agrees(ours, published);
-        let published = if same { String::new() } else { format!(" ({published:.1e})") };
-        out += &format!("   {ours:.2e}{published}\n");
-    }
-    out
+        row.push(match agrees(ours, published) {
+            true => format!("{ours:.2e}"),
+            false => format!("{ours:.2e} ({published:.1e})"),
+        });
+        row
+    };
+    let rows: Vec<_> = target.r.iter().enumerate().map(row).collect();
+    let last = rows.first().map_or(0, |row| row.len() - 1);
+    columns(&[], &[last], rows)
 }
 
 /// A variant and its best candidates.
@@ -90,9 +93,9 @@ pub(super) fn selection(all: &[Selection], numbers: &[u8]) -> String {
         total.chain(one.best.iter().map(best)).chain([one.description.clone()]).collect()
     });
     let problems: Vec<String> = numbers.iter().map(|n| format!("problem {n}")).collect();
-    let last = "reading of the method";
-    let head: Vec<&str> =
-        ["total"].into_iter().chain(problems.iter().map(String::as_str)).chain([last]).collect();
-    columns(&head, &[last], rows.collect())
+    let mut head = vec!["total"];
+    head.extend(problems.iter().map(String::as_str));
+    head.push("reading of the method");
+    columns(&head, &[head.len() - 1], rows.collect())
         + "per problem: counts exact, misfit, values of Delta a to the two printed digits\n"
 }

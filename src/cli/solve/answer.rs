@@ -2,8 +2,10 @@
 
 use super::bound;
 use super::domain::Errors;
+use super::name;
 use super::problem::Problem;
 use crate::bounds::Bounds;
+use crate::cli::output::columns;
 use crate::discrete::kkt::Kkt;
 use crate::saddle::{Pair, tolerance};
 use serde::Serialize;
@@ -50,11 +52,7 @@ pub(super) struct Solved {
 
 /// An answer with its judgement.
 pub(super) struct Answer {
-    /// One entry per grid on which the solver stopped, coarsest first.
-    pub levels: Vec<Level>,
-    /// The solution on the finest grid.
-    pub pair: Pair,
-    work_units: Option<f64>,
+    pub solved: Solved,
     /// The sum of v r over the boundary, r the gradient of the energy: zero at the solution, and elsewhere,
     /// if all other conditions hold, a bound of the energy's error.
     complementarity: f64,
@@ -72,11 +70,9 @@ pub(super) struct Answer {
 
 impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
-        let Solved { levels, pair, work_units } = solved;
-        let n = problem.finest();
-        let (_, _, flux) = problem.domain.judge(n, &pair.y, load);
+        let (n, y) = (problem.finest(), &solved.pair.y);
+        let (_, _, flux) = problem.domain.judge(n, y, load);
         let boundary = problem.domain.boundary(n);
-        let y = &pair.y;
         let mut answer = Self {
             complementarity: boundary.iter().map(|&node| y[node] * flux[node]).sum(),
             contact: [
@@ -85,9 +81,7 @@ impl Answer {
             ],
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
-            levels,
-            pair,
-            work_units,
+            solved,
             seconds,
             warnings: Vec::new(),
             failure: None,
@@ -97,14 +91,14 @@ impl Answer {
     }
 
     fn last(&self) -> &Level {
-        self.levels.last().expect("at least one grid")
+        self.solved.levels.last().expect("at least one grid")
     }
 
     /// Decides whether the answer is one, and collects what else is to be known of it.
     fn judge(&mut self, problem: &Problem) {
-        let last = self.levels.len() - 1;
+        let last = self.solved.levels.len() - 1;
         let (name, finest) = (problem.name(), problem.finest());
-        let Level { ref stop, kkt, energy, sum_load, .. } = self.levels[last];
+        let Level { ref stop, kkt, energy, sum_load, .. } = self.solved.levels[last];
         let mut verdict = None;
         if stop.ends_with("-limit") {
             let remedy = if problem.solver.is_nested() {
@@ -131,7 +125,7 @@ impl Answer {
             ));
         }
         if let Some(verdict) = verdict {
-            self.levels[last].stop = verdict.into();
+            self.solved.levels[last].stop = verdict.into();
         }
         self.warn_of_grids(problem);
         self.warn_of_load(problem, sum_load);
@@ -165,7 +159,7 @@ impl Answer {
                 tolerance(count)
             ));
         }
-        let coarse = &self.levels[..self.levels.len() - 1];
+        let coarse = &self.solved.levels[..self.solved.levels.len() - 1];
         let list = |which: &dyn Fn(&Level) -> bool| -> Option<String> {
             let of: Vec<_> =
                 coarse.iter().filter(|l| which(l)).map(|l| format!("1/{}", l.cells)).collect();
@@ -197,22 +191,22 @@ impl Answer {
         let last = self.last();
         let (n, kkt) = (problem.finest(), last.kkt);
         let per_grid = |of: fn(&Level) -> Option<usize>| -> Vec<usize> {
-            self.levels.iter().filter_map(of).collect()
+            self.solved.levels.iter().filter_map(of).collect()
         };
         let mut json = json!({
             "schema": 1,
             "scene": problem.name(),
             "f": problem.domain.f(),
             "dimension": problem.domain.dimension(),
-            "solver": problem.solver.name(),
+            "solver": name(&problem.solver),
             "settings": problem.settings().into_iter().collect::<BTreeMap<_, _>>(),
             "not_as_in_scene": problem.overridden,
             "h": 1.0 / n as f64,
-            "unknowns": self.pair.y.len(),
+            "unknowns": self.solved.pair.y.len(),
             "iterations": last.iterations,
             "iterations_per_grid": per_grid(|level| Some(level.iterations)),
             "stop": last.stop,
-            "grids": self.levels,
+            "grids": self.solved.levels,
             "energy": last.energy,
             "integral_f": problem.domain.integral(),
             "sum_load": last.sum_load,
@@ -233,7 +227,7 @@ impl Answer {
             json["sweeps"] = sweeps.into();
             json["sweeps_per_grid"] = per_grid(|level| level.sweeps).into();
         }
-        if let Some(work_units) = self.work_units {
+        if let Some(work_units) = self.solved.work_units {
             json["work_units"] = work_units.into();
         }
         if let Some(errors) = &self.errors {
@@ -260,7 +254,7 @@ impl Answer {
         }
         text += &self.table();
         text += &format!("solved in {:.3} s", self.seconds[1]);
-        if let Some(work_units) = self.work_units {
+        if let Some(work_units) = self.solved.work_units {
             text += &format!(", the cost of {work_units:.1} sweeps");
         }
         let [nodes, all] = self.contact;
@@ -279,35 +273,27 @@ impl Answer {
 
     /// One line per grid.
     fn table(&self) -> String {
+        let levels = &self.solved.levels;
         // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
-        let nested =
-            self.levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
-        let column = |what: &dyn std::fmt::Display| match nested {
-            true => format!(" {what:>9}"),
-            false => String::new(),
-        };
-        let mut text = format!(
-            "{:>8} {:>11}{} {:>16} {:>14} {:>13} {:>10}\n",
-            "grid",
-            "iterations",
-            column(&"sweeps"),
-            "stop",
-            "energy",
-            "KKT residual",
-            "relative"
-        );
-        for level in &self.levels {
-            text += &format!(
-                "{:>8} {:>11}{} {:>16} {:>14.6e} {:>13.2e} {:>10.2e}\n",
+        let nested = levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
+        let mut head = vec!["grid", "iterations", "stop", "energy", "KKT residual", "relative"];
+        let row = |level: &Level| {
+            let mut row = vec![
                 format!("1/{}", level.cells),
-                level.iterations,
-                column(&level.sweeps.unwrap_or(level.iterations)),
-                level.stop,
-                level.energy,
-                level.kkt.natural,
-                level.kkt.relative
-            );
+                level.iterations.to_string(),
+                level.stop.clone(),
+                format!("{:.6e}", level.energy),
+                format!("{:.2e}", level.kkt.natural),
+                format!("{:.2e}", level.kkt.relative),
+            ];
+            if nested {
+                row.insert(2, level.sweeps.unwrap_or(level.iterations).to_string());
+            }
+            row
+        };
+        if nested {
+            head.insert(2, "sweeps");
         }
-        text
+        columns(&head, &[], levels.iter().map(row).collect())
     }
 }

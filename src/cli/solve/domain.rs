@@ -1,6 +1,6 @@
 //! The square and the cube under one interface: load vector, judgement, errors, files.
 
-use super::Solver;
+use super::{Solver, name};
 use crate::bounds::{Bounds, bounds, recovery};
 use crate::cli::formats::{Format, picture};
 use crate::discrete::cube;
@@ -54,12 +54,12 @@ impl Domain {
             (Self::Cube { .. }, _) => {
                 return Err(Error::input(format!(
                     "--solver {}: the cube has only multigrid and active-set",
-                    solver.name()
+                    name(&solver)
                 )));
             }
         };
         if finest > most {
-            let name = solver.name();
+            let name = name(&solver);
             return Err(Error::input(format!(
                 "--h 1/{finest} needs too much memory; 1/{most} is the finest for {name}"
             )));
@@ -196,10 +196,20 @@ impl Domain {
         Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }
 
+    /// Refuses a format that the domain does not have.
+    pub(super) fn check_format(&self, format: Format) -> Result<()> {
+        match (self, format) {
+            (Self::Cube { .. }, Format::Svg) => Err(Error::input(
+                "--out: a solution on the cube has no picture; use .vti and open it in ParaView, or .npz",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// The bytes of a file with the solution.
     ///
     /// # Errors
-    /// [`Error::Input`] if the solution cannot be drawn.
+    /// [`Error::Input`] if the solution cannot be drawn, or is too large for the format.
     pub(super) fn file(
         &self,
         format: Format,
@@ -207,15 +217,18 @@ impl Domain {
         pair: &Pair,
         name: &str,
     ) -> Result<Vec<u8>> {
-        match self {
-            Self::Square { f, .. } => {
-                let fields = Fields::square(square(n), f, pair);
-                format.bytes(&fields, name, || picture(square(n), pair, name))
-            }
-            Self::Cube { f, .. } => {
-                let fields = Fields::cube(cube(n), f, &self.boundary(n), pair);
-                format.bytes(&fields, name, || Err(Format::no_picture()))
-            }
+        self.check_format(format)?;
+        let fields = match self {
+            Self::Square { f, .. } => Fields::square(square(n), f, pair),
+            Self::Cube { f, .. } => Fields::cube(cube(n), f, &self.boundary(n), pair),
+        };
+        match format {
+            Format::Npy => Ok(fields.npy()),
+            Format::Npz => fields.npz().ok_or_else(|| {
+                Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vti")
+            }),
+            Format::Vti => Ok(fields.vti(name)),
+            Format::Svg => picture(square(n), pair, name),
         }
     }
 }

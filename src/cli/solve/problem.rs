@@ -2,10 +2,10 @@
 
 use super::accuracy::Accuracy;
 use super::domain::Domain;
-use super::{LoadName, SolveArgs, Solver, cells};
+use super::{SolveArgs, Solver, cells, name};
 use crate::cli::current_folder;
 use crate::discrete::grid::nested;
-use crate::discrete::load::LoadRule;
+use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::transfer::Prolongation;
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
@@ -84,7 +84,7 @@ impl Problem {
     pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
         if let Domain::Square { rule, .. } = &self.domain {
-            settings.push(("load", rule_name(rule).into()));
+            settings.push(("load", name(rule).into()));
         }
         if self.solver.is_nested() {
             let Params { r, rule, max_iterations, .. } = self.params;
@@ -123,14 +123,9 @@ impl Choice {
                     (None, None) => return Err(Error::input("give a scene or --f")),
                 };
                 // An accuracy is asked of the solution for f, whatever load vector a scene takes.
-                let exact = args.accuracy().map(|_| LoadName::Exact);
-                let rule = self.one(
-                    "load",
-                    args.load.or(exact).map(LoadRule::from),
-                    scene.map(|s| s.load),
-                    rule_name,
-                );
-                let rule = rule.unwrap_or_else(|| LoadName::Exact.into());
+                const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
+                let given = args.load.or(args.accuracy().map(|_| EXACT));
+                let rule = self.one("load", given, scene.map(|s| s.load), name).unwrap_or(EXACT);
                 let integral = solvable(&f)?;
                 Ok(Domain::Square { f, rule, integral })
             }
@@ -173,16 +168,6 @@ impl Choice {
         }
         option.or(scene)
     }
-}
-
-fn rule_name(rule: &LoadRule) -> String {
-    match rule {
-        LoadRule::Nodal { .. } => "nodal",
-        LoadRule::Exact { .. } => "exact",
-        LoadRule::Bilinear => "bilinear",
-        LoadRule::LumpedAverage => "lumped-average",
-    }
-    .into()
 }
 
 fn stop_rule(name: &str) -> Result<StopRule> {

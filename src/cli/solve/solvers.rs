@@ -1,10 +1,10 @@
 //! Every solver brought to the same shape of answer.
 
-use super::Solver;
 use super::accuracy::{Accuracy, FIRST};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
+use super::{Solver, name};
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
 use crate::multigrid::cube;
 use crate::multigrid::square::multigrid;
@@ -45,13 +45,13 @@ impl Problem {
             self.grids = vec![finest];
             self.domain.check_solver(self.solver, finest)?;
             let mut answer = self.solve()?;
-            levels.append(&mut answer.levels);
+            levels.append(&mut answer.solved.levels);
             let bounds = answer.bounds.as_ref().map_err(|reason| {
                 Error::input(format!("{accuracy}: no bound of the error: {reason}; scale f"))
             })?;
             let reached = accuracy.reached(bounds);
             if reached <= accuracy.wanted() || answer.failure.is_some() {
-                answer.levels = levels;
+                answer.solved.levels = levels;
                 return Ok(answer);
             }
             finest = accuracy.next(finest, [before, reached])?;
@@ -74,7 +74,7 @@ impl Problem {
             return Err(Error::Stage(vec![format!(
                 "{}: {} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
                 self.name(),
-                self.solver.name(),
+                name(&self.solver),
                 end.cells,
                 end.iterations
             )]));

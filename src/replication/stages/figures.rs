@@ -76,7 +76,7 @@ pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
             tasks.push(task(kind, kind.shared.into(), &shared));
         }
         for scene in scenes.iter().filter(|s| !project.is_problem(s) && s.wants(kind.output)) {
-            tasks.push(task(kind, format!("{}-{}", scene.name, kind.output.name()), &[scene]));
+            tasks.push(task(kind, format!("{}-{}", scene.name, kind.output), &[scene]));
         }
     }
     let shared = sharing(project, scenes, Output::Surface);
@@ -131,7 +131,7 @@ fn task(kind: &'static Kind, name: String, scenes: &[&Scene]) -> Task {
     let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
     let title = format!("{}: {}", kind.caption, titles.join("; "));
     // Drawing reads nothing else of a scene.
-    let mut hashed = BTreeMap::from([("kind".to_owned(), kind.output.name().to_owned())]);
+    let mut hashed = BTreeMap::from([("kind".to_owned(), kind.output.to_string())]);
     for scene in &scenes {
         let mut read = serde_json::json!({ "title": scene.title });
         match kind.output {

@@ -19,9 +19,11 @@ use crate::replication::scene::{Output, Scene};
 use clap::ValueEnum;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::fmt;
 
 /// The kinds of task, in the order in which they follow from each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Stage {
     /// One (problem, stopping rule, r) column over all grids.
     Solve,
@@ -40,33 +42,16 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// All stages, in order.
-    pub const ALL: [Self; 7] = [
-        Self::Solve,
-        Self::Tabulate,
-        Self::Diff,
-        Self::Identify,
-        Self::Bench,
-        Self::Figures,
-        Self::Report,
-    ];
-
-    /// The name on the command line and in task ids.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Solve => "solve",
-            Self::Tabulate => "tabulate",
-            Self::Diff => "diff",
-            Self::Identify => "identify",
-            Self::Bench => "bench",
-            Self::Figures => "figures",
-            Self::Report => "report",
-        }
+    /// The stage of the task with this id.
+    pub fn of(id: &str) -> Option<Self> {
+        Self::from_str(stage(id), false).ok()
     }
+}
 
-    /// Whether the task with this id belongs to it.
-    pub fn has(self, id: &str) -> bool {
-        stage(id) == self.name()
+/// The name on the command line and in task ids.
+impl fmt::Display for Stage {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(out)
     }
 }
 
@@ -104,13 +89,13 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
             tasks.extend(timings::pictures(project));
         }
     }
-    tasks.sort_by_key(|task| Stage::ALL.iter().position(|stage| stage.has(&task.id)));
+    tasks.sort_by_key(|task| Stage::of(&task.id));
     if whole {
         tasks.push(report::task(project, &tasks));
     }
     let plan = Plan::new(PROGRAM, tasks)?;
     Ok(match only {
-        Some(stage) => plan.only(|id| stage.has(id)),
+        Some(stage) => plan.only(|id| Stage::of(id) == Some(stage)),
         None => plan,
     })
 }

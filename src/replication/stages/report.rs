@@ -29,7 +29,7 @@ pub fn left_out(project: &Project) -> Option<String> {
         let mut kinds = figures::KINDS.iter().map(|kind| kind.output).chain([Output::Table]);
         let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
             .find(|kind| !scene.wants(*kind))
-            .map(|kind| format!("\"{}\" to `outputs`", kind.name())))?;
+            .map(|kind| format!("\"{kind}\" to `outputs`")))?;
         Some(format!("they show scene `{}`; add {missing}", scene.name))
     })
 }

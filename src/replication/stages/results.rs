@@ -2,9 +2,10 @@
 //! read, and what the book says of it as joins and aggregates.
 
 use super::from_json;
-use super::solve::{self, Outcomes};
-use crate::identify::Target;
+use super::solve::{self, OUTCOMES, Outcomes};
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::table::{csv, read_csv};
@@ -33,16 +34,8 @@ pub fn task(project: &Project) -> Option<Task> {
     let parameters =
         parameters(&serde_json::json!({ "r": paper.r, "tables": tables, "published": printed }));
     let join = move |inputs: &Inputs| {
-        let published: Vec<_> =
-            parts.iter().map(|(scene, _)| paper.printed(scene.paper_table?)).collect();
-        let levels = parts.iter().zip(&published).map(|(part, published)| {
-            let (ids, (scene, rule)) = (ids(part), part);
-            let columns = ids.iter().map(|id| from_json(inputs, id, solve::OUTCOMES));
-            let columns = columns.collect::<Result<_, String>>()?;
-            Ok(Levels { problem: &scene.name, published: published.as_ref(), rule: *rule, columns })
-        });
-        let levels = levels.collect::<Result<Vec<_>, String>>()?;
-        Ok(Artifacts::from([(FILE.into(), csv(Results::of(&levels)?.0)?)]))
+        let results = levels(inputs, &parts)?.left_join(&published(&parts, &paper)?, KEYS, KEYS)?;
+        Ok(Artifacts::from([(FILE.into(), csv(results)?)]))
     };
     let task = Task::new(ID, parameters, needs, join);
     (!task.needs.is_empty()).then(|| Task { export: Some("report"), ..task })
@@ -55,17 +48,6 @@ pub fn task(project: &Project) -> Option<Task> {
 /// nothing. The other columns carry the names of the fields of [`Outcome`].
 #[derive(Clone, Debug)]
 pub(super) struct Results(DataFrame);
-
-/// The results of one scene under one rule.
-struct Levels<'a> {
-    /// Name of the scene.
-    problem: &'a str,
-    /// What the paper prints of it, if it does.
-    published: Option<&'a Target>,
-    rule: StopRule,
-    /// One per r.
-    columns: Vec<Outcomes>,
-}
 
 /// Some numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -80,19 +62,6 @@ pub(super) struct Summary {
 const KEYS: [&str; 3] = ["problem", "r", "cells"];
 
 impl Results {
-    /// The results of all scenes and rules, joined with the published tables.
-    fn of(parts: &[Levels]) -> PolarsResult<Self> {
-        let (mut all, mut published) = (DataFrame::empty(), printed("", &[], &Target::default())?);
-        for part in parts {
-            let (levels, grids) = frame(part)?;
-            if let Some(table) = part.published.filter(|_| part.rule == StopRule::Signed) {
-                published.vstack_mut(&printed(part.problem, &grids, table)?)?;
-            }
-            all.vstack_mut(&levels)?;
-        }
-        all.left_join(&published, KEYS, KEYS).map(Self)
-    }
-
     /// Reads the artifact [`FILE`].
     pub(super) fn read(bytes: &[u8]) -> PolarsResult<Self> {
         read_csv(bytes).map(Self)
@@ -145,26 +114,26 @@ impl Results {
     }
 }
 
-/// One row per r and grid, and the grids in cells per side.
-fn frame(part: &Levels) -> PolarsResult<(DataFrame, Vec<i64>)> {
-    let levels = |column: &'_ Outcomes| -> Vec<_> {
-        (1..).zip(&column.levels).map(|(level, o)| (column.r, level, *o)).collect()
-    };
-    let rows: Vec<(f64, usize, Outcome)> = part.columns.iter().flat_map(levels).collect();
-    let float = |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.2)).collect::<Vec<_>>();
+/// What was solved: one row per scene, rule, r and grid.
+fn levels(inputs: &Inputs, parts: &[(Scene, StopRule)]) -> Result<DataFrame, Failure> {
+    let mut rows: Vec<(&Scene, StopRule, f64, usize, Outcome)> = Vec::new();
+    for (scene, rule) in parts {
+        for &r in &scene.r {
+            let solved: Outcomes = from_json(inputs, &solve::id(scene, *rule, r), OUTCOMES)?;
+            rows.extend((1..).zip(solved.levels).map(|(level, o)| (scene, *rule, r, level, o)));
+        }
+    }
+    let float = |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.4)).collect::<Vec<_>>();
     let count =
-        |of: fn(&Outcome) -> usize| rows.iter().map(|row| of(&row.2) as i64).collect::<Vec<_>>();
-    let mut grids = count(|o| o.cells);
-    grids.sort_unstable();
-    grids.dedup();
-    let frame = df!(
-        "problem" => vec![part.problem; rows.len()],
-        "rule" => vec![part.rule.to_string(); rows.len()],
-        "r" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
+        |of: fn(&Outcome) -> usize| rows.iter().map(|row| of(&row.4) as i64).collect::<Vec<_>>();
+    Ok(df!(
+        "problem" => rows.iter().map(|row| &*row.0.name).collect::<Vec<_>>(),
+        "rule" => rows.iter().map(|row| row.1.name()).collect::<Vec<_>>(),
+        "r" => rows.iter().map(|row| row.2).collect::<Vec<_>>(),
         "cells" => count(|o| o.cells),
-        "tolerance" => rows.iter().map(|row| tolerance(row.1)).collect::<Vec<_>>(),
+        "tolerance" => rows.iter().map(|row| tolerance(row.3)).collect::<Vec<_>>(),
         "iterations" => count(|o| o.iterations),
-        "stop" => rows.iter().map(|row| row.2.stop.to_string()).collect::<Vec<_>>(),
+        "stop" => rows.iter().map(|row| row.4.stop.to_string()).collect::<Vec<_>>(),
         "gradient_signed" => float(|o| o.gradient_signed),
         "gradient_abs" => float(|o| o.gradient_abs),
         "delta_a" => float(|o| o.delta_a),
@@ -176,28 +145,29 @@ fn frame(part: &Levels) -> PolarsResult<(DataFrame, Vec<i64>)> {
         "kkt_complementarity" => float(|o| o.kkt.complementarity),
         "kkt_natural" => float(|o| o.kkt.natural),
         "kkt_relative" => float(|o| o.kkt.relative),
-    );
-    Ok((frame?, grids))
+    )?)
 }
 
-/// What the paper prints for a problem.
-fn printed(problem: &str, grids: &[i64], table: &Target) -> PolarsResult<DataFrame> {
-    let (mut r, mut cells) = (Vec::new(), Vec::new());
-    let (mut counts, mut deltas) = (Vec::new(), Vec::new());
-    for (row, x) in table.r.iter().enumerate() {
-        for (level, (&n, &count)) in grids.iter().zip(&table.counts[row]).enumerate() {
-            r.push(*x);
-            cells.push(n);
-            counts.push(count as i64);
-            deltas.push((level + 1 == grids.len()).then_some(table.delta_a[row]));
+/// What the paper prints of the scenes, of Delta a only on the finest grid.
+fn published(parts: &[(Scene, StopRule)], paper: &Paper) -> PolarsResult<DataFrame> {
+    let mut rows = Vec::new();
+    for (scene, _) in parts.iter().filter(|(_, rule)| *rule == StopRule::Signed) {
+        let Some(Ok(table)) = scene.paper_table.map(|number| paper.published(number)) else {
+            continue;
+        };
+        for (k, &r) in paper.r.iter().enumerate() {
+            for (&grid, &count) in scene.grids.iter().zip(&table.counts[k]) {
+                let delta_a = (grid == scene.finest()).then_some(table.delta_a[k]);
+                rows.push((&*scene.name, r, grid.cells() as i64, count as i64, delta_a));
+            }
         }
     }
     df!(
-        "problem" => vec![problem; r.len()],
-        "r" => r,
-        "cells" => cells,
-        "published" => counts,
-        "published_delta_a" => deltas,
+        "problem" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
+        "r" => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
+        "cells" => rows.iter().map(|row| row.2).collect::<Vec<_>>(),
+        "published" => rows.iter().map(|row| row.3).collect::<Vec<_>>(),
+        "published_delta_a" => rows.iter().map(|row| row.4).collect::<Vec<_>>(),
     )
 }
 
