@@ -2,6 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use serde::{Deserialize, Serialize};
+use std::ops::{Add, Mul};
 
 /// How a node at the centre of a coarse cell gets its value; elsewhere all rules agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,32 +17,37 @@ pub enum Prolongation {
     FallingDiagonal,
 }
 
+/// A value at a node: a number, or one for each of several problems.
+pub trait Value: Copy + Default + Add<Output = Self> + Mul<f64, Output = Self> {}
+
+impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Value for T {}
+
 /// Prolongs the nodal vector `coarse` to the grid with twice the cells per side.
 ///
 /// # Panics
 /// If `coarse.len() != grid.nodes()`.
-pub fn prolong(grid: Grid, coarse: &[f64], rule: Prolongation) -> Vec<f64> {
+pub fn prolong<T: Value>(grid: Grid, coarse: &[T], rule: Prolongation) -> Vec<T> {
     assert_eq!(coarse.len(), grid.nodes());
     let (n, side) = (grid.cells(), 2 * grid.cells() + 1);
-    let mut fine = vec![0.0; side * side];
+    let mut fine = vec![T::default(); side * side];
     let at = |i: usize, j: usize| coarse[grid.index(i, j)];
     for j in 0..=n {
         for i in 0..=n {
             let k = 2 * j * side + 2 * i;
             fine[k] = at(i, j);
             if i < n {
-                fine[k + 1] = 0.5 * (at(i, j) + at(i + 1, j));
+                fine[k + 1] = (at(i, j) + at(i + 1, j)) * 0.5;
             }
             if j < n {
-                fine[k + side] = 0.5 * (at(i, j) + at(i, j + 1));
+                fine[k + side] = (at(i, j) + at(i, j + 1)) * 0.5;
             }
             if i < n && j < n {
                 let rising = at(i, j) + at(i + 1, j + 1);
                 let falling = at(i + 1, j) + at(i, j + 1);
                 fine[k + side + 1] = match rule {
-                    Prolongation::Bilinear => 0.25 * (rising + falling),
-                    Prolongation::RisingDiagonal => 0.5 * rising,
-                    Prolongation::FallingDiagonal => 0.5 * falling,
+                    Prolongation::Bilinear => (rising + falling) * 0.25,
+                    Prolongation::RisingDiagonal => rising * 0.5,
+                    Prolongation::FallingDiagonal => falling * 0.5,
                 };
             }
         }
@@ -50,9 +56,9 @@ pub fn prolong(grid: Grid, coarse: &[f64], rule: Prolongation) -> Vec<f64> {
 }
 
 /// Prolongs the boundary vector `coarse` linearly along the boundary, which is closed.
-pub fn prolong_boundary(coarse: &[f64]) -> Vec<f64> {
+pub fn prolong_boundary<T: Value>(coarse: &[T]) -> Vec<T> {
     let next = coarse.iter().cycle().skip(1);
-    coarse.iter().zip(next).flat_map(|(&a, &b)| [a, 0.5 * (a + b)]).collect()
+    coarse.iter().zip(next).flat_map(|(&a, &b)| [a, (a + b) * 0.5]).collect()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
 use crate::saddle::Pair;
-use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure};
+use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure, V};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -83,6 +83,8 @@ struct Level {
     /// In each lane, the node that last failed the comparison: the likeliest to fail next.
     witness: [usize; LANES],
     load: Vec<f64>,
+    /// The loads of an f in each lane.
+    combined: Vec<V<f64>>,
 }
 
 /// What a lane runs: values of f, one per piece, and a row of the table.
@@ -130,7 +132,8 @@ impl<'a> Evaluator<'a> {
         let level = |level| {
             let grid = grid(level);
             let lanes = Lanes::new(grid, variant.order, variant.corner_weight());
-            Level { grid, lanes, witness: [0; LANES], load: vec![0.0; grid.nodes()] }
+            let (load, combined) = (vec![0.0; grid.nodes()], vec![V::default(); grid.nodes()]);
+            Level { grid, lanes, witness: [0; LANES], load, combined }
         };
         let levels = (0..target.levels()).map(level).collect();
         let entered = vec![0; target.levels()];
@@ -178,6 +181,24 @@ impl<'a> Evaluator<'a> {
                 at.combine(&self.basis[geometry][level], entry.values);
             }
             at.lanes.enter(lane, self.target.r[entry.row], &at.load, 0.0, start);
+        }
+    }
+
+    /// Prepares one row for an f in each lane, from zero or from what the grid before has come to.
+    fn enter_all(&mut self, geometry: usize, level: usize, values: [&[f64]; LANES], row: usize) {
+        let (coarser, rest) = self.levels.split_at_mut(level);
+        let at = &mut rest[0];
+        at.combined.fill(V::default());
+        for (p, piece) in self.basis[geometry][level].iter().enumerate() {
+            let values = V(values.map(|values| values[p]));
+            for (load, &share) in at.combined.iter_mut().zip(piece) {
+                *load = *load + values * share;
+            }
+        }
+        at.lanes.enter_all(self.target.r[row], &at.combined);
+        if let Some(coarser) = coarser.last() {
+            let multiplier = self.variant.prolong_multiplier;
+            at.lanes.prolong(&coarser.lanes, self.prolongation, multiplier);
         }
     }
 

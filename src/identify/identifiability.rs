@@ -7,8 +7,8 @@ use super::space::Geometry;
 use super::variant::Variant;
 use serde::{Deserialize, Serialize};
 
-/// Per row and grid, how far a published count is from coming out.
-type Misfit = Vec<Vec<f64>>;
+/// Per row and grid, whether a published count comes out.
+type Held = Vec<Vec<bool>>;
 
 /// Smallest and largest move tried, relative to the largest value of f.
 const REACH: [f64; 2] = [1e-5, 1.0];
@@ -73,14 +73,13 @@ pub fn identifiability(
     values: &[f64],
 ) -> Result<Identifiability, IdentifyError> {
     let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
-    let misfits = |all: &[Vec<f64>]| evaluator.misfits(0, all);
-    let here = misfits(&[values.to_vec()]).remove(0);
+    let held = |all: &[Vec<f64>]| evaluator.held(0, all);
+    let here = held(&[values.to_vec()]).remove(0);
     let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let pieces = (0..values.len()).map(Some).chain([None]);
     let directions = pieces.map(|piece| Direction { piece, values, size }).collect::<Vec<_>>();
-    let exact = here.iter().flatten().filter(|&&m| m == 0.0).count();
-    let directions = along(&directions, &here, &misfits);
-    Ok(Identifiability { values: values.to_vec(), exact, directions })
+    let directions = along(&directions, &here, &held);
+    Ok(Identifiability { values: values.to_vec(), exact: count(&here), directions })
 }
 
 /// One value, or the factor of all, that moves.
@@ -107,8 +106,13 @@ impl Direction<'_> {
     }
 }
 
-/// Misfits of many f at once.
-type Misfits<'a> = &'a dyn Fn(&[Vec<f64>]) -> Vec<Misfit>;
+/// The counts that come out for many f at once.
+type Tried<'a> = &'a dyn Fn(&[Vec<f64>]) -> Vec<Held>;
+
+/// How many counts come out.
+fn count(held: &[Vec<bool>]) -> usize {
+    held.iter().flatten().filter(|&&held| held).count()
+}
 
 /// One side of a direction on which a count changes.
 struct Side {
@@ -124,19 +128,15 @@ fn sign(side: usize) -> f64 {
     if side == 0 { -1.0 } else { 1.0 }
 }
 
-fn held(misfit: &[Vec<f64>], (k, level): Cell) -> bool {
-    misfit[k][level] == 0.0
-}
-
 /// The counts that come out here, of which moves may change some.
-struct Held<'a> {
+struct Kept<'a> {
     directions: &'a [Direction<'a>],
     cells: Vec<Cell>,
 }
 
-impl Held<'_> {
-    fn broken(&self, misfit: &[Vec<f64>]) -> Option<Cell> {
-        self.cells.iter().copied().find(|&cell| !held(misfit, cell))
+impl Kept<'_> {
+    fn broken(&self, held: &[Vec<bool>]) -> Option<Cell> {
+        self.cells.iter().copied().find(|&(k, level)| !held[k][level])
     }
 
     fn moved(&self, direction: usize, side: usize, step: f64) -> Vec<f64> {
@@ -146,14 +146,14 @@ impl Held<'_> {
 
     /// Tries the same moves in all directions; writes down which counts they change, and returns the sides on
     /// which one does.
-    fn scan(&self, breaks: &mut [Breaks], misfits: Misfits) -> Vec<Side> {
+    fn scan(&self, breaks: &mut [Breaks], held: Tried) -> Vec<Side> {
         let steps: Vec<f64> = std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
             .take_while(|step| *step <= REACH[1])
             .collect();
         let sides = || (0..self.directions.len()).flat_map(|d| [(d, 0), (d, 1)]);
         let moves = sides().flat_map(|(d, side)| steps.iter().map(move |&step| (d, side, step)));
         let tried: Vec<_> = moves.map(|(d, side, step)| self.moved(d, side, step)).collect();
-        let found = misfits(&tried);
+        let found = held(&tried);
         let mut open = Vec::new();
         for ((d, side), found) in sides().zip(found.chunks(steps.len())) {
             let (breaks, mut before) = (&mut breaks[d], 0.0);
@@ -166,7 +166,7 @@ impl Held<'_> {
                 }
                 for &(k, level) in &self.cells {
                     let range = &mut breaks.cells[k][level][side];
-                    if range.is_none() && !held(now, (k, level)) {
+                    if range.is_none() && !now[k][level] {
                         *range = Some(before * self.directions[d].unit());
                     }
                 }
@@ -177,14 +177,14 @@ impl Held<'_> {
     }
 
     /// Halves what is left between moves that change no count and those that do, on all sides at once.
-    fn halve(&self, open: &mut [Side], breaks: &mut [Breaks], misfits: Misfits) {
+    fn halve(&self, open: &mut [Side], breaks: &mut [Breaks], held: Tried) {
         let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
         for _ in 0..HALVINGS {
             let tried: Vec<_> = open
                 .iter()
                 .map(|of| self.moved(of.direction, of.side, middle(of.between)))
                 .collect();
-            for (of, found) in open.iter_mut().zip(misfits(&tried)) {
+            for (of, found) in open.iter_mut().zip(held(&tried)) {
                 let middle = middle(of.between);
                 match self.broken(&found) {
                     Some(cell) => {
@@ -199,9 +199,9 @@ impl Held<'_> {
 }
 
 /// All directions at once, down and up.
-fn along(directions: &[Direction], here: &[Vec<f64>], misfits: Misfits) -> Vec<Breaks> {
+fn along(directions: &[Direction], here: &[Vec<bool>], held: Tried) -> Vec<Breaks> {
     let cells = (0..here.len()).flat_map(|k| (0..here[k].len()).map(move |level| (k, level)));
-    let kept = Held { directions, cells: cells.filter(|&cell| held(here, cell)).collect() };
+    let kept = Kept { directions, cells: cells.filter(|&(k, level)| here[k][level]).collect() };
     let nothing = |direction: &Direction| Breaks {
         piece: direction.piece,
         range: [REACH[1] * direction.unit(); 2],
@@ -209,8 +209,8 @@ fn along(directions: &[Direction], here: &[Vec<f64>], misfits: Misfits) -> Vec<B
         cells: here.iter().map(|row| vec![[None; 2]; row.len()]).collect(),
     };
     let mut breaks: Vec<Breaks> = directions.iter().map(nothing).collect();
-    let mut open = kept.scan(&mut breaks, misfits);
-    kept.halve(&mut open, &mut breaks, misfits);
+    let mut open = kept.scan(&mut breaks, held);
+    kept.halve(&mut open, &mut breaks, held);
     for Side { direction, side, between } in open {
         breaks[direction].range[side] = between[0] * directions[direction].unit();
     }
@@ -248,8 +248,7 @@ pub fn slice(
     };
     let all: Vec<_> = y.iter().flat_map(|&v| x.iter().map(move |&u| (v, u))).collect();
     let all: Vec<_> = all.into_iter().map(|(v, u)| moved(v, u)).collect();
-    let count = |misfit: &Vec<Vec<f64>>| misfit.iter().flatten().filter(|&&m| m == 0.0).count();
-    let counts: Vec<usize> = evaluator.misfits(0, &all).iter().map(count).collect();
+    let counts: Vec<usize> = evaluator.held(0, &all).iter().map(|held| count(held)).collect();
     let exact = counts.chunks(points.max(1)).map(<[usize]>::to_vec).collect();
     Ok(Slice { pieces, x, y, exact })
 }

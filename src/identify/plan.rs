@@ -151,36 +151,47 @@ impl<'a> Plan<'a> {
     ) -> (u64, bool) {
         let all = self.per_geometry * self.geometries.len() as u64;
         let exact = self.request.exact_grids;
-        let mut candidates = Vec::new();
-        for index in item * ITEM..((item + 1) * ITEM).min(all) {
-            let mut rest = index % self.per_geometry;
+        let (mut next, end) = (item * ITEM, ((item + 1) * ITEM).min(all));
+        let (mut tried, mut candidates) = (0, Vec::new());
+        while next < end {
+            let geometry = next / self.per_geometry;
+            let last = end.min((geometry + 1) * self.per_geometry);
+            let mut all = self.candidates(next..last);
+            if exact > 0 {
+                let values: Vec<_> = all.iter().map(Candidate::values).collect();
+                let mut passed = evaluator.screened(geometry as usize, &values, exact).into_iter();
+                let screened = all.len() as u64;
+                all.retain(|_| passed.next().unwrap_or(false));
+                tried += screened - all.len() as u64;
+            }
+            candidates.append(&mut all);
+            next = last;
+        }
+        if !live.go_on(tried) {
+            return (0, false);
+        }
+        let (more, whole) = self.run_each(candidates, exact, evaluator, best, live);
+        (tried + more, whole)
+    }
+
+    /// The candidates with these numbers, all of one geometry, less those that the request leaves out.
+    fn candidates(&self, numbers: Range<u64>) -> Vec<Candidate> {
+        let candidate = |number: u64| {
+            let mut rest = number % self.per_geometry;
             let mut digit = |lattice: &Lattice| {
                 let (n, ticks) = (lattice.ticks().len() as u64, lattice.ticks());
                 let tick = ticks[(rest % n) as usize];
                 rest /= n;
                 tick
             };
-            let ticks: Vec<i64> = self.lattices.iter().map(&mut digit).collect();
-            let geometry = (index / self.per_geometry) as usize;
-            let candidate = Candidate { geometry, ticks, places: self.lattices[0].places() };
-            if self.admits(&candidate) && !self.has_preferred_twin(&candidate) {
-                candidates.push(candidate);
+            Candidate {
+                geometry: (number / self.per_geometry) as usize,
+                ticks: self.lattices.iter().map(&mut digit).collect(),
+                places: self.lattices[0].places(),
             }
-        }
-        if exact > 0 {
-            let values = |c: &Candidate| (c.geometry, c.values());
-            let passed = evaluator.screened(&candidates.iter().map(values).collect::<Vec<_>>());
-            if !live.go_on(passed.iter().filter(|passed| !**passed).count() as u64) {
-                return (0, false);
-            }
-            let mut passed = passed.into_iter();
-            let mut tried = candidates.len() as u64;
-            candidates.retain(|_| passed.next().unwrap_or(false));
-            tried -= candidates.len() as u64;
-            let (more, whole) = self.run_each(candidates, exact, evaluator, best, live);
-            return (tried + more, whole);
-        }
-        self.run_each(candidates, exact, evaluator, best, live)
+        };
+        let all = numbers.map(candidate);
+        all.filter(|c| self.admits(c) && !self.has_preferred_twin(c)).collect()
     }
 
     /// Runs candidates one after the other, each only as far as the best so far allow.

@@ -4,6 +4,7 @@ use super::{Entry, Evaluator, Forced, Level, Limit, Table, grid};
 use crate::saddle::batch::LANES;
 use crate::saddle::{Pair, tolerance};
 use rayon::prelude::*;
+use std::array::from_fn;
 
 /// Misfit of a stop that comes too early, beyond what the measure lacks.
 const EARLY: f64 = 0.02;
@@ -30,23 +31,57 @@ impl Evaluator<'_> {
         self.force(geometry, &entries, limit)
     }
 
-    /// [`Forced::misfit`] of many values of f, the lanes filled with equal rows, which take equally long.
+    /// For each of many f, given by their values, which counts come out in a forced run: by row and grid, every
+    /// count whatever comes of the others.
     ///
     /// # Panics
     /// As [`Self::forced`].
-    pub fn misfits(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
-        let rows = self.target.r.len();
-        let batches: Vec<(usize, &[Vec<f64>])> =
-            all.chunks(LANES).flat_map(|some| (0..rows).map(move |row| (row, some))).collect();
-        let run = |evaluator: &mut Self, &(row, some): &(usize, &[Vec<f64>])| {
-            let entries: Vec<_> = some.iter().map(|values| Entry { values, row }).collect();
-            evaluator.force(geometry, &entries, Limit::NONE).misfit
+    pub fn held(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<bool>>> {
+        let (rows, grids) = (self.target.r.len(), self.target.levels());
+        let batches: Vec<(&[Vec<f64>], usize)> =
+            all.chunks(LANES).flat_map(|some| (0..rows).map(move |row| (some, row))).collect();
+        let run = |evaluator: &mut Self, &(some, row): &(&[Vec<f64>], usize)| {
+            evaluator.held_in_lanes(geometry, in_lanes(some), row, grids, true)
         };
         let done: Vec<_> = batches.par_iter().map_init(|| self.clone(), run).collect();
-        let of = |k: usize| (0..rows).map(move |row| (k / LANES * rows + row, k % LANES));
-        (0..all.len())
-            .map(|k| of(k).map(|(batch, lane)| done[batch][lane].clone()).collect())
-            .collect()
+        let of = |k: usize| {
+            let rows = done[k / LANES * rows..][..rows].iter();
+            rows.map(|grids| grids.iter().map(|held| held[k % LANES]).collect()).collect()
+        };
+        (0..all.len()).map(of).collect()
+    }
+
+    /// In which lanes the counts of a row come out, grid by grid.
+    ///
+    /// Unless every count is wanted, the run ends as soon as there is no lane in which all did.
+    fn held_in_lanes(
+        &mut self,
+        geometry: usize,
+        values: [&[f64]; LANES],
+        row: usize,
+        grids: usize,
+        every: bool,
+    ) -> Vec<[bool; LANES]> {
+        let mut all = vec![[false; LANES]; grids];
+        for (level, held) in all.iter_mut().enumerate() {
+            self.enter_all(geometry, level, values, row);
+            let (last, tolerance) = (self.last(row, level), tolerance(level + 1));
+            *held = [true; LANES];
+            for n in 1..=last {
+                if self.is_halted() || !every && *held == [false; LANES] {
+                    return all;
+                }
+                let counted = n > self.variant.uncounted;
+                self.iterate(level, |at, measure| {
+                    if counted {
+                        let Level { lanes, witness, .. } = at;
+                        let within = lanes.all_within(*held, measure, tolerance, witness);
+                        *held = from_fn(|k| held[k] && within[k] == (n == last));
+                    }
+                });
+            }
+        }
+        all
     }
 
     /// A forced run in each lane; entries of the result are those of `entries`.
@@ -77,7 +112,7 @@ impl Evaluator<'_> {
                         let ends = n == last[k];
                         // Before its last iteration a lane only has to be above the tolerance.
                         if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
-                            let misfit = misfit(at.lanes.worst(k, measure), tolerance, ends);
+                            let misfit = misfit(at.lanes.worst(measure)[k], tolerance, ends);
                             let cell = &mut forced.misfit[k][level];
                             *cell = (*cell + misfit).min(CELL_CAP);
                             failed |= misfit > 0.0;
@@ -105,50 +140,37 @@ impl Evaluator<'_> {
         forced
     }
 
-    /// Which of many values of f, with their geometries, give all counts on the coarsest grid.
+    /// Which of many f, given by their values on the pieces, give all counts on so many coarse grids.
     ///
-    /// Row by row, each lane with the next values as soon as it is free: nearly all fail soon.
+    /// Grid by grid and row by row: nearly all fail soon.
     ///
     /// # Panics
     /// As [`Self::forced`].
-    pub(in crate::identify) fn screened(&mut self, all: &[(usize, Vec<f64>)]) -> Vec<bool> {
-        let mut passed = vec![true; all.len()];
-        for row in 0..self.target.r.len() {
-            let candidates: Vec<usize> = (0..all.len()).filter(|&k| passed[k]).collect();
-            let (last, mut waiting) = (self.last(row, 0), candidates.into_iter());
-            // Per lane, which values it runs, and the iterations it has made.
-            let mut runs: [Option<(usize, usize)>; LANES] = [None; LANES];
-            let zero = Pair::zero(grid(0));
-            loop {
-                for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
-                    if let Some(k) = waiting.next() {
-                        let (geometry, values) = &all[k];
-                        self.levels[0].combine(&self.basis[*geometry][0], values);
-                        let Level { lanes, load, .. } = &mut self.levels[0];
-                        lanes.enter(lane, self.target.r[row], load, 0.0, &zero);
-                        *run = Some((k, 0));
-                    }
+    pub(in crate::identify) fn screened<V: AsRef<[f64]>>(
+        &mut self,
+        geometry: usize,
+        all: &[V],
+        grids: usize,
+    ) -> Vec<bool> {
+        let mut passed: Vec<usize> = (0..all.len()).collect();
+        for level in 0..grids.min(self.target.levels()) {
+            let entered = passed.len();
+            for row in 0..self.target.r.len() {
+                let mut held = Vec::with_capacity(passed.len());
+                for some in passed.chunks(LANES) {
+                    let values: Vec<_> = some.iter().map(|&k| &all[k]).collect();
+                    let run =
+                        self.held_in_lanes(geometry, in_lanes(&values), row, level + 1, false);
+                    held.extend(some.iter().zip(run[level]).filter(|(_, held)| *held));
                 }
-                if runs.iter().all(Option::is_none) || self.is_halted() {
-                    break;
-                }
-                let first = self.variant.uncounted + 1;
-                self.iterate(0, |at, measure| {
-                    for (lane, run) in runs.iter_mut().enumerate() {
-                        let Some((k, n)) = run else { continue };
-                        *n += 1;
-                        let stops = *n >= first
-                            && at.lanes.within(lane, measure, tolerance(1), &mut at.witness[lane]);
-                        if stops || *n == last {
-                            passed[*k] = stops && *n == last;
-                            *run = None;
-                        }
-                    }
-                });
+                passed = held.into_iter().map(|(&k, _)| k).collect();
             }
+            let failed = (entered - passed.len()) as u64;
+            self.entered[..=level].iter_mut().for_each(|entered| *entered += failed);
         }
-        self.entered[0] += passed.iter().filter(|passed| !**passed).count() as u64;
-        passed
+        let mut all = vec![false; all.len()];
+        passed.into_iter().for_each(|k| all[k] = true);
+        all
     }
 
     /// The table of counts as the stopping rule gives it.
@@ -191,6 +213,11 @@ impl Evaluator<'_> {
         }
         table
     }
+}
+
+/// Values of f in all lanes, the last ones as often as there are lanes left.
+fn in_lanes<V: AsRef<[f64]>>(some: &[V]) -> [&[f64]; LANES] {
+    from_fn(|k| some[k.min(some.len() - 1)].as_ref())
 }
 
 /// By how much a measure fails what its place in the run asks for.

@@ -70,10 +70,57 @@ impl<N: Number> Mul for V<N> {
     }
 }
 
+impl<N: Number> Mul<f64> for V<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self * Self::all(factor)
+    }
+}
+
+impl<N: Number> Default for V<N> {
+    fn default() -> Self {
+        Self::all(0.0)
+    }
+}
+
+impl<N: Number> Sub for V<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(from_fn(|l| self.0[l] - other.0[l]))
+    }
+}
+
 impl<N: Number> V<N> {
     #[inline(always)]
     pub(super) fn all(value: f64) -> Self {
         Self([N::of(value); LANES])
+    }
+
+    /// The absolute values.
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        let zero = N::of(0.0);
+        Self(self.0.map(|value| if value < zero { zero - value } else { value }))
+    }
+
+    /// In each lane, the greater of two numbers; the other one where this is NaN.
+    #[inline(always)]
+    pub(super) fn greatest(self, other: Self) -> Self {
+        Self(from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
+    }
+
+    /// In each lane, the lesser of two numbers; the other one where either is NaN.
+    #[inline(always)]
+    pub(super) fn least(self, other: Self) -> Self {
+        Self(from_fn(|l| if self.0[l] < other.0[l] { self.0[l] } else { other.0[l] }))
+    }
+
+    /// The positive ones, zero for the others.
+    #[inline(always)]
+    pub(super) fn positive(self) -> Self {
+        self.greatest(Self::all(0.0))
     }
 }
 

@@ -1,9 +1,10 @@
-//! The iterates of several runs on one grid, node by node with a number per run, and what is measured of them.
+//! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
 use super::arithmetic::{Arithmetic, Number, V};
 use crate::discrete::grid::Grid;
 use crate::discrete::simd::vectorised;
+use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::saddle::Pair;
 use std::array::from_fn;
 
@@ -20,58 +21,52 @@ pub enum Order {
     InteriorFirst,
 }
 
-/// What is measured at a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Measure {
-    /// The gradient (8).
-    Signed,
-    /// Its absolute value.
-    Printed,
-    /// The same, with the proximal term.
-    Inner,
-    /// `|A y - F|` inside, `|min(y, A y - F)|` on the boundary.
-    Kkt,
-}
-
 /// A boundary node and the neighbours its row of the stiffness matrix refers to.
 #[derive(Clone, Copy)]
-struct Edge {
-    node: u32,
+pub(super) struct Edge {
+    pub(super) node: u32,
     /// Its place in a boundary vector.
-    place: u32,
+    pub(super) place: u32,
     /// The two neighbours along the boundary, each with the entry -1/2.
-    along: [u32; 2],
+    pub(super) along: [u32; 2],
     /// The neighbour inside with the entry -1, none at a corner.
-    inward: Option<u32>,
+    pub(super) inward: Option<u32>,
 }
 
 /// The iterates of all lanes.
 pub struct Lanes<N> {
-    grid: Grid,
+    pub(super) grid: Grid,
     order: Order,
     /// Weight of the multiplier in (7), h, and its weight at the corners.
-    weights: [N; 2],
-    r: V<N>,
+    pub(super) weights: [N; 2],
+    pub(super) r: V<N>,
     /// The proximal term's share of an interior node.
-    shift: V<N>,
+    pub(super) shift: V<N>,
     /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
     edge: [V<N>; 2],
     corner: [V<N>; 2],
     centre: V<N>,
-    y: Vec<V<N>>,
-    a: Vec<V<N>>,
+    pub(super) y: Vec<V<N>>,
+    pub(super) a: Vec<V<N>>,
     /// F, and with the proximal term.
-    load: Vec<V<N>>,
-    target: Vec<V<N>>,
+    pub(super) load: Vec<V<N>>,
+    pub(super) target: Vec<V<N>>,
     /// In the order of rows.
-    edges: Vec<Edge>,
+    pub(super) edges: Vec<Edge>,
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
-    edge_at: Vec<u32>,
-    regularised: bool,
+    pub(super) edge_at: Vec<u32>,
+    pub(super) regularised: bool,
 }
 
 /// No boundary node.
 const INSIDE: u32 = u32::MAX;
+
+/// (9) at an interior node: `centre` times the sum of the terms.
+#[inline(always)]
+fn relaxed<N: Number>(centre: V<N>, terms: [V<N>; 5], arithmetic: &mut impl Arithmetic<N>) -> V<N> {
+    let sum = arithmetic.star(terms);
+    arithmetic.node(centre * sum)
+}
 
 impl<N: Number> Lanes<N> {
     /// All lanes at zero, swept in this order, with the multiplier's weight at corners in units of h.
@@ -138,22 +133,45 @@ impl<N: Number> Lanes<N> {
             self.regularised = true;
             self.target = self.load.clone();
         }
+        self.target.iter_mut().zip(load).for_each(|(target, f)| target.0[lane] = *f);
         self.regularise(lane);
     }
 
-    /// Sets the proximal term to pull towards y as it is now.
-    pub fn regularise(&mut self, lane: usize) {
-        if !self.regularised {
-            return;
+    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r: each with its own load, from zero.
+    ///
+    /// # Panics
+    /// If the load vectors have the wrong length for the grid, or r is not positive.
+    pub fn enter_all(&mut self, r: f64, loads: &[V<N>]) {
+        assert!(loads.len() == self.grid.nodes() && r > 0.0 && !self.regularised);
+        self.y.fill(V::all(0.0));
+        self.a.fill(V::all(0.0));
+        self.load.copy_from_slice(loads);
+        self.r = V::all(r);
+    }
+
+    /// Sets y, and the multiplier if it is to be, to those of the grid of twice the width, prolonged.
+    ///
+    /// # Panics
+    /// If the lanes are not of that grid.
+    pub fn prolong(&mut self, coarse: &Self, rule: Prolongation, multiplier: bool) {
+        self.y.copy_from_slice(&prolong(coarse.grid, &coarse.y, rule));
+        if multiplier {
+            self.a.copy_from_slice(&prolong_boundary(&coarse.a));
         }
+    }
+
+    /// Sets the proximal term, if there is one, to pull towards y as it is now.
+    pub fn regularise(&mut self, lane: usize) {
         let (n, side, shift) = (self.grid.cells(), self.grid.side(), self.shift.0[lane]);
-        let half = |k: usize| N::of(if k == 0 || k == n { 0.5 } else { 1.0 });
-        for (k, target) in self.target.iter_mut().enumerate() {
-            let load = self.load[k].0[lane];
-            target.0[lane] = match shift > N::of(0.0) {
-                true => load + half(k % side) * half(k / side) * shift * self.y[k].0[lane],
-                false => load,
-            };
+        if shift > N::of(0.0) {
+            let half = |k: usize| N::of(if k == 0 || k == n { 0.5 } else { 1.0 });
+            for j in 0..side {
+                for i in 0..side {
+                    let k = j * side + i;
+                    let pull = half(i) * half(j) * shift * self.y[k].0[lane];
+                    self.target[k].0[lane] = self.load[k].0[lane] + pull;
+                }
+            }
         }
     }
 
@@ -211,8 +229,8 @@ impl<N: Number> Lanes<N> {
         let (row, load) = (&mut row[..side], &load[j * side..][..side]);
         let mut west = row[0];
         for i in 1..side - 1 {
-            let sum = arithmetic.star([south[i], north[i], row[i + 1], load[i], west]);
-            west = arithmetic.node(self.centre * sum);
+            west =
+                relaxed(self.centre, [south[i], north[i], row[i + 1], load[i], west], arithmetic);
             row[i] = west;
         }
     }
@@ -229,20 +247,23 @@ impl<N: Number> Lanes<N> {
         let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
         let [lower_load, upper_load] = [j, j + 1].map(|j| &load[j * side..][..side]);
         let centre = self.centre;
-        let mut relax = |terms| {
-            let sum = arithmetic.star(terms);
-            arithmetic.node(centre * sum)
-        };
-        lower[1] = relax([south[1], upper[1], lower[2], lower_load[1], lower[0]]);
+        lower[1] =
+            relaxed(centre, [south[1], upper[1], lower[2], lower_load[1], lower[0]], arithmetic);
         let [mut west, mut west_above] = [lower[1], upper[0]];
         for i in 2..side - 1 {
             let (before, beside) = (west, upper[i]);
-            west = relax([south[i], beside, lower[i + 1], lower_load[i], west]);
-            west_above = relax([before, north[i - 1], beside, upper_load[i - 1], west_above]);
+            west =
+                relaxed(centre, [south[i], beside, lower[i + 1], lower_load[i], west], arithmetic);
+            west_above = relaxed(
+                centre,
+                [before, north[i - 1], beside, upper_load[i - 1], west_above],
+                arithmetic,
+            );
             (lower[i], upper[i - 1]) = (west, west_above);
         }
         let i = side - 2;
-        upper[i] = relax([west, north[i], upper[i + 1], upper_load[i], west_above]);
+        upper[i] =
+            relaxed(centre, [west, north[i], upper[i + 1], upper_load[i], west_above], arithmetic);
     }
 
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
@@ -274,7 +295,7 @@ impl<N: Number> Lanes<N> {
         }
     }
 
-    /// (12) in the lanes that step, and the largest change in each.
+    /// (12) in the lanes that step, and the largest change in each; NaN if a value is no longer finite.
     pub fn step(
         &mut self,
         steps: [bool; LANES],
@@ -292,131 +313,20 @@ impl<N: Number> Lanes<N> {
         steps: [bool; LANES],
         arithmetic: &mut impl Arithmetic<N>,
     ) -> [f64; LANES] {
-        let zero = N::of(0.0);
-        let mut changes = [zero; LANES];
+        let (one, steps) = (N::of(1.0), V(steps.map(|steps| N::of(f64::from(u8::from(steps))))));
+        let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
         for edge in &self.edges {
-            let (y, a) = (&self.y[edge.node as usize], &mut self.a[edge.place as usize]);
-            let next: [N; LANES] = from_fn(|l| arithmetic.step(a.0[l], self.r.0[l], y.0[l]));
-            let next = next.map(|next| if next > zero { next } else { zero });
-            let next: [N; LANES] = from_fn(|l| if steps[l] { next[l] } else { a.0[l] });
-            let change: [N; LANES] =
-                from_fn(|l| if next[l] > a.0[l] { next[l] - a.0[l] } else { a.0[l] - next[l] });
-            changes = from_fn(|l| if change[l] > changes[l] { change[l] } else { changes[l] });
-            *a = V(next);
+            let (y, a) = (self.y[edge.node as usize], &mut self.a[edge.place as usize]);
+            let next = V(from_fn(|l| arithmetic.step(a.0[l], self.r.0[l], y.0[l])));
+            let next = V(from_fn(|l| if steps.0[l] == one { next.0[l] } else { a.0[l] }));
+            // Zero, unless a value is no finite number.
+            not_finite = not_finite + next * V::all(0.0);
+            let next = next.positive();
+            changes = (next - *a).abs().greatest(changes);
+            *a = next;
         }
-        changes.map(N::wide)
-    }
-
-    /// Whether a measure is at most `bound` everywhere in a lane; NaN never is.
-    ///
-    /// The node `witness`, which broke the bound last, is tried first, then the rows from its own on.
-    pub fn within(&self, lane: usize, measure: Measure, bound: f64, witness: &mut usize) -> bool {
-        let above = |value: f64| value > bound || value.is_nan();
-        if above(self.value(lane, measure, *witness)) {
-            return false;
-        }
-        let side = self.grid.side();
-        let first = *witness / side;
-        for j in (first..side).chain(0..first) {
-            let (value, node) = self.worst_in_row(lane, measure, j);
-            if above(value) {
-                *witness = node;
-                return false;
-            }
-        }
-        true
-    }
-
-    /// The largest value of a measure over all nodes of a lane; NaN if any is.
-    pub fn worst(&self, lane: usize, measure: Measure) -> f64 {
-        let mut worst = f64::NEG_INFINITY;
-        for j in 0..self.grid.side() {
-            let (value, _) = self.worst_in_row(lane, measure, j);
-            if value.is_nan() {
-                return value;
-            }
-            worst = worst.max(value);
-        }
-        worst
-    }
-
-    /// The same in row `j`, and where it is.
-    fn worst_in_row(&self, lane: usize, measure: Measure, j: usize) -> (f64, usize) {
-        let (n, side) = (self.grid.cells(), self.grid.side());
-        let mut worst = (f64::NEG_INFINITY, 0);
-        let mut note = |value: f64, node: usize| {
-            if value > worst.0 || value.is_nan() && !worst.0.is_nan() {
-                worst = (value, node);
-            }
-        };
-        let edges = match j {
-            0 => 0..n + 1,
-            _ if j == n => self.edges.len() - n - 1..self.edges.len(),
-            _ => n + 1 + 2 * (j - 1)..n + 1 + 2 * j,
-        };
-        for edge in &self.edges[edges] {
-            note(self.on_boundary(lane, measure, edge), edge.node as usize);
-        }
-        if j != 0 && j != n {
-            (j * side + 1..j * side + n).for_each(|k| note(self.inside(lane, measure, k), k));
-        }
-        worst
-    }
-
-    /// The measure at a node, rounded as in [`Plain::gradient`](crate::saddle::Plain::gradient).
-    fn value(&self, lane: usize, measure: Measure, node: usize) -> f64 {
-        match self.edges.get(self.edge_at[node] as usize) {
-            Some(edge) => self.on_boundary(lane, measure, edge),
-            None => self.inside(lane, measure, node),
-        }
-    }
-
-    /// F, or F with the proximal term where the measure has it.
-    #[inline(always)]
-    fn load_of(&self, lane: usize, measure: Measure, node: usize) -> N {
-        let with_term = measure == Measure::Inner && self.regularised;
-        if with_term { self.target[node].0[lane] } else { self.load[node].0[lane] }
-    }
-
-    #[inline(always)]
-    fn inside(&self, lane: usize, measure: Measure, node: usize) -> f64 {
-        let (side, y) = (self.grid.side(), |k: usize| self.y[k].0[lane]);
-        let (across, along) = (y(node - side) + y(node + side), y(node - 1) + y(node + 1));
-        let mut flux = N::of(4.0) * y(node) - across - along - self.load_of(lane, measure, node);
-        if measure == Measure::Inner {
-            flux = flux + self.shift.0[lane] * y(node);
-        }
-        let flux = flux.wide();
-        if measure == Measure::Signed { flux } else { flux.abs() }
-    }
-
-    #[inline(always)]
-    fn on_boundary(&self, lane: usize, measure: Measure, edge: &Edge) -> f64 {
-        let y = |k: usize| self.y[k].0[lane];
-        let (node, half, zero) = (edge.node as usize, N::of(0.5), N::of(0.0));
-        let (here, load) = (y(node), self.load_of(lane, measure, node));
-        let along = half * (y(edge.along[0] as usize) + y(edge.along[1] as usize));
-        let mut flux = match edge.inward {
-            Some(inner) => N::of(2.0) * here - along - y(inner as usize) - load,
-            None => here - along - load,
-        };
-        if measure == Measure::Kkt {
-            return if here < flux { here.wide().abs() } else { flux.wide().abs() };
-        }
-        if measure == Measure::Inner && self.shift.0[lane] > zero {
-            // As `Gradient` adds it: the mass of a row, less half of it at the row's ends.
-            let (n, side) = (self.grid.cells(), self.grid.side());
-            let outer = node / side == 0 || node / side == n;
-            let mass = if outer { half * self.shift.0[lane] } else { self.shift.0[lane] };
-            flux = flux + mass * here;
-            if [0, n].contains(&(node % side)) {
-                flux = flux - half * mass * here;
-            }
-        }
-        let pull = self.a[edge.place as usize].0[lane] - self.r.0[lane] * here;
-        let h = self.weights[usize::from(edge.inward.is_none())];
-        let value = (flux - h * if pull > zero { pull } else { zero }).wide();
-        if measure == Measure::Signed { value } else { value.abs() }
+        let changes = changes + not_finite;
+        changes.0.map(N::wide)
     }
 
     /// The iterates of a lane.

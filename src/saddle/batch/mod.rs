@@ -8,9 +8,11 @@
 
 mod arithmetic;
 mod lanes;
+mod measure;
 
 pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed, V};
-pub use lanes::{Lanes, Measure, Order};
+pub use lanes::{Lanes, Order};
+pub use measure::Measure;
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::Prolongation;
@@ -91,12 +93,17 @@ pub fn run<N: Number>(
             })
         });
         let changes = lanes.step(steps, arithmetic);
+        let loose = |lane: usize| steps[lane] && runs[lane].as_ref().is_some_and(Run::is_loose);
+        let gradients = (0..LANES).any(loose).then(|| lanes.worst(Measure::Printed));
         for lane in 0..LANES {
             let Some(run) = runs[lane].as_mut() else { continue };
             run.sweeps += 1;
             if steps[lane] {
                 run.delta_a = changes[lane];
-                run.after_step(&mut lanes, lane);
+                if let Some(gradients) = gradients.filter(|_| run.is_loose()) {
+                    run.inner = run.job.method.inner_bound(gradients[lane]);
+                }
+                lanes.regularise(lane);
             }
             let met = steps[lane] && run.met(&lanes, lane);
             if met || run.sweeps == run.job.cap {
@@ -131,15 +138,9 @@ impl<'a, N: Number> Run<'a, N> {
         Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, inner_witness: 0, scale }
     }
 
-    /// Prepares the next inner minimisation.
-    fn after_step(&mut self, lanes: &mut Lanes<N>, lane: usize) {
-        if let Method::Uzawa { loose, .. } = self.job.method {
-            if loose {
-                let gradient = lanes.worst(lane, Measure::Printed);
-                self.inner = self.job.method.inner_bound(gradient);
-            }
-            lanes.regularise(lane);
-        }
+    /// Whether the inner bound follows the gradient.
+    fn is_loose(&self) -> bool {
+        matches!(self.job.method, Method::Uzawa { loose: true, .. })
     }
 
     /// Whether the goal is reached, after a step of the multiplier.

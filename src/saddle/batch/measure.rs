@@ -1,0 +1,220 @@
+//! What is measured of the iterates, node by node in all lanes at once, and the largest of it in a lane.
+
+use super::LANES;
+use super::arithmetic::{Number, V};
+use super::lanes::{Edge, Lanes};
+use crate::discrete::simd::vectorised;
+use std::array::from_fn;
+
+/// What is measured at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// The gradient (8).
+    Signed,
+    /// Its absolute value.
+    Printed,
+    /// The same, with the proximal term.
+    Inner,
+    /// `|A y - F|` inside, `|min(y, A y - F)|` on the boundary.
+    Kkt,
+}
+
+/// Whether a value exceeds a bound; NaN does.
+#[inline(always)]
+fn exceeds<N: Number>(value: N, bound: f64) -> bool {
+    let value = value.wide();
+    value > bound || value.is_nan()
+}
+
+impl<N: Number> Lanes<N> {
+    /// Whether a measure is at most `bound` everywhere in a lane; NaN never is.
+    ///
+    /// The node `witness`, which broke the bound last, is tried first.
+    pub fn within(&self, lane: usize, measure: Measure, bound: f64, witness: &mut usize) -> bool {
+        let mut witnesses = [*witness; LANES];
+        let within = self.all_within(from_fn(|l| l == lane), measure, bound, &mut witnesses);
+        *witness = witnesses[lane];
+        within[lane]
+    }
+
+    /// The same in each of these lanes, with a witness for each; the others are not.
+    pub fn all_within(
+        &self,
+        lanes: [bool; LANES],
+        measure: Measure,
+        bound: f64,
+        witnesses: &mut [usize; LANES],
+    ) -> [bool; LANES] {
+        vectorised(
+            #[inline(always)]
+            || self.all_within_inline(lanes, measure, bound, witnesses),
+        )
+    }
+
+    #[inline(always)]
+    fn all_within_inline(
+        &self,
+        lanes: [bool; LANES],
+        measure: Measure,
+        bound: f64,
+        witnesses: &mut [usize; LANES],
+    ) -> [bool; LANES] {
+        let mut open = lanes;
+        for lane in 0..LANES {
+            open[lane] =
+                lanes[lane] && !exceeds(self.at_node(measure, witnesses[lane]).0[lane], bound);
+        }
+        let side = self.grid.side();
+        let Some(lane) = open.iter().position(|open| *open) else { return open };
+        let first = witnesses[lane] / side;
+        for j in (first..side).chain(0..first) {
+            let (one, mut above) = (N::of(1.0), V::all(0.0));
+            self.in_row(
+                measure,
+                j,
+                #[inline(always)]
+                |value, _| {
+                    above =
+                        V(from_fn(|l| if exceeds(value.0[l], bound) { one } else { above.0[l] }));
+                },
+            );
+            for lane in 0..LANES {
+                if open[lane] && above.0[lane] == one {
+                    open[lane] = false;
+                    witnesses[lane] = self.largest_in_row(lane, measure, j);
+                }
+            }
+            if open == [false; LANES] {
+                break;
+            }
+        }
+        open
+    }
+
+    /// The largest value of a measure over all nodes, in each lane; NaN if any is.
+    pub fn worst(&self, measure: Measure) -> [f64; LANES] {
+        let all = vectorised(
+            #[inline(always)]
+            || {
+                let (mut worst, mut nan) = (V::all(f64::NEG_INFINITY), V::all(0.0));
+                for j in 0..self.grid.side() {
+                    self.in_row(
+                        measure,
+                        j,
+                        #[inline(always)]
+                        |value: V<N>, _| {
+                            worst = value.greatest(worst);
+                            nan = V(from_fn(|l| {
+                                if value.0[l].wide().is_nan() { value.0[l] } else { nan.0[l] }
+                            }));
+                        },
+                    );
+                }
+                worst + nan
+            },
+        );
+        all.0.map(N::wide)
+    }
+
+    /// Where the largest value of a measure in row `j` of a lane is, or one that is NaN.
+    fn largest_in_row(&self, lane: usize, measure: Measure, j: usize) -> usize {
+        let mut largest = (f64::NEG_INFINITY, 0);
+        self.in_row(
+            measure,
+            j,
+            #[inline(always)]
+            |value, node| {
+                if exceeds(value.0[lane], largest.0) {
+                    largest = (value.0[lane].wide(), node);
+                }
+            },
+        );
+        largest.1
+    }
+
+    /// Notes a measure at all nodes of row `j`, those of the boundary first.
+    #[inline(always)]
+    fn in_row(&self, measure: Measure, j: usize, mut note: impl FnMut(V<N>, usize)) {
+        let (n, side) = (self.grid.cells(), self.grid.side());
+        let edges = match j {
+            0 => 0..n + 1,
+            _ if j == n => self.edges.len() - n - 1..self.edges.len(),
+            _ => n + 1 + 2 * (j - 1)..n + 1 + 2 * j,
+        };
+        for edge in &self.edges[edges] {
+            note(self.on_boundary(measure, edge), edge.node as usize);
+        }
+        if j != 0 && j != n {
+            let from = |first: usize| &self.y[first..][..n - 1];
+            let (first, load) = (j * side + 1, self.load_of(measure));
+            let (south, north) = (from(first - side), from(first + side));
+            let (west, here, east) = (from(first - 1), from(first), from(first + 1));
+            let load = &load[first..][..n - 1];
+            for i in 0..n - 1 {
+                let around = [south[i], north[i], west[i], east[i]];
+                note(self.inside(measure, here[i], around, load[i]), first + i);
+            }
+        }
+    }
+
+    /// The measure at a node, rounded as in [`Plain::gradient`](crate::saddle::Plain::gradient).
+    #[inline(always)]
+    fn at_node(&self, measure: Measure, node: usize) -> V<N> {
+        let (side, y) = (self.grid.side(), &self.y);
+        match self.edges.get(self.edge_at[node] as usize) {
+            Some(edge) => self.on_boundary(measure, edge),
+            None => {
+                let around = [y[node - side], y[node + side], y[node - 1], y[node + 1]];
+                self.inside(measure, y[node], around, self.load_of(measure)[node])
+            }
+        }
+    }
+
+    /// F, or F with the proximal term where the measure has it.
+    #[inline(always)]
+    fn load_of(&self, measure: Measure) -> &[V<N>] {
+        let with_term = measure == Measure::Inner && self.regularised;
+        if with_term { &self.target } else { &self.load }
+    }
+
+    #[inline(always)]
+    fn inside(
+        &self,
+        measure: Measure,
+        here: V<N>,
+        [south, north, west, east]: [V<N>; 4],
+        load: V<N>,
+    ) -> V<N> {
+        let flux = V::all(4.0) * here - (south + north) - (west + east) - load;
+        let flux = if measure == Measure::Inner { flux + self.shift * here } else { flux };
+        if measure == Measure::Signed { flux } else { flux.abs() }
+    }
+
+    #[inline(always)]
+    fn on_boundary(&self, measure: Measure, edge: &Edge) -> V<N> {
+        let (node, half, y) = (edge.node as usize, V::all(0.5), &self.y);
+        let (here, load) = (y[node], self.load_of(measure)[node]);
+        let along = half * (y[edge.along[0] as usize] + y[edge.along[1] as usize]);
+        let mut flux = match edge.inward {
+            Some(inner) => V::all(2.0) * here - along - y[inner as usize] - load,
+            None => here - along - load,
+        };
+        if measure == Measure::Kkt {
+            return here.least(flux).abs();
+        }
+        if measure == Measure::Inner {
+            // As `Gradient` adds it: the mass of a row, less half of it at the row's ends.
+            let (n, side) = (self.grid.cells(), self.grid.side());
+            let outer = node / side == 0 || node / side == n;
+            let mass = if outer { half * self.shift } else { self.shift };
+            flux = flux + mass * here;
+            if [0, n].contains(&(node % side)) {
+                flux = flux - half * mass * here;
+            }
+        }
+        let pull = self.a[edge.place as usize] - self.r * here;
+        let h = V([self.weights[usize::from(edge.inward.is_none())]; LANES]);
+        let value = flux - h * pull.positive();
+        if measure == Measure::Signed { value } else { value.abs() }
+    }
+}
