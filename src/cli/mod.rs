@@ -200,7 +200,9 @@ fn start_threads() -> Result<()> {
         Some(count) => threads("RAYON_NUM_THREADS", count),
         None => machine::cores(),
     };
-    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(count);
+    let mut pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(count)
+        .thread_name(|k| format!("helper {}", k + 1));
     if count == 1 {
         pool = pool.use_current_thread();
     }

@@ -292,6 +292,7 @@ impl<'a> Walk<'a> {
 fn threads(jobs: usize) -> Result<ThreadPool> {
     ThreadPoolBuilder::new()
         .num_threads(jobs)
+        .thread_name(|k| format!("worker {}", k + 1))
         .build()
         .map_err(|e| Error::input(format!("cannot start threads: {e}; use fewer with -j")))
 }

@@ -1,7 +1,7 @@
 //! A record of what each worker did when, to be looked at in chrome://tracing or Perfetto; in no hash.
 
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -18,8 +18,8 @@ struct Span {
     category: &'static str,
     start: Duration,
     length: Duration,
-    /// 0 for the main thread, then the workers.
-    thread: usize,
+    /// Name of the thread.
+    thread: String,
     args: Value,
 }
 
@@ -38,7 +38,7 @@ impl Trace {
             category,
             start: start.duration_since(self.start),
             length: start.elapsed(),
-            thread: rayon::current_thread_index().map_or(0, |worker| worker + 1),
+            thread: std::thread::current().name().unwrap_or_default().to_owned(),
             args,
         };
         self.spans.lock().expect("no panic while it is held").push(span);
@@ -48,14 +48,11 @@ impl Trace {
     pub fn to_json(&self) -> String {
         let spans = self.spans.lock().expect("no panic while it is held");
         let process = std::process::id();
-        let threads: BTreeSet<usize> = spans.iter().map(|span| span.thread).collect();
+        let names: BTreeSet<&str> = spans.iter().map(|span| span.thread.as_str()).collect();
+        let threads: BTreeMap<&str, usize> = names.into_iter().zip(0..).collect();
         let mut events: Vec<Value> = threads
-            .into_iter()
-            .map(|thread| {
-                let name = match thread {
-                    0 => "plan".to_owned(),
-                    worker => format!("worker {worker}"),
-                };
+            .iter()
+            .map(|(name, thread)| {
                 json!({
                     "name": "thread_name", "ph": "M", "pid": process, "tid": thread,
                     "args": { "name": name },
@@ -68,7 +65,7 @@ impl Trace {
         events.extend(sorted.into_iter().map(|span| {
             json!({
                 "name": span.name, "cat": span.category, "ph": "X", "pid": process,
-                "tid": span.thread, "ts": microseconds(span.start),
+                "tid": threads[span.thread.as_str()], "ts": microseconds(span.start),
                 "dur": microseconds(span.length), "args": span.args,
             })
         }));
