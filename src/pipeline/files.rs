@@ -1,5 +1,6 @@
 //! Files as bytes: read whole if they are files, written whole or not at all.
 
+use super::hash;
 use crate::pipeline::error::{IoContext, Result};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -81,24 +82,19 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
 /// # Errors
 /// Those of the system; what is neither file nor folder, such as a pipe, is refused: it may never end.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    refuse_endless(path)?;
-    fs::read(path)
-}
-
-fn refuse_endless(path: &Path) -> io::Result<()> {
     let kind = fs::metadata(path)?.file_type();
     if !kind.is_file() && !kind.is_dir() {
         return Err(io::Error::new(ErrorKind::Unsupported, "it is neither a file nor a folder"));
     }
-    Ok(())
+    fs::read(path)
 }
 
-/// Hash and size of a file's contents, which need not be held whole.
+/// Hash and size of a file's contents.
 pub(super) struct Found {
     /// Hexadecimal blake3.
     pub(super) hash: String,
     /// Bytes.
-    pub(super) size: u64,
+    pub(super) size: usize,
 }
 
 /// What is in a file that need not be there.
@@ -106,13 +102,7 @@ pub(super) struct Found {
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
 pub(super) fn find(path: &Path) -> Result<Option<Found>> {
-    let hashed = || {
-        refuse_endless(path)?;
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(fs::File::open(path)?)?;
-        Ok(Found { hash: hasher.finalize().to_hex().to_string(), size: hasher.count() })
-    };
-    if_there(path, hashed())
+    Ok(read_if_there(path)?.map(|bytes| Found { hash: hash(&bytes), size: bytes.len() }))
 }
 
 /// The contents of a file that need not be there.
@@ -120,11 +110,7 @@ pub(super) fn find(path: &Path) -> Result<Option<Found>> {
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
 pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
-    if_there(path, read(path))
-}
-
-fn if_there<T>(path: &Path, found: io::Result<T>) -> Result<Option<T>> {
-    match found {
+    match read(path) {
         Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         found => found.map(Some).context("read", path),
     }

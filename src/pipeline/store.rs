@@ -31,7 +31,7 @@ pub struct Hit {
     /// Its record.
     pub manifest: Manifest,
     /// Size of its artifacts.
-    pub(super) bytes: u64,
+    pub(super) bytes: usize,
     /// Latest generation of the task; higher if an edit was reverted.
     latest: u64,
 }
