@@ -1,7 +1,8 @@
 //! Work units, bytes and time per unknown of multigrid, in a workspace that is there:
 //!
-//! `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]` on all problems, and with `--f F TOLERANCE`
-//! on one, to that KKT residual over the largest load, as JSON: the solution alone, and from f to the solution.
+//! `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]` on all problems, beside a plain red-black sweep,
+//! and with `--f F TOLERANCE` on one, to that KKT residual over the largest load, as JSON: the solution alone, and
+//! from f to the solution.
 
 use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
@@ -80,19 +81,71 @@ fn all_problems(sizes: &[usize], repeats: usize) {
     println!("{} thread(s), median of {repeats} runs", rayon::current_num_threads());
     println!("work units, cycles, ns per unknown for three goals:");
     println!("{:>6} {:14} {:>6} {:?}", "1/h", "problem", "bytes", GOALS);
+    println!("per work unit to the discretisation error, over a plain sweep: the last column");
     for &n in sizes {
         let grid = Grid::new(n).expect("fine enough");
         let mut workspace = Multigrid::new(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
             .map(|exact| (exact.name(), load(grid, &Source::Exact(exact), LoadRule::default())));
         let others = problems::paper_loads(n).into_iter().chain(problems::stress_loads(n));
+        let plain = plain_ns(n, &exact[0].1, repeats);
+        println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");
         for (name, load) in exact.into_iter().chain(others) {
             print!("{n:6} {name:14} {:6.1}", workspace.bytes() as f64 / load.len() as f64);
-            for goal in GOALS {
-                let (ns, outcome) = time(&mut workspace, &load, goal, repeats);
+            let runs = GOALS.map(|goal| time(&mut workspace, &load, goal, repeats));
+            for (ns, outcome) in runs {
                 print!("  {:5.1} {:2} {ns:5.1}", outcome.work_units, outcome.cycles);
             }
-            println!();
+            let (ns, outcome) = runs[0];
+            println!("  {:5.2}", ns / outcome.work_units / plain);
+        }
+    }
+}
+
+/// Median time of a plain sweep in nanoseconds per unknown.
+fn plain_ns(n: usize, load: &[f64], repeats: usize) -> f64 {
+    const SWEEPS: usize = 20;
+    let mut y = vec![0.0; load.len()];
+    let (ns, ()) = median(repeats, || {
+        let start = Instant::now();
+        (0..SWEEPS).for_each(|_| plain_sweep(n, &mut y, load));
+        (1e9 * start.elapsed().as_secs_f64() / (SWEEPS * load.len()) as f64, ())
+    });
+    ns
+}
+
+/// A sweep of projected red-black Gauss-Seidel as textbooks have it: one array in natural order, mirrored at the
+/// boundary, `load` that of the mirrored stencil.
+fn plain_sweep(n: usize, y: &mut [f64], load: &[f64]) {
+    let mirrored = |i: usize| [if i > 0 { i - 1 } else { 1 }, if i < n { i + 1 } else { n - 1 }];
+    for colour in 0..2 {
+        for (j, load) in load.chunks_exact(n + 1).enumerate() {
+            let ([below, above], row) = (mirrored(j).map(|j| j * (n + 1)), j * (n + 1));
+            let first = (j + colour) % 2;
+            let on_boundary = |y: &mut [f64], i: usize| {
+                let ([west, east], across) = (mirrored(i), y[below + i] + y[above + i]);
+                y[row + i] = (0.25 * (load[i] + (y[row + west] + y[row + east]) + across)).max(0.0);
+            };
+            if j == 0 || j == n {
+                (first..=n).step_by(2).for_each(|i| on_boundary(y, i));
+                continue;
+            }
+            if first == 0 {
+                on_boundary(y, 0);
+                on_boundary(y, n);
+            }
+            let (below, rest) = y[below..].split_at_mut(n + 1);
+            let (own, above) = rest.split_at_mut(n + 1);
+            // In pairs, a node of this colour and its neighbour to the east: no index is checked in the loop.
+            let start = 2 - first;
+            let mut west = own[start - 1];
+            let [load, below, above] =
+                [load, below, &above[..n + 1]].map(|row| row[start..].as_chunks::<2>().0);
+            let own = own[start..].as_chunks_mut::<2>().0;
+            for (((own, load), below), above) in own.iter_mut().zip(load).zip(below).zip(above) {
+                own[0] = 0.25 * (load[0] + (west + own[1]) + (below[0] + above[0]));
+                west = own[1];
+            }
         }
     }
 }

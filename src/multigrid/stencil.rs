@@ -226,10 +226,13 @@ impl<'a> Row<'a> {
             };
             let across = across.map(|row| &row[..half]);
             update_inner::<D>(&mut target[..half], &load[..half], [west, east], across, inner);
-        }
-        for (m, node) in edges::<D>(at, colour) {
-            let value = if inside { ends[usize::from(m > 0)] } else { target[m] };
-            target[m] = edge(node, value, self.edge_sum::<D>(m));
+            for ((m, node), value) in edges::<D>(at, colour).zip(ends) {
+                target[m] = edge(node, value, self.edge_sum::<D>(m));
+            }
+        } else {
+            for (m, node) in edges::<D>(at, colour) {
+                target[m] = edge(node, target[m], self.edge_sum::<D>(m));
+            }
         }
     }
 

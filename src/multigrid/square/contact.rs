@@ -219,11 +219,12 @@ fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
         }
     };
     if first <= last {
-        for node in first as i64..=last as i64 {
-            add(node as f64, f64::INFINITY);
-        }
         add(first - 1.0, before);
         add(last + 1.0, after);
+        let held = (last - first) as usize + 1;
+        let start = (first as i64).rem_euclid(nodes) as usize;
+        let (around, onwards) = springs.split_at_mut(start);
+        onwards.iter_mut().chain(around).take(held).for_each(|spring| *spring = f64::INFINITY);
         return;
     }
     // Too short to hold a node of this grid: the current is shared between two nodes, such that capacity
