@@ -5,14 +5,15 @@ use std::marker::PhantomData;
 use rayon::prelude::*;
 
 use super::coarsest::Coarsest;
-use super::input::{Extent, InputError, check_length};
-use super::layout::{At, boundary_nodes, slab};
+use super::input::{InputError, check_length};
+use super::layout::boundary_nodes;
 use super::level::Level;
+use super::load;
 use super::pass::Problem::{Correction, Obstacle};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
+use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::rows::{self, stride};
 use super::stencil::{coupling, for_each_boundary_node};
 use super::stopping::{self, Hierarchy};
 use super::transfer::Weighting;
@@ -87,9 +88,9 @@ impl<G: Geometry> Multigrid<G> {
         levels + self.contact.1.len() + self.coarsest.bytes()
     }
 
-    /// Bytes per unknown that the passes of the last solve moved together, if each reads and writes every
-    /// row once: over the bandwidth of the memory, the time that nothing can save on grids too large for
-    /// the caches.
+    /// Bytes per unknown that the passes of the last solve and [`Multigrid::write_solution`] move together, if
+    /// each reads and writes every row once: over the bandwidth of the memory, the time that nothing can save on
+    /// grids too large for the caches.
     pub fn traffic(&self) -> f64 {
         self.traffic
     }
@@ -105,7 +106,8 @@ impl<G: Geometry> Multigrid<G> {
         params: &MultigridParams,
         monitor: impl FnMut(&Progress),
     ) -> Result<Outcome, InputError> {
-        (self.work_units, self.traffic) = (0.0, 0.0);
+        // The input is read in one order and written in the other, in the end the solution.
+        (self.work_units, self.traffic) = (0.0, 32.0);
         self.set_load(load)?;
         let finest = self.levels.len() - 1;
         if finest == 0 {
@@ -137,23 +139,27 @@ impl<G: Geometry> Multigrid<G> {
 
     fn set_load(&mut self, load: &[f64]) -> Result<(), InputError> {
         let finest = self.levels.len() - 1;
-        let top = &mut self.levels[finest];
-        check_length(top.nodes, load)?;
-        let extents = rows::split(top.n, load, &mut top.load, Extent::of);
-        // Read in one order, written in the other.
-        self.traffic += 16.0;
-        let extent = Extent::join(&extents);
+        check_length(self.levels[finest].nodes, load)?;
+        let (coarser, top) = self.levels.split_at_mut(finest);
+        let top = &mut top[0];
+        let extent = match coarser.last_mut() {
+            Some(coarse) => load::take_and_weigh::<G>(load, top, coarse),
+            None => load::take::<G>(load, top),
+        };
         extent.check()?;
         self.scale = extent.scale();
         rows::scale(&mut top.load, 1.0 / self.scale);
-        divide_by_couplings::<G>(top);
         top.load_scale = extent.largest / self.scale;
         for l in (1..=finest).rev() {
             let (coarse, fine) = self.levels.split_at_mut(l);
-            pass::weigh_load::<G>(&fine[0], &mut coarse[l - 1]);
-            let nodes = self.levels[l].nodes as f64;
+            let (fine, coarse) = (&fine[0], &mut coarse[l - 1]);
+            let (nodes, with_the_finer) = (fine.nodes as f64, l == finest && self.scale == 1.0);
+            if !with_the_finer {
+                load::weigh::<G>(fine, coarse);
+            }
             self.count(pass::RESTRICT_LOAD * nodes);
-            self.move_bytes((8.0 + 8.0 / f64::from(1 << G::AXES)) * nodes);
+            let read = if with_the_finer { 0.0 } else { 8.0 };
+            self.move_bytes((read + 8.0 / f64::from(1 << G::AXES)) * nodes);
         }
         Ok(())
     }
@@ -164,7 +170,7 @@ impl<G: Geometry> Multigrid<G> {
         if start.iter().any(|value| !(value / self.scale).is_finite()) {
             return Err(InputError::NotFinite("start"));
         }
-        rows::split(top.n, start, &mut top.values, |_| ());
+        rows::split(top.n, start, &mut top.values);
         rows::scale(&mut top.values, 1.0 / self.scale);
         Ok(())
     }
@@ -345,27 +351,5 @@ impl<G: Geometry> Hierarchy for Multigrid<G> {
 
     fn work_units(&self) -> f64 {
         self.work_units
-    }
-}
-
-/// From `F` to the load of the mirrored stencil.
-fn divide_by_couplings<G: Geometry>(level: &mut Level) {
-    let (n, slab) = (level.n, slab::<G>(level.n));
-    let inside = 1.0 / coupling::<G>(n);
-    for colour in [Red, Black] {
-        let slabs = level.load[colour as usize].par_chunks_exact_mut(slab).enumerate();
-        slabs.with_min_len((1_usize << 14).div_ceil(slab)).for_each(|(s, load)| {
-            for at in At::of_slab::<G>(n, s) {
-                let row = &mut load[at.r * stride(n)..(at.r + 1) * stride(n)];
-                let factor = inside / at.share::<G>();
-                if factor != 1.0 {
-                    row.iter_mut().for_each(|entry| *entry *= factor);
-                }
-                if at.is_long(colour) {
-                    row[0] *= 2.0;
-                    row[n / 2] *= 2.0;
-                }
-            }
-        });
     }
 }

@@ -10,6 +10,7 @@ mod hierarchy;
 mod input;
 mod layout;
 mod level;
+mod load;
 mod network;
 mod pass;
 mod rows;

@@ -12,12 +12,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::blocks::{Block, Cuts, Target, blocks};
-use super::buffers::Sums;
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
 use super::rows::{self, CHUNK, Colour, Largest, MIN_PLACES, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
-use super::transfer::{Weighting, restrict_load};
+use super::transfer::Weighting;
 use crate::discrete::simd::vectorised;
 
 /// One step of a pass.
@@ -288,25 +287,6 @@ pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
         .with_min_len(MIN_PLACES.div_ceil(slab))
         .map(of_slab)
         .reduce(|| 0.0, worse)
-}
-
-/// Makes the load of the coarser grid by full weighting of that of the finer one.
-pub(super) fn weigh_load<D: Weighting>(fine: &Level, coarse: &mut Level) {
-    let slab = slab::<D>(coarse.n);
-    let slabs = CHUNK.div_ceil(slab);
-    let [red, black] = coarse.load.each_mut().map(|half| half.par_chunks_mut(slabs * slab));
-    coarse.load_scale = red
-        .zip(black)
-        .enumerate()
-        .with_min_len(MIN_PLACES.div_ceil(slabs * slab))
-        .map(|(chunk, (red, black))| {
-            let mut sums = Sums::new(coarse.n);
-            vectorised(
-                #[inline(always)]
-                || restrict_load::<D>(fine.n, &fine.load, chunk * slabs, [red, black], &mut sums),
-            )
-        })
-        .reduce(|| 0.0, worse);
 }
 
 #[cfg(test)]

@@ -85,34 +85,18 @@ pub(super) fn of(colours: &[Rows; 2]) -> [&[f64]; 2] {
     [&colours[0], &colours[1]]
 }
 
-/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows; returns what `see` finds
-/// in each piece of the field.
-pub(super) fn split<R: Send>(
-    n: usize,
-    natural: &[f64],
-    colours: &mut [Rows; 2],
-    see: impl Fn(&[f64]) -> R + Sync,
-) -> Vec<R> {
-    let (stride, rows) = (stride(n), CHUNK.div_ceil(stride(n)));
-    let [red, black] = colours.each_mut().map(|half| half.par_chunks_mut(rows * stride));
+/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows.
+pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) {
+    let stride = stride(n);
+    let [red, black] = colours.each_mut().map(|half| half.par_chunks_exact_mut(stride));
     red.zip(black)
-        .zip(natural.par_chunks(rows * (n + 1)))
+        .zip(natural.par_chunks_exact(n + 1))
         .enumerate()
-        .with_min_len(MIN_PLACES / CHUNK)
-        .map(|(chunk, ((red, black), source))| {
-            vectorised(
-                #[inline(always)]
-                || {
-                    let halves = red.chunks_exact_mut(stride).zip(black.chunks_exact_mut(stride));
-                    for (j, (halves, row)) in halves.zip(source.chunks_exact(n + 1)).enumerate() {
-                        let [long, short] = long_and_short(chunk * rows + j, halves.into());
-                        deinterleave(row, long, short);
-                    }
-                    see(source)
-                },
-            )
-        })
-        .collect()
+        .with_min_len(MIN_PLACES.div_ceil(stride))
+        .for_each(|(j, ((red, black), source))| {
+            let [long, short] = long_and_short(j, [red, black]);
+            deinterleave(source, long, short);
+        });
 }
 
 /// Multiplies an array of both colours by a number.

@@ -6,8 +6,8 @@
 
 use super::buffers::{Buffers, Sums};
 use super::layout::{At, Dimension, mirrored, rows_per_slab, slab};
-use super::rows::{Colour, Largest, Rows, deinterleave, long_and_short, stride};
-use super::stencil::{Boundary, coupling, edges};
+use super::rows::{Colour, deinterleave, long_and_short, stride};
+use super::stencil::{Boundary, edges};
 
 /// Full weighting of one slab: what differs between the square and the cube.
 pub trait Weighting: Dimension {
@@ -186,32 +186,4 @@ fn add(first: bool, sum: &mut [f64], other: &[f64], row: &[f64]) {
     } else {
         pairs.for_each(|(sum, row)| *sum += row);
     }
-}
-
-/// Slabs of the load of the coarser grid, from `first` on: full weighting of the load of the finer one. Returns
-/// the largest entry before the division by couplings.
-#[inline(always)]
-pub(super) fn restrict_load<D: Weighting>(
-    n: usize,
-    load: &[Rows; 2],
-    first: usize,
-    [red, black]: [&mut [f64]; 2],
-    sums: &mut Sums,
-) -> f64 {
-    let (half, slab, coarse) = (n / 2, slab::<D>(n), slab::<D>(n / 2));
-    let of_slab = |colour: Colour, s: usize| &load[colour as usize][s * slab..(s + 1) * slab];
-    let mut largest = Largest::default();
-    let slabs = red.chunks_exact_mut(coarse).zip(black.chunks_exact_mut(coarse));
-    for (s, (red, black)) in (first..).zip(slabs) {
-        for at in At::of_slab::<D>(half, s) {
-            D::weigh_load(at, of_slab, sums);
-            let (row, factor) = (&sums.row, coupling::<D>(half) * at.share::<D>());
-            largest.see(factor, &row[1..half]);
-            largest.see(0.5 * factor, &[row[0], row[half]]);
-            let halves = [&mut red[at.in_slab()], &mut black[at.in_slab()]];
-            let [long, short] = long_and_short(at.r + at.s, halves);
-            deinterleave(row, long, short);
-        }
-    }
-    largest.value()
 }
