@@ -16,7 +16,8 @@
 //! where beta makes f right at one point. At each vertex the jumps sum to zero, so the ends of edges
 //! contribute harmonic functions outside of the square, which are dropped: f is continued beyond each
 //! side, and psi is analytic up to the border but where a jump meets it. A harmonic polynomial is
-//! subtracted so that grad psi vanishes in the corners (`potential.rs`).
+//! subtracted so that grad psi vanishes in the corners (`potential.rs`). On the border it is interpolated, once
+//! for all contact sets (`border.rs`).
 //!
 //! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)` takes the square to the unit disc, p along the
 //! border to the angle theta (`map.rs`). `h = v - psi` is harmonic there, so that `W = h_theta + i h_r`
@@ -59,6 +60,7 @@
 //! - F. Rellich, Darstellung der Eigenwerte von Lap u + lambda u = 0 durch ein Randintegral, Math. Z. 46
 //!   (1940).
 
+mod border;
 mod complex;
 mod contact;
 mod curve;

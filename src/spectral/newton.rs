@@ -1,11 +1,13 @@
 //! Newton's method for the ends of contact.
 
+use super::border::Border;
 use super::complex::Complex;
 use super::jumps::Jumps;
 use super::map::Angle;
 use super::panels::{Ends, Panel, Place, panels};
 use super::potential::Potential;
-use super::sources::{Field, Rules, Sources, Target};
+use super::sources::{AtNode, Field, Rules, Sources, Target};
+use crate::discrete::simd::vectorised;
 use crate::problem::source::Source;
 
 /// What does not change with the ends of contact.
@@ -13,6 +15,7 @@ use crate::problem::source::Source;
 pub(super) struct Problem {
     pub jumps: Jumps,
     pub psi: Potential,
+    pub border: Border,
     /// Where jumps of f meet the border.
     crossings: Vec<Place>,
 }
@@ -21,17 +24,13 @@ impl Problem {
     pub(super) fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
         let psi = Potential::new(&jumps);
-        let crossings = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
-        Self { jumps, psi, crossings }
+        let crossings: Vec<Place> = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
+        let border = Border::new(&psi, &jumps, &crossings);
+        Self { jumps, psi, border, crossings }
     }
 
     pub(super) fn panels(&self, ends: &Ends) -> Vec<Panel> {
         panels(ends, &self.crossings, &self.jumps)
-    }
-
-    pub(super) fn target(&self, panel: &Panel, t: f64) -> Target {
-        let angle = Angle::from_corner(t);
-        Target { corner: panel.corner, angle, gradient: self.psi.gradient(panel.point(t)) }
     }
 
     /// Moves the ends until a step is shorter than `shortest`: convergence is quadratic, so the next would
@@ -64,83 +63,45 @@ impl Problem {
     /// The Newton step, as relative changes of the distances from a corner for ends round which it is
     /// free, else as lengths.
     fn step(&self, ends: &Ends, rules: &Rules) -> Option<Vec<f64>> {
-        let panels = self.panels(ends);
-        let sources = Sources::plain(&self.psi, ends, &panels, rules);
         let (arcs, many) = (ends.arcs(), ends.places.len());
-        let trig = trigonometric(ends, &sources);
+        let gaps = gaps(ends);
+        let in_gap = |panel: &Panel| !panel.contact && gaps.contains(&panel.arcs);
+        let field = Field::new(self, ends, rules, in_gap);
+        let sources = &field.plain;
+        let trig = trigonometric(ends, sources);
         let mut system = Linear::new(many);
         for (row, trig) in trig.iter().enumerate() {
-            system.right[row] = -sources.moment.iter().zip(trig).map(|(m, t)| m * t).sum::<f64>();
+            system.right[row] = -dot(&sources.moment, trig);
         }
-        let gaps = gaps(ends);
-        let field = Field::new(ends, &panels, &sources, rules, |panel| {
-            !panel.contact && gaps.contains(&panel.arcs)
-        });
-        let slopes: Vec<GapNode> =
-            if gaps.is_empty() { Vec::new() } else { self.gap_nodes(ends, &field, rules, &gaps) };
+        let numbered = field.panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
+        let nodes: Vec<(usize, AtNode)> =
+            numbered.flat_map(|(p, panel)| field.on_panel(p).map(|at| (panel.arcs, at))).collect();
+        let of = |gap| nodes.iter().filter(move |(own, _)| *own == gap).map(|(_, at)| at);
         for (row, &gap) in gaps.iter().enumerate() {
             system.right[arcs + 1 + row] =
-                -slopes.iter().filter(|n| n.gap == gap).map(|n| n.slope).sum::<f64>();
+                -of(gap).map(|at| at.derivative * at.node.weight).sum::<f64>();
         }
         for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
-            let gradient = self.psi.gradient(place.point());
+            let gradient = self.border.gradient(*place);
             let target = Target { corner: place.corner, angle: *angle, gradient };
-            let (column, y) = derivatives(&sources, &target, &trig, arcs % 2 == 1);
+            let (column, y) = derivatives(sources, &target, &trig, arcs % 2 == 1);
             let scale = angle.slope * if relative(&ends.places, j) { place.t } else { 1.0 };
             for (row, d) in column.iter().enumerate() {
                 system.matrix[row][j] = d * scale;
             }
             for (row, &gap) in gaps.iter().enumerate() {
-                let sum: f64 = slopes
-                    .iter()
-                    .filter(|n| n.gap == gap)
-                    .map(|n| {
-                        let [ts, tc] = n.angle.seen_from(n.corner - place.corner);
-                        let (sine, cosine) =
-                            (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
-                        n.root * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
-                    })
-                    .sum();
+                let kernel = |at: &AtNode| {
+                    let [ts, tc] = at.target.angle.seen_from(at.target.corner - place.corner);
+                    let (sine, cosine) =
+                        (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
+                    at.root * at.node.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
+                };
+                let sum: f64 = of(gap).map(kernel).sum();
                 system.matrix[arcs + 1 + row][j] = -0.25 * y * sum * scale;
             }
         }
         system.solve()
     }
-
-    /// dv/dtheta at the nodes of some gaps.
-    fn gap_nodes(&self, ends: &Ends, field: &Field, rules: &Rules, gaps: &[usize]) -> Vec<GapNode> {
-        let mut nodes = Vec::new();
-        for (p, panel) in field.panels.iter().enumerate() {
-            if panel.contact || !gaps.contains(&panel.arcs) {
-                continue;
-            }
-            let on_panel = || panel.nodes(&rules.targets, panel.target_power());
-            let targets: Vec<Target> = on_panel().map(|node| self.target(panel, node.t)).collect();
-            let ys = field.at(p, &targets);
-            for ((node, target), y) in on_panel().zip(targets).zip(ys) {
-                let root = ends.root(panel, node, target.angle) * target.angle.slope * node.weight;
-                nodes.push(GapNode {
-                    gap: panel.arcs,
-                    corner: panel.corner,
-                    angle: target.angle,
-                    root,
-                    slope: root * y,
-                });
-            }
-        }
-        nodes
-    }
-}
-
-struct GapNode {
-    /// Number of the arc before the gap.
-    gap: usize,
-    corner: i32,
-    angle: Angle,
-    /// (-1)^k |P|^{1/2} times the weight with respect to the angle.
-    root: f64,
-    /// dv/dtheta times the weight with respect to the angle.
-    slope: f64,
 }
 
 /// All gaps but the longest, by the number of the arc before them.
@@ -184,10 +145,29 @@ fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
     rows
 }
 
+/// The scalar product, in parts that are summed at once.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    vectorised(
+        #[inline(always)]
+        || {
+            let mut sums = [0.0; LANES];
+            let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+            for (a, b) in a.iter().zip(b) {
+                for lane in 0..LANES {
+                    sums[lane] += a[lane] * b[lane];
+                }
+            }
+            let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+            sums.iter().sum::<f64>() + rest
+        },
+    )
+}
+
 /// Derivatives of the moments with respect to an end of contact, and Y there.
 fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) -> (Vec<f64>, f64) {
-    let mut column = vec![0.0; trig.len()];
     let mut y = 0.0;
+    let mut cotangents = Vec::with_capacity(sources.sin.len());
     for group in &sources.groups {
         let [es, ec] = end.angle.seen_from(end.corner - group.corner);
         let g = end.gradient.dot(group.direction);
@@ -196,12 +176,10 @@ fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) ->
             let local = (sources.moment[i] - g * sources.weight[i]) / (s * ec - c * es);
             let cotangent = local * (c * ec + s * es);
             y += if odd { local } else { cotangent };
-            for (entry, trig) in column.iter_mut().zip(trig) {
-                *entry += cotangent * trig[i];
-            }
+            cotangents.push(cotangent);
         }
     }
-    column.iter_mut().for_each(|entry| *entry *= 0.25);
+    let column = trig.iter().map(|row| 0.25 * dot(&cotangents, row)).collect();
     (column, y / std::f64::consts::TAU)
 }
 

@@ -108,6 +108,10 @@ impl Panel {
         if self.contact { self.tangent } else { self.tangent.turned() }
     }
 
+    pub(super) fn place(&self, t: f64) -> Place {
+        Place { corner: self.corner, t }
+    }
+
     pub(super) fn point(&self, t: f64) -> Complex {
         CORNERS[self.corner.rem_euclid(4) as usize] + self.tangent.scaled(t)
     }
@@ -185,23 +189,24 @@ impl Ends {
         self.places.first().copied().unwrap_or(Place { corner: 0, t: 0.0 })
     }
 
-    /// (-1)^k |P|^{1/2} at a node of a panel, P the product over all ends of 2 sin((theta - end) / 2).
-    pub(super) fn root(&self, panel: &Panel, node: Node, angle: Angle) -> f64 {
-        let near = panel.end();
-        let mut product = 1.0;
-        for (j, (place, own)) in self.places.iter().zip(&self.angles).enumerate() {
-            let sine = if near == Some(j) {
-                let t = place.distance_from(panel.corner);
-                let t = if panel.reversed() { t } else { t + node.offset };
-                half_sine(t, node.offset)
-            } else {
-                let [sin, cos] = own.seen_from(place.corner - panel.corner);
-                angle.sin * cos - angle.cos * sin
-            };
-            product *= 2.0 * sine;
+    /// (-1)^k |P|^{1/2} at nodes of a panel, P the product over all ends of 2 sin((theta - end) / 2).
+    pub(super) fn root(&self, panel: &Panel) -> impl Fn(Node, Angle) -> f64 {
+        let (reversed, near) = (panel.reversed(), panel.end());
+        let near = near.map(|end| self.places[end].distance_from(panel.corner));
+        let others = self.places.iter().zip(&self.angles).enumerate();
+        let others: Vec<[f64; 2]> = others
+            .filter(|&(j, _)| panel.end() != Some(j))
+            .map(|(_, (place, angle))| angle.seen_from(place.corner - panel.corner))
+            .collect();
+        let sign = if panel.arcs % 2 == 1 { -1.0 } else { 1.0 };
+        move |node, angle| {
+            let sine = |&[sin, cos]: &[f64; 2]| 2.0 * (angle.sin * cos - angle.cos * sin);
+            let product: f64 = others.iter().map(sine).product();
+            let own = near.map_or(1.0, |end| {
+                2.0 * half_sine(if reversed { end } else { end + node.offset }, node.offset)
+            });
+            sign * (product * own).abs().sqrt()
         }
-        let root = product.abs().sqrt();
-        if panel.arcs % 2 == 1 { -root } else { root }
     }
 }
 
@@ -270,8 +275,8 @@ impl Cutter<'_> {
             cut = Some(0.5 * length);
         }
         for point in self.near.iter().enumerate().filter(|&(k, _)| !own(k)).map(|(_, &z)| z) {
-            let near = segment.map(|end| (end - point).norm());
             if cut.is_none() && length > 2.0 * distance(segment, point) {
+                let near = segment.map(|end| (end - point).norm());
                 let piece = (2.0 * near[0].min(near[1])).max(SHORTEST);
                 let at = if near[0] < near[1] { piece } else { length - piece };
                 cut = Some(if (0.0..0.5 * length).contains(&piece) { at } else { 0.5 * length });

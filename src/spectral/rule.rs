@@ -40,13 +40,13 @@ pub(super) fn interpolation(rule: &[[f64; 2]], x: &[f64]) -> Vec<f64> {
         .collect();
     let mut matrix = Vec::with_capacity(rule.len() * x.len());
     for &x in x {
-        let row = matrix.len();
-        let mut sum = 0.0;
-        for (&[node, _], weight) in rule.iter().zip(&weights) {
-            let entry = weight / (x - node);
-            sum += entry;
-            matrix.push(entry);
+        if rule.iter().any(|&[node, _]| node == x) {
+            matrix.extend(rule.iter().map(|&[node, _]| if node == x { 1.0 } else { 0.0 }));
+            continue;
         }
+        let row = matrix.len();
+        matrix.extend(rule.iter().zip(&weights).map(|(&[node, _], weight)| weight / (x - node)));
+        let sum: f64 = matrix[row..].iter().sum();
         matrix[row..].iter_mut().for_each(|entry| *entry /= sum);
     }
     matrix
@@ -56,20 +56,12 @@ pub(super) fn interpolation(rule: &[[f64; 2]], x: &[f64]) -> Vec<f64> {
 pub(super) fn integration(rule: &[[f64; 2]]) -> Vec<f64> {
     let n = rule.len();
     let mut matrix = vec![0.0; n * n];
-    for (j, &[xj, wj]) in rule.iter().enumerate() {
-        for (i, &[xi, _]) in rule.iter().enumerate() {
-            // The Lagrange polynomial of node j in Legendre polynomials, each integrated from -1.
-            let (y, z) = (2.0 * xi - 1.0, 2.0 * xj - 1.0);
-            let mut sum = 0.5 * (y + 1.0);
-            let ([mut py, mut qy], [mut pz, mut qz]) = ([y, 1.0], [z, 1.0]);
-            for k in 1..n {
-                let k = k as f64;
-                let next = ((2.0 * k + 1.0) * y * py - k * qy) / (k + 1.0);
-                sum += 0.5 * pz * (next - qy);
-                (py, qy) = (next, py);
-                (pz, qz) = (((2.0 * k + 1.0) * z * pz - k * qz) / (k + 1.0), pz);
-            }
-            matrix[i * n + j] = wj * sum;
+    for (row, &[end, _]) in matrix.chunks_exact_mut(n).zip(rule) {
+        // By the rule itself, which is exact for the polynomial between 0 and the node.
+        let inside: Vec<f64> = rule.iter().map(|&[x, _]| end * x).collect();
+        let values = interpolation(rule, &inside);
+        for (value, &[_, w]) in values.chunks_exact(n).zip(rule) {
+            row.iter_mut().zip(value).for_each(|(sum, value)| *sum += end * w * value);
         }
     }
     matrix

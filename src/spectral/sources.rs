@@ -1,11 +1,12 @@
 //! Quadrature nodes on the border and the Cauchy sums over them.
 
 use super::Params;
+use super::border::Border;
 use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
-use super::panels::{Ends, Panel, Special};
-use super::potential::Potential;
-use super::rule::{gauss, integration, interpolation};
+use super::newton::Problem;
+use super::panels::{Ends, Node, Panel, Special};
+use super::rule::{gauss, integration};
 use crate::discrete::simd::vectorised;
 use std::ops::Range;
 
@@ -23,8 +24,6 @@ pub(super) struct Rules {
     pub integrals: Vec<f64>,
     /// Nodes of a graded panel, as fractions of its length from the corner.
     near: Vec<[f64; 2]>,
-    /// From the plain nodes to these.
-    to_near: Vec<f64>,
 }
 
 impl Rules {
@@ -37,10 +36,8 @@ impl Rules {
             near.extend(plain.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]));
             to = from;
         }
-        let fractions: Vec<f64> = near.iter().map(|&[x, _]| x).collect();
-        let to_near = interpolation(&plain, &fractions);
         let targets = gauss(nodes + 1);
-        Self { integrals: integration(&targets), targets, plain, near, to_near }
+        Self { integrals: integration(&targets), targets, plain, near }
     }
 }
 
@@ -73,47 +70,18 @@ pub(super) struct Target {
 }
 
 impl Sources {
-    /// Nodes that serve all targets but those next to a kink.
-    pub(super) fn plain(psi: &Potential, ends: &Ends, panels: &[Panel], rules: &Rules) -> Self {
-        let mut sources = Self::default();
-        for panel in panels {
-            let power = if panel.end().is_some() { 2 } else { 1 };
-            sources.group(panel, |sources| {
-                for node in panel.nodes(&rules.plain, power) {
-                    let angle = Angle::from_corner(node.t);
-                    let derivative = psi.gradient(panel.point(node.t)).dot(panel.direction());
-                    let weight = node.weight / ends.root(panel, node, angle);
-                    sources.push(weight, derivative, angle);
-                }
-            });
+    /// Adds the nodes of a rule on a panel.
+    fn add(&mut self, psi: &Border, ends: &Ends, panel: &Panel, rule: &[[f64; 2]], power: i32) {
+        let (start, root) = (self.weight.len(), ends.root(panel));
+        for node in panel.nodes(rule, power) {
+            let angle = Angle::from_corner(node.t);
+            let derivative = psi.gradient(panel.place(node.t)).dot(panel.direction());
+            let weight = node.weight / root(node, angle);
+            self.weight.push(weight);
+            self.moment.push(weight * derivative);
+            self.sin.push(angle.sin);
+            self.cos.push(angle.cos);
         }
-        sources
-    }
-
-    /// Nodes graded towards the corner or crossing at one end of the panel; `plain` are those of the panel.
-    fn graded(ends: &Ends, panel: &Panel, rules: &Rules, plain: &[f64], sources: &mut Self) {
-        let n = rules.plain.len();
-        sources.group(panel, |sources| {
-            let nodes = panel.nodes(&rules.near, 1);
-            for (node, row) in nodes.zip(rules.to_near.chunks_exact(n)) {
-                let angle = Angle::from_corner(node.t);
-                let derivative = row.iter().zip(plain).map(|(m, d)| m * d).sum();
-                let weight = node.weight / ends.root(panel, node, angle);
-                sources.push(weight, derivative, angle);
-            }
-        });
-    }
-
-    fn push(&mut self, weight: f64, derivative: f64, angle: Angle) {
-        self.weight.push(weight);
-        self.moment.push(weight * derivative);
-        self.sin.push(angle.sin);
-        self.cos.push(angle.cos);
-    }
-
-    fn group(&mut self, panel: &Panel, fill: impl FnOnce(&mut Self)) {
-        let start = self.weight.len();
-        fill(self);
         self.groups.push(Group {
             corner: panel.corner,
             direction: panel.direction(),
@@ -123,7 +91,12 @@ impl Sources {
 
     /// For each target the sum over a group of weight (grad psi' - grad psi) . e k(theta - theta').
     #[inline(always)]
-    fn sums(&self, group: &Group, targets: &Block, odd: bool) -> Lanes {
+    fn sums<const LANES: usize>(
+        &self,
+        group: &Group,
+        targets: &Block<LANES>,
+        odd: bool,
+    ) -> [f64; LANES] {
         let Range { start, end } = group.range;
         let [cos, sin] = eighth_turns(targets.corner - group.corner);
         let Complex { re, im } = group.direction;
@@ -156,20 +129,16 @@ impl Sources {
     }
 }
 
-/// Targets for which sums are made at once.
-const LANES: usize = 4;
-type Lanes = [f64; LANES];
-
-/// Targets of one panel.
-struct Block {
+/// Targets of one panel for which sums are made at once.
+struct Block<const LANES: usize> {
     corner: i32,
-    sin: Lanes,
-    cos: Lanes,
-    gradient: [Lanes; 2],
+    sin: [f64; LANES],
+    cos: [f64; LANES],
+    gradient: [[f64; LANES]; 2],
 }
 
-impl Block {
-    /// Of at most [`LANES`] targets; the last one fills what is left.
+impl<const LANES: usize> Block<LANES> {
+    /// Of at most as many targets; the last one fills what is left.
     fn new(targets: &[Target]) -> Self {
         let lanes = |of: fn(&Target) -> f64| {
             std::array::from_fn(|k| of(&targets[k.min(targets.len() - 1)]))
@@ -185,58 +154,84 @@ impl Block {
 
 /// All sources: plain ones and, where they do not serve, graded ones.
 pub(super) struct Field<'a> {
-    pub panels: &'a [Panel],
-    pub plain: &'a Sources,
-    odd: bool,
+    psi: &'a Border,
+    ends: &'a Ends,
+    rules: &'a Rules,
+    pub panels: Vec<Panel>,
+    /// Nodes that serve all targets but those next to a kink.
+    pub plain: Sources,
     /// Graded sources of the panels next to kinks, and which group is whose.
     graded: Sources,
     graded_of: Vec<usize>,
 }
 
+/// The solution at a target.
+pub(super) struct AtNode {
+    pub node: Node,
+    pub target: Target,
+    /// (-1)^k |P|^{1/2} times the derivative of the angle along the border.
+    pub root: f64,
+    /// dv/dn in contact, the derivative of v along the border elsewhere.
+    pub derivative: f64,
+}
+
 impl<'a> Field<'a> {
     /// Grades the panels next to kinks that are `wanted`.
     pub(super) fn new(
-        ends: &Ends,
-        panels: &'a [Panel],
-        plain: &'a Sources,
-        rules: &Rules,
+        problem: &'a Problem,
+        ends: &'a Ends,
+        rules: &'a Rules,
         wanted: impl Fn(&Panel) -> bool,
     ) -> Self {
-        let mut graded = Sources::default();
+        let (psi, panels) = (&problem.border, problem.panels(ends));
+        let (mut plain, mut graded) = (Sources::default(), Sources::default());
         let mut graded_of = vec![usize::MAX; panels.len()];
-        for (p, panel) in panels.iter().enumerate() {
+        for (panel, of) in panels.iter().zip(&mut graded_of) {
+            let power = if panel.end().is_some() { 2 } else { 1 };
+            plain.add(psi, ends, panel, &rules.plain, power);
             if panel.kink().is_some() && wanted(panel) {
-                let range = plain.groups[p].range.clone();
-                let derivatives: Vec<f64> = plain.moment[range.clone()]
-                    .iter()
-                    .zip(&plain.weight[range])
-                    .map(|(moment, weight)| moment / weight)
-                    .collect();
-                graded_of[p] = graded.groups.len();
-                Sources::graded(ends, panel, rules, &derivatives, &mut graded);
+                *of = graded.groups.len();
+                graded.add(psi, ends, panel, &rules.near, 1);
             }
         }
-        Self { panels, plain, odd: ends.arcs() % 2 == 1, graded, graded_of }
+        Self { psi, ends, rules, panels, plain, graded, graded_of }
     }
 
-    /// Y at targets of panel `p`: times (-1)^k |P|^{1/2} it is l dp/dtheta in contact, dv/dtheta elsewhere.
-    pub(super) fn at(&self, p: usize, targets: &[Target]) -> Vec<f64> {
-        let mut sums = Vec::with_capacity(targets.len() + LANES);
-        for block in targets.chunks(LANES) {
-            let block = Block::new(block);
-            let of_block = vectorised(
-                #[inline(always)]
-                || self.sums(p, &block),
-            );
-            sums.extend(of_block.map(|sum| -sum / std::f64::consts::TAU));
-        }
-        sums.truncate(targets.len());
-        sums
+    /// The solution at the targets of panel `p`.
+    pub(super) fn on_panel(&self, p: usize) -> impl Iterator<Item = AtNode> {
+        const MANY: usize = 8;
+        const FEW: usize = 4;
+        let panel = &self.panels[p];
+        let nodes: Vec<Node> = panel.nodes(&self.rules.targets, panel.target_power()).collect();
+        let target = |node: &Node| Target {
+            corner: panel.corner,
+            angle: Angle::from_corner(node.t),
+            gradient: self.psi.gradient(panel.place(node.t)),
+        };
+        let targets: Vec<Target> = nodes.iter().map(target).collect();
+        let mut sums = Vec::with_capacity(targets.len() + MANY);
+        vectorised(
+            #[inline(always)]
+            || {
+                for block in targets.chunks(MANY) {
+                    if block.len() > FEW {
+                        sums.extend(self.sums(p, &Block::<MANY>::new(block)));
+                    } else {
+                        sums.extend(self.sums(p, &Block::<FEW>::new(block)));
+                    }
+                }
+            },
+        );
+        let root = self.ends.root(panel);
+        nodes.into_iter().zip(targets).zip(sums).map(move |((node, target), sum)| {
+            let root = root(node, target.angle) * target.angle.slope;
+            AtNode { node, target, root, derivative: -root * sum / std::f64::consts::TAU }
+        })
     }
 
     /// The sums over all sources.
     #[inline(always)]
-    fn sums(&self, p: usize, targets: &Block) -> Lanes {
+    fn sums<const LANES: usize>(&self, p: usize, targets: &Block<LANES>) -> [f64; LANES] {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed() { (p + 1) % many } else { (p + many - 1) % many };
@@ -250,9 +245,9 @@ impl<'a> Field<'a> {
             let (sources, group) = if replaced.contains(&q) {
                 (&self.graded, &self.graded.groups[self.graded_of[q]])
             } else {
-                (self.plain, group)
+                (&self.plain, group)
             };
-            let of_group = if self.odd {
+            let of_group = if self.ends.arcs() % 2 == 1 {
                 sources.sums(group, targets, true)
             } else {
                 sources.sums(group, targets, false)

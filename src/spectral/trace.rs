@@ -5,7 +5,7 @@ use super::map::{Angle, corner_angle, to_disc};
 use super::newton::Problem;
 use super::panels::{Ends, Node, Panel, Place, Special, distance};
 use super::rule::interpolation;
-use super::sources::{Field, Rules, Sources, Target};
+use super::sources::{AtNode, Field, Rules};
 use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
 
@@ -39,9 +39,8 @@ pub(super) struct Trace {
 
 impl Trace {
     pub(super) fn new(problem: &Problem, ends: &Ends, rules: &Rules) -> Self {
-        let panels = problem.panels(ends);
-        let plain = Sources::plain(&problem.psi, ends, &panels, rules);
-        let field = Field::new(ends, &panels, &plain, rules, |_| true);
+        let field = Field::new(problem, ends, rules, |_| true);
+        let panels = &field.panels;
         let n = rules.targets.len();
         let mut points: Vec<Point> = Vec::with_capacity(n * panels.len());
         // v at the start of the panel.
@@ -50,35 +49,26 @@ impl Trace {
         for (p, panel) in panels.iter().enumerate() {
             let first = points.len();
             starts.push(before);
-            let on_panel = || panel.nodes(&rules.targets, panel.target_power());
-            let (mut values, mut targets) = (Vec::with_capacity(n), Vec::with_capacity(n));
-            for node in on_panel() {
-                let (psi, gradient) = problem.psi.value_and_gradient(panel.point(node.t));
-                values.push(psi);
-                let angle = Angle::from_corner(node.t);
-                targets.push(Target { corner: panel.corner, angle, gradient });
-            }
-            let ys = field.at(p, &targets);
-            for (((node, target), psi), y) in on_panel().zip(targets).zip(values).zip(ys) {
-                let derivative = ends.root(panel, node, target.angle) * y * target.angle.slope;
-                points.push(Point {
-                    place: Place { corner: panel.corner, t: node.t },
+            points.extend(field.on_panel(p).map(|AtNode { node, target, derivative, .. }| {
+                let place = panel.place(node.t);
+                Point {
+                    place,
                     panel: p,
                     weight: node.weight,
                     value: 0.0,
                     multiplier: if panel.contact { derivative } else { 0.0 },
                     along: if panel.contact { 0.0 } else { derivative },
-                    psi,
+                    psi: problem.border.value(place),
                     gradient: target.gradient,
-                });
-            }
+                }
+            }));
             let points = &mut points[first..];
             before = if panel.contact { 0.0 } else { integrate(points, panel, before, rules) };
             if panel.reversed() {
                 points.reverse();
             }
         }
-        Self { panels, points, starts }
+        Self { panels: field.panels, points, starts }
     }
 
     /// Whether its `i`-th point, counted around and around, is in contact.
@@ -134,16 +124,9 @@ impl Trace {
                     continue;
                 }
                 let places: Vec<f64> = inside.iter().map(|&[x, _]| x).collect();
-                let matrix = if to - from == 1.0 {
-                    Vec::new()
-                } else {
-                    interpolation(&rules.targets, &places)
-                };
-                for (k, node) in nodes.iter().enumerate() {
-                    let h = match matrix.get(k * n..(k + 1) * n) {
-                        None => values[k],
-                        Some(row) => row.iter().zip(&values).map(|(m, h)| m * h).sum(),
-                    };
+                let matrix = interpolation(&rules.targets, &places);
+                for (node, row) in nodes.iter().zip(matrix.chunks_exact(n)) {
+                    let h: f64 = row.iter().zip(&values).map(|(m, h)| m * h).sum();
                     let angle = Angle::from_corner(node.t);
                     let half = Complex::new(angle.cos, angle.sin);
                     let to = Complex::new(cos, sin) * half * half - image;
@@ -183,9 +166,6 @@ impl Trace {
             let Point { value, multiplier, .. } = self.points[p * n + k];
             [value, multiplier]
         };
-        if let Some(k) = rules.targets.iter().position(|&[node, _]| node == x) {
-            return point(k);
-        }
         let row = interpolation(&rules.targets, &[x]);
         let [value, multiplier] =
             [0, 1].map(|which| row.iter().enumerate().map(|(k, m)| m * point(k)[which]).sum());
