@@ -89,7 +89,7 @@ impl Moments {
 pub(super) enum Data {
     /// Constant, with this integral over each cell.
     Constant(f64),
-    /// The moments of the cells from this place on in [`CellRow::cut`].
+    /// A single cell with the moments at this place in [`CellRow::cut`].
     Cut(usize),
 }
 
@@ -122,7 +122,7 @@ impl CellRow {
             let cells = end - std::mem::replace(&mut start, end);
             match data {
                 Data::Constant(mass) => mass * cells as f64,
-                Data::Cut(first) => self.cut[first..first + cells].iter().map(|f| f.one).sum(),
+                Data::Cut(cut) => self.cut[cut].one,
             }
         };
         self.runs.iter().map(of_run).sum()
@@ -138,11 +138,17 @@ impl CellRow {
 
     /// Moments over cell `i`.
     pub(super) fn at(&self, i: usize) -> Moments {
-        let run = self.runs.partition_point(|&(end, _)| end <= i);
-        let start = if run == 0 { 0 } else { self.runs[run - 1].0 };
-        match self.runs[run].1 {
+        match self.runs[self.runs.partition_point(|&(end, _)| end <= i)].1 {
             Data::Constant(mass) => Moments::constant(mass),
-            Data::Cut(first) => self.cut[first + i - start],
+            Data::Cut(cut) => self.cut[cut],
+        }
+    }
+
+    /// The integral of f times the bilinear hat function of a corner over cell `i`.
+    pub(super) fn mass(&self, i: usize, corner: usize) -> f64 {
+        match self.runs[self.runs.partition_point(|&(end, _)| end <= i)].1 {
+            Data::Constant(mass) => 0.25 * mass,
+            Data::Cut(cut) => self.cut[cut].masses()[corner],
         }
     }
 }
@@ -187,9 +193,12 @@ impl<'a> AllCells<'a> {
         Cow::Owned(row)
     }
 
-    /// Moments over cell (i, j).
-    pub(super) fn at(&self, i: usize, j: usize) -> Moments {
-        self.rows.get(j).map_or_else(|| self.integrated(i, j), |row| row.at(i))
+    /// The integral of f times the bilinear hat function of a corner over cell (i, j).
+    pub(super) fn mass(&self, [i, j]: [usize; 2], corner: usize) -> f64 {
+        match self.rows.get(j) {
+            Some(row) => row.mass(i, corner),
+            None => self.integrated(i, j).masses()[corner],
+        }
     }
 
     /// Moments of a smooth f over cell (i, j), by quadrature.

@@ -1,6 +1,6 @@
 //! The equilibrated flux: reactions on the boundary, and what has to flow where f is not constant.
 
-use super::data::{CellRow, seams};
+use super::data::{AllCells, CellRow, seams};
 use crate::discrete::grid::Grid;
 
 /// Reactions on the four sides, without a sign: the normal flux is their linear interpolant over h.
@@ -15,14 +15,8 @@ pub(super) struct Reactions {
 
 impl Reactions {
     /// Those of the nodal vector `y`, not negative on the boundary: `A y - b` where it is at least y,
-    /// scaled so that they balance f. `mass(i, j)` gives the integrals of f times the hat functions over
-    /// cell (i, j), and `total` is the integral of f, which is negative.
-    pub(super) fn new(
-        grid: Grid,
-        y: &[f64],
-        mass: impl Fn(usize, usize) -> [f64; 4],
-        total: f64,
-    ) -> Self {
+    /// scaled so that they balance f, whose integral is negative.
+    pub(super) fn new(grid: Grid, y: &[f64], f: &AllCells) -> Self {
         let n = grid.cells();
         let at = |i: usize, j: usize| y[grid.index(i, j)];
         let mut found: Vec<f64> = (0..grid.boundary_nodes())
@@ -34,7 +28,7 @@ impl Reactions {
                     if (i + di == 0) || (j + dj == 0) || i + di > n || j + dj > n {
                         continue;
                     }
-                    load += mass(i + di - 1, j + dj - 1)[corner];
+                    load += f.mass([i + di - 1, j + dj - 1], corner);
                     let (across, along) =
                         (if di == 0 { i - 1 } else { i + 1 }, if dj == 0 { j - 1 } else { j + 1 });
                     flux += 0.5 * ((at(i, j) - at(across, j)) + (at(i, j) - at(i, along)));
@@ -43,13 +37,13 @@ impl Reactions {
                 if reaction > 0.0 && reaction >= at(i, j) { reaction } else { 0.0 }
             })
             .collect();
-        let balanced = -total / found.iter().sum::<f64>();
+        let balanced = -f.integral / found.iter().sum::<f64>();
         let mut values = found.clone();
         if balanced.is_finite() {
             found.iter_mut().for_each(|value| *value *= balanced);
             values.copy_from_slice(&found);
         } else {
-            values.fill(-total / grid.boundary_nodes() as f64);
+            values.fill(-f.integral / grid.boundary_nodes() as f64);
         }
         let side = |from: usize| (0..=n).map(move |k| (from + k) % (4 * n));
         let collect = |places: &mut dyn Iterator<Item = usize>| places.map(|b| values[b]).collect();
@@ -94,7 +88,7 @@ impl NodeFluxes {
         let n = self.around.len() - 1;
         let mass = |row: Option<&CellRow>, cell: Option<usize>, corner: usize| {
             let cell = cell.filter(|&cell| cell < n)?;
-            row.map(|row| row.at(cell).masses()[corner])
+            row.map(|row| row.mass(cell, corner))
         };
         for &[from, to] in &self.seams {
             for i in from..=to {

@@ -80,8 +80,7 @@ impl<'a> Walk<'a> {
         recovered: Option<&'a mut [f64]>,
     ) -> Self {
         let n = grid.cells();
-        let mass = |i, j| data.at(i, j).masses();
-        let reactions = Reactions::new(grid, v, mass, data.integral);
+        let reactions = Reactions::new(grid, v, data);
         let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
         let contact = contact::arcs(grid, &outer, &reactions.found);
         let sums = Sums::default();
