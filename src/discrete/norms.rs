@@ -1,8 +1,9 @@
 //! Errors of a discrete solution against a known one.
 
 use crate::discrete::grid::Grid;
+use crate::discrete::simd::vectorised;
 use crate::discrete::stiffness::residual;
-use crate::problem::exact::Exact;
+use crate::problem::exact::{Exact, Sample};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,22 @@ struct Place {
     weight: f64,
 }
 
+impl Place {
+    /// Squares of the errors of value and gradient, from the values at the corners of the cell.
+    #[inline(always)]
+    fn errors(&self, exact: Sample, value: [f64; 4], upper: bool, h: f64) -> [f64; 2] {
+        let slopes = match upper {
+            false => [value[1] - value[0], value[2] - value[1]],
+            true => [value[2] - value[3], value[3] - value[0]],
+        };
+        let [a, b, c, d] = self.share;
+        let ours = a * value[0] + b * value[1] + c * value[2] + d * value[3];
+        let wrong = exact.value - ours;
+        let [x, y] = [0, 1].map(|axis: usize| exact.gradient[axis] - slopes[axis] / h);
+        [wrong * wrong, x * x + y * y]
+    }
+}
+
 /// The points of the rule in both triangles of a cell, first those below the rising diagonal.
 fn places() -> [[Place; 6]; 2] {
     [[0, 1, 2], [0, 2, 3]].map(|vertices| {
@@ -71,25 +88,40 @@ pub fn largest(values: &[f64]) -> f64 {
 pub fn errors(grid: Grid, problem: Exact, y: &[f64], load: &[f64]) -> Errors {
     let (n, h) = (grid.cells(), grid.h());
     let at = |i: f64| i * h - 0.5;
-    let places = places();
+    // The points of the rule in a row of cells, place by place.
+    let points = places().map(|triangle| {
+        triangle.map(|place| {
+            let of_cell = |i: usize| problem.along(at(i as f64 + place.at[0]));
+            (place, (0..n).map(of_cell).collect::<Vec<_>>())
+        })
+    });
     let of_row = |j: usize| {
-        let (mut l2, mut h1) = (0.0, 0.0);
-        for i in 0..n {
-            let value = CORNERS.map(|(di, dj)| y[grid.index(i + di, j + dj)]);
-            let lower = [value[1] - value[0], value[2] - value[1]];
-            let upper = [value[2] - value[3], value[3] - value[0]];
-            for (triangle, slopes) in places.iter().zip([lower, upper]) {
-                for place in triangle {
-                    let (x, y) = (at(i as f64 + place.at[0]), at(j as f64 + place.at[1]));
-                    let exact = problem.at(x, y);
-                    let ours: f64 = place.share.iter().zip(value).map(|(s, v)| s * v).sum();
-                    let wrong = |axis: usize| exact.gradient[axis] - slopes[axis] / h;
-                    l2 += place.weight * (exact.value - ours).powi(2);
-                    h1 += place.weight * (wrong(0).powi(2) + wrong(1).powi(2));
-                }
+        let [low, high] = [j, j + 1].map(|j| &y[j * grid.side()..][..n + 1]);
+        let (mut l2, mut h1) = (vec![0.0; n], vec![0.0; n]);
+        for (upper, triangle) in points.iter().enumerate() {
+            for (place, x) in triangle {
+                let y = problem.along(at(j as f64 + place.at[1]));
+                let (x, l2, h1) = (&x[..n], &mut l2[..n], &mut h1[..n]);
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        problem.in_row(
+                            x,
+                            y,
+                            #[inline(always)]
+                            |i, exact| {
+                                let value = [low[i], low[i + 1], high[i + 1], high[i]];
+                                let [value_error, slope_error] =
+                                    place.errors(exact, value, upper == 1, h);
+                                l2[i] += place.weight * value_error;
+                                h1[i] += place.weight * slope_error;
+                            },
+                        );
+                    },
+                );
             }
         }
-        (l2, h1)
+        (l2.iter().sum::<f64>(), h1.iter().sum::<f64>())
     };
     let rows: Vec<(f64, f64)> = (0..n).into_par_iter().map(of_row).collect();
     let (l2, h1) = rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));

@@ -7,6 +7,7 @@
 
 use super::field::{Field, bump, falling, hill, product};
 use super::shape::Known;
+use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -57,11 +58,62 @@ impl Exact {
 
     /// The solution at a point of the closed square.
     pub fn at(self, x: f64, y: f64) -> Sample {
+        let mut sample = None;
+        self.in_row(&[self.along(x)], self.along(y), |_, at| sample = Some(at));
+        sample.expect("a point")
+    }
+
+    /// What the solution depends on along an axis.
+    pub fn along(self, at: f64) -> Coordinate {
+        let (sin, cos) = match self {
+            Self::FullContact | Self::Torsion => libm::sincos(PI * at),
+            Self::FreeSegment | Self::FreeCorner => (f64::NAN, f64::NAN),
+        };
+        let decay = match self {
+            Self::Torsion => [libm::exp(PI * (at - 0.5)), libm::exp(PI * (-at - 0.5))],
+            _ => [f64::NAN; 2],
+        };
+        Coordinate { at, sin, cos, decay }
+    }
+
+    /// Notes the solution at points with the same y, with the place of each in `x`.
+    ///
+    /// Always inlined, so that the caller decides for which instructions it is compiled.
+    #[inline(always)]
+    pub(crate) fn in_row(
+        self,
+        x: &[Coordinate],
+        y: Coordinate,
+        mut note: impl FnMut(usize, Sample),
+    ) {
         match self {
-            Self::FullContact => full_contact(x, y),
-            Self::Torsion => torsion(x, y),
-            Self::FreeSegment => free_segment(x, y),
-            Self::FreeCorner => free_corner(x, y),
+            Self::FullContact => {
+                for (i, x) in x.iter().enumerate() {
+                    note(i, full_contact(x, &y));
+                }
+            }
+            Self::Torsion => {
+                let (whole, rest) = x.as_chunks::<WIDTH>();
+                for (k, x) in whole.iter().enumerate() {
+                    for (l, sample) in torsion(x, &y).into_iter().enumerate() {
+                        note(k * WIDTH + l, sample);
+                    }
+                }
+                for (k, x) in rest.iter().enumerate() {
+                    let [sample] = torsion(&[*x], &y);
+                    note(whole.len() * WIDTH + k, sample);
+                }
+            }
+            Self::FreeSegment => {
+                for (i, x) in x.iter().enumerate() {
+                    note(i, free_segment(x.at, y.at));
+                }
+            }
+            Self::FreeCorner => {
+                for (i, x) in x.iter().enumerate() {
+                    note(i, free_corner(x.at, y.at));
+                }
+            }
         }
     }
 
@@ -92,40 +144,68 @@ impl Known<[f64; 2]> for Exact {
     }
 }
 
-fn full_contact(x: f64, y: f64) -> Sample {
-    let (sx, cx) = libm::sincos(PI * x);
-    let (sy, cy) = libm::sincos(PI * y);
-    let value = -cx * cy;
-    Sample { value, gradient: [PI * sx * cy, PI * cx * sy], f: 2.0 * PI * PI * value }
+/// A coordinate of a point, and the functions of it from which some solutions are made; NaN in the others.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinate {
+    at: f64,
+    sin: f64,
+    cos: f64,
+    /// `exp(pi (s - 1/2))` and `exp(pi (-s - 1/2))`.
+    decay: [f64; 2],
 }
 
-/// Sums the series in the direction in which it converges faster.
-fn torsion(x: f64, y: f64) -> Sample {
-    if y.abs() > x.abs() {
-        let Sample { value, gradient: [gx, gy], f } = torsion(y, x);
-        return Sample { value, gradient: [gy, gx], f };
-    }
-    // u = (1/4 - x^2) / 2 - sum over odd k of c_k cos(pi k x) (exp(pi k (y - 1/2)) + exp(pi k (-y - 1/2))).
-    let mut u = 0.5 * (0.25 - x * x);
-    let (mut ux, mut uy) = (-x, 0.0);
+#[inline(always)]
+fn full_contact(x: &Coordinate, y: &Coordinate) -> Sample {
+    let value = -x.cos * y.cos;
+    let gradient = [PI * x.sin * y.cos, PI * x.cos * y.sin];
+    Sample { value, gradient, f: 2.0 * PI * PI * value }
+}
+
+/// Points whose series are summed together.
+const WIDTH: usize = 8;
+
+/// Sums the series in the direction in which it converges faster: with x, where `|x| >= |y|`,
+/// u = (1/4 - x^2) / 2 - sum over odd k of c_k cos(pi k x) (exp(pi k (y - 1/2)) + exp(pi k (-y - 1/2))).
+#[inline(always)]
+fn torsion<const W: usize>(x: &[Coordinate; W], y: &Coordinate) -> [Sample; W] {
+    let swapped: [bool; W] = from_fn(|l| y.at.abs() > x[l].at.abs());
+    let along = |l: usize| if swapped[l] { *y } else { x[l] };
+    let across = |l: usize| if swapped[l] { x[l] } else { *y };
+    let mut u: [f64; W] = from_fn(|l| 0.5 * (0.25 - along(l).at * along(l).at));
+    let mut u_along: [f64; W] = from_fn(|l| -along(l).at);
+    let mut u_across = [0.0; W];
     // From one odd k to the next, angles and exponents grow by the same amounts.
-    let (mut sin, mut cos) = libm::sincos(PI * x);
-    let (turn_sin, turn_cos) = (2.0 * sin * cos, cos * cos - sin * sin);
-    let mut plus = libm::exp(PI * (y - 0.5));
-    let mut minus = libm::exp(PI * (-y - 0.5));
-    let (plus_factor, minus_factor) = (plus * plus, minus * minus);
+    let (mut sin, mut cos): ([f64; W], [f64; W]) =
+        (from_fn(|l| along(l).sin), from_fn(|l| along(l).cos));
+    let (turn_sin, turn_cos): ([f64; W], [f64; W]) =
+        (from_fn(|l| 2.0 * sin[l] * cos[l]), from_fn(|l| cos[l] * cos[l] - sin[l] * sin[l]));
+    let (mut plus, mut minus): ([f64; W], [f64; W]) =
+        (from_fn(|l| across(l).decay[0]), from_fn(|l| across(l).decay[1]));
+    let (plus_factor, minus_factor): ([f64; W], [f64; W]) =
+        (from_fn(|l| plus[l] * plus[l]), from_fn(|l| minus[l] * minus[l]));
     for &(a, coefficient) in TORSION.iter() {
-        if plus + minus < f64::EPSILON {
+        let sum: [f64; W] = from_fn(|l| plus[l] + minus[l]);
+        if sum.iter().all(|sum| *sum < f64::EPSILON) {
             break;
         }
-        u -= coefficient * cos * (plus + minus);
-        ux += coefficient * a * sin * (plus + minus);
-        uy -= coefficient * a * cos * (plus - minus);
-        (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
-        plus *= plus_factor;
-        minus *= minus_factor;
+        let counts: [f64; W] = from_fn(|l| if sum[l] < f64::EPSILON { 0.0 } else { coefficient });
+        u = from_fn(|l| u[l] - counts[l] * cos[l] * sum[l]);
+        u_along = from_fn(|l| u_along[l] + counts[l] * a * sin[l] * sum[l]);
+        u_across = from_fn(|l| u_across[l] - counts[l] * a * cos[l] * (plus[l] - minus[l]));
+        (sin, cos) = (
+            from_fn(|l| sin[l] * turn_cos[l] + cos[l] * turn_sin[l]),
+            from_fn(|l| cos[l] * turn_cos[l] - sin[l] * turn_sin[l]),
+        );
+        plus = from_fn(|l| plus[l] * plus_factor[l]);
+        minus = from_fn(|l| minus[l] * minus_factor[l]);
     }
-    Sample { value: -u, gradient: [-ux, -uy], f: -1.0 }
+    from_fn(|l| {
+        let gradient = match swapped[l] {
+            true => [-u_across[l], -u_along[l]],
+            false => [-u_along[l], -u_across[l]],
+        };
+        Sample { value: -u[l], gradient, f: -1.0 }
+    })
 }
 
 /// `pi k` and `c_k = s_k 4 / ((pi k)^3 (1 + exp(-pi k)))` for odd k, `s_k = 1, -1, 1, ...`.
@@ -140,6 +220,7 @@ static TORSION: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
 });
 
 /// `v = (1 - 4 x^2) (1 - t^2) psi - A (1 - 4 x^2) t^2 (1 - t)`, `psi = -Im ((z - a) (z - b))^(3/2)`.
+#[inline(always)]
 fn free_segment(x: f64, y: f64) -> Sample {
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
@@ -149,6 +230,7 @@ fn free_segment(x: f64, y: f64) -> Sample {
 
 /// The harmonic function `-Im ((z - a) (z - b))^(3/2)`, `z = x + i t`, which on
 /// `t = 0` is positive between `a = -0.23` and `b = 0.19`, without slope there, and zero elsewhere.
+#[inline(always)]
 pub(super) fn segment(x: f64, t: f64) -> Field<2> {
     const LEFT: f64 = -0.23;
     const RIGHT: f64 = 0.19;
@@ -161,6 +243,7 @@ pub(super) fn segment(x: f64, t: f64) -> Field<2> {
 
 /// `v = (1 - X^2) (1 - Y^2) psi - A X^2 (1 - X) Y^2 (1 - Y)`, with
 /// `psi = -Im ((zeta + b^2) (zeta - a^2))^(3/2)`, `zeta = (X + i Y)^2`.
+#[inline(always)]
 fn free_corner(x: f64, y: f64) -> Sample {
     const ALONG_X: f64 = 0.41;
     const ALONG_Y: f64 = 0.27;
@@ -178,6 +261,7 @@ fn free_corner(x: f64, y: f64) -> Sample {
 }
 
 /// `-Im` of an analytic function.
+#[inline(always)]
 fn harmonic(analytic: Complex, derivative: Complex) -> Field<2> {
     Field { value: -analytic.im, gradient: [-derivative.im, -derivative.re], laplacian: 0.0 }
 }
@@ -189,14 +273,17 @@ struct Complex {
 }
 
 impl Complex {
+    #[inline(always)]
     fn minus(self, real: f64) -> Self {
         Self { re: self.re - real, im: self.im }
     }
 
+    #[inline(always)]
     fn plus(self, other: Self) -> Self {
         Self { re: self.re + other.re, im: self.im + other.im }
     }
 
+    #[inline(always)]
     fn times(self, other: Self) -> Self {
         Self {
             re: self.re * other.re - self.im * other.im,
@@ -204,22 +291,22 @@ impl Complex {
         }
     }
 
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         Self { re: factor * self.re, im: factor * self.im }
     }
 
+    #[inline(always)]
     fn cubed(self) -> Self {
         self.times(self).times(self)
     }
 
     /// Principal root of a number of the closed upper half-plane: no cut in there.
+    #[inline(always)]
     fn sqrt(self) -> Self {
         let size = (self.re * self.re + self.im * self.im).sqrt();
         let large = (0.5 * (size + self.re.abs())).sqrt();
-        if large == 0.0 {
-            return Self { re: 0.0, im: 0.0 };
-        }
-        let small = 0.5 * self.im / large;
+        let small = if large == 0.0 { 0.0 } else { 0.5 * self.im / large };
         match self.re >= 0.0 {
             true => Self { re: large, im: small },
             false => Self { re: small, im: large },

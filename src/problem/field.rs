@@ -4,16 +4,19 @@
 pub(super) type Jet = (f64, f64, f64);
 
 /// `1 - 4 s^2`, zero at both ends of (-1/2, 1/2).
+#[inline(always)]
 pub(super) fn hill(s: f64) -> Jet {
     (1.0 - 4.0 * s * s, -8.0 * s, -8.0)
 }
 
 /// `1 - t^2`, zero at the far end of (0, 1).
+#[inline(always)]
 pub(super) fn falling(t: f64) -> Jet {
     (1.0 - t * t, -2.0 * t, -2.0)
 }
 
 /// `t^2 (1 - t)`, zero at both ends of (0, 1), at the near one with its slope.
+#[inline(always)]
 pub(super) fn bump(t: f64) -> Jet {
     (t * t * (1.0 - t), 2.0 * t - 3.0 * t * t, 2.0 - 6.0 * t)
 }
@@ -38,6 +41,7 @@ pub(super) struct Field<const D: usize> {
 }
 
 /// The product of one function of each variable.
+#[inline(always)]
 pub(super) fn product<const D: usize>(factors: [Jet; D]) -> Field<D> {
     // The product with one factor replaced by a derivative of it.
     let with = |axis: usize, derivative: fn(&Jet) -> f64| -> f64 {
@@ -52,6 +56,7 @@ pub(super) fn product<const D: usize>(factors: [Jet; D]) -> Field<D> {
 }
 
 impl<const D: usize> Field<D> {
+    #[inline(always)]
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self {
             value: factor * self.value,
@@ -60,6 +65,7 @@ impl<const D: usize> Field<D> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn times(self, other: Self) -> Self {
         let slopes: [_; D] = std::array::from_fn(|d| (self.gradient[d], other.gradient[d]));
         let dot: f64 = slopes.iter().map(|(a, b)| a * b).sum();
@@ -70,6 +76,7 @@ impl<const D: usize> Field<D> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn minus(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
@@ -80,6 +87,7 @@ impl<const D: usize> Field<D> {
 }
 
 impl<const D: usize> From<Field<D>> for Sample<D> {
+    #[inline(always)]
     fn from(Field { value, gradient, laplacian }: Field<D>) -> Self {
         Self { value, gradient, f: -laplacian }
     }

@@ -24,10 +24,13 @@ pub(super) fn sweep(grid: Grid, load: &[f64], shift: f64, r: f64, y: &mut [f64],
         nodes.relax_band(y, j);
         j += BAND;
     }
-    for j in j..=n {
-        for i in 0..=n {
-            nodes.relax(y, i, j);
-        }
+    for j in j..n {
+        nodes.relax(y, 0, j);
+        (1..n).for_each(|i| nodes.relax_inside(y, i, j));
+        nodes.relax(y, n, j);
+    }
+    for i in 0..=n {
+        nodes.relax(y, i, n);
     }
 }
 
@@ -84,10 +87,7 @@ impl<'a> Nodes<'a> {
             }
             (0, _) => self.boundary(4 * n - j, self.edge, 0.5 * along_y(y) + y[node + 1] + load),
             _ if i == n => self.boundary(n + j, self.edge, 0.5 * along_y(y) + y[node - 1] + load),
-            _ => {
-                let (south, north) = (y[node - side], y[node + side]);
-                interior(self.inside, south, north, y[node + 1], load, y[node - 1])
-            }
+            _ => return self.relax_inside(y, i, j),
         };
     }
 
@@ -98,20 +98,24 @@ impl<'a> Nodes<'a> {
         if psi >= a / self.r { psi } else { (sum + self.h * a) / (diagonal + self.h * self.r) }
     }
 
-    /// Relaxes rows `first..first + BAND`, all interior, each one column behind the row below it.
+    /// Relaxes the interior node in column `i` and row `j`.
+    #[inline(always)]
+    fn relax_inside(&self, y: &mut [f64], i: usize, j: usize) {
+        let side = self.grid.side();
+        let node = j * side + i;
+        let (south, north) = (y[node - side], y[node + side]);
+        y[node] = interior(self.inside, south, north, y[node + 1], self.load[node], y[node - 1]);
+    }
+
+    /// Relaxes rows `first..first + BAND`, all interior, each one column behind the row below it; what is on the left
+    /// border refers to nothing that changes before it, and what is on the right is referred to afterwards only.
     fn relax_band(&self, y: &mut [f64], first: usize) {
         let (n, side) = (self.grid.cells(), self.grid.side());
+        (first..first + BAND).for_each(|j| self.relax(y, 0, j));
         // Where the band enters and leaves, one node at a time.
-        let step = |y: &mut [f64], t: usize| {
-            for k in 0..BAND.min(t + 1) {
-                if t - k <= n {
-                    self.relax(y, t - k, first + k);
-                }
-            }
-        };
         let steady = BAND..n;
-        for t in 0..BAND {
-            step(y, t);
+        for t in 1..BAND {
+            (0..t).for_each(|k| self.relax_inside(y, t - k, first + k));
         }
         if !steady.is_empty() {
             let len = steady.len();
@@ -141,9 +145,10 @@ impl<'a> Nodes<'a> {
                 (y0[t + 1], y1[t + 1], y2[t + 1], y3[t + 1]) = (w0, w1, w2, w3);
             }
         }
-        for t in steady.end.max(BAND)..=n + BAND - 1 {
-            step(y, t);
+        for t in n..n + BAND - 1 {
+            (t + 1 - n..BAND).for_each(|k| self.relax_inside(y, t - k, first + k));
         }
+        (first..first + BAND).for_each(|j| self.relax(y, n, j));
     }
 }
 
