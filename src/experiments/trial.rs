@@ -5,7 +5,8 @@ use crate::discrete::kkt::kkt;
 use crate::multigrid;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
-use crate::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use crate::saddle::StopRule;
+use crate::saddle::batch::{self, AsDefined, End, Job, run};
 use serde::{Deserialize, Serialize};
 
 /// How a run ended, and what [`kkt`] says of the vector it returned.
@@ -65,28 +66,34 @@ impl Trial {
         SLACK * f64::EPSILON * self.size.unwrap_or(f64::NAN)
     }
 
+    fn of_saddle(grid: Grid, job: &Job, end: &End) -> Self {
+        let outcome = end.outcome(grid, job);
+        let cost = (end.sweeps, end.sweeps as f64);
+        let trial = Self::of(grid, job.load, &end.pair.y, &outcome.stop.to_string(), cost);
+        let holds = match job.goal {
+            batch::Goal::Rule(StopRule::PrintedDual, tolerance) if trial.converged() => {
+                let bound = tolerance * (1.0 / job.r).max(1.0);
+                Some(outcome.kkt.natural <= bound + trial.slack())
+            }
+            _ => None,
+        };
+        Self { holds, ..trial }
+    }
+
     fn refused() -> Self {
         Self { stop: "refused".into(), ..Self::default() }
     }
 }
 
-/// The paper's iteration on one grid, from `pair`.
+/// Runs of the paper's iteration on one grid.
 ///
 /// The printed rule and the dual one together bound the natural residual by their tolerance, over r if
 /// that is less than 1. For at a boundary node either the multiplier is zero after its step, and `A y - F`
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
-pub fn saddle(grid: Grid, load: &[f64], params: &Params, mut pair: Pair) -> Trial {
-    let outcome = arrow_hurwicz(grid, load, params, &mut pair, None);
-    let stop = outcome.stop.to_string();
-    let cost = (outcome.iterations, outcome.iterations as f64);
-    let trial = Trial::of(grid, load, &pair.y, &stop, cost);
-    let strict = params.rule == StopRule::PrintedDual && outcome.stop == StopReason::Converged;
-    let holds = strict.then(|| {
-        let bound = params.tolerance * (1.0 / params.r).max(1.0);
-        kkt(grid, &pair.y, load).natural <= bound + trial.slack()
-    });
-    Trial { holds, ..trial }
+pub fn saddle(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
+    let ends = run(grid, jobs, &mut AsDefined);
+    jobs.iter().zip(ends).map(|(job, end)| Trial::of_saddle(grid, job, &end)).collect()
 }
 
 /// Multigrid, by nested iteration or from `start`.

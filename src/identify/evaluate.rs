@@ -82,16 +82,7 @@ struct Level {
     lanes: Lanes<f64>,
     /// In each lane, the node that last failed the comparison: the likeliest to fail next.
     witness: [usize; LANES],
-    load: Vec<f64>,
-    /// The loads of an f in each lane.
-    combined: Vec<V<f64>>,
-}
-
-/// What a lane runs: values of f, one per piece, and a row of the table.
-#[derive(Clone, Copy)]
-struct Entry<'v> {
-    values: &'v [f64],
-    row: usize,
+    load: Vec<V<f64>>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -132,8 +123,7 @@ impl<'a> Evaluator<'a> {
         let level = |level| {
             let grid = grid(level);
             let lanes = Lanes::new(grid, variant.order, variant.corner_weight());
-            let (load, combined) = (vec![0.0; grid.nodes()], vec![V::default(); grid.nodes()]);
-            Level { grid, lanes, witness: [0; LANES], load, combined }
+            Level { grid, lanes, witness: [0; LANES], load: vec![V::default(); grid.nodes()] }
         };
         let levels = (0..target.levels()).map(level).collect();
         let entered = vec![0; target.levels()];
@@ -173,14 +163,14 @@ impl<'a> Evaluator<'a> {
         change
     }
 
-    fn enter(&mut self, geometry: usize, level: usize, entries: &[Entry], starts: &[Pair]) {
+    /// Prepares all rows for one f, each where it starts.
+    fn enter(&mut self, geometry: usize, level: usize, values: &[f64], starts: &[Pair]) {
         self.entered[level] += 1;
         let at = &mut self.levels[level];
-        for (lane, (entry, start)) in entries.iter().zip(starts).enumerate() {
-            if lane == 0 || entry.values != entries[lane - 1].values {
-                at.combine(&self.basis[geometry][level], entry.values);
-            }
-            at.lanes.enter(lane, self.target.r[entry.row], &at.load, 0.0, start);
+        at.combine(&self.basis[geometry][level], [values; LANES]);
+        let load: Vec<f64> = at.load.iter().map(|load| load.0[0]).collect();
+        for (row, (&r, start)) in self.target.r.iter().zip(starts).enumerate() {
+            at.lanes.enter(row, r, &load, 0.0, start);
         }
     }
 
@@ -188,14 +178,8 @@ impl<'a> Evaluator<'a> {
     fn enter_all(&mut self, geometry: usize, level: usize, values: [&[f64]; LANES], row: usize) {
         let (coarser, rest) = self.levels.split_at_mut(level);
         let at = &mut rest[0];
-        at.combined.fill(V::default());
-        for (p, piece) in self.basis[geometry][level].iter().enumerate() {
-            let values = V(values.map(|values| values[p]));
-            for (load, &share) in at.combined.iter_mut().zip(piece) {
-                *load = *load + values * share;
-            }
-        }
-        at.lanes.enter_all(self.target.r[row], &at.combined);
+        at.combine(&self.basis[geometry][level], values);
+        at.lanes.enter_all(self.target.r[row], &at.load);
         if let Some(coarser) = coarser.last() {
             let multiplier = self.variant.prolong_multiplier;
             at.lanes.prolong(&coarser.lanes, self.prolongation, multiplier);
@@ -214,13 +198,14 @@ impl<'a> Evaluator<'a> {
 }
 
 impl Level {
-    /// Sets the load of the f with these values on the pieces.
-    fn combine(&mut self, basis: &[Vec<f64>], values: &[f64]) {
-        assert_eq!(values.len(), basis.len());
-        self.load.fill(0.0);
-        for (piece, &value) in basis.iter().zip(values) {
-            for (f, p) in self.load.iter_mut().zip(piece) {
-                *f += value * p;
+    /// Sets the loads of the f with these values on the pieces, one in each lane.
+    fn combine(&mut self, basis: &[Vec<f64>], values: [&[f64]; LANES]) {
+        assert!(values.iter().all(|values| values.len() == basis.len()));
+        self.load.fill(V::default());
+        for (p, piece) in basis.iter().enumerate() {
+            let values = V(values.map(|values| values[p]));
+            for (load, &share) in self.load.iter_mut().zip(piece) {
+                *load = *load + values * share;
             }
         }
     }

@@ -277,8 +277,7 @@ impl Gathered<'_> {
 
 impl Reached {
     fn of(end: &End, kkt: f64) -> Self {
-        let stop = if end.met { StopReason::Converged } else { StopReason::IterationLimit };
-        Self { count: Count { iterations: end.sweeps, stop }, delta_a: end.delta_a, kkt }
+        Self { count: Count { iterations: end.sweeps, stop: end.stop }, delta_a: end.delta_a, kkt }
     }
 }
 

@@ -127,7 +127,7 @@ impl Undisturbed<'_> {
         let ends = run_nested(&self.grids, &all, self.plan.prolongation, cap, arithmetic);
         let differs = |(ends, (row, _)): (Vec<End>, &(usize, _))| {
             let pairs = ends.iter().zip(&self.counts[*row]);
-            pairs.map(|(end, want)| !end.met || end.sweeps != *want).collect()
+            pairs.map(|(end, want)| end.count() != Some(*want)).collect()
         };
         ends.into_iter().zip(runs).map(differs).collect()
     }

@@ -11,8 +11,10 @@ use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
-use crate::saddle::batch::{AsDefined, End, Goal as Until, Job, Nested, Number, run, run_nested};
-use crate::saddle::{Method, Pair, Params, StopRule};
+use crate::saddle::batch::{
+    AsDefined, End, Goal as Until, Job, LANES, Nested, Number, run, run_nested,
+};
+use crate::saddle::{Method, Pair, StopRule};
 use rayon::prelude::*;
 
 /// The duality parameter where it is not what is varied.
@@ -24,6 +26,29 @@ const LONGER: usize = 2;
 
 /// The finest grid on which the paper's method reaches its floor in good time.
 const SLOW: usize = 32;
+
+/// A run that is yet to be made.
+enum Run {
+    /// The paper's method on the coarse grid.
+    Saddle { load: Vec<f64>, r: f64, goal: Until, cap: usize, start: Pair },
+    /// Multigrid, by nested iteration or from a start.
+    Multigrid { grid: Grid, load: Vec<f64>, goal: Goal, start: Option<Vec<f64>> },
+}
+
+impl Run {
+    /// A run of the paper's method.
+    fn job(&self) -> Option<Job<'_>> {
+        let Self::Saddle { load, start, r, goal, cap } = self else { return None };
+        let method = Method::ArrowHurwicz;
+        Some(Job { load, start, method, r: *r, goal: *goal, cap: *cap })
+    }
+
+    /// A run of multigrid, made.
+    fn alone(&self) -> Option<Trial> {
+        let Self::Multigrid { grid, load, goal, start } = self else { return None };
+        Some(multi(*grid, load, *goal, start.as_deref()))
+    }
+}
 
 pub(super) struct Runs<'a> {
     plan: &'a Plan,
@@ -46,29 +71,54 @@ impl<'a> Runs<'a> {
     }
 
     /// The paper's method under the printed rule and the dual one together, on the coarse grid.
-    fn strict(&self, load: &[f64], r: f64, pair: Pair) -> Trial {
-        let params = Params {
-            r,
-            tolerance: self.plan.strict * largest(load),
-            rule: StopRule::PrintedDual,
-            max_iterations: self.plan.cap,
-        };
-        saddle(self.coarse, load, &params, pair)
+    fn strict(&self, load: &[f64], r: f64, start: Pair) -> Run {
+        let goal = Until::Rule(StopRule::PrintedDual, self.plan.strict * largest(load));
+        Run::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
     }
 
-    fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> Trial {
-        let max_iterations = self.plan.cap;
-        let params = Params { r, tolerance, rule: StopRule::Signed, max_iterations };
-        saddle(self.coarse, load, &params, Pair::zero(self.coarse))
+    fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> Run {
+        let (goal, start) = (Until::Rule(StopRule::Signed, tolerance), Pair::zero(self.coarse));
+        Run::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
     }
 
     /// Multigrid to the rounding floor, on the fine grid.
-    fn multigrid(&self, load: &[f64], start: Option<&[f64]>) -> Trial {
-        multi(self.fine, load, Goal::RoundingFloor, start)
+    fn multigrid(&self, load: &[f64], start: Option<Vec<f64>>) -> Run {
+        Run::Multigrid { grid: self.fine, load: load.into(), goal: Goal::RoundingFloor, start }
+    }
+
+    /// Makes the runs for each power of ten.
+    fn over<X: Copy, const N: usize>(
+        &self,
+        exponents: impl IntoIterator<Item = i32>,
+        x: impl Fn(i32) -> X,
+        runs: impl Fn(X) -> [(&'static str, Run); N],
+    ) -> Series<X> {
+        let case = |exponent: i32| (x(exponent), runs(x(exponent)));
+        self.cases(exponents.into_iter().map(case))
+    }
+
+    /// Makes the runs of all cases: those of the paper's method in vector lanes, the others side by side.
+    fn cases<X, const N: usize>(
+        &self,
+        cases: impl Iterator<Item = (X, [(&'static str, Run); N])>,
+    ) -> Series<X> {
+        let (x, runs): (Vec<X>, Vec<_>) = cases.unzip();
+        let runs: Vec<_> = runs.iter().flatten().collect();
+        let jobs: Vec<Job> = runs.iter().filter_map(|(_, run)| run.job()).collect();
+        let in_lanes = jobs.par_chunks(LANES).flat_map(|jobs| saddle(self.coarse, jobs));
+        let mut in_lanes = in_lanes.collect::<Vec<_>>().into_iter();
+        let alone: Vec<Option<Trial>> = runs.par_iter().map(|(_, run)| run.alone()).collect();
+        let trials = runs.iter().zip(alone).map(|((name, _), trial)| {
+            let trial = trial.or_else(|| in_lanes.next()).expect("each run was made");
+            ((*name).to_owned(), trial)
+        });
+        let trials: Vec<_> = trials.collect();
+        let of_case = trials.chunks(N).map(|trials| trials.iter().cloned().collect());
+        x.into_iter().zip(of_case).map(|(x, trials)| Case { x, trials }).collect()
     }
 
     pub(super) fn duality(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
-        over(-8..=12, power_of_ten, |r| {
+        self.over(-8..=12, power_of_ten, |r| {
             [
                 ("signed", self.signed(load, r, self.plan.tolerance)),
                 ("strict", self.strict(load, r, Pair::zero(self.coarse))),
@@ -80,7 +130,7 @@ impl<'a> Runs<'a> {
         const EXPONENTS: [i32; 15] =
             [-305, -300, -200, -150, -100, -50, -10, 0, 10, 50, 100, 150, 200, 300, 305];
         let Some([coarse, fine]) = self.loads.last() else { return Vec::new() };
-        over(
+        self.over(
             EXPONENTS,
             |exponent| exponent,
             |exponent| {
@@ -97,7 +147,7 @@ impl<'a> Runs<'a> {
     }
 
     pub(super) fn deficits(&self, odd: f64) -> Series<f64> {
-        over((-14..=-1).rev(), power_of_ten, |deficit| {
+        self.over((-14..=-1).rev(), power_of_ten, |deficit| {
             let coarse = quadrants(self.coarse, odd, deficit);
             let fine = quadrants(self.fine, odd, deficit);
             [
@@ -108,33 +158,39 @@ impl<'a> Runs<'a> {
     }
 
     pub(super) fn tolerances(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
-        over((1..=9).map(|k| -2 * k), power_of_ten, |tolerance| {
+        self.over((1..=9).map(|k| -2 * k), power_of_ten, |tolerance| {
             let bound = tolerance * largest(load);
-            let run = |rule| {
-                let max_iterations = LONGER * self.plan.cap;
-                let params = Params { r: R, tolerance: bound, rule, max_iterations };
-                saddle(self.coarse, load, &params, Pair::zero(self.coarse))
+            let run = |rule| Run::Saddle {
+                load: load.clone(),
+                r: R,
+                goal: Until::Rule(rule, bound),
+                cap: LONGER * self.plan.cap,
+                start: Pair::zero(self.coarse),
             };
+            let goal = Goal::Kkt(bound);
             [
                 ("signed", run(StopRule::Signed)),
                 ("strict", run(StopRule::PrintedDual)),
-                ("multigrid", multi(self.coarse, load, Goal::Kkt(bound), None)),
+                (
+                    "multigrid",
+                    Run::Multigrid { grid: self.coarse, load: load.clone(), goal, start: None },
+                ),
             ]
         })
     }
 
     pub(super) fn floors(&self) -> Series<f64> {
         let of_grid = |&cells: &usize| {
-            let (grid, load, max_iterations) = self.to_the_floor(cells);
-            let params =
-                Params { r: R, tolerance: 0.0, rule: StopRule::PrintedDual, max_iterations };
+            let (grid, load, cap) = self.to_the_floor(cells);
             let mut case = Case::new(
                 cells as f64,
                 [("multigrid", multi(grid, &load, Goal::RoundingFloor, None))],
             );
             if cells <= SLOW {
-                let strict = saddle(grid, &load, &params, Pair::zero(grid));
-                case.trials.insert("strict".into(), strict);
+                let goal = Until::Rule(StopRule::PrintedDual, 0.0);
+                let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
+                let job = Job { load: &load, start, method, r: R, goal, cap };
+                case.trials.insert("strict".into(), saddle(grid, &[job]).remove(0));
             }
             case
         };
@@ -181,20 +237,20 @@ impl<'a> Runs<'a> {
             ("infinite in one node", |i, j, _| if (i, j) == (5, 5) { f64::INFINITY } else { 0.0 }),
             ("NaN in one node", |i, j, _| if (i, j) == (5, 5) { f64::NAN } else { 0.0 }),
         ];
-        let of_start = |&(name, of): &(&str, Of)| {
+        let of_start = |(name, of): (&str, Of)| {
             let field = |grid: Grid| -> Vec<f64> {
                 let (side, mut random) = (grid.side(), Random::new(1, 0));
                 (0..grid.nodes()).map(|k| of(k % side, k / side, &mut random)).collect()
             };
             let pair = Pair { y: field(self.coarse), ..Pair::zero(self.coarse) };
             let (load, start) = ([load(self.coarse), load(self.fine)], field(self.fine));
-            let trials = [
+            let runs = [
                 ("strict", self.strict(&load[0], R, pair)),
-                ("multigrid", self.multigrid(&load[1], Some(&start))),
+                ("multigrid", self.multigrid(&load[1], Some(start))),
             ];
-            Case::new(name.into(), trials)
+            (name.to_owned(), runs)
         };
-        starts.par_iter().map(of_start).collect()
+        self.cases(starts.into_iter().map(of_start))
     }
 
     pub(super) fn jumps(&self) -> Series<f64> {
@@ -213,21 +269,11 @@ impl<'a> Runs<'a> {
     }
 
     fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64 + Sync) -> Series<f64> {
-        over(0..=15, power_of_ten, |size| {
+        self.over(0..=15, power_of_ten, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
             [("multigrid", self.multigrid(&load, None))]
         })
     }
-}
-
-/// The runs for each power of ten, side by side, as a function `x` of its exponent.
-fn over<X: Copy + Send, const N: usize>(
-    exponents: impl IntoIterator<Item = i32>,
-    x: impl Fn(i32) -> X + Sync,
-    runs: impl Fn(X) -> [(&'static str, Trial); N] + Sync,
-) -> Series<X> {
-    let exponents: Vec<i32> = exponents.into_iter().collect();
-    exponents.par_iter().map(|&exponent| Case::new(x(exponent), runs(x(exponent)))).collect()
 }
 
 /// The counts of a table in single precision against those in double.
@@ -245,8 +291,7 @@ pub(super) fn single(table: &Problem) -> Result<Single, String> {
         let nested = |&r: &f64| Nested { loads, r, rule: StopRule::Signed };
         let runs: Vec<_> = table.r.iter().map(nested).collect();
         let ends = run_nested(grids, &runs, table.prolongation, |_, _| 2000, &mut AsDefined);
-        let count = |end: &End| end.met.then_some(end.sweeps);
-        ends.iter().map(|ends| ends.iter().map(count).collect()).collect()
+        ends.iter().map(|ends| ends.iter().map(End::count).collect()).collect()
     }
     let (double, single) =
         rayon::join(|| counts(table, &grids, &double), || counts(table, &grids, &single));

@@ -1,6 +1,6 @@
 //! Forced and free runs, grid by grid.
 
-use super::{Entry, Evaluator, Forced, Level, Limit, Table, grid};
+use super::{Evaluator, Forced, Level, Limit, Table, grid};
 use crate::saddle::batch::LANES;
 use crate::saddle::{Pair, tolerance};
 use rayon::prelude::*;
@@ -27,8 +27,58 @@ impl Evaluator<'_> {
     /// # Panics
     /// If there is no such geometry, or not one value per piece.
     pub fn forced(&mut self, geometry: usize, values: &[f64], limit: Limit) -> Forced {
-        let entries: Vec<_> = (0..self.target.r.len()).map(|row| Entry { values, row }).collect();
-        self.force(geometry, &entries, limit)
+        let (rows, grids) = (self.target.r.len(), self.target.levels());
+        let mut forced = Forced {
+            misfit: vec![vec![0.0; grids]; rows],
+            delta_a: Vec::new(),
+            levels: 0,
+            total: 0.0,
+        };
+        let mut pairs = vec![Pair::zero(grid(0)); rows];
+        for level in 0..grids {
+            self.enter(geometry, level, values, &pairs);
+            let mut delta_a = vec![0.0; rows];
+            let last = (0..rows).map(|row| self.last(row, level)).collect::<Vec<_>>();
+            let tolerance = tolerance(level + 1);
+            let most = if level < limit.exact_grids { 0.0 } else { limit.misfit };
+            for n in 1..=last.iter().copied().max().unwrap_or(0) {
+                if self.is_halted() {
+                    return Forced { total: f64::INFINITY, ..forced };
+                }
+                let first = self.variant.uncounted + 1;
+                let running = |k: usize| (first..=last[k]).contains(&n);
+                let mut failed = false;
+                let change = self.iterate(level, |at, measure| {
+                    for k in (0..rows).filter(|&k| running(k)) {
+                        let ends = n == last[k];
+                        // Before its last iteration a lane only has to be above the tolerance.
+                        if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
+                            let misfit = misfit(at.lanes.worst(measure)[k], tolerance, ends);
+                            let cell = &mut forced.misfit[k][level];
+                            *cell = (*cell + misfit).min(CELL_CAP);
+                            failed |= misfit > 0.0;
+                        }
+                    }
+                });
+                if failed {
+                    let so_far: f64 = forced.misfit.iter().map(|lane| lane[level]).sum();
+                    if forced.total + so_far > most {
+                        forced.total += so_far;
+                        return forced;
+                    }
+                }
+                for k in (0..rows).filter(|&k| n == last[k]) {
+                    delta_a[k] = change[k];
+                    pairs[k] = self.passed_on(level, k);
+                }
+            }
+            forced.levels = level + 1;
+            forced.total += forced.misfit.iter().map(|lane| lane[level]).sum::<f64>();
+            if level + 1 == grids {
+                forced.delta_a = delta_a;
+            }
+        }
+        forced
     }
 
     /// For each of many f, given by their values, which counts come out in a forced run: by row and grid, every
@@ -84,62 +134,6 @@ impl Evaluator<'_> {
         all
     }
 
-    /// A forced run in each lane; entries of the result are those of `entries`.
-    fn force(&mut self, geometry: usize, entries: &[Entry], limit: Limit) -> Forced {
-        let (lanes, grids) = (entries.len(), self.target.levels());
-        let mut forced = Forced {
-            misfit: vec![vec![0.0; grids]; lanes],
-            delta_a: Vec::new(),
-            levels: 0,
-            total: 0.0,
-        };
-        let mut pairs = vec![Pair::zero(grid(0)); lanes];
-        for level in 0..grids {
-            self.enter(geometry, level, entries, &pairs);
-            let mut delta_a = vec![0.0; lanes];
-            let last = entries.iter().map(|entry| self.last(entry.row, level)).collect::<Vec<_>>();
-            let tolerance = tolerance(level + 1);
-            let most = if level < limit.exact_grids { 0.0 } else { limit.misfit };
-            for n in 1..=last.iter().copied().max().unwrap_or(0) {
-                if self.is_halted() {
-                    return Forced { total: f64::INFINITY, ..forced };
-                }
-                let first = self.variant.uncounted + 1;
-                let running = |k: usize| (first..=last[k]).contains(&n);
-                let mut failed = false;
-                let change = self.iterate(level, |at, measure| {
-                    for k in (0..lanes).filter(|&k| running(k)) {
-                        let ends = n == last[k];
-                        // Before its last iteration a lane only has to be above the tolerance.
-                        if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
-                            let misfit = misfit(at.lanes.worst(measure)[k], tolerance, ends);
-                            let cell = &mut forced.misfit[k][level];
-                            *cell = (*cell + misfit).min(CELL_CAP);
-                            failed |= misfit > 0.0;
-                        }
-                    }
-                });
-                if failed {
-                    let so_far: f64 = forced.misfit.iter().map(|lane| lane[level]).sum();
-                    if forced.total + so_far > most {
-                        forced.total += so_far;
-                        return forced;
-                    }
-                }
-                for k in (0..lanes).filter(|&k| n == last[k]) {
-                    delta_a[k] = change[k];
-                    pairs[k] = self.passed_on(level, k);
-                }
-            }
-            forced.levels = level + 1;
-            forced.total += forced.misfit.iter().map(|lane| lane[level]).sum::<f64>();
-            if level + 1 == grids {
-                forced.delta_a = delta_a;
-            }
-        }
-        forced
-    }
-
     /// Which of many f, given by their values on the pieces, give all counts on so many coarse grids.
     ///
     /// Grid by grid and row by row: nearly all fail soon.
@@ -180,10 +174,9 @@ impl Evaluator<'_> {
     pub fn free(&mut self, geometry: usize, values: &[f64]) -> Table {
         let (rows, grids) = (self.target.r.len(), self.target.levels());
         let mut table = Table { counts: vec![vec![None; grids]; rows], delta_a: vec![0.0; rows] };
-        let entries: Vec<_> = (0..rows).map(|row| Entry { values, row }).collect();
         let mut pairs = vec![Pair::zero(grid(0)); rows];
         for level in 0..grids {
-            self.enter(geometry, level, &entries, &pairs);
+            self.enter(geometry, level, values, &pairs);
             let most = (0..rows).map(|k| self.target.counts[k][level]).max().unwrap_or(0);
             let mut done = vec![false; rows];
             for n in 1..=FREE_FACTOR * most + FREE_EXTRA {

@@ -16,7 +16,8 @@ pub use measure::Measure;
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::Prolongation;
-use crate::saddle::{Method, Pair, StopRule, tolerance};
+use crate::saddle::gradient::Gradient;
+use crate::saddle::{Method, Outcome, Pair, StopReason, StopRule, tolerance};
 use std::array::from_fn;
 
 /// Runs side by side.
@@ -53,12 +54,26 @@ pub struct Job<'a, N = f64> {
 pub struct End {
     /// Sweeps done.
     pub sweeps: usize,
-    /// Whether the goal was reached.
-    pub met: bool,
+    /// Why it ended.
+    pub stop: StopReason,
     /// Change of the multiplier in its last step.
     pub delta_a: f64,
     /// The last pair.
     pub pair: Pair,
+}
+
+impl End {
+    /// The sweeps, if the goal was reached.
+    pub fn count(&self) -> Option<usize> {
+        (self.stop == StopReason::Converged).then_some(self.sweeps)
+    }
+
+    /// What is to be said of it; iterations are sweeps.
+    pub fn outcome(&self, grid: Grid, job: &Job) -> Outcome {
+        let extrema = Gradient::new(grid, job.r, 0.0).extrema(job.load, &self.pair);
+        let done = (self.sweeps, self.delta_a);
+        Outcome::at(grid, job.load, &self.pair, done, extrema, self.stop)
+    }
 }
 
 /// Does all jobs; the ends are in the order of the jobs.
@@ -105,11 +120,10 @@ pub fn run<N: Number>(
                 }
                 lanes.regularise(lane);
             }
-            let met = steps[lane] && run.met(&lanes, lane);
-            if met || run.sweeps == run.job.cap {
+            if let Some(stop) = run.stop(&lanes, lane, steps[lane]) {
                 let Run { sweeps, delta_a, number, .. } = *run;
                 arithmetic.leave(lane, number);
-                ends[number] = Some(End { sweeps, met, delta_a, pair: lanes.pair(lane) });
+                ends[number] = Some(End { sweeps, stop, delta_a, pair: lanes.pair(lane) });
                 runs[lane] = None;
             }
         }
@@ -141,6 +155,15 @@ impl<'a, N: Number> Run<'a, N> {
     /// Whether the inner bound follows the gradient.
     fn is_loose(&self) -> bool {
         matches!(self.job.method, Method::Uzawa { loose: true, .. })
+    }
+
+    /// Why the run ends after a sweep, if it does.
+    fn stop(&mut self, lanes: &Lanes<N>, lane: usize, stepped: bool) -> Option<StopReason> {
+        match stepped {
+            true if self.delta_a.is_nan() => Some(StopReason::Diverged),
+            true if self.met(lanes, lane) => Some(StopReason::Converged),
+            _ => (self.sweeps == self.job.cap).then_some(StopReason::IterationLimit),
+        }
     }
 
     /// Whether the goal is reached, after a step of the multiplier.
@@ -212,7 +235,7 @@ pub fn run_nested<N: Number>(
 mod tests {
     use super::*;
     use crate::discrete::load::{LoadRule, load};
-    use crate::saddle::{Params, StopReason, arrow_hurwicz, solve};
+    use crate::saddle::{Params, arrow_hurwicz, solve};
 
     fn setting() -> (Grid, Vec<f64>, Pair) {
         let grid = Grid::new(16).unwrap();
@@ -234,7 +257,7 @@ mod tests {
             let mut pair = start.clone();
             let theirs = arrow_hurwicz(grid, &load, &params, &mut pair, None);
             assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
-            assert_eq!(ours.met, theirs.stop == StopReason::Converged);
+            assert_eq!(ours.outcome(grid, &job((r, rule))), theirs);
             assert_eq!(ours.pair, pair);
         }
     }
@@ -251,7 +274,7 @@ mod tests {
                 // One sweep leaves numbers before the node.
                 let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap: 1 };
                 let ends = run(grid, &[job], &mut AsDefined);
-                assert!(!ends[0].met, "node {node}, {goal:?}");
+                assert!(ends[0].stop != StopReason::Converged, "node {node}, {goal:?}");
             }
         }
     }
@@ -271,7 +294,7 @@ mod tests {
             let mut pair = start.clone();
             let (end, sweeps) = solve(grid, &load, job.method, &params, &mut pair, None);
             assert_eq!((ours.sweeps, ours.delta_a), (sweeps, end.delta_a));
-            assert_eq!((ours.met, &ours.pair), (true, &pair));
+            assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
         }
     }
 }
