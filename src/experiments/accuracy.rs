@@ -57,8 +57,8 @@ pub struct Findings {
     pub laws: Vec<CostLaw>,
     /// Multigrid and the saddle-point methods side by side.
     pub comparison: Comparison,
-    /// What the chapter says of all this in words.
-    pub facts: Facts,
+    /// Least and greatest of all this.
+    pub ranges: Ranges,
 }
 
 /// A problem with known solution on all grids, on the square or on the cube.
@@ -112,7 +112,7 @@ pub struct Spent {
 
 /// Ranges over problems and grids.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Facts {
+pub struct Ranges {
     /// Tolerance of the second goal.
     pub tolerance: f64,
     /// The coarsest grid that the ranges below include, where the asymptotics have set in.
@@ -157,9 +157,9 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
     );
     let problems = known.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (others, (laws, comparison)) = (rest.0?, rest.1);
-    let facts = Facts::of(&problems, &others);
+    let ranges = Ranges::of(&problems, &others);
     let (laws, comparison) = (laws?, comparison?);
-    Ok(Findings { facts, problems, sampled: SAMPLED, others, laws, comparison })
+    Ok(Findings { ranges, problems, sampled: SAMPLED, others, laws, comparison })
 }
 
 fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<Level>, String> {
@@ -238,7 +238,7 @@ fn orders(coarser: &Errors, finer: &Errors) -> Errors {
     map2(coarser, finer, |coarser, finer| libm::log2(coarser / finer))
 }
 
-impl Facts {
+impl Ranges {
     fn of(problems: &[Known<Level>], others: &[Cost]) -> Self {
         let levels = || problems.iter().flat_map(|problem| &problem.levels);
         let finest = levels().map(|level| level.cost.cells).max().unwrap_or(0);

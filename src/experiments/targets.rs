@@ -51,12 +51,12 @@ impl Target {
 
 /// The targets of the experiment on accuracy.
 pub fn of_accuracy(found: &accuracy::Findings) -> Vec<Target> {
-    let facts = &found.facts;
+    let ranges = &found.ranges;
     let off = |orders: &[Errors], order: fn(&Errors) -> Option<f64>, best: f64| {
         let orders = orders.iter().filter_map(order);
         orders.map(|order| (order - best).abs()).fold(0.0, f64::max)
     };
-    let (smooth, all) = (&facts.orders, [facts.orders, facts.contact].concat());
+    let (smooth, all) = (&ranges.orders, [ranges.orders, ranges.contact].concat());
     let mut targets = vec![
         Target::at_most("distance from order 2 of v in L2", ORDER, off(smooth, |e| e.l2, 2.0)),
         Target::at_most("distance from order 1 of v in H1", ORDER, off(&all, |e| Some(e.h1), 1.0)),
@@ -66,19 +66,19 @@ pub fn of_accuracy(found: &accuracy::Findings) -> Vec<Target> {
             off(smooth, |e| Some(e.max), 2.0),
         ),
     ];
-    for (norm, algebraic) in ["L2", "H1"].into_iter().zip(facts.algebraic) {
+    for (norm, algebraic) in ["L2", "H1"].into_iter().zip(ranges.algebraic) {
         let name = format!("algebraic over discretisation error in {norm}");
         targets.push(Target::at_most(name, ALGEBRAIC, algebraic));
     }
     let textbook = "work units to the discretisation error, textbook efficiency";
-    targets.push(Target::at_most(textbook, TEXTBOOK, facts.known[0][1]));
+    targets.push(Target::at_most(textbook, TEXTBOOK, ranges.known[0][1]));
     let goals =
         ["the discretisation error", "a residual of 1e-10, not scaled", "the rounding floor"];
     for (k, goal) in goals.into_iter().enumerate() {
         let name = format!("work units to {goal}");
-        targets.push(Target::at_most(&name, WORK_UNITS[k], facts.known[k][1]));
+        targets.push(Target::at_most(&name, WORK_UNITS[k], ranges.known[k][1]));
         let name = format!("{name}, hard loads");
-        targets.push(Target::at_most(name, HARD * WORK_UNITS[k], facts.others[k][1]));
+        targets.push(Target::at_most(name, HARD * WORK_UNITS[k], ranges.others[k][1]));
     }
     let levels = found.problems.iter().flat_map(|problem| &problem.levels);
     let bytes = levels.filter(|level| level.cost.cells >= BYTES_FROM).map(|level| level.cost.bytes);

@@ -38,8 +38,6 @@ pub struct Forced {
     /// Change of the multiplier in the last iteration on the finest grid, one per row; empty if the
     /// run was cut short.
     pub delta_a: Vec<f64>,
-    /// Grids run to the end before the misfit passed the limit.
-    pub levels: usize,
     /// Sum of all entries of `misfit`.
     pub total: f64,
 }

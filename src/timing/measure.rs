@@ -4,6 +4,8 @@
 //! too. Saddle-point methods check the optimality conditions after every eighth of the sweeps made so
 //! far; these checks are part of their time.
 
+mod goals;
+
 use super::bandwidth;
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::kkt;
@@ -11,18 +13,17 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::known::KnownSolution;
 use crate::experiments::problems::{CONTACT, PAPER};
-use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::experiments::work::{OnGrid, R};
-use crate::multigrid::active_set::{ActiveSetParams, active_set};
-use crate::multigrid::square::{Multigrid, multigrid};
+use crate::multigrid::square::Multigrid;
 use crate::multigrid::{self, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
 use crate::spectral::{self, spectral};
 use crate::timing::recorded::{
     Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
 };
+use goals::goals;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -48,16 +49,12 @@ pub const SPECTRAL: &str = "spectral";
 pub const TIMED: Exact = Exact::FreeCorner;
 /// The problems with a formula for the solution that have a part of the boundary to find.
 const FORMULAS: [Exact; 2] = [Exact::FreeSegment, TIMED];
-/// Relative natural residuals at which saddle-point methods are stopped.
-const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// Seconds that a single run may take by extrapolation from the coarser grid.
 const LONGEST: f64 = 4.0;
 /// Seconds that the runs of one median take together at most, once there are three.
 const BUDGET: f64 = 2.0;
 /// A measurement shorter than this repeats the run until it is as long.
 const SHORTEST: f64 = 1e-3;
-/// The cap is out of reach: [`LONGEST`] ends a series long before.
-const CHECKS: Checks = Checks { share: 8, cap: 1_000_000_000 };
 /// Nodes and levels of the spectral solver, from three digits to all; the last is the reference.
 const RESOLUTIONS: [(usize, u32); 8] =
     [(6, 2), (8, 3), (10, 3), (12, 4), (14, 5), (16, 6), (20, 8), (24, 9)];
@@ -264,9 +261,6 @@ fn published(problem: &str, f: &str, levels: &[OnGrid], plan: &Plan) -> Result<R
     })
 }
 
-/// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
-type Solve<'a> = Box<dyn Fn(&[OnGrid]) -> Option<Vec<f64>> + 'a>;
-
 /// One solver on all grids from 1/16 on, for all its goals.
 fn reached(
     name: &str,
@@ -307,57 +301,4 @@ fn reached(
         }
     }
     Ok(measured)
-}
-
-/// The goals of a solver: name, growth of the time from grid to grid, and how to get there.
-fn goals(name: &str) -> Vec<(String, f64, Solve<'static>)> {
-    let saddle = |method: Method| {
-        let to = |target: f64| -> (String, f64, Solve<'static>) {
-            let solve = move |levels: &[OnGrid]| over_grids(method, target, levels);
-            (format!("relative KKT {target:e}"), 16.0, Box::new(solve))
-        };
-        TARGETS.map(to).into_iter().collect()
-    };
-    match name {
-        "arrow-hurwicz" => saddle(Method::ArrowHurwicz),
-        "uzawa" => saddle(loose_uzawa(0.0)),
-        "uzawa-proximal" => saddle(loose_uzawa(1.0)),
-        "active-set" => vec![(
-            "contact set at rest".into(),
-            8.0,
-            Box::new(|levels: &[OnGrid]| {
-                let OnGrid { grid, load, .. } = levels.last()?;
-                let params = ActiveSetParams::default();
-                Some(active_set(grid.cells(), load, None, &params, |_| ()).ok()?.0)
-            }),
-        )],
-        _ => {
-            use multigrid::Goal::{DiscretisationError, RoundingFloor};
-            let to = |(words, goal): (&str, multigrid::Goal)| -> (String, f64, Solve<'static>) {
-                let solve = move |levels: &[OnGrid]| {
-                    let OnGrid { grid, load, .. } = levels.last()?;
-                    let params = MultigridParams { goal, ..MultigridParams::default() };
-                    Some(multigrid(grid.cells(), load, None, &params, |_| ()).ok()?.0)
-                };
-                (words.into(), 4.0, Box::new(solve))
-            };
-            [("discretisation error", DiscretisationError), ("rounding floor", RoundingFloor)]
-                .map(to)
-                .into_iter()
-                .collect()
-        }
-    }
-}
-
-/// A saddle-point method from zero over the nested grids, each left when the target is met.
-fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
-    let mut pair = Pair::zero(levels[0].grid);
-    for (k, OnGrid { grid, load, .. }) in levels.iter().enumerate() {
-        if k > 0 {
-            pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
-        }
-        let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
-        sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, done)?;
-    }
-    Some(pair.y)
 }

@@ -20,6 +20,9 @@ const START: f64 = 1e-12;
 /// Stopping rules under which r is swept; the others take the paper's r only.
 const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 
+/// Runs in a batch: many, so that few lanes are idle when only the longest runs are left.
+const RUNS: usize = 8 * LANES;
+
 /// A problem on all its grids.
 struct Case<'a> {
     problem: &'a Problem,
@@ -89,7 +92,7 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
                 }
             }
             let batch = |runs: &[Direct]| Batch::Direct { problem, level, runs: runs.to_vec() };
-            batches.extend(runs.chunks(2 * LANES).map(batch));
+            batches.extend(runs.chunks(RUNS).map(batch));
         }
         for rule in StopRule::ALL {
             let mut r = case.problem.r.clone();
@@ -98,7 +101,7 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
             }
             r.sort_by(f64::total_cmp);
             let batch = |r: &[f64]| Batch::Nested { problem, rule, r: r.to_vec() };
-            batches.extend(r.chunks(LANES).map(batch));
+            batches.extend(r.chunks(RUNS).map(batch));
         }
     }
     batches

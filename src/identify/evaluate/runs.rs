@@ -28,12 +28,8 @@ impl Evaluator<'_> {
     /// If there is no such geometry, or not one value per piece.
     pub fn forced(&mut self, geometry: usize, values: &[f64], limit: Limit) -> Forced {
         let (rows, grids) = (self.target.r.len(), self.target.levels());
-        let mut forced = Forced {
-            misfit: vec![vec![0.0; grids]; rows],
-            delta_a: Vec::new(),
-            levels: 0,
-            total: 0.0,
-        };
+        let misfit_of_all = vec![vec![0.0; grids]; rows];
+        let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
         let mut pairs = vec![Pair::zero(grid(0)); rows];
         for level in 0..grids {
             self.enter(geometry, level, values, &pairs);
@@ -72,7 +68,6 @@ impl Evaluator<'_> {
                     pairs[k] = self.passed_on(level, k);
                 }
             }
-            forced.levels = level + 1;
             forced.total += forced.misfit.iter().map(|lane| lane[level]).sum::<f64>();
             if level + 1 == grids {
                 forced.delta_a = delta_a;

@@ -1,0 +1,69 @@
+//! To what each solver is run, and how.
+
+use crate::discrete::kkt::kkt;
+use crate::discrete::transfer::Prolongation;
+use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
+use crate::experiments::work::{OnGrid, R};
+use crate::multigrid::active_set::{ActiveSetParams, active_set};
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{Goal, MultigridParams};
+use crate::saddle::{Method, Pair};
+
+/// Relative natural residuals at which saddle-point methods are stopped.
+const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+/// The cap is out of reach: a series ends long before, when a run takes too long.
+const CHECKS: Checks = Checks { share: 8, cap: 1_000_000_000 };
+
+/// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
+pub(super) type Solve = Box<dyn Fn(&[OnGrid]) -> Option<Vec<f64>>>;
+
+/// The goals of a solver: name, growth of the time from grid to grid, and how to get there.
+pub(super) fn goals(name: &str) -> Vec<(String, f64, Solve)> {
+    let saddle = |method: Method| {
+        let to = |target: f64| -> (String, f64, Solve) {
+            let solve = move |levels: &[OnGrid]| over_grids(method, target, levels);
+            (format!("relative KKT {target:e}"), 16.0, Box::new(solve))
+        };
+        TARGETS.map(to).into_iter().collect()
+    };
+    match name {
+        "arrow-hurwicz" => saddle(Method::ArrowHurwicz),
+        "uzawa" => saddle(loose_uzawa(0.0)),
+        "uzawa-proximal" => saddle(loose_uzawa(1.0)),
+        "active-set" => vec![(
+            "contact set at rest".into(),
+            8.0,
+            Box::new(|levels: &[OnGrid]| {
+                let OnGrid { grid, load, .. } = levels.last()?;
+                let params = ActiveSetParams::default();
+                Some(active_set(grid.cells(), load, None, &params, |_| ()).ok()?.0)
+            }),
+        )],
+        _ => {
+            let to = |(words, goal): (&str, Goal)| -> (String, f64, Solve) {
+                let solve = move |levels: &[OnGrid]| {
+                    let OnGrid { grid, load, .. } = levels.last()?;
+                    let params = MultigridParams { goal, ..MultigridParams::default() };
+                    Some(multigrid(grid.cells(), load, None, &params, |_| ()).ok()?.0)
+                };
+                (words.into(), 4.0, Box::new(solve))
+            };
+            let goals = [Goal::DiscretisationError, Goal::RoundingFloor];
+            let words = ["discretisation error", "rounding floor"];
+            words.into_iter().zip(goals).map(to).collect()
+        }
+    }
+}
+
+/// A saddle-point method from zero over the nested grids, each left when the target is met.
+fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
+    let mut pair = Pair::zero(levels[0].grid);
+    for (k, OnGrid { grid, load, .. }) in levels.iter().enumerate() {
+        if k > 0 {
+            pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
+        }
+        let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
+        sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, done)?;
+    }
+    Some(pair.y)
+}
