@@ -208,11 +208,11 @@ pub(super) struct Axis {
     pub second: [f64; 2],
 }
 
-fn mean(pair: [f64; 2]) -> f64 {
+pub(super) fn mean(pair: [f64; 2]) -> f64 {
     0.5 * (pair[0] + pair[1])
 }
 
-fn difference(pair: [f64; 2]) -> f64 {
+pub(super) fn difference(pair: [f64; 2]) -> f64 {
     pair[1] - pair[0]
 }
 
@@ -296,40 +296,32 @@ impl Special {
         // h / (2 pi) times the norm of f less its bilinear approximation.
         let oscillation = f.oscillation().sqrt() / (2.0 * PI);
         let recovered = x.recovered(y.bend()) + y.recovered(x.bend());
-        let recovered_load = load(*corners, x.bubble, y.bubble, f);
-        let trace = match outer.contains(&true) {
-            true => {
-                let (cut_x, cut_y) = (x.cut([outer[2], outer[3]]), y.cut([outer[0], outer[1]]));
-                let energy = 0.5 * (cut_x.recovered(cut_y.bend()) + cut_y.recovered(cut_x.bend()));
-                energy - 0.5 * recovered - load(*corners, cut_x.bubble, cut_y.bubble, f)
-                    + recovered_load
-            }
-            false => 0.0,
-        };
+        // The load of the bilinear function, and of what the bubbles take from it.
+        let [ll, lr, ul, ur] = corners;
+        let turn = (ll + ur) - (lr + ul);
+        let bilinear = 0.25 * ((ll + lr) + (ul + ur)) * f.one
+            + 0.5 * ((lr + ur) - (ll + ul)) * f.x
+            + 0.5 * ((ul + ur) - (ll + lr)) * f.y
+            + turn * f.xy;
+        let bubbles = f.bubbles(x.bubble, y.bubble);
+        let mut trace = 0.0;
+        if outer.contains(&true) {
+            let (x, y) = (x.cut([outer[2], outer[3]]), y.cut([outer[0], outer[1]]));
+            let energy = x.recovered(y.bend()) + y.recovered(x.bend());
+            trace = 0.5 * (energy - recovered) + f.bubbles(x.bubble, y.bubble) - bubbles;
+        }
         let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
-        let turn = (corners[0] + corners[3]) - (corners[1] + corners[2]);
         let sums = Sums {
             distance: (distance.sqrt() + oscillation).powi(2),
             recovered,
-            recovered_load,
+            recovered_load: bilinear - bubbles,
             linear: 0.5 * (square(x.along) + square(y.along)),
-            linear_load: load(*corners, [0.0; 2], [0.0; 2], f) + turn * f.ridge,
+            linear_load: bilinear + turn * f.ridge,
             trace,
             ..Sums::default()
         };
         (sums, f.one + laplacian + (flux[1] - flux[0]) + (flux[3] - flux[2]))
     }
-}
-
-/// The integral of f times the bilinear function with these values at ll, lr, ul, ur, less its bubbles.
-fn load([ll, lr, ul, ur]: [f64; 4], x: [f64; 2], y: [f64; 2], f: &Moments) -> f64 {
-    let bilinear = 0.25 * ((ll + lr) + (ul + ur)) * f.one
-        + 0.5 * ((lr + ur) - (ll + ul)) * f.x
-        + 0.5 * ((ul + ur) - (ll + lr)) * f.y
-        + ((ll + ur) - (lr + ul)) * f.xy;
-    let along_x = mean(x) * (0.25 * f.one - f.xx) + difference(x) * (0.25 * f.y - f.xxy);
-    let along_y = mean(y) * (0.25 * f.one - f.yy) + difference(y) * (0.25 * f.x - f.xyy);
-    bilinear - along_x - along_y
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The right-hand side as the bounds see it: its moments over the cells, and where it jumps.
 
+use super::cells::{difference, mean};
 use crate::discrete::cells::{Cells, Cut};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::radon;
@@ -43,6 +44,15 @@ impl Moments {
             mean - x + y - self.xy,
             mean + x + y + self.xy,
         ]
+    }
+
+    /// The integral of f times the bubbles on the edges along x and along y, blended over the cell.
+    pub(super) fn bubbles(&self, x: [f64; 2], y: [f64; 2]) -> f64 {
+        let along_x =
+            mean(x) * (0.25 * self.one - self.xx) + difference(x) * (0.25 * self.y - self.xxy);
+        let along_y =
+            mean(y) * (0.25 * self.one - self.yy) + difference(y) * (0.25 * self.x - self.xyy);
+        along_x + along_y
     }
 
     /// `h^2` times the square of the L2 norm of f less its best bilinear approximation.

@@ -7,51 +7,39 @@ use crate::discrete::grid::Grid;
 /// A nodal vector with one layer of nodes beyond the boundary, by reflection plus twice the reaction: so the
 /// five-point equation holds on the boundary as inside, and every stencil is that of the interior.
 pub(super) struct Extended<'a> {
-    side: usize,
-    v: &'a [f64],
-    bottom: Vec<f64>,
-    top: Vec<f64>,
-    left: Vec<f64>,
-    right: Vec<f64>,
+    pub grid: Grid,
+    pub v: &'a [f64],
+    pub reactions: &'a Reactions,
 }
 
 impl<'a> Extended<'a> {
-    pub(super) fn new(grid: Grid, v: &'a [f64], reactions: &Reactions) -> Self {
-        let (side, n) = (grid.side(), grid.cells());
-        let beyond = |reactions: &[f64], inner: &dyn Fn(usize) -> usize| -> Vec<f64> {
-            reactions.iter().enumerate().map(|(k, a)| v[inner(k)] + 2.0 * a).collect()
-        };
-        Self {
-            side,
-            v,
-            bottom: beyond(&reactions.bottom, &|i| grid.index(i, 1)),
-            top: beyond(&reactions.top, &|i| grid.index(i, n - 1)),
-            left: beyond(&reactions.left, &|j| grid.index(1, j)),
-            right: beyond(&reactions.right, &|j| grid.index(n - 1, j)),
-        }
-    }
-
     /// The values on row `j` of nodes.
     pub(super) fn row(&self, j: usize) -> &'a [f64] {
-        &self.v[j * self.side..(j + 1) * self.side]
+        let side = self.grid.side();
+        &self.v[j * side..(j + 1) * side]
     }
 
     /// The values on row `j` of nodes from the one left of cell `i` to two right of it.
     #[inline(always)]
     fn line(&self, i: usize, j: usize) -> [f64; 4] {
-        let row = self.row(j);
-        let at = |k: usize| row.get(i + k - 1).copied().unwrap_or(self.right[j]);
-        [if i == 0 { self.left[j] } else { row[i - 1] }, row[i], row[i + 1], at(3)]
+        let (row, Reactions { left, right, .. }) = (self.row(j), self.reactions);
+        let before = if i == 0 { row[1] + 2.0 * left[j] } else { row[i - 1] };
+        let after = row.get(i + 2).copied().unwrap_or_else(|| row[i] + 2.0 * right[j]);
+        [before, row[i], row[i + 1], after]
     }
 
     /// The values on the lines of the horizontal and of the vertical edges of cell (i, j): at their ends, and one
     /// node further at each end.
     #[inline(always)]
     pub(super) fn around(&self, i: usize, j: usize) -> [[[f64; 4]; 2]; 2] {
-        let below = if j == 0 { &self.bottom } else { self.row(j - 1) };
-        let above = if j + 3 > self.side { &self.top } else { self.row(j + 2) };
+        let Reactions { bottom, top, .. } = self.reactions;
+        let last = self.grid.cells() - 1;
+        let below =
+            |i: usize| if j == 0 { self.row(1)[i] + 2.0 * bottom[i] } else { self.row(j - 1)[i] };
+        let above =
+            |i: usize| if j == last { self.row(j)[i] + 2.0 * top[i] } else { self.row(j + 2)[i] };
         let (a, b) = (self.line(i, j), self.line(i, j + 1));
-        [[a, b], [[below[i], a[1], b[1], above[i]], [below[i + 1], a[2], b[2], above[i + 1]]]]
+        [[a, b], [[below(i), a[1], b[1], above(i)], [below(i + 1), a[2], b[2], above(i + 1)]]]
     }
 }
 

@@ -40,7 +40,8 @@ pub(super) fn total(
     if data.integral >= 0.0 {
         return Err(NoBound::NotCoercive);
     }
-    let walk = Walk::new(grid, &data, v, recovered);
+    let reactions = Reactions::new(grid, v, &data);
+    let walk = Walk::new(&data, Extended { grid, v, reactions: &reactions }, recovered);
     Ok(vectorised(
         #[inline(always)]
         || walk.run(),
@@ -54,7 +55,6 @@ struct Walk<'a> {
     grid: Grid,
     data: &'a AllCells<'a>,
     v: Extended<'a>,
-    reactions: Reactions,
     /// Rows j to j + 2 of cells, where j is the row at which the walk stands.
     cells: [Cow<'a, CellRow>; 3],
     /// Fluxes around the nodes of rows j - 1 to j + 2.
@@ -73,22 +73,15 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(
-        grid: Grid,
-        data: &'a AllCells<'a>,
-        v: &'a [f64],
-        recovered: Option<&'a mut [f64]>,
-    ) -> Self {
-        let n = grid.cells();
-        let reactions = Reactions::new(grid, v, data);
-        let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
-        let contact = contact::arcs(grid, &outer, &reactions.found);
+    fn new(data: &'a AllCells<'a>, v: Extended<'a>, recovered: Option<&'a mut [f64]>) -> Self {
+        let (grid, n) = (v.grid, v.grid.cells());
+        let outer: Vec<f64> = grid.boundary().map(|node| v.v[node]).collect();
+        let contact = contact::arcs(grid, &outer, &v.reactions.found);
         let sums = Sums::default();
         Self {
             grid,
             data,
-            v: Extended::new(grid, v, &reactions),
-            reactions,
+            v,
             cells: [0; 3].map(|_| Cow::Owned(CellRow::default())),
             fluxes: [0; 4].map(|_| NodeFluxes::zero(n)),
             special: Vec::new(),
@@ -203,7 +196,7 @@ impl<'a> Walk<'a> {
         self.total.mass += moments.square.sqrt();
         if cell.outer.contains(&true) {
             let [ll, lr, ul, ur] = cell.corners;
-            let Reactions { left, right, bottom, top, .. } = &self.reactions;
+            let Reactions { left, right, bottom, top, .. } = self.v.reactions;
             let edges = [
                 ([ll, ul], &left[j..], cell.y.bubble[0]),
                 ([lr, ur], &right[j..], cell.y.bubble[1]),
