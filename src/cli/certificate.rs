@@ -133,7 +133,7 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
             first.task,
             first.verdict
         )
-    } else if let Some(edited) = summary.edited.first() {
+    } else if let Some(edited) = summary.exports.edited.first() {
         return Err(Error::input(super::pipeline::edited(edited)));
     } else if !summary.nothing_to_do() {
         "files in figures/ or report/ are missing or old".into()

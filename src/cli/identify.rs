@@ -106,10 +106,8 @@ fn find(
         let from = states.problems.get(&number).cloned();
         let mut watch = Watch::new(&format!("problem {number}"));
         let mut saved = Instant::now();
-        let mut last = None;
         let mut observe = |progress: &Progress, state: Option<&Checkpoint>| {
             watch.show(progress);
-            last = Some(progress.clone());
             let (Some(state), Some(file)) = (state, &file) else { return };
             states.problems.insert(number, state.clone());
             if saved.elapsed() > SAVE && failure.is_none() {
@@ -123,10 +121,7 @@ fn find(
         if let (None, Some(file)) = (&failure, &file) {
             failure = write_states(file, &states).err();
         }
-        let (seconds, rates) = last.map_or((0.0, Vec::new()), |progress| {
-            let seconds = progress.elapsed.as_secs_f64();
-            (seconds, progress.entered.iter().map(|&n| n as f64 / seconds).collect())
-        });
+        let (seconds, rates) = watch.rates();
         answers.push(Answer { problem: number, report, seconds, rates });
     }
     show(args, &answers, targets)?;

@@ -98,16 +98,16 @@ impl Workplace {
         };
         // Looking needs no lock and no writing, and is enough when nothing is to do.
         if !options.force && progress.trace().is_none() {
-            let (summary, exports, known) = self.walk(plan, scope, LOOK, progress)?;
+            let (summary, known) = self.walk(plan, scope, LOOK, progress)?;
             if summary.nothing_to_do()
                 && lock_file(&summary, &known) == known
-                && self.leftovers(&exports).is_empty()
+                && self.leftovers(&summary).is_empty()
             {
                 return Ok(summary);
             }
         }
         let _locks = self.lock()?;
-        let (mut summary, exports, known) = self.walk(plan, scope, options, progress)?;
+        let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
             summary.differences = known.differences(&summary.lock_file());
             if !summary.differences.is_empty() {
@@ -115,8 +115,8 @@ impl Workplace {
             }
         }
         if scope != Scope::Locked || summary.failed.is_empty() {
-            remove(&self.leftovers(&exports));
-            exports.perform(root, &self.store)?;
+            remove(&self.leftovers(&summary));
+            summary.exports.perform(root, &self.store)?;
         }
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
@@ -154,18 +154,18 @@ impl Workplace {
     }
 
     /// What killed runs left behind, in the cache and where exports go.
-    fn leftovers(&self, exports: &Exports) -> Vec<PathBuf> {
-        [self.store.leftovers(), exports.leftovers(&self.project.root)].concat()
+    fn leftovers(&self, summary: &Summary) -> Vec<PathBuf> {
+        [self.store.leftovers(), summary.exports.leftovers(&self.project.root)].concat()
     }
 
-    /// What there is to say, what to export, and the lock file as it was.
+    /// What there is to do and to say, and the lock file as it was.
     fn walk(
         &self,
         plan: &Plan,
         scope: Scope,
         options: Options,
         progress: &Progress,
-    ) -> Result<(Summary, Exports, LockFile)> {
+    ) -> Result<(Summary, LockFile)> {
         // Zero would ask the environment, without a bound.
         let jobs = match options.jobs {
             0 => rayon::current_num_threads(),
@@ -176,12 +176,9 @@ impl Workplace {
         let known = LockFile::read(root)?;
         let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
         let may = [options.force, scope != Scope::Part];
-        let exports =
-            Exports::plan(root, plan, &summary.manifests, &self.store, &known.exports, may)?;
-        (summary.written, summary.removed) = exports.counts();
-        summary.exports = exports.files.clone();
-        summary.edited = exports.edited.clone();
-        Ok((summary, exports, known))
+        let made = &summary.manifests;
+        summary.exports = Exports::plan(root, plan, made, &self.store, &known.exports, may)?;
+        Ok((summary, known))
     }
 }
 
@@ -199,7 +196,7 @@ pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()>
 
 /// Names the files that were not written because somebody edited them.
 fn refuse_edited(summary: &Summary) -> Result<()> {
-    match &summary.edited[..] {
+    match &summary.exports.edited[..] {
         [] => Ok(()),
         [one] => Err(Error::input(edited(one))),
         all => Err(Error::input(format!(

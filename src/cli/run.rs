@@ -110,7 +110,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     let left_out = report::left_out(&workplace.project);
     let of_paper = workplace.project.files.contains_key(PAPER);
-    if let Some(reason) = left_out.filter(|_| of_paper && summary.exports.contains_key(BOOK)) {
+    if let Some(reason) = left_out.filter(|_| of_paper && summary.exports.files.contains_key(BOOK))
+    {
         talk(&format!("the book leaves out its chapters on the paper: {reason}"));
     }
     say(&what_ran(&summary))
@@ -156,7 +157,8 @@ fn what_ran(summary: &Summary) -> String {
             why(&reasons)
         );
     }
-    for (count, done) in [(summary.written, "written to"), (summary.removed, "removed from")] {
+    let (written, removed) = summary.exports.counts();
+    for (count, done) in [(written, "written to"), (removed, "removed from")] {
         if count > 0 {
             let files = if count == 1 { "file" } else { "files" };
             text += &format!("{count} {files} {done} figures/ and report/\n");
@@ -165,7 +167,7 @@ fn what_ran(summary: &Summary) -> String {
     if summary.lock_file_changed && summary.ran.is_empty() {
         text += "pipeline/lock.toml brought up to date\n";
     }
-    if summary.exports.contains_key(BOOK) {
+    if summary.exports.files.contains_key(BOOK) {
         text += &format!("the book: {BOOK}\n");
     }
     text
@@ -184,12 +186,13 @@ fn verdicts(summary: &Summary) -> String {
 /// What is to be said about the files in the project folder.
 pub(super) fn exports(summary: &Summary) -> String {
     let mut text = String::new();
-    if summary.written > 0 {
+    let (written, removed) = summary.exports.counts();
+    if written > 0 {
         text += "files in figures/ or report/ are missing or old\n";
     }
-    if summary.removed > 0 {
+    if removed > 0 {
         text += "files in figures/ or report/ belong to nothing any more\n";
     }
-    summary.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
+    summary.exports.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
     text
 }

@@ -33,22 +33,13 @@ pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, Fig
             vector(panel.title, "a", a, panel.grid.boundary_nodes())?;
         }
     }
-    let heights: Vec<f64> = panels
-        .iter()
-        .map(|panel| {
-            let rows = legend(panel).rows;
-            let band = ROW * panel.lines.len() as f64 + 16.0;
-            54.0 + LEGEND_ROW * rows as f64 + 2.0 * PLOT + band + 56.0
-        })
-        .collect();
-    let height = heights.iter().sum::<f64>() + 36.0;
-    let mut picture = Picture::new(WIDTH, height);
+    let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;
-    for (panel, height) in panels.iter().zip(&heights) {
-        draw_panel(&mut picture, panel, &legend(panel), top);
-        top += height;
+    for panel in panels {
+        top = draw_panel(&mut picture, panel, top);
     }
-    let y = height - 20.0;
+    picture.height = top + 28.0;
+    let y = top + 8.0;
     picture.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
     key(
         &mut picture,
@@ -58,12 +49,11 @@ pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, Fig
     Ok(picture.finish(caption, Some(of_contact(panels))))
 }
 
-fn legend<'a>(panel: &'a ContactPanel) -> Legend<'a> {
-    Legend::new(panel.lines.iter().map(|(label, _)| &**label), WIDTH - 100.0)
-}
-
-fn draw_panel(picture: &mut Picture, panel: &ContactPanel, legend: &Legend, top: f64) {
+/// Draws a panel, and returns where the next one begins.
+fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     picture.text(panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
+    let labels = panel.lines.iter().map(|(label, _)| &**label);
+    let legend = Legend::new(labels, WIDTH - 100.0);
     legend.draw(picture, (ACROSS.0, top + 38.0));
     let grid = panel.grid;
     let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
@@ -104,6 +94,7 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, legend: &Legend, top:
     let middle = top + PLOT + 0.5 * band;
     picture.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
     name_sides(picture, &whole);
+    whole.down.1 + 56.0
 }
 
 /// The curves of one quantity, a line each, given at the boundary nodes, `h` apart.

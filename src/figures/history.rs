@@ -32,11 +32,10 @@ pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, F
             finite(panel.title, "max |dM/dy|", shown().map(|i| i.gradient_abs))?;
         }
     }
-    let plans = panels.iter().map(Plan::new).collect::<Result<Vec<_>, _>>()?;
-    let height = plans.iter().map(Plan::height).sum::<f64>() + 40.0;
-    let mut picture = Picture::new(WIDTH, height);
+    let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;
-    for plan in &plans {
+    for panel in panels {
+        let plan = Plan::new(panel)?;
         let frame = plan.frame(top);
         plan.ground(&mut picture, &frame, top);
         picture.group("stroke-dasharray=\"4 8\"", |picture| plan.tolerances(picture, &frame));
@@ -46,10 +45,10 @@ pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, F
         plan.curves(&mut picture, &frame, 2.0, |i| i.gradient_signed);
         plan.rings(&mut picture, &frame);
         frame.outline(&mut picture);
-        top += plan.height();
+        top = frame.down.1 + 52.0;
     }
-    let y = height - 22.0;
-    let x = ACROSS.0;
+    picture.height = top + 32.0;
+    let (x, y) = (ACROSS.0, top + 10.0);
     picture.path([(x, y), (x + 28.0, y)], MUTED, 2.0);
     key(&mut picture, (x + 35.0, y), "max \u{2202}M/\u{2202}y, signed");
     key(&mut picture, (x + 227.0, y), "max |\u{2202}M/\u{2202}y|, as printed");
@@ -99,16 +98,8 @@ impl<'a> Plan<'a> {
         })
     }
 
-    fn header(&self) -> f64 {
-        34.0 + LEGEND_ROW * self.legend.rows as f64
-    }
-
-    fn height(&self) -> f64 {
-        self.header() + PLOT + 52.0
-    }
-
     fn frame(&self, top: f64) -> Frame {
-        let top = top + self.header();
+        let top = top + 34.0 + LEGEND_ROW * self.legend.rows as f64;
         Frame {
             across: ACROSS,
             down: (top, top + PLOT),

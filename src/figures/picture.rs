@@ -37,7 +37,8 @@ fn filled(color: RGBColor) -> ShapeStyle {
 /// A picture under construction; shapes are given in display pixels.
 pub(super) struct Picture {
     width: f64,
-    height: f64,
+    /// May be set when all is drawn.
+    pub(super) height: f64,
     body: String,
 }
 

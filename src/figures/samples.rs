@@ -25,7 +25,10 @@ impl Monitor for Record {
     }
 }
 
-fn solved(f: &str, r: f64, finest: usize) -> (Vec<Grid>, Vec<Vec<Iteration>>, Pair) {
+/// Grids, iterations on each, and the last pair.
+type Solved = (Vec<Grid>, Vec<Vec<Iteration>>, Pair);
+
+fn solved(f: &str, r: f64, finest: usize) -> Solved {
     let f: Source = f.parse().unwrap();
     let cells: Vec<_> = [4, 8, 16, 32, 64].into_iter().filter(|&n| n <= finest).collect();
     let grids = crate::discrete::grid::nested(&cells).unwrap();
@@ -42,51 +45,30 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
     let titles = ["a) problem 1", "b) problem 2"];
     let fs = SOURCES.map(|text| text.parse::<Source>().unwrap());
     let maps: Vec<_> = titles.into_iter().zip(&fs).collect();
-    let runs: Vec<Vec<_>> = SOURCES
-        .iter()
-        .map(|f| [1e6, 10.0, 5.0, 1.0, 0.5].map(|r| solved(f, r, 64)).into())
-        .collect();
+    let runs = SOURCES.map(|f| [1e6, 10.0, 5.0, 1.0, 0.5].map(|r| solved(f, r, 64)));
     let labels = ["r = 10\u{2076}", "r = 10", "r = 5", "r = 1", "r = 0.5"];
     let grid = Grid::new(64).unwrap();
-    let shapes: Vec<_> = (0..2)
-        .map(|k| Surface {
-            title: titles[k],
-            grid,
-            y: &runs[k][1].2.y,
-            a: &runs[k][1].2.a,
-            view: View::uphill(grid, &runs[k][1].2.y),
-            range: None,
-        })
-        .collect();
-    let histories_of: Vec<_> = runs
-        .iter()
-        .zip(titles)
-        .map(|(runs, title)| HistoryPanel {
-            title,
-            grids: &runs[0].0,
-            curves: runs
-                .iter()
-                .zip(labels)
-                .map(|(run, label)| History { label: label.into(), levels: run.1.clone() })
-                .collect(),
-        })
-        .collect();
-    let contacts: Vec<_> = runs
-        .iter()
-        .zip(titles)
-        .map(|(runs, title)| ContactPanel {
-            title,
-            grid,
-            lines: runs.iter().zip(labels).map(|(run, l)| (l.into(), run.2.clone())).collect(),
-        })
-        .collect();
+    let shapes = [0, 1].map(|k| {
+        let Pair { y, a } = &runs[k][1].2;
+        Surface { title: titles[k], grid, y, a, view: View::uphill(grid, y), range: None }
+    });
+    let histories_of = [0, 1].map(|k| {
+        let curves = runs[k].iter().zip(labels);
+        let curve =
+            |(run, label): (&Solved, &str)| History { label: label.into(), levels: run.1.clone() };
+        HistoryPanel { title: titles[k], grids: &runs[k][0].0, curves: curves.map(curve).collect() }
+    });
+    let contacts = [0, 1].map(|k| {
+        let lines = runs[k].iter().zip(labels).map(|(run, label)| (label.into(), run.2.clone()));
+        ContactPanel { title: titles[k], grid, lines: lines.collect() }
+    });
     let slices = [(3.0, -1.002), (-6.0, 1.998)].map(slice_around);
-    let others = [[2.99, -1.0], [-6.0, 2.0]];
+    let others = vec![[2.99, -1.0], [-6.0, 2.0]];
     let around = [0, 1].map(|k| IdentifiabilityPanel {
         title: titles[k],
         slice: &slices[k],
         cells: 25,
-        others: others.into(),
+        others: others.clone(),
     });
     vec![
         ("figure1", maps_of_f(CAPTION, &maps).unwrap().svg),

@@ -51,30 +51,21 @@ pub(super) struct Ticks {
 impl Ticks {
     /// Multiples of 1, 2 or 5 times a power of ten inside [lo, hi], at most `most` steps of them.
     pub(super) fn inside(lo: f64, hi: f64, most: usize) -> Self {
-        let mut ticks = Self::step(lo, hi, most);
-        let slack = 1e-9;
-        let first = (lo / ticks.step - slack).ceil() as i64;
-        let last = (hi / ticks.step + slack).floor() as i64;
-        ticks.multiples = first..=last;
-        ticks
-    }
-
-    fn step(lo: f64, hi: f64, most: usize) -> Self {
         let span = if hi > lo { hi - lo } else { 1.0 };
         let want = span / most.max(1) as f64;
-        // Powers of ten are parsed, not multiplied up, so that every step is a shortest decimal.
-        let mut exponent = libm::floor(libm::log10(want)) as i32;
-        let power = |e: i32| format!("1e{e}").parse::<f64>().unwrap_or(1.0);
-        let nice = [1.0, 2.0, 5.0].into_iter().find(|m| m * power(exponent) >= want * (1.0 - 1e-9));
-        let mantissa = nice.unwrap_or_else(|| {
-            exponent += 1;
-            1.0
-        });
-        Self {
-            step: mantissa * power(exponent),
-            decimals: usize::try_from(-exponent).unwrap_or(0),
-            multiples: 0..=0,
-        }
+        let slack = 1e-9;
+        let power = libm::floor(libm::log10(want)) as i32;
+        // Parsed, not multiplied up, so that every step is a shortest decimal.
+        let step = |(mantissa, exponent): (u8, i32)| -> f64 {
+            format!("{mantissa}e{exponent}").parse().unwrap_or(1.0)
+        };
+        let nice = [(1, power), (2, power), (5, power), (1, power + 1)];
+        let nice = nice.into_iter().find(|&nice| step(nice) >= want * (1.0 - slack));
+        let nice = nice.unwrap_or((1, power + 1));
+        let (step, decimals) = (step(nice), usize::try_from(-nice.1).unwrap_or(0));
+        let first = (lo / step - slack).ceil() as i64;
+        let last = (hi / step + slack).floor() as i64;
+        Self { step, decimals, multiples: first..=last }
     }
 
     /// The values, ascending.

@@ -1,6 +1,6 @@
 //! What a walk of the plan is asked for, and what it tells.
 
-use super::{Hashes, LockFile, Manifest, Reason, Verdict};
+use super::{Exports, LockFile, Manifest, Reason, Verdict};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -46,14 +46,8 @@ pub struct Summary {
     pub ran: Vec<Ran>,
     /// What the tasks were expected to take, before the first one ran; `None` if that is not known.
     pub expected: Option<Duration>,
-    /// Files written to the project folder, or in a dry run those that would be.
-    pub written: usize,
-    /// Files removed from there, likewise.
-    pub removed: usize,
-    /// Exports that were edited by hand and are left alone.
-    pub edited: Vec<String>,
-    /// What is exported where, by hash.
-    pub exports: Hashes,
+    /// What is exported where, written and removed, or in a dry run would be.
+    pub exports: Exports,
     /// Tasks that failed or could not run because of one that did, each with its reason.
     pub failed: Vec<String>,
     /// Manifests of all tasks that are up to date now.
@@ -69,8 +63,8 @@ pub struct Summary {
 impl Summary {
     /// Whether nothing was, or in a dry run would be, run or exported.
     pub fn nothing_to_do(&self) -> bool {
-        self.written + self.removed == 0
-            && self.edited.is_empty()
+        self.exports.is_empty()
+            && self.exports.edited.is_empty()
             && !self.reverted
             && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
     }
@@ -79,7 +73,7 @@ impl Summary {
     pub fn lock_file(&self) -> LockFile {
         LockFile {
             tasks: self.manifests.iter().map(|(id, m)| (id.clone(), m.digest())).collect(),
-            exports: self.exports.clone(),
+            exports: self.exports.files.clone(),
         }
     }
 }

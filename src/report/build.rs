@@ -22,12 +22,13 @@ pub fn build(
     files: &BTreeMap<String, Vec<u8>>,
     scratch: &Path,
 ) -> Result<BTreeMap<String, Vec<u8>>, ReportError> {
-    let text = |name: &str, bytes: &[u8]| {
-        String::from_utf8(bytes.to_vec()).map_err(|_| ReportError::at(name, "not UTF-8 text"))
-    };
+    let mut pages = BTreeMap::new();
     let mut labels = Labels::new();
-    for (name, bytes) in markdown(files) {
-        collect_labels(name, &text(name, bytes)?, &mut labels)?;
+    for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
+        let text = std::str::from_utf8(bytes);
+        let text = text.map_err(|_| ReportError::at(name, "not UTF-8 text"))?;
+        collect_labels(name, text, &mut labels)?;
+        pages.insert(name, text);
     }
     let mut config = match files.get("book.toml") {
         Some(bytes) => settings(bytes)?,
@@ -38,13 +39,10 @@ pub fn build(
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
     let scratch = scratch.path();
     for (name, bytes) in files {
-        if !name.ends_with(".md") {
-            write(&scratch.join(name), bytes)?;
+        match pages.get(name) {
+            Some(text) => write(&scratch.join(name), convert(name, text, &labels)?.as_bytes())?,
+            None => write(&scratch.join(name), bytes)?,
         }
-    }
-    for (name, bytes) in markdown(files) {
-        let page = convert(name, &text(name, bytes)?, &labels)?;
-        write(&scratch.join(name), page.as_bytes())?;
     }
     let built = scratch.join(&config.build.build_dir);
     MDBook::load_with_config(scratch, config).and_then(|book| book.build()).map_err(refused)?;
@@ -70,10 +68,6 @@ pub fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
         }
     }
     Ok(config)
-}
-
-fn markdown(files: &BTreeMap<String, Vec<u8>>) -> impl Iterator<Item = (&String, &Vec<u8>)> {
-    files.iter().filter(|(name, _)| name.ends_with(".md"))
 }
 
 fn refused(error: mdbook_driver::errors::Error) -> ReportError {

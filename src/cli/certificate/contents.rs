@@ -119,7 +119,7 @@ pub(super) fn files(
         );
         files.push(File::new(format!("tables/table{}.csv", table.table), comment, bytes));
     }
-    for path in summary.exports.keys().filter(|path| path.starts_with("figures/")) {
+    for path in summary.exports.files.keys().filter(|path| path.starts_with("figures/")) {
         let on_disk = workplace.project.root.join(path);
         let bytes = fs::read(&on_disk).context("read", &on_disk)?;
         let comment = match path.strip_suffix(".csv") {

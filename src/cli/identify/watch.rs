@@ -44,6 +44,13 @@ impl Watch {
         }
     }
 
+    /// Seconds so far, and runs per second that entered each grid.
+    pub(super) fn rates(&self) -> (f64, Vec<f64>) {
+        let Some(last) = &self.last else { return (0.0, Vec::new()) };
+        let seconds = last.elapsed.as_secs_f64();
+        (seconds, last.entered.iter().map(|&n| n as f64 / seconds).collect())
+    }
+
     /// A line that stays.
     pub(super) fn line(&mut self, text: &str) {
         match &self.bar {

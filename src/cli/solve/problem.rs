@@ -4,14 +4,15 @@ use super::accuracy::Accuracy;
 use super::domain::Domain;
 use super::{SolveArgs, Solver, cells, name};
 use crate::cli::current_folder;
+use crate::discrete::cube;
 use crate::discrete::grid::nested;
-use crate::discrete::load::{Diagonal, LoadRule};
+use crate::discrete::load::{Diagonal, LoadRule, integral};
 use crate::discrete::transfer::Prolongation;
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
 use crate::replication::project::Project;
-use crate::replication::scene::{Scene, positive_r, solvable, solvable_on_cube};
+use crate::replication::scene::{Scene, positive_r, solvable};
 use crate::saddle::{Params, StopRule};
 use serde_json::{Value, json};
 
@@ -111,7 +112,7 @@ impl Choice {
             (Some(text), _) => {
                 let f: problem::cube::Source =
                     text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
-                let integral = solvable_on_cube(&f)?;
+                let integral = solvable(cube::integral(&f), cube::integral(&f.absolute()))?;
                 Ok(Domain::Cube { f, integral })
             }
             (None, text) => {
@@ -126,7 +127,7 @@ impl Choice {
                 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
                 let given = args.load.or(args.accuracy().map(|_| EXACT));
                 let rule = self.one("load", given, scene.map(|s| s.load), name).unwrap_or(EXACT);
-                let integral = solvable(&f)?;
+                let integral = solvable(integral(&f), integral(&f.absolute()))?;
                 Ok(Domain::Square { f, rule, integral })
             }
         }
