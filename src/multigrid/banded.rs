@@ -72,8 +72,7 @@ impl Banded {
                     .sum();
                 mine[place] = (mine[place] - known) / other[band];
             }
-            let known: f64 = mine[first..].iter().map(|l| l * l).sum();
-            pivot[0] = (pivot[0] - known).sqrt();
+            pivot[0] = (pivot[0] - dot(&mine[first..], &mine[first..])).sqrt();
         }
     }
 
@@ -82,18 +81,30 @@ impl Banded {
         let (band, width) = (self.band, self.band + 1);
         for (row, entries) in self.lower.chunks_exact(width).enumerate() {
             let first = row.saturating_sub(band);
-            let mine = &entries[band + first - row..band];
-            let known: f64 = mine.iter().zip(&x[first..row]).map(|(l, x)| l * x).sum();
+            let known = dot(&entries[band + first - row..band], &x[first..row]);
             x[row] = (x[row] - known) / entries[band];
         }
         for row in (0..self.size).rev() {
+            let (solved, entries) = (&x[row + 1..], &self.lower[row * width..]);
+            let (own, below) = entries.split_at(width);
             // Down the column, one place nearer to the start of its row in each.
-            let column = self.lower[row * width + band..].iter().step_by(band.max(1));
-            let rest = &x[row + 1..self.size.min(row + width)];
-            let known: f64 = column.skip(1).zip(rest).map(|(l, x)| l * x).sum();
-            x[row] = (x[row] - known) / self.lower[row * width + band];
+            let mut known = 0.0;
+            for (k, (entries, x)) in below.chunks_exact(width).zip(solved).take(band).enumerate() {
+                known += entries[band - 1 - k] * x;
+            }
+            x[row] = (x[row] - known) / own[band];
         }
     }
+}
+
+/// The sum of the products, one after the other.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        sum += a * b;
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -268,25 +268,32 @@ impl<D: Weighting> Walk<'_, D> {
 
 /// Natural residual `max |min(y, A y - F)|` over all nodes, interior ones without the `min`.
 pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
-    let (n, slab) = (level.n, slab::<D>(level.n));
-    let of_slab = |s: usize| {
-        let (mut residual, mut natural) = (vec![0.0; slab], Largest::default());
-        for colour in [Colour::Red, Colour::Black] {
-            let (own, other) = (colour as usize, &level.values[colour.other() as usize]);
-            residual.copy_from_slice(&level.values[own][s * slab..(s + 1) * slab]);
-            for at in At::of_slab::<D>(n, s) {
-                let row = Row::new::<D>(at, colour, &level.load[own], other, 0);
-                let target = &mut residual[at.in_slab()];
-                row.replace_by_residual::<D>(Boundary::Obstacle, target, &mut natural, |_, _| ());
-            }
-        }
-        natural.value()
+    let slab = slab::<D>(level.n);
+    let slabs = (0..level.n + 1).into_par_iter().with_min_len(MIN_PLACES.div_ceil(slab));
+    let of_slab = |residual: &mut Vec<f64>, s: usize| {
+        vectorised(
+            #[inline(always)]
+            || slab_residual::<D>(level, s, residual),
+        )
     };
-    (0..n + 1)
-        .into_par_iter()
-        .with_min_len(MIN_PLACES.div_ceil(slab))
-        .map(of_slab)
-        .reduce(|| 0.0, worse)
+    slabs.map_init(|| vec![0.0; slab], of_slab).reduce(|| 0.0, worse)
+}
+
+/// The natural residual of one slab; `residual` is room for one colour of it.
+#[inline(always)]
+fn slab_residual<D: Dimension>(level: &Level, s: usize, residual: &mut [f64]) -> f64 {
+    let (n, slab) = (level.n, residual.len());
+    let mut natural = Largest::default();
+    for colour in [Colour::Red, Colour::Black] {
+        let (own, other) = (colour as usize, &level.values[colour.other() as usize]);
+        residual.copy_from_slice(&level.values[own][s * slab..(s + 1) * slab]);
+        for at in At::of_slab::<D>(n, s) {
+            let row = Row::new::<D>(at, colour, &level.load[own], other, 0);
+            let target = &mut residual[at.in_slab()];
+            row.replace_by_residual::<D>(Boundary::Obstacle, target, &mut natural, |_, _| ());
+        }
+    }
+    natural.value()
 }
 
 #[cfg(test)]

@@ -174,44 +174,37 @@ pub(super) fn worse(a: f64, b: f64) -> f64 {
 }
 
 /// The largest absolute value of many rows, NaN if a number is; kept in independent lanes so that it vectorises.
+///
+/// As integers the bits of absolute values have the order of the numbers, and those of NaN come last.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Largest {
-    lanes: [f64; LINE],
-    /// A maximum forgets NaN, a sum does not.
-    sums: [f64; LINE],
-}
+pub(super) struct Largest([u64; LINE]);
 
 impl Largest {
     /// Takes `factor` times each number into account.
     #[inline(always)]
     pub(super) fn see(&mut self, factor: f64, x: &[f64]) {
         let (chunks, rest) = x.as_chunks::<LINE>();
-        let (mut lanes, mut sums) = ([0.0_f64; LINE], [0.0; LINE]);
+        let mut lanes = [0; LINE];
         for chunk in chunks {
             for lane in 0..LINE {
-                let size = (factor * chunk[lane]).abs();
-                lanes[lane] = if size > lanes[lane] { size } else { lanes[lane] };
-                sums[lane] += size;
+                lanes[lane] = lanes[lane].max((factor * chunk[lane]).abs().to_bits());
             }
         }
-        for lane in 0..LINE {
-            self.lanes[lane] =
-                if lanes[lane] > self.lanes[lane] { lanes[lane] } else { self.lanes[lane] };
-            self.sums[lane] += sums[lane];
+        for (lane, value) in rest.iter().enumerate() {
+            lanes[lane] = lanes[lane].max((factor * value).abs().to_bits());
         }
-        rest.iter().enumerate().for_each(|(lane, value)| self.put(lane, factor * value));
+        for (largest, lane) in self.0.iter_mut().zip(lanes) {
+            *largest = lane.max(*largest);
+        }
     }
 
     #[inline(always)]
-    pub(super) fn put(&mut self, lane: usize, value: f64) {
-        let size = value.abs();
-        self.lanes[lane] = if size > self.lanes[lane] { size } else { self.lanes[lane] };
-        self.sums[lane] += size;
+    pub(super) fn put(&mut self, value: f64) {
+        self.0[0] = self.0[0].max(value.abs().to_bits());
     }
 
     #[inline(always)]
     pub(super) fn value(self) -> f64 {
-        let lanes = self.lanes.into_iter().zip(self.sums);
-        lanes.map(|(max, sum)| if sum.is_nan() { sum } else { max }).fold(0.0, worse)
+        f64::from_bits(self.0.into_iter().fold(0, u64::max))
     }
 }

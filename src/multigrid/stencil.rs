@@ -187,7 +187,7 @@ impl<'a> Row<'a> {
                 let (residual, of_node, in_contact) =
                     boundary.residual::<D>(edge, coupling, value, sum);
                 if let Boundary::Obstacle = boundary {
-                    natural.put(0, of_node);
+                    natural.put(of_node);
                     see(edge.number, in_contact);
                 }
                 residual
