@@ -13,22 +13,6 @@ use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure, V};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// When a forced run is given up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
-    /// Total misfit above which nothing more is wanted.
-    pub misfit: f64,
-    /// Number of coarse grids on which no misfit at all is allowed.
-    pub exact_grids: usize,
-}
-
-impl Limit {
-    /// The run goes to its end.
-    pub const NONE: Self = Self { misfit: f64::INFINITY, exact_grids: 0 };
-    /// The run ends at the first count that does not come out.
-    pub const EXACT: Self = Self { misfit: 0.0, exact_grids: 0 };
-}
-
 /// What a forced run says: how far each published count is from coming out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forced {

@@ -28,7 +28,7 @@ mod select;
 mod space;
 mod variant;
 
-pub use evaluate::{Evaluator, Forced, Limit, Table};
+pub use evaluate::{Evaluator, Forced, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
 pub use merge::merge;

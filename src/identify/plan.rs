@@ -170,7 +170,7 @@ impl<'a> Plan<'a> {
         if !live.go_on(tried) {
             return (0, false);
         }
-        let (more, whole) = self.run_each(candidates, exact, evaluator, best, live);
+        let (more, whole) = self.run_each(candidates, evaluator, best, live);
         (tried + more, whole)
     }
 
@@ -198,7 +198,6 @@ impl<'a> Plan<'a> {
     fn run_each(
         &self,
         candidates: Vec<Candidate>,
-        exact: usize,
         evaluator: &mut Evaluator<'a>,
         best: &mut Best,
         live: &Live<'_>,
@@ -209,8 +208,7 @@ impl<'a> Plan<'a> {
                 return (tried, false);
             }
             tried += 1;
-            if let Some(objective) = evaluate(self.target, evaluator, &candidate, best.bar(), exact)
-            {
+            if let Some(objective) = evaluate(self.target, evaluator, &candidate, best.bar()) {
                 live.note(objective);
                 best.offer(Ranked { objective, candidate });
             }
@@ -254,7 +252,7 @@ impl<'a> Plan<'a> {
             // Metropolis's rule, turned round: the draw comes first, and bounds what is worth running.
             let bar = here - temperature * libm::log(random.unit());
             let bar = if here.is_finite() { bar } else { f64::MAX };
-            if let Some(objective) = evaluate(self.target, evaluator, &candidate, bar, 0) {
+            if let Some(objective) = evaluate(self.target, evaluator, &candidate, bar) {
                 live.note(objective);
                 if objective <= bar {
                     (at, here) = (next, objective);

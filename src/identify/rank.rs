@@ -1,6 +1,6 @@
 //! The explained score of a candidate, and the order in which candidates are preferred.
 
-use super::evaluate::{Evaluator, Forced, Limit};
+use super::evaluate::{Evaluator, Forced};
 use super::space::Candidate;
 use super::{IdentifyError, Target, agrees};
 use serde::{Deserialize, Serialize};
@@ -148,12 +148,11 @@ pub(super) fn evaluate(
     evaluator: &mut Evaluator<'_>,
     candidate: &Candidate,
     bar: f64,
-    exact_grids: usize,
 ) -> Option<f64> {
-    let limit = Limit { misfit: count_misfit_below(bar), exact_grids };
+    let limit = count_misfit_below(bar);
     let Forced { delta_a, total, .. } =
         evaluator.forced(candidate.geometry, &candidate.values(), limit);
-    if delta_a.is_empty() || total > limit.misfit {
+    if delta_a.is_empty() || total > limit {
         return None;
     }
     Some(objective(total, delta_a_misfit(target, &delta_a), candidate.complexity()))
@@ -172,7 +171,7 @@ pub(super) fn explain(
 ) -> Result<Found, IdentifyError> {
     target.validate()?;
     let values = candidate.values();
-    let forced = evaluator.forced(candidate.geometry, &values, Limit::NONE);
+    let forced = evaluator.forced(candidate.geometry, &values, f64::INFINITY);
     let table = evaluator.free(candidate.geometry, &values);
     let pairs = table.counts.iter().flatten().zip(target.counts.iter().flatten());
     let same = |(ours, published): &(&f64, &f64)| agrees(**ours, **published);

@@ -108,7 +108,7 @@ proptest! {
         let variant = Variant { measure, ..Variant::default() };
         let mut evaluator = evaluator(&target, &variant);
         prop_assert_eq!(&evaluator.free(0, &values), &table);
-        let forced = evaluator.forced(0, &values, Limit::EXACT);
+        let forced = evaluator.forced(0, &values, 0.0);
         prop_assert!(forced.is_exact(), "{:?}", forced);
         prop_assert_eq!(forced.delta_a, table.delta_a);
     }
@@ -125,7 +125,7 @@ proptest! {
         other[0] += f64::from(nudge) / 20.0;
         let mut evaluator = evaluator(&target, &Variant::default());
         let free = target_of(&evaluator.free(0, &other));
-        prop_assert_eq!(evaluator.forced(0, &other, Limit::EXACT).is_exact(), free.counts == target.counts);
+        prop_assert_eq!(evaluator.forced(0, &other, 0.0).is_exact(), free.counts == target.counts);
     }
 
     #[test]
@@ -158,10 +158,7 @@ fn both_published_tables_come_out_exactly() {
     ] {
         let target = published(problem);
         let mut evaluator = evaluator(&target, &Variant::default());
-        assert!(
-            evaluator.forced(0, &values, Limit::EXACT).is_exact(),
-            "problem {problem}: {values:?}"
-        );
+        assert!(evaluator.forced(0, &values, 0.0).is_exact(), "problem {problem}: {values:?}");
         let table = evaluator.free(0, &values);
         assert_eq!(target_of(&table).counts, target.counts);
         let digits = |x: &f64| format!("{x:.1e}");
@@ -253,7 +250,7 @@ fn searches_stop_in_the_midst_of_a_candidate() {
     target.counts.iter_mut().for_each(|row| row[0] = 1_000_000_000_000);
     let raised = AtomicBool::new(true);
     let mut evaluator = evaluator(&target, &Variant::default()).halted_by(&raised);
-    assert!(!evaluator.forced(0, &[-6.0, 2.0, 2.0, 1.99], Limit::NONE).is_exact());
+    assert!(!evaluator.forced(0, &[-6.0, 2.0, 2.0, 1.99], f64::INFINITY).is_exact());
     for method in [Method::Anneal { chains: 2, steps: 3 }, Method::Enumerate] {
         let stop = AtomicBool::new(false);
         // Called while the first candidate is being run.
@@ -329,9 +326,9 @@ fn room_ends_where_a_count_changes() {
                 values.iter().enumerate().map(shift).collect()
             };
             let range = breaks.range[side];
-            assert!(evaluator.forced(0, &moved(0.99 * range), Limit::EXACT).is_exact());
+            assert!(evaluator.forced(0, &moved(0.99 * range), 0.0).is_exact());
             let (k, level) = breaks.first[side].unwrap();
-            let beyond = evaluator.forced(0, &moved(1.02 * range + 1e-5), Limit::NONE);
+            let beyond = evaluator.forced(0, &moved(1.02 * range + 1e-5), f64::INFINITY);
             assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
         }
     }

@@ -1,6 +1,6 @@
 //! Forced and free runs, grid by grid.
 
-use super::{Evaluator, Forced, Level, Limit, Table, grid};
+use super::{Evaluator, Forced, Level, Table, grid};
 use crate::saddle::batch::LANES;
 use crate::saddle::{Pair, tolerance};
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ impl Evaluator<'_> {
     ///
     /// # Panics
     /// If there is no such geometry, or not one value per piece.
-    pub fn forced(&mut self, geometry: usize, values: &[f64], limit: Limit) -> Forced {
+    pub fn forced(&mut self, geometry: usize, values: &[f64], limit: f64) -> Forced {
         let (rows, grids) = (self.target.r.len(), self.target.levels());
         let misfit_of_all = vec![vec![0.0; grids]; rows];
         let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
@@ -36,7 +36,6 @@ impl Evaluator<'_> {
             let mut delta_a = vec![0.0; rows];
             let last = (0..rows).map(|row| self.last(row, level)).collect::<Vec<_>>();
             let tolerance = tolerance(level + 1);
-            let most = if level < limit.exact_grids { 0.0 } else { limit.misfit };
             for n in 1..=last.iter().copied().max().unwrap_or(0) {
                 if self.is_halted() {
                     return Forced { total: f64::INFINITY, ..forced };
@@ -58,7 +57,7 @@ impl Evaluator<'_> {
                 });
                 if failed {
                     let so_far: f64 = forced.misfit.iter().map(|lane| lane[level]).sum();
-                    if forced.total + so_far > most {
+                    if forced.total + so_far > limit {
                         forced.total += so_far;
                         return forced;
                     }
