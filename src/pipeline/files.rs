@@ -228,7 +228,7 @@ mod tests {
         }
         let leftover = path.with_file_name(".signorini-0a1b2c.tmp");
         fs::write(&leftover, "half").unwrap();
-        remove(&leftovers([folder.path().to_path_buf()]));
+        remove(&leftovers([folder.path().join("new")]));
         assert!(path.exists() && !leftover.exists());
         assert_eq!(read_if_there(&leftover).unwrap(), None);
     }
