@@ -99,7 +99,10 @@ fn off(value: f64, size: f64, random: &mut Random) -> f64 {
 impl Arithmetic<f64> for Noisy {
     #[inline(always)]
     fn node(&mut self, y: V<f64>) -> V<f64> {
-        V(std::array::from_fn(|l| off(y.0[l], self.size[l], &mut self.random[l])))
+        V(std::array::from_fn(
+            #[inline(always)]
+            |l| off(y.0[l], self.size[l], &mut self.random[l]),
+        ))
     }
     fn enter(&mut self, lane: usize, run: usize) {
         (self.size[lane], self.random[lane]) = self.runs[run];
