@@ -1,6 +1,6 @@
 //! Sums over cells: energies of the vector and of its recovery, and the distance of the latter to the flux.
 
-use super::data::Moments;
+use super::moments::{Moments, difference, mean};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -206,14 +206,6 @@ pub(super) struct Axis {
     pub bubble: [f64; 2],
     /// Half the sum of the second differences at both ends: twice the bubble but where that is changed.
     pub second: [f64; 2],
-}
-
-pub(super) fn mean(pair: [f64; 2]) -> f64 {
-    0.5 * (pair[0] + pair[1])
-}
-
-pub(super) fn difference(pair: [f64; 2]) -> f64 {
-    pair[1] - pair[0]
 }
 
 impl Axis {

@@ -47,6 +47,7 @@ mod cells;
 mod contact;
 mod data;
 mod flux;
+mod moments;
 mod recovery;
 mod residual;
 mod walk;
