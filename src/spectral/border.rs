@@ -142,7 +142,6 @@ impl Piece {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectral::newton::Problem;
     use crate::spectral::potential::CORNERS;
 
     #[test]
@@ -152,15 +151,18 @@ mod tests {
             "rect(-0.7,0.493,-0.2,0.1)=-5; disc(0.3,0.45,0.049)=4; halfplane(1,0.3,0.2)=2; else=-2",
             "disc(0.5,0.5,0.3)=4; disc(-0.1,0.4,0.099)=-3; else=-1",
         ] {
-            let problem = Problem::new(&text.parse().unwrap());
-            let corners = CORNERS.map(|z| problem.psi.value_and_gradient(z).0.abs());
+            let jumps = Jumps::of(&text.parse().unwrap());
+            let psi = Potential::new(&jumps);
+            let crossings: Vec<Place> = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
+            let border = Border::new(&psi, &jumps, &crossings);
+            let corners = CORNERS.map(|z| psi.value_and_gradient(z).0.abs());
             let size = corners.into_iter().fold(1.0, f64::max);
             for k in 0..4000 {
                 let place = Place::new(k % 4, 0.997 * f64::from(k) / 4000.0 - 0.5);
-                let (value, gradient) = problem.psi.value_and_gradient(place.point());
-                let error = (problem.border.value(place) - value).abs();
+                let (value, gradient) = psi.value_and_gradient(place.point());
+                let error = (border.value(place) - value).abs();
                 assert!(error < 2e-15 * size, "{text}, {place:?}: {error}");
-                let error = (problem.border.gradient(place) - gradient).norm();
+                let error = (border.gradient(place) - gradient).norm();
                 assert!(error < 2e-14 * size, "{text}, {place:?}: {error}");
             }
         }

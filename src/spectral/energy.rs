@@ -3,9 +3,9 @@
 use super::complex::Complex;
 use super::curve::Curve;
 use super::jumps::{Edge, Jumps, PROBE};
-use super::newton::Problem;
 use super::panels::{Panel, distance};
 use super::potential::CORNERS;
+use super::problem::Problem;
 use super::sources::Rules;
 use super::trace::{Point, Trace};
 

@@ -1,38 +1,13 @@
 //! Newton's method for the ends of contact.
 
-use super::border::Border;
 use super::complex::Complex;
-use super::jumps::Jumps;
 use super::map::Angle;
-use super::panels::{Ends, Panel, Place, panels};
-use super::potential::Potential;
+use super::panels::{Ends, Panel, Place};
+use super::problem::Problem;
 use super::sources::{AtNode, Field, Rules, Sources, Target};
 use crate::discrete::simd::vectorised;
-use crate::problem::source::Source;
-
-/// What does not change with the ends of contact.
-#[derive(Clone)]
-pub(super) struct Problem {
-    pub jumps: Jumps,
-    pub psi: Potential,
-    pub border: Border,
-    /// Where jumps of f meet the border.
-    crossings: Vec<Place>,
-}
 
 impl Problem {
-    pub(super) fn new(f: &Source) -> Self {
-        let jumps = Jumps::of(f);
-        let psi = Potential::new(&jumps);
-        let crossings: Vec<Place> = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
-        let border = Border::new(&psi, &jumps, &crossings);
-        Self { jumps, psi, border, crossings }
-    }
-
-    pub(super) fn panels(&self, ends: &Ends) -> Vec<Panel> {
-        panels(ends, &self.crossings, &self.jumps)
-    }
-
     /// Moves the ends until a step is shorter than `shortest`: convergence is quadratic, so the next would
     /// have the square of its length. `None` if that is not reached.
     pub(super) fn newton(

@@ -2,8 +2,8 @@
 
 use super::Params;
 use super::contact::{TOLERANCE, corrected, without_short};
-use super::newton::Problem;
 use super::panels::{Ends, Place};
+use super::problem::Problem;
 use super::sources::Rules;
 use super::trace::Trace;
 

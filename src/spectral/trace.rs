@@ -2,8 +2,8 @@
 
 use super::complex::Complex;
 use super::map::{Angle, corner_angle, to_disc};
-use super::newton::Problem;
 use super::panels::{Ends, Node, Panel, Place, Special, distance};
+use super::problem::Problem;
 use super::rule::interpolation;
 use super::sources::{AtNode, Field, Rules};
 use crate::discrete::contact::ContactArc;

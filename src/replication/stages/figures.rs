@@ -2,7 +2,7 @@
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY, PAIR, read_pair};
-use super::{artifact, from_json};
+use super::{artifact, from_json, sharing};
 use crate::figures::{
     Caption, ContactPanel, Drawing, History, HistoryPanel, IdentifiabilityPanel, Surface, View,
     contact, histories, identifiability, maps_of_f, surfaces,
@@ -116,14 +116,6 @@ fn stops(scenes: &[&Scene]) -> Task {
         Ok(surfaces(caption, 3, &shown)?)
     });
     Task { parameters, ..task }
-}
-
-/// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
-pub(super) fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
-    let shares = |scene: &&Scene| project.is_problem(scene) && scene.wants(kind);
-    let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
-    let all = project.scenes.iter().filter(shares).count();
-    if shared.len() == all { shared } else { Vec::new() }
 }
 
 fn task(kind: &'static Kind, name: String, scenes: &[&Scene]) -> Task {

@@ -1,6 +1,6 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
-use super::{figures, to_json};
+use super::{sharing, to_json};
 use crate::identify::record::Record;
 use crate::identify::{Questions, Target, Variant, findings};
 use crate::pipeline::error::{Error, Result, from_toml};
@@ -23,7 +23,7 @@ pub fn id(scene: &Scene) -> String {
 /// # Errors
 /// [`Error::Input`] if the record of the search is missing.
 pub fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
-    let asking = figures::sharing(project, scenes, Output::Identify);
+    let asking = sharing(project, scenes, Output::Identify);
     let own = |scene: &&&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
     let asking = asking.into_iter().chain(scenes.iter().filter(own).copied());
     let record = project.files.get(IDENTIFIED).map(|text| String::from_utf8_lossy(text));

@@ -100,6 +100,14 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
     })
 }
 
+/// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
+fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
+    let shares = |scene: &&Scene| project.is_problem(scene) && scene.wants(kind);
+    let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
+    let all = project.scenes.iter().filter(shares).count();
+    if shared.len() == all { shared } else { Vec::new() }
+}
+
 /// Pretty JSON with a final newline.
 fn to_json(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = serde_json::to_vec_pretty(value).expect("artifacts are plain data");
