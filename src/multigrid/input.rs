@@ -63,7 +63,7 @@ impl Extent {
             (sums[0], losses[0]) = two_sum(sums[0], losses[0], value);
         }
         let of_lane = |lane| Self { largest: largest[lane], sum: sums[lane], lost: losses[lane] };
-        Self::join(&[0, 1, 2, 3, 4, 5, 6, 7].map(of_lane))
+        Self::join(&std::array::from_fn::<_, LANES, _>(of_lane))
     }
 
     pub(super) fn join(parts: &[Self]) -> Self {

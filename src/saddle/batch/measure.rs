@@ -47,48 +47,40 @@ impl<N: Number> Lanes<N> {
     ) -> [bool; LANES] {
         vectorised(
             #[inline(always)]
-            || self.all_within_inline(lanes, measure, bound, witnesses),
-        )
-    }
-
-    #[inline(always)]
-    fn all_within_inline(
-        &self,
-        lanes: [bool; LANES],
-        measure: Measure,
-        bound: f64,
-        witnesses: &mut [usize; LANES],
-    ) -> [bool; LANES] {
-        let mut open = lanes;
-        for lane in 0..LANES {
-            open[lane] =
-                lanes[lane] && !exceeds(self.at_node(measure, witnesses[lane]).0[lane], bound);
-        }
-        let side = self.grid.side();
-        let Some(lane) = open.iter().position(|open| *open) else { return open };
-        let first = witnesses[lane] / side;
-        for j in (first..side).chain(0..first) {
-            let (one, mut above) = (N::of(1.0), V::all(0.0));
-            self.in_row(
-                measure,
-                j,
-                #[inline(always)]
-                |value, _| {
-                    above =
-                        V(from_fn(|l| if exceeds(value.0[l], bound) { one } else { above.0[l] }));
-                },
-            );
-            for lane in 0..LANES {
-                if open[lane] && above.0[lane] == one {
-                    open[lane] = false;
-                    witnesses[lane] = self.largest_in_row(lane, measure, j);
+            || {
+                let mut open = lanes;
+                for lane in 0..LANES {
+                    open[lane] = lanes[lane]
+                        && !exceeds(self.at_node(measure, witnesses[lane]).0[lane], bound);
                 }
-            }
-            if open == [false; LANES] {
-                break;
-            }
-        }
-        open
+                let side = self.grid.side();
+                let Some(lane) = open.iter().position(|open| *open) else { return open };
+                let first = witnesses[lane] / side;
+                for j in (first..side).chain(0..first) {
+                    let (one, mut above) = (N::of(1.0), V::all(0.0));
+                    self.in_row(
+                        measure,
+                        j,
+                        #[inline(always)]
+                        |value, _| {
+                            above = V(from_fn(|l| {
+                                if exceeds(value.0[l], bound) { one } else { above.0[l] }
+                            }));
+                        },
+                    );
+                    for lane in 0..LANES {
+                        if open[lane] && above.0[lane] == one {
+                            open[lane] = false;
+                            witnesses[lane] = self.largest_in_row(lane, measure, j);
+                        }
+                    }
+                    if open == [false; LANES] {
+                        break;
+                    }
+                }
+                open
+            },
+        )
     }
 
     /// The largest value of a measure over all nodes, in each lane; NaN if any is.
