@@ -1,11 +1,11 @@
 //! Files as bytes: read whole if they are files, written whole or not at all.
 
-use super::hash;
 use crate::pipeline::error::{IoContext, Result};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
 
 /// How the names of temporary files begin and end; what is between is random.
@@ -82,11 +82,34 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
 /// # Errors
 /// Those of the system; what is neither file nor folder, such as a pipe, is refused: it may never end.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let kind = fs::metadata(path)?.file_type();
-    if !kind.is_file() && !kind.is_dir() {
+    let mut bytes = Vec::new();
+    read_in_pieces(path, |piece| bytes.extend_from_slice(piece))?;
+    Ok(bytes)
+}
+
+/// Passes the contents of a file on, piece by piece, in as few calls of the system as there can be.
+fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
+    thread_local!(static PIECE: RefCell<Vec<u8>> = RefCell::new(vec![0; 1 << 17]));
+    let there = fs::metadata(path)?;
+    if !there.is_file() && !there.is_dir() {
         return Err(io::Error::new(ErrorKind::Unsupported, "it is neither a file nor a folder"));
     }
-    fs::read(path)
+    let mut file = File::open(path)?;
+    let mut read = 0;
+    PIECE.with_borrow_mut(|piece| {
+        loop {
+            let length = match file.read(piece) {
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                length => length?,
+            };
+            pass(&piece[..length]);
+            read += length as u64;
+            // Files of most kinds end where they say, and need not be asked once more.
+            if length == 0 || read == there.len() {
+                return Ok(());
+            }
+        }
+    })
 }
 
 /// Hash and size of a file's contents.
@@ -102,7 +125,13 @@ pub(super) struct Found {
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
 pub(super) fn find(path: &Path) -> Result<Option<Found>> {
-    Ok(read_if_there(path)?.map(|bytes| Found { hash: hash(&bytes), size: bytes.len() }))
+    let mut hasher = blake3::Hasher::new();
+    let read = read_in_pieces(path, |piece| {
+        hasher.update(piece);
+    });
+    let found =
+        || Found { hash: hasher.finalize().to_hex().to_string(), size: hasher.count() as usize };
+    Ok(if_there(path, read)?.map(|()| found()))
 }
 
 /// The contents of a file that need not be there.
@@ -110,7 +139,12 @@ pub(super) fn find(path: &Path) -> Result<Option<Found>> {
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
 pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
-    match read(path) {
+    if_there(path, read(path))
+}
+
+/// What came of reading a file that need not be there.
+fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>> {
+    match read {
         Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         found => found.map(Some).context("read", path),
     }

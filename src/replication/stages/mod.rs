@@ -89,7 +89,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
             tasks.extend(timings::pictures(project));
         }
     }
-    tasks.sort_by_key(|task| Stage::of(&task.id));
+    tasks.sort_by_cached_key(|task| Stage::of(&task.id));
     if whole {
         tasks.push(report::task(project, &tasks));
     }
