@@ -43,16 +43,20 @@ pub(super) struct Field<const D: usize> {
 /// The product of one function of each variable.
 #[inline(always)]
 pub(super) fn product<const D: usize>(factors: [Jet; D]) -> Field<D> {
-    // The product with one factor replaced by a derivative of it.
-    let with = |axis: usize, derivative: fn(&Jet) -> f64| -> f64 {
-        let factor = |(a, jet): (usize, &Jet)| if a == axis { derivative(jet) } else { jet.0 };
-        factors.iter().enumerate().map(factor).product()
+    // The product with one factor replaced; a loop, because an iterator's fold is not always inlined.
+    let with = |axis: usize, replacement: f64| {
+        let mut product = 1.0;
+        for (a, jet) in factors.iter().enumerate() {
+            product *= if a == axis { replacement } else { jet.0 };
+        }
+        product
     };
-    Field {
-        value: factors.iter().map(|jet| jet.0).product(),
-        gradient: std::array::from_fn(|axis| with(axis, |jet| jet.1)),
-        laplacian: (0..D).map(|axis| with(axis, |jet| jet.2)).sum(),
+    let (mut gradient, mut laplacian) = ([0.0; D], 0.0);
+    for (axis, jet) in factors.iter().enumerate() {
+        gradient[axis] = with(axis, jet.1);
+        laplacian += with(axis, jet.2);
     }
+    Field { value: with(0, factors[0].0), gradient, laplacian }
 }
 
 impl<const D: usize> Field<D> {

@@ -19,11 +19,10 @@ pub enum Measure {
     Kkt,
 }
 
-/// Whether a value exceeds a bound; NaN does.
+/// Whether a value is at most `bound`; NaN is not. One comparison, so that all lanes are compared at once.
 #[inline(always)]
-fn exceeds<N: Number>(value: N, bound: f64) -> bool {
-    let value = value.wide();
-    value > bound || value.is_nan()
+fn is_within<N: Number>(value: N, bound: f64) -> bool {
+    value.wide() <= bound
 }
 
 impl<N: Number> Lanes<N> {
@@ -51,7 +50,7 @@ impl<N: Number> Lanes<N> {
                 let mut open = lanes;
                 for lane in 0..LANES {
                     open[lane] = lanes[lane]
-                        && !exceeds(self.at_node(measure, witnesses[lane]).0[lane], bound);
+                        && is_within(self.at_node(measure, witnesses[lane]).0[lane], bound);
                 }
                 let side = self.grid.side();
                 let Some(lane) = open.iter().position(|open| *open) else { return open };
@@ -64,7 +63,7 @@ impl<N: Number> Lanes<N> {
                         #[inline(always)]
                         |value, _| {
                             above = V(from_fn(|l| {
-                                if exceeds(value.0[l], bound) { one } else { above.0[l] }
+                                if is_within(value.0[l], bound) { above.0[l] } else { one }
                             }));
                         },
                     );
@@ -116,8 +115,9 @@ impl<N: Number> Lanes<N> {
             j,
             #[inline(always)]
             |value, node| {
-                if exceeds(value.0[lane], largest.0) {
-                    largest = (value.0[lane].wide(), node);
+                let value = value.0[lane].wide();
+                if value > largest.0 || value.is_nan() {
+                    largest = (value, node);
                 }
             },
         );
