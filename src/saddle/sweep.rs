@@ -5,9 +5,7 @@
 //! any moment; a band of them hides the latency and gives the same result to the last bit.
 
 use crate::discrete::grid::Grid;
-
-/// Rows swept together.
-const BAND: usize = 4;
+use std::array::from_fn;
 
 /// Replaces `y` by the result of one sweep; `a` is the boundary vector of multipliers, r > 0.
 ///
@@ -16,22 +14,17 @@ const BAND: usize = 4;
 pub(super) fn sweep(grid: Grid, load: &[f64], shift: f64, r: f64, y: &mut [f64], a: &[f64]) {
     let n = grid.cells();
     let nodes = Nodes::new(grid, load, shift, r, a);
-    for i in 0..=n {
-        nodes.relax(y, i, 0);
-    }
+    nodes.relax_side_row(y, 0);
     let mut j = 1;
-    while j + BAND <= n {
-        nodes.relax_band(y, j);
-        j += BAND;
+    while j < n {
+        j += match n - j {
+            1 => nodes.relax_band::<1>(y, j),
+            2 => nodes.relax_band::<2>(y, j),
+            3 => nodes.relax_band::<3>(y, j),
+            _ => nodes.relax_band::<4>(y, j),
+        };
     }
-    for j in j..n {
-        nodes.relax(y, 0, j);
-        (1..n).for_each(|i| nodes.relax_inside(y, i, j));
-        nodes.relax(y, n, j);
-    }
-    for i in 0..=n {
-        nodes.relax(y, i, n);
-    }
+    nodes.relax_side_row(y, n);
 }
 
 struct Nodes<'a> {
@@ -63,35 +56,43 @@ impl<'a> Nodes<'a> {
         Self { grid, load, a, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
     }
 
-    /// Relaxes the node in column `i` and row `j`, wherever it lies.
-    fn relax(&self, y: &mut [f64], i: usize, j: usize) {
+    /// Relaxes the first row, `j = 0`, or the last one, `j = n`.
+    fn relax_side_row(&self, y: &mut [f64], j: usize) {
         let (n, side) = (self.grid.cells(), self.grid.side());
-        let node = j * side + i;
-        let load = self.load[node];
-        let along_x = |y: &[f64]| y[node - 1] + y[node + 1];
-        let along_y = |y: &[f64]| y[node - side] + y[node + side];
-        y[node] = match (i, j) {
-            (0, 0) => self.boundary(0, self.corner, 0.5 * (y[node + 1] + y[node + side]) + load),
-            (0, _) if j == n => {
-                self.boundary(3 * n, self.corner, 0.5 * (y[node + 1] + y[node - side]) + load)
-            }
-            (_, 0) if i == n => {
-                self.boundary(n, self.corner, 0.5 * (y[node - 1] + y[node + side]) + load)
-            }
-            _ if i == n && j == n => {
-                self.boundary(2 * n, self.corner, 0.5 * (y[node - 1] + y[node - side]) + load)
-            }
-            (_, 0) => self.boundary(i, self.edge, 0.5 * along_x(y) + y[node + side] + load),
-            _ if j == n => {
-                self.boundary(3 * n - i, self.edge, 0.5 * along_x(y) + y[node - side] + load)
-            }
-            (0, _) => self.boundary(4 * n - j, self.edge, 0.5 * along_y(y) + y[node + 1] + load),
-            _ if i == n => self.boundary(n + j, self.edge, 0.5 * along_y(y) + y[node - 1] + load),
-            _ => return self.relax_inside(y, i, j),
+        let first = j * side;
+        // Where the multiplier of column i is, and the node of that column in the row inside.
+        let place = |i: usize| if j == 0 { i } else { 3 * n - i };
+        let inside = |i: usize| if j == 0 { side + i } else { first - side + i };
+        let at_corner = |y: &[f64], i: usize, beside: usize| {
+            let sum = 0.5 * (y[first + beside] + y[inside(i)]) + self.load[first + i];
+            self.boundary(place(i) % (4 * n), self.corner, sum)
         };
+        y[first] = at_corner(y, 0, 1);
+        for i in 1..n {
+            let node = first + i;
+            y[node] = self.on_edge(place(i), node, [y[node - 1], y[node + 1]], y[inside(i)]);
+        }
+        y[first + n] = at_corner(y, n, n - 1);
+    }
+
+    /// Relaxes the ends in column `i`, 0 or n, of `rows` rows from the `first` on.
+    fn relax_ends(&self, y: &mut [f64], i: usize, first: usize, rows: usize) {
+        let (n, side) = (self.grid.cells(), self.grid.side());
+        for j in first..first + rows {
+            let node = j * side + i;
+            let (place, inward) = if i == 0 { (4 * n - j, node + 1) } else { (n + j, node - 1) };
+            y[node] = self.on_edge(place, node, [y[node - side], y[node + side]], y[inward]);
+        }
+    }
+
+    /// The new value of a node on an edge, from its neighbours along it and inside.
+    #[inline(always)]
+    fn on_edge(&self, b: usize, node: usize, [before, after]: [f64; 2], inward: f64) -> f64 {
+        self.boundary(b, self.edge, 0.5 * (before + after) + inward + self.load[node])
     }
 
     /// (10) and (11) for boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
+    #[inline(always)]
     fn boundary(&self, b: usize, (diagonal, inverse): (f64, f64), sum: f64) -> f64 {
         let a = self.a[b];
         let psi = inverse * sum;
@@ -107,48 +108,49 @@ impl<'a> Nodes<'a> {
         y[node] = interior(self.inside, south, north, y[node + 1], self.load[node], y[node - 1]);
     }
 
-    /// Relaxes rows `first..first + BAND`, all interior, each one column behind the row below it; what is on the left
-    /// border refers to nothing that changes before it, and what is on the right is referred to afterwards only.
-    fn relax_band(&self, y: &mut [f64], first: usize) {
-        let (n, side) = (self.grid.cells(), self.grid.side());
-        (first..first + BAND).for_each(|j| self.relax(y, 0, j));
+    /// Relaxes `K` rows from the `first` on, all interior, and so fewer than n, each one column behind the row below
+    /// it, and returns `K`; what is on the left border refers to nothing that changes before it, and what is on the
+    /// right is referred to afterwards only.
+    fn relax_band<const K: usize>(&self, y: &mut [f64], first: usize) -> usize {
+        let n = self.grid.cells();
+        self.relax_ends(y, 0, first, K);
         // Where the band enters and leaves, one node at a time.
-        let steady = BAND..n;
-        for t in 1..BAND {
+        for t in 1..K {
             (0..t).for_each(|k| self.relax_inside(y, t - k, first + k));
         }
-        if !steady.is_empty() {
-            let len = steady.len();
-            let (below, rest) = y[(first - 1) * side..].split_at_mut(side);
-            let (rows, rest) = rest.split_at_mut(BAND * side);
-            let below = &below[BAND..][..len];
-            let above = &rest[1..][..len];
-            let mut rows = rows.chunks_exact_mut(side);
-            let mut loads = self.load[first * side..].chunks_exact(side);
-            // Row k starts in column BAND - k; its window begins one column to the west.
-            let mut window =
-                |k: usize| &mut rows.next().expect("a band")[BAND - k - 1..][..len + 2];
-            let [y0, y1, y2, y3] = [0, 1, 2, 3].map(&mut window);
-            let mut window = |k: usize| &loads.next().expect("a band")[BAND - k..][..len];
-            let [f0, f1, f2, f3] = [0, 1, 2, 3].map(&mut window);
-            let inverse = self.inside;
-            let [mut w0, mut w1, mut w2, mut w3] = [y0[0], y1[0], y2[0], y3[0]];
-            for t in 0..len {
-                // The node north of row k is the one east of row k + 1, and the node south of
-                // row k + 1 is the one row k has just left.
-                let (e0, e1, e2, e3) = (y0[t + 2], y1[t + 2], y2[t + 2], y3[t + 2]);
-                let (s1, s2, s3) = (w0, w1, w2);
-                w0 = interior(inverse, below[t], e1, e0, f0[t], w0);
-                w1 = interior(inverse, s1, e2, e1, f1[t], w1);
-                w2 = interior(inverse, s2, e3, e2, f2[t], w2);
-                w3 = interior(inverse, s3, above[t], e3, f3[t], w3);
-                (y0[t + 1], y1[t + 1], y2[t + 1], y3[t + 1]) = (w0, w1, w2, w3);
+        self.relax_steadily::<K>(y, first, n - K);
+        for t in n..n + K - 1 {
+            (t + 1 - n..K).for_each(|k| self.relax_inside(y, t - k, first + k));
+        }
+        self.relax_ends(y, n, first, K);
+        K
+    }
+
+    /// The steps in which each row of a band has a node: `steps` of them, row k from column `K - k` on.
+    fn relax_steadily<const K: usize>(&self, y: &mut [f64], first: usize, steps: usize) {
+        let side = self.grid.side();
+        let (below, rest) = y[(first - 1) * side..].split_at_mut(side);
+        let (rows, above) = rest.split_at_mut(K * side);
+        let (below, above) = (&below[K..][..steps], &above[1..][..steps]);
+        let mut rows = rows.chunks_exact_mut(side);
+        // The window of row k begins one column to the west.
+        let rows: [_; K] =
+            from_fn(|k| &mut rows.next().expect("a row for each k")[K - k - 1..][..steps + 2]);
+        let loads: [_; K] = from_fn(|k| &self.load[(first + k) * side + K - k..][..steps]);
+        let mut west: [f64; K] = from_fn(|k| rows[k][0]);
+        for t in 0..steps {
+            // The node north of row k is the one east of row k + 1, and the node south of row k + 1 is
+            // the one that row k has just left.
+            let (mut south, mut east) = (below[t], [above[t]; 5]);
+            for k in 0..K {
+                east[k] = rows[k][t + 2];
+            }
+            for k in 0..K {
+                let next = interior(self.inside, south, east[k + 1], east[k], loads[k][t], west[k]);
+                (south, west[k]) = (west[k], next);
+                rows[k][t + 1] = next;
             }
         }
-        for t in n..n + BAND - 1 {
-            (t + 1 - n..BAND).for_each(|k| self.relax_inside(y, t - k, first + k));
-        }
-        (first..first + BAND).for_each(|j| self.relax(y, n, j));
     }
 }
 
@@ -179,15 +181,15 @@ mod tests {
                 sweep(grid, &load, 0.0, r, &mut banded, &a);
             }
             prop_assert_eq!(defined, banded);
-            // With a proximal term, which the paper has not, node by node.
+            // With a proximal term, which the paper has not, row by row.
             let (mut plain, mut banded) = (start.clone(), start);
             let nodes = Nodes::new(grid, &load, shift, r, &a);
             for _ in 0..3 {
-                for j in 0..=n {
-                    for i in 0..=n {
-                        nodes.relax(&mut plain, i, j);
-                    }
+                nodes.relax_side_row(&mut plain, 0);
+                for j in 1..n {
+                    nodes.relax_band::<1>(&mut plain, j);
                 }
+                nodes.relax_side_row(&mut plain, n);
                 sweep(grid, &load, shift, r, &mut banded, &a);
             }
             prop_assert_eq!(plain, banded);
