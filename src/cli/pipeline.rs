@@ -6,8 +6,8 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Exports, Lock, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times, execute,
-    work,
+    Exports, Hashes, Lock, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times,
+    execute, work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan};
@@ -173,11 +173,24 @@ impl Workplace {
         };
         let options = Options { jobs, ..options };
         let root = &self.project.root;
-        let known = LockFile::read(root)?;
-        let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
+        // People may edit files while tasks run; where none does, what is there now is what counts.
+        let ahead = options.dry_run && scope != Scope::Part;
+        let none = Hashes::new();
+        let look = || {
+            let known = LockFile::read(root)?;
+            let exports = Exports::look(root, if ahead { &known.exports } else { &none });
+            Ok((known, exports))
+        };
+        let walk = || execute(plan, &self.store, options, progress, interrupted());
+        let ((known, exports), mut summary) = if ahead {
+            let (looked, walked) = rayon::join(look, walk);
+            (looked?, walked?)
+        } else {
+            (look()?, walk()?)
+        };
         let may = [options.force, scope != Scope::Part];
         let made = &summary.manifests;
-        summary.exports = Exports::plan(root, plan, made, &self.store, &known.exports, may)?;
+        summary.exports = exports.plan(root, plan, made, &self.store, &known.exports, may)?;
         Ok((summary, known))
     }
 }

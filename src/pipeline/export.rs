@@ -19,9 +19,23 @@ pub struct Exports {
     write: Hashes,
     remove: BTreeSet<String>,
     written: Written,
+    /// What was there when it was looked ahead, by path.
+    there: BTreeMap<String, Option<Found>>,
 }
 
 impl Exports {
+    /// The record of exports, and what is there of the files that the plan is expected to name.
+    pub fn look(project: &Path, expected: &Hashes) -> Self {
+        let find = |(path, _): (&String, _)| {
+            let found = is_plain(path).then(|| find(&project.join(path)).ok());
+            found.flatten().map(|found| (path.clone(), found))
+        };
+        let there = || expected.par_iter().filter_map(find).collect();
+        // What cannot be read is a mistake only if the plan does name it.
+        let (written, there) = rayon::join(|| Written::read(project), there);
+        Self { written, there, ..Self::default() }
+    }
+
     /// What exporting these manifests would change.
     ///
     /// A file may be overwritten if it is empty, or signorini is on record to have written it: in the
@@ -31,6 +45,7 @@ impl Exports {
     /// # Errors
     /// [`Error::Io`] if a file is there and cannot be read.
     pub fn plan(
+        mut self,
         project: &Path,
         plan: &Plan,
         manifests: &BTreeMap<String, Manifest>,
@@ -38,17 +53,18 @@ impl Exports {
         known: &Hashes,
         [force, whole]: [bool; 2],
     ) -> Result<Self> {
-        let mut exports = Self { written: Written::read(project), ..Self::default() };
         let on_record = |exports: &Self, path: &str, found: &str| {
             known.get(path).is_some_and(|hash| hash == found) || exports.written.knows(path, found)
         };
         let copies: Vec<Copy> = copies(plan, manifests).collect();
-        // Side by side: the usual run changes nothing, and this is most of its work.
-        let there = copies.par_iter().map(|copy| find(&project.join(&copy.path)));
-        let there: Vec<Option<Found>> = there.collect::<Result<_>>()?;
-        for (Copy { task, name, path, hash: wanted }, found) in copies.into_iter().zip(there) {
-            exports.files.insert(path.clone(), wanted.clone());
-            if found.as_ref().is_some_and(|found| found.hash == *wanted) {
+        let mut there = std::mem::take(&mut self.there);
+        let unseen = copies.par_iter().filter(|copy| !there.contains_key(&copy.path));
+        let unseen = unseen.map(|copy| Ok((copy.path.clone(), find(&project.join(&copy.path))?)));
+        there.extend(unseen.collect::<Result<Vec<_>>>()?);
+        for Copy { task, name, path, hash: wanted } in copies {
+            let found = there.get(&path).and_then(Option::as_ref);
+            self.files.insert(path.clone(), wanted.clone());
+            if found.is_some_and(|found| found.hash == *wanted) {
                 continue;
             }
             let in_cache = |found: &str| {
@@ -58,26 +74,26 @@ impl Exports {
             // An empty file holds nothing that could be lost.
             match found.filter(|found| found.size > 0) {
                 Some(Found { hash, .. })
-                    if !force && !on_record(&exports, &path, &hash) && !in_cache(&hash) =>
+                    if !force && !on_record(&self, &path, hash) && !in_cache(hash) =>
                 {
-                    exports.edited.push(path);
+                    self.edited.push(path);
                 }
                 _ => {
-                    exports.write.insert(path, wanted.clone());
+                    self.write.insert(path, wanted.clone());
                 }
             }
         }
         // What a task that failed or waits made before is still wanted.
         if whole && manifests.len() == plan.tasks().len() {
-            let old = known.keys().chain(exports.written.0.keys());
-            for path in old.filter(|path| !exports.files.contains_key(*path) && is_plain(path)) {
+            let old = known.keys().chain(self.written.0.keys());
+            for path in old.filter(|path| !self.files.contains_key(*path) && is_plain(path)) {
                 let found = find(&project.join(path))?;
-                if found.is_some_and(|found| on_record(&exports, path, &found.hash)) {
-                    exports.remove.insert(path.clone());
+                if found.is_some_and(|found| on_record(&self, path, &found.hash)) {
+                    self.remove.insert(path.clone());
                 }
             }
         }
-        Ok(exports)
+        Ok(self)
     }
 
     /// The right to write to the project.

@@ -113,6 +113,7 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
 }
 
 /// Hash and size of a file's contents.
+#[derive(Debug)]
 pub(super) struct Found {
     /// Hexadecimal blake3.
     pub(super) hash: String,
