@@ -95,9 +95,11 @@ impl<'a> Walk<'a> {
             for (task, (inputs, found)) in ready.into_iter().zip(found) {
                 self.states[task] = match found {
                     Ok(hit) => {
-                        self.summary.reverted |= hit.is_reverted();
-                        let write = hit.is_reverted() && !self.options.dry_run;
-                        State::Done(if write { self.store.renew(hit)? } else { hit.manifest })
+                        self.summary.reverted |= hit.reverted;
+                        if hit.reverted && !self.options.dry_run {
+                            self.store.renew(&hit.manifest)?;
+                        }
+                        State::Done(hit.manifest)
                     }
                     Err(reason) => {
                         jobs.push(Job { task, inputs });
@@ -119,7 +121,7 @@ impl<'a> Walk<'a> {
             self.store.lookup(&task.id, &inputs)
         };
         self.progress.span("lookup", &task.id, start, || match &found {
-            Ok(hit) => json!({ "verdict": "hit", "bytes": hit.bytes }),
+            Ok(_) => json!({ "verdict": "hit" }),
             Err(reason) => json!({ "verdict": "miss", "reason": reason.to_string() }),
         });
         (inputs, found)

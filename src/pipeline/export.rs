@@ -1,7 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{Found, find, is_plain, leftovers, write_atomically};
-use super::{Hashes, Lock, Manifest, Plan, Store};
+use super::files::{hash_if_there, is_plain, leftovers, write_atomically};
+use super::{Hashes, Lock, Manifest, Plan, Store, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -19,18 +19,16 @@ pub struct Exports {
     write: Hashes,
     remove: BTreeSet<String>,
     written: Written,
-    /// What was there when it was looked ahead, by path.
-    there: BTreeMap<String, Option<Found>>,
+    /// Hashes of what was there when it was looked ahead.
+    there: BTreeMap<String, Option<String>>,
 }
 
 impl Exports {
     /// The record of exports, and what is there of the files that the plan is expected to name.
     pub fn look(project: &Path, expected: &Hashes) -> Self {
-        let find = |(path, _): (&String, _)| {
-            let found = is_plain(path).then(|| find(&project.join(path)).ok());
-            found.flatten().map(|found| (path.clone(), found))
-        };
-        let there = || expected.par_iter().filter_map(find).collect();
+        let look = |path: &String| Some((path.clone(), hash_if_there(&project.join(path)).ok()?));
+        let plain = expected.par_iter().map(|(path, _)| path).filter(|path| is_plain(path));
+        let there = || plain.filter_map(look).collect();
         // What cannot be read is a mistake only if the plan does name it.
         let (written, there) = rayon::join(|| Written::read(project), there);
         Self { written, there, ..Self::default() }
@@ -59,12 +57,13 @@ impl Exports {
         let copies: Vec<Copy> = copies(plan, manifests).collect();
         let mut there = std::mem::take(&mut self.there);
         let unseen = copies.par_iter().filter(|copy| !there.contains_key(&copy.path));
-        let unseen = unseen.map(|copy| Ok((copy.path.clone(), find(&project.join(&copy.path))?)));
+        let look = |path: &String| Ok((path.clone(), hash_if_there(&project.join(path))?));
+        let unseen = unseen.map(|copy| look(&copy.path));
         there.extend(unseen.collect::<Result<Vec<_>>>()?);
         for Copy { task, name, path, hash: wanted } in copies {
             let found = there.get(&path).and_then(Option::as_ref);
             self.files.insert(path.clone(), wanted.clone());
-            if found.is_some_and(|found| found.hash == *wanted) {
+            if found == Some(wanted) {
                 continue;
             }
             let in_cache = |found: &str| {
@@ -72,10 +71,8 @@ impl Exports {
                 earlier.iter().any(|then| then.outputs.get(name).is_some_and(|hash| hash == found))
             };
             // An empty file holds nothing that could be lost.
-            match found.filter(|found| found.size > 0) {
-                Some(Found { hash, .. })
-                    if !force && !on_record(&self, &path, hash) && !in_cache(hash) =>
-                {
+            match found.filter(|found| **found != hash(&[])) {
+                Some(found) if !force && !on_record(&self, &path, found) && !in_cache(found) => {
                     self.edited.push(path);
                 }
                 _ => {
@@ -87,8 +84,8 @@ impl Exports {
         if whole && manifests.len() == plan.tasks().len() {
             let old = known.keys().chain(self.written.0.keys());
             for path in old.filter(|path| !self.files.contains_key(*path) && is_plain(path)) {
-                let found = find(&project.join(path))?;
-                if found.is_some_and(|found| on_record(&self, path, &found.hash)) {
+                let found = hash_if_there(&project.join(path))?;
+                if found.is_some_and(|found| on_record(&self, path, &found)) {
                     self.remove.insert(path.clone());
                 }
             }

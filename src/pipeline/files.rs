@@ -98,10 +98,7 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
     let mut read = 0;
     PIECE.with_borrow_mut(|piece| {
         loop {
-            let length = match file.read(piece) {
-                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
-                length => length?,
-            };
+            let length = file.read(piece)?;
             pass(&piece[..length]);
             read += length as u64;
             // Files of most kinds end where they say, and need not be asked once more.
@@ -112,27 +109,16 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
     })
 }
 
-/// Hash and size of a file's contents.
-#[derive(Debug)]
-pub(super) struct Found {
-    /// Hexadecimal blake3.
-    pub(super) hash: String,
-    /// Bytes.
-    pub(super) size: usize,
-}
-
-/// What is in a file that need not be there.
+/// Hexadecimal blake3 of a file that need not be there.
 ///
 /// # Errors
 /// [`Error::Io`](super::error::Error::Io) if it is there and cannot be read.
-pub(super) fn find(path: &Path) -> Result<Option<Found>> {
+pub(super) fn hash_if_there(path: &Path) -> Result<Option<String>> {
     let mut hasher = blake3::Hasher::new();
     let read = read_in_pieces(path, |piece| {
         hasher.update(piece);
     });
-    let found =
-        || Found { hash: hasher.finalize().to_hex().to_string(), size: hasher.count() as usize };
-    Ok(if_there(path, read)?.map(|()| found()))
+    Ok(if_there(path, read)?.map(|()| hasher.finalize().to_hex().to_string()))
 }
 
 /// The contents of a file that need not be there.

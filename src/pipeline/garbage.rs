@@ -1,8 +1,8 @@
 //! What the cache holds and nothing refers to.
 
-use super::files::is_temporary;
-use super::manifest::{is_hash, is_stamp};
-use super::store::{LOCKS, STAMPS, Store, list};
+use super::files::{is_temporary, read_if_there};
+use super::manifest::{Manifest, is_hash, is_stamp};
+use super::store::{LOCKS, RUNS, STAMPS, Store, believable, list};
 use crate::pipeline::error::{IoContext, Result};
 use std::collections::BTreeSet;
 use std::fs;
@@ -22,38 +22,50 @@ pub struct Garbage {
 }
 
 impl Store {
-    /// Removes what the `keep` latest generations of the tasks in `wanted` do not need.
+    /// Removes what the `keep` latest runs of the tasks in `wanted` do not need.
     ///
     /// With `dry`, only counts. Temporary files left by killed runs, locks that nobody can hold
     /// while the caller holds that of the cache, and other layouts go as well;
     /// files that are none of ours stay, whatever folder was named as the cache.
     ///
     /// # Errors
-    /// [`Error::Io`], also if a folder cannot be listed: what is needed may be in it.
+    /// [`Error::Io`], also if a folder cannot be listed, or manifests not be read: they tell what is needed.
     pub fn collect_garbage(
         &self,
         wanted: &BTreeSet<String>,
         keep: usize,
         dry: bool,
     ) -> Result<Garbage> {
-        let mut needed = BTreeSet::new();
+        let (mut garbage, mut superseded) = (Garbage::default(), 0);
+        let (mut needed, mut runs) = (BTreeSet::new(), BTreeSet::new());
         for task in wanted {
-            let folder = self.task_folder(task);
-            list(&folder).context("list", &folder)?;
-            for manifest in self.manifests(task).into_iter().take(keep) {
-                needed.insert(self.manifest_file(&manifest));
+            let file = self.runs_file(task);
+            let stored = read_if_there(&file)?.unwrap_or_default();
+            let kept: Vec<Manifest> = believable(task, &stored).take(keep).collect();
+            for manifest in &kept {
+                runs.insert(manifest.seal());
                 needed.extend(manifest.outputs.values().map(|hash| self.object(hash)));
             }
+            let lines: String = kept.iter().rev().map(Manifest::to_line).collect();
+            if lines.is_empty() {
+                continue;
+            }
+            if lines.len() < stored.len() {
+                superseded += (stored.len() - lines.len()) as u64;
+                if !dry {
+                    self.write(&file, lines.as_bytes())?;
+                }
+            }
+            needed.insert(file);
         }
         // A stamp is true as long as the run that it names is there.
         let folder = self.root.join(STAMPS);
         let mut stamps = list(&folder).context("list", &folder)?;
         stamps.retain(|stamp| {
             let run = fs::read_to_string(stamp).unwrap_or_default();
-            needed.contains(&self.root.join(run.trim_end()))
+            runs.contains(run.trim_end())
         });
         needed.extend(stamps);
-        let mut garbage = Garbage::default();
         for path in self.ours()? {
             let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
             if needed.contains(&path) {
@@ -69,6 +81,10 @@ impl Store {
                 let folders = path.ancestors().skip(1).take_while(|folder| *folder != self.cache);
                 folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
             }
+        }
+        garbage.bytes += superseded;
+        if dry {
+            garbage.kept_bytes -= superseded;
         }
         Ok(garbage)
     }
@@ -87,8 +103,10 @@ impl Store {
                     && path.parent().is_some_and(|two| name(path).starts_with(name(two)))
             })?;
             walk(&layout.join("tasks"), &mut ours, &|path| {
-                let generation = name(path).strip_suffix(".json").unwrap_or_default();
-                generation.len() >= 6 && generation.bytes().all(|b| b.is_ascii_digit())
+                // In the first layout, a file for each run, by its number.
+                let number = name(path).strip_suffix(".json").unwrap_or_default();
+                name(path).ends_with(RUNS)
+                    || number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit())
             })?;
             walk(&layout.join(LOCKS), &mut ours, &|path| is_hash(name(path)))?;
             walk(&layout.join(STAMPS), &mut ours, &|path| is_stamp(name(path)))?;

@@ -11,44 +11,38 @@ use std::fmt;
 pub struct Manifest {
     /// Task id.
     pub task: String,
-    /// Counts the runs of the task; the highest is the latest, whatever the clock says.
-    pub generation: u64,
     /// `program`, `parameter ...`, `file ...`, `artifact ...` -> value or hash.
     pub inputs: BTreeMap<String, String>,
     /// Artifact name -> hash.
     pub outputs: Hashes,
 }
 
-/// The manifest as stored: with a hash of itself, so that an edited one is not believed.
-#[derive(Serialize, Deserialize)]
-struct Sealed {
-    schema: u8,
-    seal: String,
-    manifest: Manifest,
-}
-
-const SCHEMA: u8 = 2;
-
 impl Manifest {
-    /// Text to store.
-    pub(super) fn to_json(&self) -> String {
-        let sealed = Sealed { schema: SCHEMA, seal: self.seal(), manifest: self.clone() };
-        serde_json::to_string_pretty(&sealed).expect("a manifest is plain data")
+    /// The line to store: the seal, and what it seals.
+    pub(super) fn to_line(&self) -> String {
+        let json = self.to_json();
+        format!("{} {json}\n", hash(json.as_bytes()))
     }
 
-    /// The manifest in a stored text; `None` if it was truncated, edited, or is of another schema, or
-    /// names what lies outside the cache or an export's folder.
-    pub(super) fn from_json(text: &str) -> Option<Self> {
-        let sealed: Sealed = serde_json::from_str(text).ok()?;
+    /// The manifest in a stored line; `None` if it was truncated or edited, or names what lies outside
+    /// the cache or an export's folder.
+    pub(super) fn from_line(line: &[u8]) -> Option<Self> {
+        let (seal, json) = line.strip_suffix(b"\n")?.split_at_checked(blake3::OUT_LEN * 2 + 1)?;
+        if *seal != *format!("{} ", hash(json)).as_bytes() {
+            return None;
+        }
+        let manifest: Self = serde_json::from_slice(json).ok()?;
         let safe = |(name, hash): (&String, &String)| is_plain(name) && is_hash(hash);
-        (sealed.schema == SCHEMA
-            && sealed.seal == sealed.manifest.seal()
-            && sealed.manifest.outputs.iter().all(safe))
-        .then_some(sealed.manifest)
+        manifest.outputs.iter().all(safe).then_some(manifest)
     }
 
-    fn seal(&self) -> String {
-        hash(&serde_json::to_vec(self).expect("a manifest is plain data"))
+    /// A hash of the whole record: an edited one is not believed, and it is the name of the run.
+    pub(super) fn seal(&self) -> String {
+        hash(self.to_json().as_bytes())
+    }
+
+    fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("a manifest is plain data")
     }
 
     /// Hash of all artifacts with their names.
@@ -239,7 +233,6 @@ mod tests {
     fn sample() -> Manifest {
         Manifest {
             task: "solve/a".into(),
-            generation: 3,
             inputs: BTreeMap::from([("parameter r".into(), "10".into())]),
             outputs: BTreeMap::from([("cell.json".into(), hash(b"x"))]),
         }
@@ -247,15 +240,16 @@ mod tests {
 
     #[test]
     fn a_stored_manifest_is_believed_only_unedited() {
-        let text = sample().to_json();
-        assert_eq!(Manifest::from_json(&text), Some(sample()));
-        assert_eq!(Manifest::from_json(&text.replace("\"10\"", "\"11\"")), None);
-        assert_eq!(Manifest::from_json(&text[..text.len() - 2]), None);
+        let line = sample().to_line();
+        let read = |line: &str| Manifest::from_line(line.as_bytes());
+        assert_eq!(read(&line), Some(sample()));
+        assert_eq!(read(&line.replace("\"10\"", "\"11\"")), None);
+        assert!((0..line.len()).all(|end| read(&line[..end]).is_none()));
         // Sealed again, but its artifact would be written outside the project.
         for name in ["../../thesis.txt", "/tmp/thesis.txt"] {
             let mut forged = sample();
             forged.outputs.insert(name.into(), hash(b"x"));
-            assert_eq!(Manifest::from_json(&forged.to_json()), None);
+            assert_eq!(read(&forged.to_line()), None);
         }
     }
 

@@ -1,9 +1,9 @@
-//! The cache on disk: artifacts by content under `objects/`, manifests by task under `tasks/`.
+//! The cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
 
-use super::files::{find, leftovers, read_if_there, write_by_way_of};
+use super::files::{hash_if_there, leftovers, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason, changes};
 use super::{Artifacts, Hashes, Lock, hash};
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,13 +11,16 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Layout of the cache; another layout lives in another folder, so that versions do not collide.
-const LAYOUT: &str = "v1";
+const LAYOUT: &str = "v2";
 
 /// Folder of the locks of single tasks, in that of the layout.
 pub(super) const LOCKS: &str = "locks";
 
 /// Folder of the stamps, in that of the layout.
 pub(super) const STAMPS: &str = "stamps";
+
+/// How the names of the files end that hold the manifests of a task.
+pub(super) const RUNS: &str = ".runs";
 
 /// A cache folder.
 #[derive(Debug)]
@@ -31,17 +34,8 @@ pub struct Store {
 pub struct Hit {
     /// Its record.
     pub manifest: Manifest,
-    /// Size of its artifacts.
-    pub(super) bytes: usize,
-    /// Latest generation of the task; higher if an edit was reverted.
-    latest: u64,
-}
-
-impl Hit {
-    /// Whether later runs had other inputs: it has to become the latest generation.
-    pub(super) fn is_reverted(&self) -> bool {
-        self.manifest.generation < self.latest
-    }
+    /// Whether later runs had other inputs: it has to become the latest.
+    pub(super) reverted: bool,
 }
 
 impl Store {
@@ -94,9 +88,7 @@ impl Store {
     /// [`Error::Io`].
     pub(super) fn stamp(&self, stamp: &str, manifest: &Manifest) -> Result<()> {
         let path = self.stamp_file(stamp);
-        let run = self.manifest_file(manifest);
-        let run = run.strip_prefix(&self.root).expect("manifests lie in the cache");
-        let text = format!("{}\n", run.display());
+        let text = manifest.seal() + "\n";
         if read_if_there(&path)?.is_some_and(|there| there == text.as_bytes()) {
             return Ok(());
         }
@@ -119,25 +111,19 @@ impl Store {
     }
 
     /// Writes a file of the cache, whole or not at all.
-    fn write(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+    pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<()> {
         write_by_way_of(self.scratch(), path, bytes)
     }
 
     /// All believable manifests of a task, latest first.
     pub fn manifests(&self, task: &str) -> Vec<Manifest> {
+        believable(task, &self.runs(task)).collect()
+    }
+
+    /// The stored manifests of a task, a line for each run, the latest last.
+    fn runs(&self, task: &str) -> Vec<u8> {
         // Unreadable is as good as absent: the task runs, and writing reports what is wrong.
-        let mut found: Vec<Manifest> = list(&self.task_folder(task))
-            .unwrap_or_default()
-            .iter()
-            .filter_map(|path| {
-                let manifest = Manifest::from_json(&fs::read_to_string(path).ok()?)?;
-                // Not one under another name: a run killed before it renamed has not recorded.
-                (manifest.task == task && *path == self.manifest_file(&manifest))
-                    .then_some(manifest)
-            })
-            .collect();
-        found.sort_by_key(|manifest| std::cmp::Reverse(manifest.generation));
-        found
+        read_if_there(&self.runs_file(task)).ok().flatten().unwrap_or_default()
     }
 
     /// The run of `task` with these inputs, if its artifacts are intact; otherwise why it must run.
@@ -149,35 +135,37 @@ impl Store {
         task: &str,
         inputs: &BTreeMap<String, String>,
     ) -> std::result::Result<Hit, Reason> {
-        let manifests = self.manifests(task);
-        let Some(latest) = manifests.first() else { return Err(Reason::NeverRan) };
-        let Some(same) = manifests.iter().find(|manifest| manifest.inputs == *inputs) else {
-            return Err(Reason::Changed(changes(&latest.inputs, inputs)));
+        let stored = self.runs(task);
+        let mut runs = believable(task, &stored);
+        let latest = runs.next().ok_or(Reason::NeverRan)?;
+        let reverted = latest.inputs != *inputs;
+        let manifest = if reverted {
+            let same = runs.find(|run| run.inputs == *inputs);
+            same.ok_or_else(|| Reason::Changed(changes(&latest.inputs, inputs)))?
+        } else {
+            latest
         };
-        // Side by side: a task may have most of all artifacts, and nobody else may be left to look at.
-        let sizes = same.outputs.par_iter().map(|(name, hash)| {
-            // Unreadable is as good as absent.
-            let there = find(&self.object(hash)).ok().flatten();
-            let intact = there.filter(|found| found.hash == *hash);
-            intact.map(|found| found.size).ok_or(name)
-        });
-        let sizes: Vec<std::result::Result<usize, &String>> = sizes.collect();
-        let bytes = sizes.into_iter().sum::<std::result::Result<usize, _>>();
-        let bytes = bytes.map_err(|name| Reason::Damaged(name.clone()))?;
-        Ok(Hit { manifest: same.clone(), bytes, latest: latest.generation })
+        // Side by side, though tasks are looked up so too: one may have made more than all others.
+        // Unreadable is as good as absent.
+        let is_damaged = |(_, hash): &(_, &String)| {
+            hash_if_there(&self.object(hash)).ok().flatten().as_ref() != Some(*hash)
+        };
+        match manifest.outputs.par_iter().find_first(is_damaged) {
+            Some((name, _)) => Err(Reason::Damaged(name.clone())),
+            None => Ok(Hit { manifest, reverted }),
+        }
     }
 
-    /// Makes a reverted hit the latest generation of its task, so that `gc` keeps what is in use.
+    /// Makes this the latest run of its task, so that `gc` keeps what is in use, and the only one with
+    /// its inputs.
     ///
     /// # Errors
     /// [`Error::Io`].
-    pub fn renew(&self, hit: Hit) -> Result<Manifest> {
-        let Hit { mut manifest, latest, .. } = hit;
-        let old = self.manifest_file(&manifest);
-        manifest.generation = latest + 1;
-        self.write(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
-        fs::remove_file(&old).context("remove", &old)?;
-        Ok(manifest)
+    pub fn renew(&self, manifest: &Manifest) -> Result<()> {
+        let mut runs = self.manifests(&manifest.task);
+        runs.retain(|run| run.inputs != manifest.inputs);
+        let lines = runs.iter().rev().chain([manifest]).map(Manifest::to_line);
+        self.write(&self.runs_file(&manifest.task), lines.collect::<String>().as_bytes())
     }
 
     /// The artifact with this hash, if it is stored and intact.
@@ -220,14 +208,8 @@ impl Store {
             }
             outputs.insert(name.clone(), hash);
         }
-        // A repaired run replaces its old record; otherwise each run is a generation of its own.
-        let manifests = self.manifests(task);
-        let generation = match manifests.iter().find(|manifest| manifest.inputs == inputs) {
-            Some(same) if manifests[0] == *same => same.generation,
-            _ => manifests.first().map_or(1, |latest| latest.generation + 1),
-        };
-        let manifest = Manifest { task: task.into(), generation, inputs, outputs };
-        self.write(&self.manifest_file(&manifest), manifest.to_json().as_bytes())?;
+        let manifest = Manifest { task: task.into(), inputs, outputs };
+        self.renew(&manifest)?;
         Ok(manifest)
     }
 
@@ -235,13 +217,15 @@ impl Store {
         self.root.join("objects").join(hash.get(..2).unwrap_or("xx")).join(hash)
     }
 
-    pub(super) fn task_folder(&self, task: &str) -> PathBuf {
-        self.root.join("tasks").join(task)
+    pub(super) fn runs_file(&self, task: &str) -> PathBuf {
+        self.root.join("tasks").join(format!("{task}{RUNS}"))
     }
+}
 
-    pub(super) fn manifest_file(&self, manifest: &Manifest) -> PathBuf {
-        self.task_folder(&manifest.task).join(format!("{:06}.json", manifest.generation))
-    }
+/// The believable among the stored manifests of a task, latest first, each read when it is asked for.
+pub(super) fn believable(task: &str, stored: &[u8]) -> impl Iterator<Item = Manifest> {
+    let lines = stored.split_inclusive(|byte| *byte == b'\n').rev();
+    lines.filter_map(Manifest::from_line).filter(move |manifest| manifest.task == task)
 }
 
 /// What a folder holds; nothing if it is not there.

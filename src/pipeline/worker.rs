@@ -61,8 +61,12 @@ impl Worker<'_> {
         };
         let _task = self.store.lock_task(id, &waits)?;
         let (manifest, verdict) = match self.store.lookup(id, &inputs) {
-            Ok(hit) if hit.is_reverted() => (self.store.renew(hit)?, Verdict::Fresh),
-            Ok(hit) => (hit.manifest, Verdict::Fresh),
+            Ok(hit) => {
+                if hit.reverted {
+                    self.store.renew(&hit.manifest)?;
+                }
+                (hit.manifest, Verdict::Fresh)
+            }
             Err(reason) => {
                 let ahead = Times::read(self.store.folder()).ahead([id.as_str()].into_iter(), 1);
                 self.progress.begin(ahead, &reason.to_string());

@@ -34,7 +34,7 @@ fn a_scene_is_obeyed_and_what_overrides_it_is_announced() {
     assert_eq!(json["not_as_in_scene"], Value::Array(Vec::new()));
     // The same as the cell that a run computes.
     project.run(&["run"]).lines();
-    let table = project.files(".signorini/v1/objects");
+    let table = project.files(".signorini/v2/objects");
     let row = format!("3.0,{},{},", json["iterations_per_grid"][0], json["iterations_per_grid"][1]);
     assert!(table.values().any(|bytes| String::from_utf8_lossy(bytes).contains(&row)), "{row}");
 

@@ -42,8 +42,7 @@ fn a_scene_that_wants_a_table_draws_nothing() {
     assert_eq!(ran.ran(), [CELLS[0], CELLS[1], "tabulate/a/signed"]);
     assert!(!project.path("figures").exists());
     // Nor does it keep what only drawings need.
-    let outputs =
-        fs::read_to_string(project.path(".signorini/v1/tasks/solve/a/signed/r=10/000001.json"));
+    let outputs = fs::read_to_string(project.path(".signorini/v2/tasks/solve/a/signed/r=10.runs"));
     let outputs = outputs.unwrap();
     assert!(outputs.contains("outcomes.json") && !outputs.contains("pair.f64"), "{outputs}");
 }
@@ -64,15 +63,15 @@ fn a_surface_solves_only_the_r_that_is_drawn() {
 fn an_r_or_a_grid_not_asked_for_is_nowhere() {
     let project = Project::with(&TABLE.replace("[10, 1]", "[5]").replace("[4, 8]", "[4, 8, 16]"));
     assert_eq!(project.run(&["run", "-v"]).ran(), ["solve/a/signed/r=5", "tabulate/a/signed"]);
-    for (name, bytes) in project.files(".signorini/v1") {
+    for (name, bytes) in project.files(".signorini/v2") {
         let text = String::from_utf8(bytes).unwrap();
         assert!(!name.contains("r=1") && !text.contains("r=1"), "{name}: {text}");
         for absent in ["1/64", "\"cells\": 64", "32]", "64]"] {
             assert!(!text.contains(absent), "{absent} in {name}: {text}");
         }
     }
-    let grids = project.files(".signorini/v1/tasks/solve/a/signed/r=5");
-    assert!(String::from_utf8_lossy(&grids["000001.json"]).contains("\"[4,8,16]\""));
+    let grids = project.files(".signorini/v2/tasks/solve/a/signed");
+    assert!(String::from_utf8_lossy(&grids["r=5.runs"]).contains("\"[4,8,16]\""));
 }
 
 #[test]
@@ -205,14 +204,14 @@ fn gc_removes_garbage_and_nothing_else() {
     project.run(&["run"]).lines();
     fs::remove_file(project.path("pipeline/scenes/b.toml")).unwrap();
     project.run(&["run"]).lines();
-    project.write(".signorini/v1/objects/.signorini-x1y2z3.tmp", "half");
+    project.write(".signorini/v2/objects/.signorini-x1y2z3.tmp", "half");
     fs::create_dir_all(project.path(".signorini/v0/objects/ab")).unwrap();
     project.write(&format!(".signorini/v0/objects/ab/{}", "ab".repeat(32)), "old");
     // Not garbage, since we did not make it.
-    project.write(".signorini/v1/notes.txt", "mine");
-    fs::create_dir_all(project.path(".signorini/v2/tasks")).unwrap();
-    project.write(".signorini/v2/tasks/todo.txt", "mine");
-    project.write(".signorini/v1/objects/thesis.txt", "mine");
+    project.write(".signorini/v2/notes.txt", "mine");
+    fs::create_dir_all(project.path(".signorini/v3/tasks")).unwrap();
+    project.write(".signorini/v3/tasks/todo.txt", "mine");
+    project.write(".signorini/v2/objects/thesis.txt", "mine");
     project.write(".signorini/CACHEDIR.TAG", "mine");
     let before = project.made();
     let would = project.run(&["gc", "-n"]).lines()[0].to_owned();
@@ -221,13 +220,13 @@ fn gc_removes_garbage_and_nothing_else() {
     assert_eq!(would.replace("would remove", "removed"), did);
     let mut after = project.made();
     for name in ["notes.txt", "objects/thesis.txt"] {
-        let name = format!(".signorini/v1/{name}");
+        let name = format!(".signorini/v2/{name}");
         assert_eq!(after.remove(&name).as_deref(), Some(&b"mine"[..]), "{name}");
     }
-    assert_eq!(fs::read(project.path(".signorini/v2/tasks/todo.txt")).unwrap(), b"mine");
+    assert_eq!(fs::read(project.path(".signorini/v3/tasks/todo.txt")).unwrap(), b"mine");
     assert_same(&after, &clean);
     assert!(!project.path(".signorini/v0/objects").exists());
-    assert!(!project.path(".signorini/v1/tasks/solve/b").exists(), "no empty folders stay behind");
+    assert!(!project.path(".signorini/v2/tasks/solve/b").exists(), "no empty folders stay behind");
     assert!(project.path(".signorini/CACHEDIR.TAG").exists());
     assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
     assert!(project.run(&["gc", "--keep", "0"]).refusal().contains("at least 1"));

@@ -178,7 +178,7 @@ impl Project {
     pub(crate) fn made(&self) -> BTreeMap<String, Vec<u8>> {
         let mut made = BTreeMap::new();
         let of_engines = |name: &str| name.starts_with("locks/") || name.starts_with("stamps/");
-        for folder in ["figures", ".signorini/v1"] {
+        for folder in ["figures", ".signorini/v2"] {
             let files = self.files(folder).into_iter().filter(|(name, _)| !of_engines(name));
             made.extend(files.map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
         }

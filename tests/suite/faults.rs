@@ -13,10 +13,10 @@ use std::time::{Duration, SystemTime};
 /// Task id before the first slash, or `objects`: the kinds of file in a cache.
 fn by_kind(project: &Project) -> BTreeMap<String, Vec<PathBuf>> {
     let mut kinds = BTreeMap::<String, Vec<PathBuf>>::new();
-    for name in project.files(".signorini/v1").into_keys() {
+    for name in project.files(".signorini/v2").into_keys() {
         let parts: Vec<&str> = name.split('/').collect();
         let kind = if parts[0] == "tasks" { parts[1] } else { parts[0] };
-        kinds.entry(kind.into()).or_default().push(project.path(".signorini/v1").join(&name));
+        kinds.entry(kind.into()).or_default().push(project.path(".signorini/v2").join(&name));
     }
     kinds
 }
@@ -229,8 +229,8 @@ fn what_killed_runs_left_is_removed_by_the_next() {
     let project = Project::with(&wanting(EVERYTHING));
     project.run(&["run"]).lines();
     let leftovers = [
-        ".signorini/v1/.signorini-book01.tmp/src/page.md",
-        ".signorini/v1/.signorini-abcdef.tmp",
+        ".signorini/v2/.signorini-book01.tmp/src/page.md",
+        ".signorini/v2/.signorini-abcdef.tmp",
         "figures/.signorini-abcdef.tmp",
         "pipeline/.signorini-abcdef.tmp",
     ];
@@ -240,7 +240,7 @@ fn what_killed_runs_left_is_removed_by_the_next() {
     }
     project.run(&["run", "--force"]).lines();
     assert!(leftovers.iter().all(|path| !project.path(path).exists()));
-    assert!(!project.path(".signorini/v1/.signorini-book01.tmp").exists());
+    assert!(!project.path(".signorini/v2/.signorini-book01.tmp").exists());
 }
 
 #[test]
@@ -412,7 +412,7 @@ fn a_cache_of_an_older_layout_is_ignored_and_collected() {
     let project = Project::with(TABLE);
     project.run(&["run"]).lines();
     assert_eq!(promised("Cache of an older layout"), 1);
-    fs::rename(project.path(".signorini/v1"), project.path(".signorini/v0")).unwrap();
+    fs::rename(project.path(".signorini/v2"), project.path(".signorini/v0")).unwrap();
     assert_eq!(project.run(&["run", "-v"]).ran().len(), 3, "nothing of it is believed");
     assert!(project.path(".signorini/v0/tasks").exists(), "a run removes nothing");
     project.run(&["gc"]).lines();

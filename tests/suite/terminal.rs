@@ -96,7 +96,7 @@ fn run_says_why_and_how_long_on_standard_error() {
     let project = Project::with(&wanting(EVERYTHING));
     project.run(&["run"]).lines();
     project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
-    fs::remove_dir_all(project.path(".signorini/v1/tasks/solve/a/signed/r=1")).unwrap();
+    fs::remove_file(project.path(".signorini/v2/tasks/solve/a/signed/r=1.runs")).unwrap();
     let said = project.run(&["run"]);
     assert!(said.err.contains("(parameter f: else=-1 -> else=-2; 2 tasks for other reasons)"));
     assert!(said.out.contains("  parameter f: else=-1 -> else=-2; one task for another reason\n"));

@@ -30,7 +30,7 @@ fn completed(project: &Project, wanted: &BTreeMap<String, Vec<u8>>) {
 /// Forgets the results of some stages: what the next run has to do.
 fn forget(project: &Project, cache: &str, stages: &[&str]) {
     for stage in stages {
-        fs::remove_dir_all(project.path(&format!("{cache}/v1/tasks/{stage}"))).unwrap();
+        fs::remove_dir_all(project.path(&format!("{cache}/v2/tasks/{stage}"))).unwrap();
     }
 }
 

@@ -40,6 +40,13 @@ fn another_program_never_finds_the_results_of_the_first() {
     // And back: what the first program made is still there for it.
     let back = walk(&old, cache.path(), options);
     assert!(back.ran.is_empty() && back.reverted && outputs(&back, "a/1") == hash(&[1]));
+    // Where the latest run of a task is damaged, the others are not.
+    let file = Store::new(cache.path()).unwrap().runs_file("a/1");
+    let mut runs = std::fs::read(&file).unwrap();
+    *runs.iter_mut().nth_back(9).unwrap() ^= 1;
+    std::fs::write(&file, runs).unwrap();
+    assert!(walk(&new, cache.path(), options).ran.is_empty());
+    assert_eq!(walk(&old, cache.path(), options).ran.len(), 1);
 }
 
 #[test]
