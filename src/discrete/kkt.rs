@@ -1,7 +1,8 @@
 //! One measure for every solver: how far a nodal vector is from the Karush-Kuhn-Tucker conditions.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::stiffness::residual;
+use crate::discrete::simd::Largest;
+use crate::discrete::stiffness::{add_energy, residual_row};
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions `A y = F` inside and `y >= 0`, `A y - F >= 0`, complementary on the boundary.
@@ -24,42 +25,99 @@ pub struct Kkt {
     pub relative: f64,
 }
 
+/// What a nodal vector is worth, from it and the load vector alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judgement {
+    /// How far it is from the conditions.
+    pub kkt: Kkt,
+    /// `1/2 <A y, y> - <F, y>`.
+    pub energy: f64,
+    /// `A y - F` at the boundary nodes: a boundary vector, on the cube in the order of a nodal vector.
+    pub flux: Vec<f64>,
+}
+
 /// Judges the nodal vector `y` for the load vector `load`.
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
-pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
-    let mut flux = vec![0.0; grid.nodes()];
-    residual(grid, y, load, &mut flux);
-    judge(flux, grid.boundary(), y, load, grid.h())
+pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
+    assert!(y.len() == grid.nodes() && load.len() == y.len());
+    let (n, side) = (grid.cells(), grid.side());
+    let mut judge = Judge::default();
+    let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; grid.boundary_nodes()]);
+    for (j, (y_row, load_row)) in y.chunks_exact(side).zip(load.chunks_exact(side)).enumerate() {
+        residual_row(grid, j, y, load, &mut gradient);
+        judge.see(y_row, &gradient, load_row, j % n > 0);
+        match j {
+            0 => flux[..side].copy_from_slice(&gradient),
+            _ if j < n => (flux[n + j], flux[4 * n - j]) = (gradient[n], gradient[0]),
+            _ => (0..side).for_each(|i| flux[3 * n - i] = gradient[i]),
+        }
+    }
+    Judgement { kkt: judge.kkt(grid.h()), energy: judge.energy, flux }
 }
 
-/// The same from the gradient `A y - F`, the numbers of the boundary nodes, and the measure of the
-/// boundary around one of them.
-pub(crate) fn judge(
-    mut flux: Vec<f64>,
-    boundary: impl Iterator<Item = usize>,
-    y: &[f64],
-    load: &[f64],
-    measure: f64,
-) -> Kkt {
-    let (mut min_y, mut min_flux, mut complementarity) = (f64::INFINITY, f64::INFINITY, 0.0);
-    for node in boundary {
-        min_y = min(min_y, y[node]);
-        min_flux = min(min_flux, flux[node]);
-        complementarity = max(complementarity, y[node].min(flux[node]).abs());
-        flux[node] = 0.0;
+/// How far `y` is from the conditions, as [`judge`] finds it.
+///
+/// # Panics
+/// If a slice is not of length `grid.nodes()`.
+pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
+    judge(grid, y, load).kkt
+}
+
+/// A judgement that takes one row of nodes after the other into account.
+pub(crate) struct Judge {
+    pub(crate) energy: f64,
+    stationarity: Largest,
+    load: Largest,
+    complementarity: Largest,
+    min_y: f64,
+    min_flux: f64,
+}
+
+impl Default for Judge {
+    fn default() -> Self {
+        let (largest, least) = (Largest::default(), f64::INFINITY);
+        Self {
+            energy: 0.0,
+            stationarity: largest,
+            load: largest,
+            complementarity: largest,
+            min_y: least,
+            min_flux: least,
+        }
     }
-    let stationarity = flux.iter().fold(0.0, |worst, r| max(worst, r.abs()));
-    let natural = max(stationarity, complementarity);
-    let scale = load.iter().fold(0.0, |worst, f| max(worst, f.abs()));
-    Kkt {
-        stationarity,
-        min_y,
-        min_lambda: min_flux / measure,
-        complementarity,
-        natural,
-        relative: if natural == 0.0 { 0.0 } else { natural / scale },
+}
+
+impl Judge {
+    /// Takes into account a row with the gradient `A y - F`; its ends lie on the boundary, the others if the row is
+    /// not `inner`.
+    pub(crate) fn see(&mut self, y: &[f64], gradient: &[f64], load: &[f64], inner: bool) {
+        self.energy = add_energy(self.energy, y, gradient, load);
+        self.load.see(1.0, load);
+        let last = y.len() - 1;
+        let inside = if inner { 1..last } else { 0..0 };
+        self.stationarity.see(1.0, &gradient[inside.clone()]);
+        for node in (0..inside.start).chain(inside.end..=last) {
+            self.min_y = min(self.min_y, y[node]);
+            self.min_flux = min(self.min_flux, gradient[node]);
+            self.complementarity.put(y[node].min(gradient[node]));
+        }
+    }
+
+    /// The violations, where `measure` is that of the boundary around one of its nodes.
+    pub(crate) fn kkt(&self, measure: f64) -> Kkt {
+        let [stationarity, complementarity, scale] =
+            [self.stationarity, self.complementarity, self.load].map(Largest::value);
+        let natural = max(stationarity, complementarity);
+        Kkt {
+            stationarity,
+            min_y: self.min_y,
+            min_lambda: self.min_flux / measure,
+            complementarity,
+            natural,
+            relative: if natural == 0.0 { 0.0 } else { natural / scale },
+        }
     }
 }
 

@@ -49,9 +49,18 @@ pub fn residual_row(grid: Grid, j: usize, y: &[f64], load: &[f64], out: &mut [f6
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
 pub fn energy(grid: Grid, y: &[f64], load: &[f64]) -> f64 {
-    let mut gradient = vec![0.0; grid.nodes()];
-    residual(grid, y, load, &mut gradient);
-    y.iter().zip(&gradient).zip(load).map(|((y, g), f)| 0.5 * y * (g - f)).sum()
+    assert!(y.len() == grid.nodes() && load.len() == y.len());
+    let mut gradient = vec![0.0; grid.side()];
+    let rows = y.chunks_exact(grid.side()).zip(load.chunks_exact(grid.side())).enumerate();
+    rows.fold(0.0, |sum, (j, (y_row, load_row))| {
+        residual_row(grid, j, y, load, &mut gradient);
+        add_energy(sum, y_row, &gradient, load_row)
+    })
+}
+
+/// A sum of energies with those of more nodes, where the gradient `A y - F` is known.
+pub(crate) fn add_energy(sum: f64, y: &[f64], gradient: &[f64], load: &[f64]) -> f64 {
+    y.iter().zip(gradient).zip(load).fold(sum, |sum, ((y, g), f)| sum + 0.5 * y * (g - f))
 }
 
 #[cfg(test)]

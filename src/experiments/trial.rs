@@ -1,7 +1,7 @@
 //! One run of a solver under stress, judged by a measure that no solver computes for itself.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::kkt;
+use crate::discrete::kkt::{Judgement, judge, kkt};
 use crate::multigrid;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
@@ -9,7 +9,7 @@ use crate::saddle::StopRule;
 use crate::saddle::batch::{self, AsDefined, End, Job, run};
 use serde::{Deserialize, Serialize};
 
-/// How a run ended, and what [`kkt`] says of the vector it returned.
+/// How a run ended, and what [`judge`] says of the vector it returned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// How the solver says that it ended; `refused` if it did not begin.
@@ -32,21 +32,19 @@ pub struct Trial {
 
 impl Trial {
     fn of(grid: Grid, load: &[f64], y: &[f64], stop: &str, (steps, work): (usize, f64)) -> Self {
-        let judged = kkt(grid, y, load);
+        let Judgement { kkt, flux, .. } = judge(grid, y, load);
         let size = y
             .iter()
             .fold(0.0, |size: f64, y| if y.abs() > size || y.is_nan() { y.abs() } else { size });
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let mut flux = vec![0.0; y.len()];
-        crate::discrete::stiffness::residual(grid, y, load, &mut flux);
         Self {
             stop: stop.into(),
             steps,
             work,
-            kkt: finite(judged.relative),
-            floor: finite(judged.natural / (f64::EPSILON * size)),
+            kkt: finite(kkt.relative),
+            floor: finite(kkt.natural / (f64::EPSILON * size)),
             size: finite(size),
-            contact: grid.boundary().filter(|&node| flux[node] > y[node]).count(),
+            contact: grid.boundary().zip(&flux).filter(|&(node, flux)| *flux > y[node]).count(),
             holds: None,
         }
     }

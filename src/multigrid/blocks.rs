@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use super::buffers::Buffers;
 use super::layout::{At, Dimension, boundary_before, slab};
-use super::rows::{Colour, Largest, MIN_PLACES, Rows};
+use super::rows::{Colour, MIN_PLACES, Rows};
 use super::stencil::{Boundary, Row, edges};
 use super::transfer::Weighting;
+use crate::discrete::simd::Largest;
 
 /// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;

@@ -2,7 +2,8 @@
 
 use super::buffers::Buffers;
 use super::layout::{Dimension, boundary_nodes, nodes, slab};
-use super::rows::{Largest, Rows, stride};
+use super::rows::{Rows, stride};
+use crate::discrete::simd::Largest;
 
 /// Values and load on a grid with `n` cells per side.
 ///

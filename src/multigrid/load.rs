@@ -6,10 +6,10 @@ use super::buffers::Sums;
 use super::input::Extent;
 use super::layout::{At, rows_per_slab, slab};
 use super::level::Level;
-use super::rows::{Colour, Largest, MIN_PLACES, Rows, deinterleave, long_and_short, worse};
+use super::rows::{Colour, MIN_PLACES, Rows, deinterleave, long_and_short, worse};
 use super::stencil::coupling;
 use super::transfer::Weighting;
-use crate::discrete::simd::vectorised;
+use crate::discrete::simd::{Largest, vectorised};
 use std::ops::Range;
 
 /// Sets the load of a grid from `F` in natural order, divided by the couplings.

@@ -14,10 +14,10 @@ use rayon::prelude::*;
 use super::blocks::{Block, Cuts, Target, blocks};
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
-use super::rows::{self, CHUNK, Colour, Largest, MIN_PLACES, worse};
+use super::rows::{self, CHUNK, Colour, MIN_PLACES, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
 use super::transfer::Weighting;
-use crate::discrete::simd::vectorised;
+use crate::discrete::simd::{Largest, vectorised};
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]

@@ -172,39 +172,3 @@ pub(super) fn deinterleave(source: &[f64], long: &mut [f64], short: &mut [f64]) 
 pub(super) fn worse(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
-
-/// The largest absolute value of many rows, NaN if a number is; kept in independent lanes so that it vectorises.
-///
-/// As integers the bits of absolute values have the order of the numbers, and those of NaN come last.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Largest([u64; LINE]);
-
-impl Largest {
-    /// Takes `factor` times each number into account.
-    #[inline(always)]
-    pub(super) fn see(&mut self, factor: f64, x: &[f64]) {
-        let (chunks, rest) = x.as_chunks::<LINE>();
-        let mut lanes = [0; LINE];
-        for chunk in chunks {
-            for lane in 0..LINE {
-                lanes[lane] = lanes[lane].max((factor * chunk[lane]).abs().to_bits());
-            }
-        }
-        for (lane, value) in rest.iter().enumerate() {
-            lanes[lane] = lanes[lane].max((factor * value).abs().to_bits());
-        }
-        for (largest, lane) in self.0.iter_mut().zip(lanes) {
-            *largest = lane.max(*largest);
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn put(&mut self, value: f64) {
-        self.0[0] = self.0[0].max(value.abs().to_bits());
-    }
-
-    #[inline(always)]
-    pub(super) fn value(self) -> f64 {
-        f64::from_bits(self.0.into_iter().fold(0, u64::max))
-    }
-}

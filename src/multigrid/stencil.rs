@@ -1,7 +1,8 @@
 //! The five- or seven-point stencil on one row of one colour, and what the boundary does to it.
 
 use super::layout::{At, Dimension, mirrored, rows_per_slab};
-use super::rows::{Colour, Largest, stride};
+use super::rows::{Colour, stride};
+use crate::discrete::simd::Largest;
 
 /// What holds on the boundary of a level.
 #[derive(Clone, Copy)]

@@ -3,8 +3,7 @@
 use super::Pair;
 use super::stopping::StopReason;
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Kkt, kkt};
-use crate::discrete::stiffness::energy;
+use crate::discrete::kkt::{Judgement, Kkt, judge};
 use serde::{Deserialize, Serialize};
 
 /// How a solve on one grid ended, and where.
@@ -40,7 +39,7 @@ impl Outcome {
         (gradient_signed, gradient_abs): (f64, f64),
         stop: StopReason,
     ) -> Self {
-        let (energy, kkt) = (energy(grid, &pair.y, load), kkt(grid, &pair.y, load));
+        let Judgement { kkt, energy, .. } = judge(grid, &pair.y, load);
         let finite =
             [energy, gradient_abs, kkt.natural, kkt.min_lambda].iter().all(|v| v.is_finite());
         let stop = if finite { stop } else { StopReason::Diverged };

@@ -4,7 +4,7 @@ use crate::common::Dice;
 use crate::cube_loads::{exact_load, nodal_load, stress_loads};
 use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
 use proptest::prelude::*;
-use signorini::discrete::cube::{Errors, Grid, energy, errors, kkt};
+use signorini::discrete::cube::{Errors, Grid, errors, judge};
 use signorini::experiments::targets::{ALGEBRAIC, BYTES, HARD, WORK_UNITS};
 use signorini::multigrid::active_set::ActiveSetParams;
 use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
@@ -26,7 +26,7 @@ fn oracle(n: usize, load: &[f64]) -> Vec<f64> {
 }
 
 fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
-    kkt(grid(n), y, load).natural
+    judge(grid(n), y, load).kkt.natural
 }
 
 /// What rounding errors alone leave of the optimality conditions, in units of the load.
@@ -77,7 +77,7 @@ fn two_cycles_at_most_reach_the_discretisation_error() {
             let squares = algebraic.iter().zip(grid.indices()).map(|(e, i)| grid.share(i) * e * e);
             let l2 = (grid.h().powi(3) * squares.sum::<f64>()).sqrt();
             // For zero load, the energy is half the square of the H1 seminorm.
-            let h1 = (2.0 * energy(grid, &algebraic, &vec![0.0; y.len()])).sqrt();
+            let h1 = (2.0 * judge(grid, &algebraic, &vec![0.0; y.len()]).energy).sqrt();
             assert!(l2 < 0.25 * discretisation.l2, "{problem:?} {n} {}", l2 / discretisation.l2);
             assert!(
                 h1 < ALGEBRAIC * discretisation.h1,

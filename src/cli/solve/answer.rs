@@ -46,6 +46,8 @@ pub(super) struct Solved {
     pub levels: Vec<Level>,
     /// On the finest grid.
     pub pair: Pair,
+    /// `A y - F` at the boundary nodes there.
+    pub flux: Vec<f64>,
     /// Cost in sweeps of the finest grid, if the solver counts it.
     pub work_units: Option<f64>,
 }
@@ -71,14 +73,11 @@ pub(super) struct Answer {
 impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let (n, y) = (problem.finest(), &solved.pair.y);
-        let (_, _, flux) = problem.domain.judge(n, y, load);
-        let boundary = problem.domain.boundary(n);
+        let nodes = problem.domain.boundary(n);
+        let boundary = || nodes.iter().map(|&node| y[node]).zip(&solved.flux);
         let mut answer = Self {
-            complementarity: boundary.iter().map(|&node| y[node] * flux[node]).sum(),
-            contact: [
-                boundary.iter().filter(|&&node| y[node] < flux[node]).count(),
-                boundary.len(),
-            ],
+            complementarity: boundary().map(|(y, flux)| y * flux).sum(),
+            contact: [boundary().filter(|(y, flux)| y < flux).count(), nodes.len()],
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
             solved,

@@ -5,10 +5,9 @@ use crate::bounds::{Bounds, bounds, recovery};
 use crate::cli::formats::{Format, picture};
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Kkt, kkt};
+use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::load::{self, LoadRule, load};
 use crate::discrete::norms::errors;
-use crate::discrete::stiffness::{energy, residual};
 use crate::discrete::transfer::prolong_boundary;
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
@@ -129,18 +128,11 @@ impl Domain {
         }
     }
 
-    /// Energy, violation of the KKT conditions, and `A y - F`.
-    pub(super) fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> (f64, Kkt, Vec<f64>) {
+    /// What a nodal vector is worth.
+    pub(super) fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> Judgement {
         match self {
-            Self::Square { .. } => {
-                let mut flux = vec![0.0; y.len()];
-                residual(square(n), y, load, &mut flux);
-                (energy(square(n), y, load), kkt(square(n), y, load), flux)
-            }
-            Self::Cube { .. } => {
-                let flux = cube::residual(cube(n), y, load);
-                (cube::energy(cube(n), y, load), cube::kkt(cube(n), y, load), flux)
-            }
+            Self::Square { .. } => judge(square(n), y, load),
+            Self::Cube { .. } => cube::judge(cube(n), y, load),
         }
     }
 

@@ -5,6 +5,7 @@ use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
 use super::{Solver, name};
+use crate::discrete::kkt::Judgement;
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
 use crate::multigrid::cube;
 use crate::multigrid::square::multigrid;
@@ -89,7 +90,8 @@ impl Problem {
             kkt: end.kkt,
         };
         let levels = outcomes.iter().map(level).collect();
-        Ok(Solved { levels, pair, work_units: None })
+        let flux = self.domain.judge(self.finest(), &pair.y, &loads[loads.len() - 1]).flux;
+        Ok(Solved { levels, pair, flux, work_units: None })
     }
 
     /// Runs a solver that works on the finest grid alone.
@@ -123,12 +125,13 @@ impl Problem {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
-        let (energy, kkt, flux) = self.domain.judge(n, &y, load);
+        let Judgement { kkt, energy, flux } = self.domain.judge(n, &y, load);
         // In contact y is exactly zero; elsewhere the flux is rounding error.
         let measure = (n as f64).powi(1 - i32::from(self.domain.dimension()));
-        let multiplier =
-            |node: usize| if y[node] > 0.0 { 0.0 } else { flux[node].max(0.0) / measure };
-        let a = self.domain.boundary(n).into_iter().map(multiplier).collect();
+        let multiplier = |(node, flux): (usize, &f64)| {
+            if y[node] > 0.0 { 0.0 } else { flux.max(0.0) / measure }
+        };
+        let a = self.domain.boundary(n).into_iter().zip(&flux).map(multiplier).collect();
         let level = Level {
             cells: n,
             iterations,
@@ -138,7 +141,7 @@ impl Problem {
             sum_load: load.iter().sum(),
             kkt,
         };
-        Ok(Solved { levels: vec![level], pair: Pair { y, a }, work_units })
+        Ok(Solved { levels: vec![level], pair: Pair { y, a }, flux, work_units })
     }
 
     fn refused(&self, e: &InputError) -> Error {

@@ -10,7 +10,7 @@ pub use load::{exact_load, integral};
 pub use norms::{Errors, errors};
 
 use crate::discrete::grid::{GridError, MIN_CELLS};
-use crate::discrete::kkt::{Kkt, judge};
+use crate::discrete::kkt::{Judge, Judgement};
 
 /// The uniform grid with `n` cells of width `h = 1/n` along each side.
 ///
@@ -79,51 +79,57 @@ pub fn load(grid: Grid, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
     grid.indices().map(at).collect()
 }
 
-/// `A y - load`, the gradient of the energy, for the trapezoidal (lumped) seven-point stencil.
+/// Writes the row of `A y - load` at these indices along y and z to `out`, of length `n + 1`: the gradient of the
+/// energy, for the trapezoidal (lumped) seven-point stencil.
 ///
 /// Neighbours are coupled by `h`, within faces by `h / 2`, along edges by `h / 4`.
 ///
 /// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn residual(grid: Grid, y: &[f64], load: &[f64]) -> Vec<f64> {
-    assert!(y.len() == grid.nodes() && load.len() == grid.nodes());
-    let (n, h) = (grid.n, grid.h());
-    let step = [1, n + 1, (n + 1) * (n + 1)];
-    let of_node = |(node, indices): (usize, [usize; 3])| {
-        let mut flow = 0.0;
-        for axis in 0..3 {
-            let across: f64 =
-                (0..3).filter(|&a| a != axis).map(|a| grid.share_along(indices[a])).product();
-            if indices[axis] > 0 {
-                flow += across * (y[node] - y[node - step[axis]]);
-            }
-            if indices[axis] < n {
-                flow += across * (y[node] - y[node + step[axis]]);
-            }
-        }
-        h * flow - load[node]
+/// If `y` or `load` is not a nodal vector, or `out` not one row of one.
+fn residual_row(grid: Grid, [j, k]: [usize; 2], y: &[f64], load: &[f64], out: &mut [f64]) {
+    let (n, side) = (grid.n, grid.n + 1);
+    let row = |j: usize, k: usize| &y[(k * side + j) * side..][..side];
+    let (here, load) = (row(j, k), &load[(k * side + j) * side..][..side]);
+    // Where there is no neighbour, the node itself takes its place: nothing flows.
+    let [south, north] = [row(j.saturating_sub(1), k), row((j + 1).min(n), k)];
+    let [below, above] = [row(j, k.saturating_sub(1)), row(j, (k + 1).min(n))];
+    let [of_y, of_z] = [j, k].map(|index| grid.share_along(index));
+    let out = &mut out[..side];
+    let at = |i: usize, west: usize, east: usize, of_x: f64| {
+        let value = here[i];
+        let mut flow = of_y * of_z * (value - here[west]) + of_y * of_z * (value - here[east]);
+        flow = flow + of_x * of_z * (value - south[i]) + of_x * of_z * (value - north[i]);
+        flow = flow + of_x * of_y * (value - below[i]) + of_x * of_y * (value - above[i]);
+        grid.h() * flow - load[i]
     };
-    grid.indices().enumerate().map(of_node).collect()
+    out[0] = at(0, 0, 1, 0.5);
+    for (i, out) in out.iter_mut().enumerate().take(n).skip(1) {
+        *out = at(i, i - 1, i + 1, 1.0);
+    }
+    out[n] = at(n, n - 1, n, 0.5);
 }
 
-/// The energy `1/2 <A y, y> - <F, y>` of a nodal vector.
-///
-/// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn energy(grid: Grid, y: &[f64], load: &[f64]) -> f64 {
-    let gradient = residual(grid, y, load);
-    y.iter().zip(&gradient).zip(load).map(|((y, g), f)| 0.5 * y * (g - f)).sum()
-}
-
-/// Judges the nodal vector `y`, as [`kkt::kkt`](crate::discrete::kkt::kkt) does on the square; the multiplier of
+/// Judges the nodal vector `y`, as [`kkt::judge`](crate::discrete::kkt::judge) does on the square; the multiplier of
 /// a node is `(A y - F) / h^2`.
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
-pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
-    let on_boundary = |(node, indices)| grid.on_boundary(indices).then_some(node);
-    let boundary = grid.indices().enumerate().filter_map(on_boundary);
-    judge(residual(grid, y, load), boundary, y, load, grid.h().powi(2))
+pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
+    assert!(y.len() == grid.nodes() && load.len() == grid.nodes());
+    let (n, side) = (grid.n, grid.n + 1);
+    let (mut judge, mut gradient, mut flux) = (Judge::default(), vec![0.0; side], Vec::new());
+    let rows = y.chunks_exact(side).zip(load.chunks_exact(side));
+    for (row, (y_row, load_row)) in rows.enumerate() {
+        let at = [row % side, row / side];
+        residual_row(grid, at, y, load, &mut gradient);
+        let inner = at.iter().all(|index| index % n > 0);
+        judge.see(y_row, &gradient, load_row, inner);
+        match inner {
+            true => flux.extend([gradient[0], gradient[n]]),
+            false => flux.extend_from_slice(&gradient),
+        }
+    }
+    Judgement { kkt: judge.kkt(grid.h().powi(2)), energy: judge.energy, flux }
 }
 
 #[cfg(test)]
@@ -138,7 +144,10 @@ mod tests {
         let y: Vec<_> =
             grid.indices().map(|indices| at(indices.map(|i| grid.coordinate(i)))).collect();
         let load = load(grid, |_| 2.0);
-        let flux = residual(grid, &y, &load);
+        let mut flux = vec![0.0; grid.nodes()];
+        for (row, out) in flux.chunks_exact_mut(5).enumerate() {
+            residual_row(grid, [row % 5, row / 5], &y, &load, out);
+        }
         for (node, [i, j, k]) in grid.indices().enumerate() {
             let slope = match (i, j, k) {
                 (4, 1..4, 1..4) => 2.0,
@@ -159,12 +168,12 @@ mod tests {
         let load = load(grid, |_| -1.0);
         let mut y = vec![0.0; 27];
         y[13] = -0.125 / 3.0;
-        assert!(kkt(grid, &y, &load).natural < 1e-16);
+        assert!(judge(grid, &y, &load).kkt.natural < 1e-16);
         y[13] = 0.0;
-        assert_eq!(kkt(grid, &y, &load).stationarity, 0.125);
+        assert_eq!(judge(grid, &y, &load).kkt.stationarity, 0.125);
         y[4] = -1.0;
-        assert_eq!(kkt(grid, &y, &load).min_y, -1.0);
+        assert_eq!(judge(grid, &y, &load).kkt.min_y, -1.0);
         y[4] = f64::NAN;
-        assert!(kkt(grid, &y, &load).natural.is_nan());
+        assert!(judge(grid, &y, &load).kkt.natural.is_nan());
     }
 }

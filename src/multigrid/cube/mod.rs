@@ -33,7 +33,7 @@ use super::layout::Dimension;
 use super::level::Level;
 use super::network::Network;
 use super::{MultigridParams, Outcome, Progress};
-use crate::discrete::cube::{Grid, kkt};
+use crate::discrete::cube::{Grid, judge};
 
 /// The unit cube.
 pub struct Cube;
@@ -98,6 +98,6 @@ pub fn active_set(
     let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
     let network = Network::cube(n);
     let (y, stop, steps) = active_set::on_network(&network, load, start, params, monitor)?;
-    let kkt = kkt(grid, &y, load).natural;
+    let kkt = judge(grid, &y, load).kkt.natural;
     Ok((y, active_set::Outcome { stop, steps, kkt }))
 }

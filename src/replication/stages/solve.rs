@@ -2,9 +2,9 @@
 
 use super::to_json;
 use crate::discrete::grid::{Grid, nested};
+use crate::discrete::kkt::judge;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::max_error;
-use crate::discrete::stiffness;
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::MultigridParams;
 use crate::multigrid::square::multigrid;
@@ -75,10 +75,9 @@ pub fn solution(scene: &Scene) -> Result<Pair, String> {
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
     let (y, _) = multigrid(grid.cells(), &load, None, &MultigridParams::default(), |_| ())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let mut residual = vec![0.0; y.len()];
-    stiffness::residual(grid, &y, &load, &mut residual);
-    let flux = |k: usize| if residual[k] > y[k] { residual[k] / grid.h() } else { 0.0 };
-    let a = grid.boundary().map(flux).collect();
+    let flux = judge(grid, &y, &load).flux;
+    let multiplier = |(k, flux): (usize, f64)| if flux > y[k] { flux / grid.h() } else { 0.0 };
+    let a = grid.boundary().zip(flux).map(multiplier).collect();
     Ok(Pair { y, a })
 }
 
