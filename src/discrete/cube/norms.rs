@@ -3,7 +3,9 @@
 use rayon::prelude::*;
 
 use super::Grid;
-use crate::problem::cube::Exact;
+use crate::discrete::simd::vectorised;
+use crate::problem::cube::{Exact, Sample};
+use std::array::from_fn;
 
 /// Errors of values and gradients.
 #[derive(Clone, Copy, Debug)]
@@ -51,38 +53,88 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64]) -> Errors {
     Errors { l2: l2.sqrt(), h1: h1.sqrt(), max }
 }
 
+/// A point of the rule in a cell of the unit grid, and what the corners count in the trilinear function there.
+struct Place {
+    inside: [f64; 3],
+    /// Of the volume of the cell.
+    weight: f64,
+    /// The factors of each corner's share in the value, and its shares in the derivatives.
+    factors: [[f64; 3]; 8],
+    slopes: [[f64; 3]; 8],
+}
+
+impl Place {
+    fn new(at: [f64; 3], weight: f64, h: f64) -> Self {
+        let inside = at.map(|t| 0.5 + 0.5 * t);
+        let factor = |corner: usize, axis: usize| match ends(corner)[axis] {
+            0 => 1.0 - inside[axis],
+            _ => inside[axis],
+        };
+        let slope = |corner: usize, axis: usize| {
+            let across = factor(corner, (axis + 1) % 3) * factor(corner, (axis + 2) % 3) / h;
+            if ends(corner)[axis] == 0 { -across } else { across }
+        };
+        let each =
+            |of: &dyn Fn(usize, usize) -> f64| from_fn(|corner| from_fn(|axis| of(corner, axis)));
+        Self { inside, weight, factors: each(&factor), slopes: each(&slope) }
+    }
+
+    /// Squares of the errors of value and derivatives, from the values at the corners of the cell.
+    #[inline(always)]
+    fn errors(&self, exact: Sample, corners: [f64; 8]) -> [f64; 4] {
+        let (mut value, mut slopes) = (0.0, [0.0; 3]);
+        for ((v, [a, b, c]), shares) in corners.into_iter().zip(self.factors).zip(self.slopes) {
+            value += v * a * b * c;
+            for (slope, share) in slopes.iter_mut().zip(shares) {
+                *slope += v * share;
+            }
+        }
+        let [x, y, z] = exact.gradient;
+        [exact.value - value, x - slopes[0], y - slopes[1], z - slopes[2]].map(|e| e * e)
+    }
+}
+
 /// Squares of the L2 norms of the errors of value and gradient on the `k`-th layer of cells.
 fn layer_errors(grid: Grid, problem: Exact, y: &[f64], k: usize) -> (f64, f64) {
     let (n, h) = (grid.cells(), grid.h());
-    let rule = quadrature();
+    let at = |cell: usize, inside: f64| (cell as f64 + inside) * h - 0.5;
+    let rule = quadrature().map(|(point, weight)| {
+        let place = Place::new(point, weight, h);
+        let x: Vec<f64> = (0..n).map(|i| at(i, place.inside[0])).collect();
+        (place, x)
+    });
     let (mut l2, mut h1) = (0.0, 0.0);
-    for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
-        let corners: [f64; 8] = std::array::from_fn(|corner| {
-            let [di, dj, dk] = ends(corner);
-            y[((k + dk) * (n + 1) + j + dj) * (n + 1) + i + di]
+    let mut squares = vec![[[0.0; 4]; 14]; n];
+    for j in 0..n {
+        // Through the corners of the cells of a row, first in the plane below, those in front first.
+        let rows: [&[f64]; 4] = from_fn(|row| {
+            let first = ((k + row / 2) * (n + 1) + j + row % 2) * (n + 1);
+            &y[first..][..n + 1]
         });
-        let cell = [i, j, k];
-        for (at, weight) in &rule {
-            let inside = at.map(|t| 0.5 + 0.5 * t);
-            let exact =
-                problem.at([0, 1, 2].map(|axis| (cell[axis] as f64 + inside[axis]) * h - 0.5));
-            let (mut value, mut slopes) = (0.0, [0.0; 3]);
-            for (corner, v) in corners.iter().enumerate() {
-                let ends = ends(corner);
-                let share = |axis: usize| match ends[axis] {
-                    0 => 1.0 - inside[axis],
-                    _ => inside[axis],
-                };
-                value += v * share(0) * share(1) * share(2);
-                for axis in 0..3 {
-                    let across = share((axis + 1) % 3) * share((axis + 2) % 3) / h;
-                    slopes[axis] += if ends[axis] == 0 { -v * across } else { v * across };
-                }
-            }
-            l2 += h.powi(3) * weight * (exact.value - value).powi(2);
-            for (gradient, slope) in exact.gradient.iter().zip(slopes) {
-                h1 += h.powi(3) * weight * (gradient - slope).powi(2);
-            }
+        for (p, (place, x)) in rule.iter().enumerate() {
+            let across = [at(j, place.inside[1]), at(k, place.inside[2])];
+            let (x, squares) = (&x[..n], &mut squares[..n]);
+            vectorised(
+                #[inline(always)]
+                || {
+                    problem.in_row(
+                        x,
+                        across,
+                        #[inline(always)]
+                        |i, exact| {
+                            let [a, b, c, d] = rows;
+                            let corners =
+                                [a[i], a[i + 1], b[i], b[i + 1], c[i], c[i + 1], d[i], d[i + 1]];
+                            squares[i][p] = place.errors(exact, corners);
+                        },
+                    );
+                },
+            );
+        }
+        for (square, (place, _)) in squares.iter().flat_map(|points| points.iter().zip(&rule)) {
+            let [value, slopes @ ..] = square;
+            l2 += h.powi(3) * place.weight * value;
+            slopes.iter().for_each(|slope| h1 += h.powi(3) * place.weight * slope);
         }
     }
     (l2, h1)

@@ -5,7 +5,7 @@
 //! ([`exact`](crate::problem::exact)), the numbers are the same on all machines.
 
 use crate::problem::exact::segment;
-use crate::problem::field::{self, Field, bump, falling, hill, product};
+use crate::problem::field::{self, Field, Jet, bump, falling, hill, product};
 use crate::problem::shape::Known;
 use std::f64::consts::PI;
 
@@ -37,13 +37,35 @@ impl Exact {
     }
 
     /// The solution at a point of the closed cube.
-    pub fn at(self, point: [f64; 3]) -> Sample {
+    pub fn at(self, [x, y, z]: [f64; 3]) -> Sample {
+        let mut sample = None;
+        self.in_row(&[x], [y, z], |_, at| sample = Some(at));
+        sample.expect("a point")
+    }
+
+    /// Notes the solution at points with the same y and z, with the place of each in `x`.
+    ///
+    /// Always inlined, so that the caller decides for which instructions it is compiled.
+    #[inline(always)]
+    pub(crate) fn in_row(self, x: &[f64], [y, z]: [f64; 2], mut note: impl FnMut(usize, Sample)) {
         match self {
-            Self::FullContact => full_contact(point),
-            Self::FreeStrip => free_strip(point),
-            Self::FreeDisc => free_disc(point),
+            Self::FullContact => {
+                let [y, z] = [y, z].map(cosine);
+                for (i, &x) in x.iter().enumerate() {
+                    note(i, product([cosine(x), y, z]).scaled(-1.0).into());
+                }
+            }
+            Self::FreeStrip => {
+                for (i, &x) in x.iter().enumerate() {
+                    note(i, free_strip([x, y, z]).into());
+                }
+            }
+            Self::FreeDisc => {
+                for (i, &x) in x.iter().enumerate() {
+                    note(i, free_disc([x, y, z]).into());
+                }
+            }
         }
-        .into()
     }
 }
 
@@ -59,16 +81,15 @@ impl Known<[f64; 3]> for Exact {
     }
 }
 
-fn full_contact(point: [f64; 3]) -> Field<3> {
-    let cosine = |s: f64| {
-        let (sin, cos) = libm::sincos(PI * s);
-        (cos, -PI * sin, -PI * PI * cos)
-    };
-    product(point.map(cosine)).scaled(-1.0)
+/// `cos(pi s)`.
+fn cosine(s: f64) -> Jet {
+    let (sin, cos) = libm::sincos(PI * s);
+    (cos, -PI * sin, -PI * PI * cos)
 }
 
 /// `v = p(x) ((1 - t^2) p(z)^2 psi(x, t) - A p(z) t^2 (1 - t))`, `p(s) = 1 - 4 s^2`, `t = y + 1/2`,
 /// with the harmonic function `psi` of the free segment on the square.
+#[inline(always)]
 fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
@@ -86,6 +107,7 @@ fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
 /// In oblate spheroidal coordinates, `t = a m s` and `r^2 = a^2 (1 + s^2) (1 - m^2)`, it is
 /// `3/5 P_1(m) q_1(s) + 2/5 P_3(m) q_3(s)`: on the disc `s = 0` and this is `m^3`. There its slope along
 /// `t` is a quadratic in `r`, the `c + d r^2` that `psi` takes away.
+#[inline(always)]
 fn free_disc([x, y, z]: [f64; 3]) -> Field<3> {
     const CENTRE: [f64; 2] = [0.03, -0.02];
     const RADIUS: f64 = 0.3618;
