@@ -5,20 +5,9 @@
 
 use crate::discrete::grid::Grid;
 
-/// Writes `A y - load` to `out`; all three are nodal vectors.
+/// Writes row `j` of `A y - load` to `out`, of length `grid.side()`.
 ///
 /// With `load = F` this is the gradient of the energy (1), and on the boundary the discrete flux.
-///
-/// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn residual(grid: Grid, y: &[f64], load: &[f64], out: &mut [f64]) {
-    assert!(load.len() == y.len() && out.len() == y.len());
-    for (j, row) in out.chunks_exact_mut(grid.side()).enumerate() {
-        residual_row(grid, j, y, load, row);
-    }
-}
-
-/// Writes row `j` of `A y - load` to `out`, of length `grid.side()`.
 ///
 /// # Panics
 /// If `y` or `load` is not a nodal vector, or `out` not one row of one.
@@ -96,7 +85,9 @@ mod tests {
         let grid = Grid::new(5).unwrap();
         let y: Vec<f64> = (0..grid.nodes()).map(|k| ((k * k) % 17) as f64).collect();
         let mut ours = vec![0.0; grid.nodes()];
-        residual(grid, &y, &vec![0.0; grid.nodes()], &mut ours);
+        for (j, row) in ours.chunks_exact_mut(grid.side()).enumerate() {
+            residual_row(grid, j, &y, &vec![0.0; grid.nodes()], row);
+        }
         assert_eq!(ours, assembled_times(grid, &y, true));
         assert_eq!(ours, assembled_times(grid, &y, false));
     }

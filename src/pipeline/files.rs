@@ -98,7 +98,10 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
     let mut read = 0;
     PIECE.with_borrow_mut(|piece| {
         loop {
-            let length = file.read(piece)?;
+            let length = match file.read(piece) {
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                length => length?,
+            };
             pass(&piece[..length]);
             read += length as u64;
             // Files of most kinds end where they say, and need not be asked once more.
