@@ -63,6 +63,11 @@ impl Coarsest {
         size_of::<f64>() * (2 * self.factor.entries() + self.x.len())
     }
 
+    /// Multiplications per visit of an unknown.
+    pub(super) fn stencil(&self) -> f64 {
+        self.stencil
+    }
+
     /// Factors the matrix for the springs of the level, made symmetric by the shares of the nodes; returns
     /// the work in visits of unknowns.
     pub(super) fn factor(&mut self, level: &Level) -> f64 {

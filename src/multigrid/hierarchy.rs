@@ -17,7 +17,7 @@ use super::rows::Colour::{Black, Red};
 use super::stencil::{coupling, for_each_boundary_node};
 use super::stopping::{self, Hierarchy};
 use super::transfer::Weighting;
-use super::{MultigridParams, Outcome, Progress};
+use super::{Goal, MultigridParams, Outcome, Progress};
 
 /// What differs between the square and the cube, beside the stencil and the transfers.
 pub trait Geometry: Weighting {
@@ -56,6 +56,8 @@ pub struct Multigrid<G: Geometry> {
     contact: (usize, Vec<bool>),
     /// The load is divided by this power of two, so that no residual over- or underflows.
     scale: f64,
+    /// Norm of the load on the finest grid but one, before a residual took its place.
+    coarse_load: f64,
     work_units: f64,
     /// Bytes moved, per unknown of the finest grid.
     traffic: f64,
@@ -76,6 +78,7 @@ impl<G: Geometry> Multigrid<G> {
             coarsest: Coarsest::new::<G>(coarsest),
             contact: (0, Vec::new()),
             scale: 1.0,
+            coarse_load: 0.0,
             work_units: 0.0,
             traffic: 0.0,
             geometry: PhantomData,
@@ -113,6 +116,9 @@ impl<G: Geometry> Multigrid<G> {
         if finest == 0 {
             self.solve_coarsest();
             return Ok(stopping::direct(self, params.goal));
+        }
+        if params.goal == Goal::DiscretisationError {
+            self.coarse_load = self.coarse_norm();
         }
         let kkt = match start {
             Some(start) => {
@@ -288,6 +294,15 @@ impl<G: Geometry> Multigrid<G> {
         ]
     }
 
+    /// Norm of the load on the finest grid but one.
+    fn coarse_norm(&mut self) -> f64 {
+        let coarse = &self.levels[self.levels.len() - 2];
+        let (norm, nodes) = (load::norm(coarse), coarse.nodes as f64);
+        self.count(nodes / self.coarsest.stencil());
+        self.move_bytes(8.0 * nodes);
+        norm
+    }
+
     fn count(&mut self, visits: f64) {
         self.work_units += visits / self.finest().nodes as f64;
     }
@@ -326,6 +341,10 @@ impl<G: Geometry> Hierarchy for Multigrid<G> {
         } else {
             self.cycle(finest, &Self::smooth_twice(correct), G::TWICE_BELOW)
         }
+    }
+
+    fn smooth_residual(&mut self) -> f64 {
+        self.coarse_norm() / self.coarse_load
     }
 
     fn check(&mut self) -> f64 {

@@ -6,7 +6,7 @@ use super::buffers::Sums;
 use super::input::Extent;
 use super::layout::{At, rows_per_slab, slab};
 use super::level::Level;
-use super::rows::{Colour, MIN_PLACES, Rows, deinterleave, long_and_short, worse};
+use super::rows::{Colour, LINE, MIN_PLACES, Rows, deinterleave, long_and_short, worse};
 use super::stencil::coupling;
 use super::transfer::Weighting;
 use crate::discrete::simd::{Largest, vectorised};
@@ -76,6 +76,26 @@ pub(super) fn weigh<D: Weighting>(fine: &Level, coarse: &mut Level) {
         )
     });
     coarse.load_scale = largest.reduce(|| 0.0, worse);
+}
+
+/// Euclidean norm of the load of the mirrored stencil, the same bits for any number of threads.
+pub(super) fn norm(level: &Level) -> f64 {
+    let squares = |places: &[f64]| {
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut lanes = [0.0; LINE];
+                // Rows are rounded to whole lines, with zeros.
+                for line in places.as_chunks::<LINE>().0 {
+                    (0..LINE).for_each(|lane| lanes[lane] += line[lane] * line[lane]);
+                }
+                lanes.iter().sum::<f64>()
+            },
+        )
+    };
+    let pieces = level.load.each_ref().map(|half| half.par_chunks(MIN_PLACES).map(squares));
+    let sums: Vec<f64> = pieces.into_iter().flat_map(|half| half.collect::<Vec<_>>()).collect();
+    sums.iter().sum::<f64>().sqrt()
 }
 
 /// Places of one colour in a slab, and slabs in a piece of the load that one task works on.

@@ -51,7 +51,7 @@ impl StopReason {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
     /// Algebraic error at most a tenth of the discretisation error in the energy norm: one cycle on the finest
-    /// grid, more only while the contact set is still moving.
+    /// grid, seldom two.
     DiscretisationError,
     /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)` at most this number (units of the
     /// load, that is of f h^2; not relative).
