@@ -10,7 +10,7 @@ use std::path::{Path, absolute};
 
 /// What `dag --help` ends with.
 pub(super) const EXAMPLES: &str = "\
-A workflow is to be run in the folder of the project. `signorini run` then finds\n\
+A workflow is to be run in the folder of the project. `signorini run` then finds \
 everything done, and writes figures/ and report/.\n\
 Examples:\n  \
   signorini dag --dot | dot -Tsvg > dag.svg\n  \

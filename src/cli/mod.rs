@@ -42,7 +42,7 @@ const HELP_WIDTH: usize = 90;
         signorini                         the whole paper; then open report/book/index.html\n  \
         signorini diff                    our tables against the published ones\n  \
         signorini run problem1 -n         what a run of one scene would do\n  \
-        signorini solve --f 'rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1' --h 1/128\n\n\
+        signorini solve --f 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' --h 1/128\n\n\
         Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a stage failed, 130 interrupted."
 )]
 struct Cli {
@@ -64,11 +64,11 @@ struct CacheArgs {
 enum Command {
     /// Run the replication, or single scenes of it
     #[command(after_help = "Examples:\n  signorini run                     everything\n  \
-        signorini run problem1            what concerns one scene alone: its cells, tables, comparison\n  \
+        signorini run problem1            what concerns one scene alone\n  \
         signorini run --only figures      the figures, and what they need\n  \
         signorini run --locked            fail if anything differs from pipeline/lock.toml\n  \
-        signorini run --task diff/problem1  one task, beside others at work on the cache\n  \
-        signorini run --trace t.json      what ran when on which thread; open it in ui.perfetto.dev")]
+        signorini run --task diff/problem1  one task, beside others at work\n  \
+        signorini run --trace t.json      what ran when, for ui.perfetto.dev")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
     #[command(after_help = "In narrow terminals, COLUMNS says where lines are cut.\n\
@@ -90,15 +90,15 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Solve one problem once
     #[command(after_help = "Examples:\n  signorini solve problem2 --json\n  \
-        signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --stop printed --out v.vti\n  \
-        signorini solve --f 'disc(0,0,0.25)=2; else=-1' --out v.npy\n  \
+        signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
+        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
         signorini solve --cube 'ball(0,0,0,0.25)=2; else=-1' --h 1/128 --out v.vti\n\n\
-        f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers\n\
-        a point wins. Regions: rect(x0,x1,y0,y1), quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c,\n\
-        disc(x,y,radius). The square is [-0.5,0.5]^2. exact(NAME) is a problem with known solution:\n\
-        full-contact, torsion, free-segment, free-corner.\n\
-        On the cube: box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), halfspace(a,b,c,d) for\n\
-        ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc.")]
+        f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
+        a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
+        quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
+        problem with known solution: full-contact, torsion, free-segment, free-corner.\n\n\
+        The cube is [-0.5,0.5]^3; its regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
+        halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc.")]
     Solve(solve::SolveArgs),
     /// Search for the right-hand sides of the lost Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]
@@ -107,7 +107,7 @@ enum Command {
     #[command(
         after_help = "Times depend on the machine and on what else it does: leave it idle.\n\
         Examples:\n  signorini bench --quick\n  signorini bench --solver multigrid --finest 1024\n  \
-        signorini bench --record          some minutes; the book shows what was recorded last"
+        signorini bench --record          some minutes; for the book"
     )]
     Bench(bench::BenchArgs),
     /// Build the book, and open it with --open

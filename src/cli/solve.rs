@@ -26,7 +26,7 @@ pub(super) struct SolveArgs {
     /// A scene of the project; r is its `draw_r`, the stopping rule its first, all else as it says
     #[arg(required_unless_present_any = ["f", "cube"])]
     scene: Option<String>,
-    /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1'
+    /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5'
     #[arg(long, conflicts_with = "scene")]
     f: Option<String>,
     /// A right-hand side on the unit cube, e.g. 'ball(0,0,0,0.25)=2; else=-1'
@@ -34,7 +34,7 @@ pub(super) struct SolveArgs {
         conflicts_with_all = ["scene", "f", "load", "r", "stop", "max_iterations"])]
     cube: Option<String>,
     /// Width of the finest grid, 1/256, or its cells per side, 256 [default: the scene's, or 1/64]
-    #[arg(long, value_name = "1/N")]
+    #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     h: Option<String>,
     /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
     #[arg(long, value_enum)]
@@ -43,7 +43,7 @@ pub(super) struct SolveArgs {
     #[arg(long, value_enum)]
     load: Option<LoadRule>,
     /// Duality parameter [default: the scene's, or 10]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     r: Option<f64>,
     /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
     /// [default: the scene's, or printed]
@@ -53,13 +53,14 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     max_iterations: Option<u64>,
     /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
-    #[arg(long, value_name = "RESIDUAL")]
+    #[arg(long, value_name = "RESIDUAL", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Guaranteed relative error in the energy norm; chooses the grid by itself
-    #[arg(long, value_name = "REL", conflicts_with_all = ["cube", "h", "solver", "tolerance"])]
+    #[arg(long, value_name = "REL", allow_negative_numbers = true,
+        conflicts_with_all = ["cube", "h", "solver", "tolerance"])]
     accuracy: Option<f64>,
     /// Guaranteed relative error of the energy; chooses the grid by itself
-    #[arg(long, value_name = "REL",
+    #[arg(long, value_name = "REL", allow_negative_numbers = true,
         conflicts_with_all = ["accuracy", "cube", "h", "solver", "tolerance"])]
     accuracy_energy: Option<f64>,
     /// Print JSON
@@ -119,7 +120,7 @@ pub(super) enum Solver {
     Uzawa,
     /// The same with iterative proximal regularisation
     UzawaProximal,
-    /// Full multigrid to the rounding floor: the fastest by far
+    /// Full multigrid to the rounding floor: the fastest on a grid
     Multigrid,
     /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
     ActiveSet,

@@ -181,11 +181,20 @@ pub fn solvable(integral: f64, of_size: f64) -> Result<f64> {
     if integral < -ROUNDING * of_size.abs() {
         return Ok(integral);
     }
+    let size = integral.abs();
     let exactly =
-        if integral.abs() <= ROUNDING * of_size.abs() { "0" } else { &format!("{integral:.3e}") };
+        if size <= ROUNDING * of_size.abs() { "0".into() } else { shown_integral(integral) };
     Err(Error::input(format!(
         "the integral of f is {exactly}, but (2) asks for a negative one; lower f somewhere"
     )))
+}
+
+/// An integral of f as messages and answers show it.
+pub(crate) fn shown_integral(integral: f64) -> String {
+    match integral.abs() {
+        1e-2..1e6 => format!("{integral:.4}"),
+        _ => format!("{integral:.3e}"),
+    }
 }
 
 /// What rounding may leave of an integral that is zero, over the integral of |f|.
@@ -200,7 +209,7 @@ pub fn positive_r(r: f64) -> Result<f64> {
         return Ok(r);
     }
     Err(Error::input(format!(
-        "r = {r:e} must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6"
+        "r = {r:?} must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6"
     )))
 }
 

@@ -73,7 +73,10 @@ fn scientific(x: f64, digits: usize) -> String {
     match exponent {
         "-1" => format!("{x:.digits$}"),
         "0" => mantissa.to_string(),
-        "1" | "2" | "3" => format!("{x:.0}"),
+        "1" | "2" | "3" => {
+            let places = places.saturating_sub(exponent.parse().unwrap_or(0));
+            format!("{x:.places$}")
+        }
         _ if format!("1e{exponent}").parse() == Ok(x) => format!("10^{{{exponent}}}"),
         _ => format!(r"{mantissa} \cdot 10^{{{exponent}}}"),
     }
@@ -167,6 +170,7 @@ mod tests {
         );
         assert_eq!(scientific(0.5369, 2), "0.54");
         assert_eq!(scientific(-29.6, 2), "-30");
+        assert_eq!((scientific(12.61, 3), scientific(1234.0, 3)), ("12.6".into(), "1234".into()));
         assert_eq!(plain(f64::NAN), r"\text{not a number}");
     }
 }

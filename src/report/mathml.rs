@@ -48,7 +48,15 @@ pub(super) fn convert(
     for (event, range) in parse(markdown) {
         match event {
             Event::InlineMath(latex) => {
-                replace(range, &set(chapter, &latex, DisplayMode::Inline)?);
+                let math = set(chapter, &latex, DisplayMode::Inline)?;
+                // Browsers break a line between a formula and the mark after it.
+                match markdown[range.end..].chars().next().filter(|c| ",.;:)".contains(*c)) {
+                    Some(mark) => replace(
+                        range.start..range.end + mark.len_utf8(),
+                        &format!(r#"<span class="nobreak">{math}{mark}</span>"#),
+                    ),
+                    None => replace(range, &math),
+                }
             }
             Event::DisplayMath(latex) => {
                 let (body, label) = split_tag(&latex);
@@ -148,9 +156,10 @@ fn first_line(message: &str) -> String {
 
 /// Writes what Markdown could take for markup as character references, and everything on one line.
 fn shield(mathml: &str) -> String {
-    // Solidus and bars are ordinary symbols in TeX but spaced operators in MathML; and the
+    // Inline is the default. Solidus and bars are ordinary symbols in TeX but spaced operators in MathML; and the
     // renderer escapes the ampersand of the entity it writes for a control space.
     let mathml = mathml
+        .replace(r#"<math display="inline">"#, "<math>")
         .replace("<mo>/</mo>", r#"<mo lspace="0" rspace="0">/</mo>"#)
         .replace(r#""false">|</mo>"#, r#""false" lspace="0" rspace="0">|</mo>"#)
         .replace("&amp;nbsp;", "&#160;");
@@ -189,11 +198,12 @@ mod tests {
     #[test]
     fn inline_and_display_formulas_become_mathml() {
         let text = converted("Let $x_1$ and\n\n$$\ny = -1/2\n$$\n").unwrap();
-        assert!(text.starts_with("Let <math display=\"inline\"><msub>"), "{text}");
+        assert!(text.starts_with("Let <math><msub>"), "{text}");
         assert!(text.contains("<span class=\"equation\"><math display=\"block\">"));
         assert!(text.contains("<mo lspace=\"0\" rspace=\"0\">/</mo>"), "{text}");
         assert!(!text.contains('$') && text.ends_with("</math></span>\n"));
         assert!(converted(r"$a\ b$").unwrap().contains("&#160;"));
+        assert!(converted("$a$, b").unwrap().ends_with("</math>,</span> b"));
     }
 
     #[test]

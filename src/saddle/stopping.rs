@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Which norm of the gradient (8), evaluated at (y^(n), a^(n)), must fall below the tolerance.
+/// Which measure of the gradient (8), evaluated at (y^(n), a^(n)), must fall below the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopRule {

@@ -19,23 +19,23 @@
 //! subtracted so that grad psi vanishes in the corners (`potential.rs`). On the border it is interpolated, once
 //! for all contact sets (`border.rs`).
 //!
-//! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)` takes the square to the unit disc, p along the
+//! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)`, K = 1.854.., takes the square to the unit disc, p along the
 //! border to the angle theta (`map.rs`). `h = v - psi` is harmonic there, so that `W = h_theta + i h_r`
 //! is on the circle the limit of an analytic function with `W(0) = 0`. In contact `h_theta = -psi_theta`,
 //! elsewhere `h_r = -psi_r`.
 //!
 //! *The Riemann-Hilbert problem.* Let `P(theta)` be the product of `2 sin((theta - e) / 2)` over all ends
 //! e of the m contact arcs, `s = (-1)^k` on the k-th arc and on the gap after it, and
-//! `d = psi_theta / (s |P|^{1/2})` in contact, `-psi_r / (s |P|^{1/2})` elsewhere. A solution that is
+//! `delta = psi_theta / (s |P|^{1/2})` in contact, `-psi_r / (s |P|^{1/2})` elsewhere. A solution that is
 //! bounded at the ends exists if and only if
 //! ```text
-//! integral of d e^{i k theta} = 0        for k = -m/2, -m/2 + 1, .., m/2           (m + 1 equations),
+//! integral of delta e^{i k theta} = 0    for k = -m/2, -m/2 + 1, .., m/2           (m + 1 equations),
 //! integral of v_theta = 0                over all gaps but the longest            (m - 1 equations).
 //! ```
-//! Then, with `k(x) = 1 / sin(x / 2)` for odd m and `cot(x / 2)` for even m, `l dp/dtheta` in contact and
+//! Then, with `kappa(x) = 1 / sin(x / 2)` for odd m and `cot(x / 2)` for even m, `l dp/dtheta` in contact and
 //! `v_theta` elsewhere are `s |P|^{1/2} Y(theta)`,
 //! ```text
-//! Y(theta) = -(1 / 2 pi) integral of (grad psi(z') - grad psi(z)) . e / (s |P|^{1/2}) k(theta - theta') dp',
+//! Y(theta) = -(1 / 2 pi) integral of (grad psi(z') - grad psi(z)) . e / (s |P|^{1/2}) kappa(theta - theta') dp',
 //! ```
 //! e the tangent in contact, the inner normal elsewhere. To subtract `grad psi(z)` changes nothing, since
 //! linear functions are harmonic, and removes the principal value (`sources.rs`). Without a gap (m = 0)

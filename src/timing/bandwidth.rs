@@ -1,4 +1,4 @@
-//! What there is to say about the machine that times were measured on.
+//! The machine that times were measured on: its processor, system, caches and memory bandwidth.
 
 use crate::timing::machine;
 use crate::timing::recorded::{Bandwidth, Machine};

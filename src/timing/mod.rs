@@ -1,4 +1,4 @@
-//! Run times and the machine they were measured on: the only room that looks at the clock.
+//! Run times of the solvers, and the machine they were measured on.
 
 mod bandwidth;
 pub mod machine;

@@ -8,25 +8,25 @@ use std::path::PathBuf;
 
 /// What `identify --help` ends with.
 pub(in crate::cli) const EXAMPLES: &str = "\
-How it works: f takes constant values on the pieces of a space, decimals from a list or range. A run\n\
-with the published numbers of iterations tells how far each count is from coming out (the misfit).\n\
+How it works: f takes constant values on the pieces of a space, decimals from a list or range. A run \
+with the published numbers of iterations tells how far each count is from coming out (the misfit). \
 Grids 1 and 2 cost microseconds and discard nearly everything; the best are run in full.\n\n\
 Spaces:\n  \
   odd-quadrant  one value on a quadrant, any of the four, and one elsewhere\n  \
   quadrants     four values: lower left, lower right, upper left, upper right\n  \
-  rectangles    one value on a rectangle with corners on the grid 1/4, and one elsewhere\n  \
+  rectangles    one value on a rectangle with corners on the grid 1/4, one elsewhere\n  \
   blocks4       sixteen values, on blocks of side 1/4\n\n\
 Examples:\n  \
-  signorini identify                                      both problems, two values, exhaustively\n  \
-  signorini identify --problem 2 --space quadrants        four values, by annealing\n  \
-  signorini identify --problem 1 --values '2.9:3.1:0.001; -1.02:-0.98:0.001'   one range per piece\n  \
-  signorini identify --problem 2 --variants --budget 300  which reading of the method does best?\n  \
-  signorini identify --values -8:4:0.002 --checkpoint long.json   Ctrl-C, and again to go on\n  \
-  signorini identify --values -8:4:0.001 --part 2/8 --checkpoint 2.json   one of eight\n  \
-  signorini identify --merge [1-8].json                   what all eight found\n\n\
-The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005\n\
-(complexity); complexity counts distinct values and their decimal places. The same command finds the\n\
-same f whatever the threads. Exit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
+  signorini identify                                both problems, two values\n  \
+  signorini identify --problem 2 --space quadrants  four values, by annealing\n  \
+  signorini identify --problem 1 --values '2.9:3.1:0.001; -1.02:-0.98:0.001'\n  \
+  signorini identify --problem 2 --variants --budget 300\n  \
+  signorini identify --values -8:4:0.002 --checkpoint long.json\n  \
+  signorini identify --values -8:4:0.001 --part 2/8 --checkpoint 2.json\n  \
+  signorini identify --merge [1-8].json\n\n\
+The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005 \
+(complexity); complexity counts distinct values and their decimal places. The same command finds the \
+same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
 /// Which published tables to explain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -82,8 +82,8 @@ impl Accuracy {
 impl std::fmt::Display for Accuracy {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Error(wanted) => write!(out, "--accuracy {wanted:e}"),
-            Self::Energy(wanted) => write!(out, "--accuracy-energy {wanted:e}"),
+            Self::Error(wanted) => write!(out, "--accuracy {wanted:?}"),
+            Self::Energy(wanted) => write!(out, "--accuracy-energy {wanted:?}"),
         }
     }
 }

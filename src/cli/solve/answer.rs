@@ -7,6 +7,7 @@ use super::problem::Problem;
 use crate::bounds::Bounds;
 use crate::cli::output::columns;
 use crate::discrete::kkt::Kkt;
+use crate::replication::scene::shown_integral;
 use crate::saddle::{Pair, tolerance};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -238,11 +239,8 @@ impl Answer {
 
     pub(super) fn text(&self, problem: &Problem) -> String {
         let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
-        let (f, integral) = (problem.domain.f(), problem.domain.integral());
-        let mut text = match integral.abs() {
-            1e-2..1e6 => format!("{name}: f = {f}, integral {integral:.4}\n"),
-            _ => format!("{name}: f = {f}, integral {integral:.3e}\n"),
-        };
+        let (f, integral) = (problem.domain.f(), shown_integral(problem.domain.integral()));
+        let mut text = format!("{name}: f = {f}, integral {integral}\n");
         let settings = problem.settings().into_iter().map(|(name, value)| match value {
             Value::String(text) => format!("{name} {text}"),
             value => format!("{name} {value}"),

@@ -39,7 +39,11 @@ pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
     };
     for arc in &bound.contact {
         let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.4}, {y:.4})"));
-        text += &format!("contact anticlockwise from {from} to {to}, force {:.6}\n", arc.force);
+        text += &if arc.from == arc.to {
+            format!("contact everywhere, force {:.6}\n", arc.force)
+        } else {
+            format!("contact anticlockwise from {from} to {to}, force {:.6}\n", arc.force)
+        };
     }
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;

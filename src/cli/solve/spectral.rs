@@ -6,6 +6,7 @@ use super::problem::Problem;
 use crate::cli::output::{say, say_json};
 use crate::discrete::contact::ContactArc;
 use crate::pipeline::error::{Error, Result};
+use crate::replication::scene::shown_integral;
 use crate::spectral::{Params, Solution, SpectralError, spectral};
 use std::time::Instant;
 
@@ -56,7 +57,8 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
             "seconds": { "solve": seconds },
         }));
     }
-    let mut text = format!("{}: f = {f}, integral {integral:.4}\n", problem.name());
+    let integral = shown_integral(*integral);
+    let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
     text += &table(&finer);
     text += &format!(
         "checks: {}, two resolutions {resolution:.1e}\nsolved in {seconds:.4} s, {} Newton steps\n",
