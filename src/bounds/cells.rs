@@ -5,45 +5,50 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Sums over cells. Gradients are in units of differences: in two dimensions h drops out.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sums {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Sums<T = f64> {
     /// `|grad w - sigma|^2` with the oscillation of f.
-    pub distance: f64,
+    pub distance: T,
     /// `|grad w|^2`, w the recovery.
-    pub recovered: f64,
+    pub recovered: T,
     /// `(f, w)`.
-    pub recovered_load: f64,
+    pub recovered_load: T,
     /// `|grad v|^2`, v the piecewise linear function.
-    pub linear: f64,
+    pub linear: T,
     /// `(f, v)`.
-    pub linear_load: f64,
-    /// What the energy of w gains when its bubbles on the boundary are left out.
-    pub trace: f64,
+    pub linear_load: T,
     /// What the residual varies within regular cells: the square of its L2 norm there less its means,
     /// times `h^2`.
-    pub variance: f64,
+    pub variance: T,
     /// Sum over regular cells of the squares of the means of the residual, times `h^4`.
-    pub means: f64,
+    pub means: T,
+}
+
+impl<T> Sums<T> {
+    /// Lets each sum take its part of `other` into account.
+    #[inline(always)]
+    fn each<U: Copy>(&mut self, other: &Sums<U>, take: impl Fn(&mut T, U)) {
+        take(&mut self.distance, other.distance);
+        take(&mut self.recovered, other.recovered);
+        take(&mut self.recovered_load, other.recovered_load);
+        take(&mut self.linear, other.linear);
+        take(&mut self.linear_load, other.linear_load);
+        take(&mut self.variance, other.variance);
+        take(&mut self.means, other.means);
+    }
 }
 
 impl Sums {
+    #[inline(always)]
     pub(super) fn add(&mut self, other: &Self) {
-        self.distance += other.distance;
-        self.recovered += other.recovered;
-        self.recovered_load += other.recovered_load;
-        self.linear += other.linear;
-        self.linear_load += other.linear_load;
-        self.trace += other.trace;
-        self.variance += other.variance;
-        self.means += other.means;
+        self.each(other, |sum, part| *sum += part);
     }
 }
 
 /// Regular cells whose sums are formed side by side.
 pub(super) const LANES: usize = 16;
 
-/// Sums over neighbouring cells from which [`Sums`] follow, each in parts; [`add_block`] says of what.
-type Parts = [[f64; LANES]; 12];
+type Lanes = [f64; LANES];
 
 /// Sums over cells in which, and around which, f has one value; `mass` is its integral over a cell. The
 /// rows of nodes are those below the cells, at their lower and upper edges, and above; they are longer than
@@ -55,9 +60,9 @@ pub(super) fn regular(
     mass: f64,
     means: &mut [f64],
 ) -> Sums {
-    let (mut parts, mut start) = (Parts::default(), cells.start);
+    let (mut lanes, mut start) = (Sums::<Lanes>::default(), cells.start);
     while start + LANES <= cells.end {
-        let found = add_block(rows, start, mass, &mut parts);
+        let found = add_block(rows, start, mass, &mut lanes);
         means[start..start + LANES].copy_from_slice(&found);
         start += LANES;
     }
@@ -65,53 +70,32 @@ pub(super) fn regular(
         // A block that also holds cells of others, which do not count.
         let first = start.min(rows[0].len() - 2 - LANES);
         let counted = start - first..cells.end - first;
-        let mut block = Parts::default();
+        let mut block = Sums::<Lanes>::default();
         let found = add_block(rows, first, mass, &mut block);
         means[start..cells.end].copy_from_slice(&found[counted.clone()]);
         let mut share = [0.0; LANES];
         share[counted].fill(1.0);
-        for (part, block) in parts.iter_mut().zip(&block) {
+        lanes.each(&block, |lanes, block| {
             for lane in 0..LANES {
-                part[lane] += share[lane] * block[lane];
+                lanes[lane] += share[lane] * block[lane];
             }
-        }
+        });
     }
-    let mut totals = [0.0; 12];
-    totals.iter_mut().zip(&mut parts).for_each(|(total, part)| *total = fold(part));
-    let [
-        third,
-        mixed,
-        slope,
-        twisted,
-        turned,
-        steep,
-        bent,
-        bubbles,
-        twist,
-        means,
-        values,
-        laplacians,
-    ] = totals;
-    let [_, lower, upper, _] = rows;
-    let Range { start, end } = cells;
-    let turn = (upper[end] - lower[end]) - (upper[start] - lower[start]);
-    let mean = 0.25 * values;
-    let linear = 0.25 * steep + 0.5 * turned;
-    // Sum of the squares of the bends.
-    let bends = third - 2.0 * mixed + slope;
+    let mut sums = Sums::default();
+    sums.each(&lanes, |sum, lanes| *sum = lanes.iter().sum());
+    let linear = 0.25 * sums.linear;
     Sums {
-        distance: (7.0 * (third + twisted) + 8.0 * mixed + 6.0 * slope) / 2880.0,
-        recovered: linear - turned / 3.0 - bent / 24.0 + bubbles / 192.0 + bends * (11.0 / 2880.0),
-        recovered_load: mass * (mean - laplacians / 48.0),
+        distance: sums.distance / 2880.0,
+        recovered: linear + sums.recovered / 2880.0,
+        recovered_load: mass * sums.recovered_load / 48.0,
         linear,
-        linear_load: mass * (mean + turn / 12.0),
-        trace: 0.0,
-        variance: slope / 48.0 + twist / 144.0,
-        means,
+        linear_load: mass * sums.linear_load / 12.0,
+        variance: sums.variance / 144.0,
+        means: sums.means,
     }
 }
 
-/// Adds the regular cells from `start` on to the parts, and returns the means of the residual.
+/// Adds the regular cells from `start` on to the sums, and returns the means of the residual.
 ///
 /// The formulas are those of [`Special`] with f constant around the cell, in sums and differences of opposite
 /// edges.
@@ -120,8 +104,8 @@ fn add_block(
     [below, lower, upper, above]: [&[f64]; 4],
     start: usize,
     mass: f64,
-    parts: &mut Parts,
-) -> [f64; LANES] {
+    sums: &mut Sums<Lanes>,
+) -> Lanes {
     // Columns of nodes, from the one left of the cells on.
     let (d1, d2) = (column(below, start), column(below, start + 1));
     let (a0, a1) = (column(lower, start - 1), column(lower, start));
@@ -129,20 +113,6 @@ fn add_block(
     let (b0, b1) = (column(upper, start - 1), column(upper, start));
     let (b2, b3) = (column(upper, start + 1), column(upper, start + 2));
     let (u1, u2) = (column(above, start), column(above, start + 1));
-    let [
-        third,
-        mixed,
-        slope,
-        twisted,
-        turned,
-        steep,
-        bent,
-        bubbles,
-        twist,
-        squares,
-        values,
-        laplacians,
-    ] = parts;
     let mut means = [0.0; LANES];
     for i in 0..LANES {
         // Sums and differences of the two rows, and of the outer rows.
@@ -159,20 +129,22 @@ fn add_block(
         let (along, across) = ((s3 + s0) - corners, (us + ds) - corners);
         let laplacian = along + across;
         // Twice the slopes of the residual, its twist and its mean.
-        let (r, o, both, mean) = (p + g, q + e, dp + dq, 0.25 * laplacian + mass);
+        let (r, o, twist, mean) = (p + g, q + e, dp + dq, 0.25 * laplacian + mass);
+        let (third, slope) = (p * p + q * q, r * r + o * o);
+        let (steep, turned) = (x * x + y * y, turn * turn);
+        let (bubbles, bent) = (along * along + across * across, g * x + e * y);
+        // In units that `regular` puts right.
+        let cell = Sums {
+            distance: 7.0 * (third + (dp * dp + dq * dq)) + 8.0 * (p * r + q * o) + 6.0 * slope,
+            recovered: 11.0 * (g * g + e * e) + 15.0 * bubbles - 120.0 * bent - 960.0 * turned,
+            recovered_load: 12.0 * corners - laplacian,
+            linear: steep + (turned + turned),
+            linear_load: 3.0 * corners + turn,
+            variance: 3.0 * slope + twist * twist,
+            means: mean * mean,
+        };
         means[i] = mean;
-        third[i] += p * p + q * q;
-        mixed[i] += p * r + q * o;
-        slope[i] += r * r + o * o;
-        twisted[i] += dp * dp + dq * dq;
-        turned[i] += turn * turn;
-        steep[i] += x * x + y * y;
-        bent[i] += g * x + e * y;
-        bubbles[i] += along * along + across * across;
-        twist[i] += both * both;
-        squares[i] += mean * mean;
-        values[i] += corners;
-        laplacians[i] += laplacian;
+        sums.each(&cell, |lanes, part| lanes[i] += part);
     }
     means
 }
@@ -180,19 +152,6 @@ fn add_block(
 #[inline(always)]
 fn column(row: &[f64], start: usize) -> &[f64; LANES] {
     row[start..start + LANES].try_into().expect("as long as that")
-}
-
-/// The sum, in pairs.
-#[inline(always)]
-fn fold(lanes: &mut [f64; LANES]) -> f64 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for lane in 0..half {
-            lanes[lane] += lanes[lane + half];
-        }
-        half /= 2;
-    }
-    lanes[0]
 }
 
 /// What a cell shows along one axis, on its two edges in that direction.
@@ -235,6 +194,7 @@ impl Axis {
     }
 
     /// Mean square of this component of `grad w`.
+    #[inline(always)]
     fn recovered(&self, bend: f64) -> f64 {
         let slope = mean(self.along) - SIXTH * bend;
         let change = difference(self.along).powi(2) + 4.0 * mean(self.bubble).powi(2);
@@ -243,6 +203,7 @@ impl Axis {
     }
 
     /// Mean square of this component of `grad w - sigma`.
+    #[inline(always)]
     fn distance(&self, bend: f64, flux: [f64; 2], slope: f64, twist: f64) -> f64 {
         let third = [mean(self.third), difference(self.third)];
         let constant = SIXTH * (third[0] + bend) + mean(flux) + TWELFTH * slope;
@@ -274,8 +235,9 @@ pub(super) struct Special {
 
 impl Special {
     /// Sums over the cell for f with these moments, and the mean of the residual times `h^2`.
+    #[inline(always)]
     pub(super) fn sums(&self, f: &Moments) -> (Sums, f64) {
-        let Self { corners, x, y, flux, outer } = self;
+        let Self { corners, x, y, flux, .. } = self;
         // The five-point equation at the corners: its mean there, slopes, and twist.
         let laplacian = mean(x.second) + mean(y.second);
         let slope = [
@@ -285,9 +247,12 @@ impl Special {
         let twist = 144.0 * f.xy + difference(x.third) + difference(y.third);
         let distance = x.distance(y.bend(), [flux[0], flux[1]], slope[0], twist)
             + y.distance(x.bend(), [flux[2], flux[3]], slope[1], twist);
-        // h / (2 pi) times the norm of f less its bilinear approximation.
-        let oscillation = f.oscillation().sqrt() / (2.0 * PI);
-        let recovered = x.recovered(y.bend()) + y.recovered(x.bend());
+        // h / (2 pi) times the norm of f less its bilinear approximation adds to the square root.
+        let oscillation = f.oscillation();
+        let distance = match oscillation > 0.0 {
+            true => (distance.sqrt() + oscillation.sqrt() / (2.0 * PI)).powi(2),
+            false => distance,
+        };
         // The load of the bilinear function, and of what the bubbles take from it.
         let [ll, lr, ul, ur] = corners;
         let turn = (ll + ur) - (lr + ul);
@@ -295,25 +260,30 @@ impl Special {
             + 0.5 * ((lr + ur) - (ll + ul)) * f.x
             + 0.5 * ((ul + ur) - (ll + lr)) * f.y
             + turn * f.xy;
-        let bubbles = f.bubbles(x.bubble, y.bubble);
-        let mut trace = 0.0;
-        if outer.contains(&true) {
-            let (x, y) = (x.cut([outer[2], outer[3]]), y.cut([outer[0], outer[1]]));
-            let energy = x.recovered(y.bend()) + y.recovered(x.bend());
-            trace = 0.5 * (energy - recovered) + f.bubbles(x.bubble, y.bubble) - bubbles;
-        }
         let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
         let sums = Sums {
-            distance: (distance.sqrt() + oscillation).powi(2),
-            recovered,
-            recovered_load: bilinear - bubbles,
+            distance,
+            recovered: recovered(x, y),
+            recovered_load: bilinear - f.bubbles(x.bubble, y.bubble),
             linear: 0.5 * (square(x.along) + square(y.along)),
             linear_load: bilinear + turn * f.ridge,
-            trace,
             ..Sums::default()
         };
         (sums, f.one + laplacian + (flux[1] - flux[0]) + (flux[3] - flux[2]))
     }
+
+    /// What the energy of w gains when its bubbles on the boundary are left out.
+    pub(super) fn trace(&self, f: &Moments) -> f64 {
+        let energy = |x: &Axis, y: &Axis| 0.5 * recovered(x, y) + f.bubbles(x.bubble, y.bubble);
+        let [left, right, bottom, top] = self.outer;
+        energy(&self.x.cut([bottom, top]), &self.y.cut([left, right])) - energy(&self.x, &self.y)
+    }
+}
+
+/// `|grad w|^2` over the cell.
+#[inline(always)]
+fn recovered(x: &Axis, y: &Axis) -> f64 {
+    x.recovered(y.bend()) + y.recovered(x.bend())
 }
 
 #[cfg(test)]
@@ -362,21 +332,10 @@ mod tests {
                 },
             );
             for (sums, means) in &found {
-                let parts = |s: &Sums| {
-                    [
-                        s.distance,
-                        s.recovered,
-                        s.recovered_load,
-                        s.linear,
-                        s.linear_load,
-                        s.variance,
-                        s.means,
-                    ]
-                };
-                assert_eq!(parts(sums), parts(&found[0].0), "the same with all instructions");
-                for (found, want) in parts(sums).into_iter().zip(parts(&want)) {
-                    assert!((found - want).abs() < 1e-12 * want.abs().max(1e3), "{found} {want}");
-                }
+                assert_eq!(*sums, found[0].0, "the same with all instructions");
+                sums.clone().each(&want, |found, want| {
+                    assert!((*found - want).abs() < 1e-12 * want.abs().max(1e3), "{found} {want}");
+                });
                 assert!(means.iter().zip(&residuals).all(|(p, q)| (p - q).abs() < 1e-11));
             }
         }

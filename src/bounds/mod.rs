@@ -134,7 +134,7 @@ fn summed(
     assert_eq!(y.len(), grid.nodes());
     let n = grid.cells();
     let (v, moved) = admissible(grid, y);
-    let walk::Total { sums, work, residual, largest, mass, contact } =
+    let walk::Total { sums, work, trace, residual, largest, mass, contact } =
         walk::total(grid, f, &v, recovered)?;
     let size = sums.recovered + 2.0 * largest * mass;
     // No sum has more terms one after the other than a row of cells has, and some.
@@ -146,7 +146,7 @@ fn summed(
     let upper = 0.5 * sums.recovered - sums.recovered_load;
     let linear = 0.5 * sums.linear - sums.linear_load;
     let above = 2.0 * (linear - upper + gap + 2.0 * rounding);
-    let below = 2.0 * (linear - upper - sums.trace - 2.0 * rounding);
+    let below = 2.0 * (linear - upper - trace - 2.0 * rounding);
     let root = |square: f64| square.max(0.0).sqrt();
     let energy = [upper - gap - rounding, upper + rounding];
     let error = [(root(below) - moved).max(0.0), root(above) + moved];

@@ -1,6 +1,5 @@
 //! A bound of the flux that a residual takes: Poincaré's inequality on squares of all sizes.
 
-use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// Sums of squares of a piecewise constant function, by the size of the squares on which it varies.
@@ -11,51 +10,53 @@ use std::f64::consts::PI;
 /// `|grad w| <= sum_l 2^(l+1) h / pi |(P_l - P_{l+1}) r|` for the solution of `-Lap w = r`.
 pub(super) struct Pyramid {
     levels: Vec<Level>,
+    zeros: Vec<f64>,
     /// Sum and sum of squares of the blocks that cannot be halved any more.
     top: [f64; 2],
 }
 
 /// Blocks of one size.
+#[derive(Default)]
 struct Level {
     /// Blocks per side.
     side: usize,
-    /// The lower one of a pair of rows; empty for a row of zeros.
-    waiting: Option<Vec<f64>>,
+    /// Whether the lower one of a pair of rows is there.
+    waiting: bool,
+    /// That row; empty for zeros.
+    lower: Vec<f64>,
+    /// Sums over the blocks of the pair.
+    sums: Vec<f64>,
     /// Sum over the blocks of the next size of the variance of their four parts.
     variance: f64,
 }
 
 impl Pyramid {
     pub(super) fn new(n: usize) -> Self {
-        let mut sides = vec![n];
-        while sides[sides.len() - 1].is_multiple_of(2) {
-            sides.push(sides[sides.len() - 1] / 2);
-        }
-        let level = |side| Level { side, waiting: None, variance: 0.0 };
-        Self { levels: sides.into_iter().map(level).collect(), top: [0.0; 2] }
+        let sides = (0..=n.trailing_zeros()).map(|level| n >> level);
+        let level = |side| Level { side, ..Level::default() };
+        Self { levels: sides.map(level).collect(), zeros: vec![0.0; n], top: [0.0; 2] }
     }
 
     /// Adds the next row of cells, each times `h^2`; an empty one is zero.
     #[inline(always)]
-    pub(super) fn push(&mut self, row: &[f64]) {
-        let mut row = Cow::Borrowed(row);
-        let last = self.levels.len() - 1;
-        for level in &mut self.levels[..last] {
-            let Some(lower) = level.waiting.take() else {
-                level.waiting = Some(row.into_owned());
+    pub(super) fn push<'a>(&'a mut self, mut row: &'a [f64]) {
+        let (_, halving) = self.levels.split_last_mut().expect("a level at least");
+        for Level { side, waiting, lower, sums, variance } in halving {
+            *waiting = !*waiting;
+            if *waiting {
+                lower.clear();
+                lower.extend_from_slice(row);
                 return;
-            };
+            }
             if lower.is_empty() && row.is_empty() {
                 continue;
             }
-            let zeros = vec![0.0; if lower.is_empty() || row.is_empty() { level.side } else { 0 }];
-            let below = if lower.is_empty() { &zeros } else { &lower };
-            let above = if row.is_empty() { &zeros } else { &*row };
-            let (sums, variance) = halved(below, above);
-            level.variance += variance;
-            row = Cow::Owned(sums);
+            let [below, above] =
+                [lower, row].map(|row| if row.is_empty() { &self.zeros[..*side] } else { row });
+            *variance += halve(below, above, sums);
+            row = sums;
         }
-        for block in &*row {
+        for block in row {
             self.top[0] += block;
             self.top[1] += block * block;
         }
@@ -72,9 +73,9 @@ impl Pyramid {
     }
 }
 
-/// Sums over each four neighbouring blocks of two rows, and what these vary within the fours.
+/// Writes sums over each four neighbouring blocks of two rows, and returns what these vary within the fours.
 #[inline(always)]
-fn halved(below: &[f64], above: &[f64]) -> (Vec<f64>, f64) {
+fn halve(below: &[f64], above: &[f64], sums: &mut Vec<f64>) -> f64 {
     // Sums kept apart, so that they can be added to at once.
     const LANES: usize = 8;
     let mut variances = [0.0; LANES];
@@ -88,7 +89,7 @@ fn halved(below: &[f64], above: &[f64]) -> (Vec<f64>, f64) {
                 + 0.25 * (left - right) * (left - right);
         }
     };
-    let mut sums = vec![0.0; below.len() / 2];
+    sums.resize(below.len() / 2, 0.0);
     let (whole, rest) = sums.as_chunks_mut::<LANES>();
     let (below, below_rest) = below.as_chunks::<{ 2 * LANES }>();
     let (above, above_rest) = above.as_chunks::<{ 2 * LANES }>();
@@ -96,5 +97,5 @@ fn halved(below: &[f64], above: &[f64]) -> (Vec<f64>, f64) {
         halve(sums, below, above);
     }
     halve(rest, below_rest, above_rest);
-    (sums, variances.iter().sum())
+    variances.iter().sum()
 }

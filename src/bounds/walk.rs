@@ -18,6 +18,8 @@ pub(super) struct Total {
     pub sums: Sums,
     /// `<sigma.n, w>`, the work of the reactions on the recovery.
     pub work: f64,
+    /// What the energy of the recovery gains when its bubbles on the boundary are left out.
+    pub trace: f64,
     /// A bound of the flux that the residual takes.
     pub residual: f64,
     /// The largest |v|.
@@ -76,8 +78,15 @@ impl<'a> Walk<'a> {
     fn new(data: &'a AllCells<'a>, v: Extended<'a>, recovered: Option<&'a mut [f64]>) -> Self {
         let (grid, n) = (v.grid, v.grid.cells());
         let outer: Vec<f64> = grid.boundary().map(|node| v.v[node]).collect();
-        let contact = contact::arcs(grid, &outer, &v.reactions.found);
-        let sums = Sums::default();
+        let total = Total {
+            sums: Sums::default(),
+            work: 0.0,
+            trace: 0.0,
+            residual: 0.0,
+            largest: 0.0,
+            mass: 0.0,
+            contact: contact::arcs(grid, &outer, &v.reactions.found),
+        };
         Self {
             grid,
             data,
@@ -87,8 +96,8 @@ impl<'a> Walk<'a> {
             special: Vec::new(),
             means: vec![0.0; n],
             pyramid: Pyramid::new(n),
-            total: Total { sums, work: 0.0, residual: 0.0, largest: 0.0, mass: 0.0, contact },
-            block: sums,
+            total,
+            block: Sums::default(),
             noise: 0.0,
             recovered,
         }
@@ -188,6 +197,7 @@ impl<'a> Walk<'a> {
 
     /// Adds cell (i, j), and what the reactions on its edges do, to the sums; returns the mean of the residual
     /// times `h^2`.
+    #[inline(always)]
     fn add_special(&mut self, i: usize, j: usize) -> f64 {
         let cell = self.cell(i, j);
         let moments = self.cells[0].at(i);
@@ -195,6 +205,7 @@ impl<'a> Walk<'a> {
         self.block.add(&part);
         self.total.mass += moments.square.sqrt();
         if cell.outer.contains(&true) {
+            self.total.trace += cell.trace(&moments);
             let [ll, lr, ul, ur] = cell.corners;
             let Reactions { left, right, bottom, top, .. } = self.v.reactions;
             let edges = [
@@ -211,6 +222,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Cell (i, j) with its bubbles.
+    #[inline(always)]
     fn cell(&self, i: usize, j: usize) -> Special {
         let n = self.grid.cells();
         let [horizontal, vertical] = self.v.around(i, j);
@@ -237,6 +249,7 @@ impl<'a> Walk<'a> {
 
     /// What the fluxes that f needs add to the bubbles of cell (i, j) along both axes: half their change over the
     /// cells at the edge, in the mean.
+    #[inline(always)]
     fn bends(&self, i: usize, j: usize) -> [[f64; 2]; 2] {
         let n = self.grid.cells();
         let changes = |i: usize, strip: usize| {
