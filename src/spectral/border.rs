@@ -5,6 +5,7 @@ use super::complex::Complex;
 use super::jumps::Jumps;
 use super::panels::{Place, distance, tangent};
 use super::potential::Potential;
+use crate::discrete::simd::vectorised;
 use std::f64::consts::PI;
 
 /// Terms of a series. No piece is longer than its distance from a singular point, so that the terms fall like
@@ -20,13 +21,18 @@ pub(super) struct Border {
 
 #[derive(Clone)]
 struct Piece {
+    side: i32,
     /// Ends as distances from the corner at which the side begins.
     from: f64,
     to: f64,
-    /// Series of psi and of its gradient.
-    value: [f64; TERMS],
-    gradient: [[f64; 2]; TERMS],
+    /// One over the length.
+    scale: f64,
+    /// Coefficients of psi, psi_x and psi_y.
+    series: [[f64; 3]; TERMS],
 }
+
+/// Places of one piece at which the series are summed at once.
+const LANES: usize = 16;
 
 impl Border {
     pub(super) fn new(psi: &Potential, jumps: &Jumps, crossings: &[Place]) -> Self {
@@ -37,14 +43,14 @@ impl Border {
             let point = |t: f64| Place { corner: side, t }.point();
             let mut breaks = vec![0.0, 1.0];
             let places = crossings.iter().map(|&place| on_side(place));
-            breaks.extend(places.filter(|&(of, _)| of == side as usize).map(|(_, t)| t));
+            breaks.extend(places.filter(|&(of, _)| of == side).map(|(_, t)| t));
             breaks.sort_by(f64::total_cmp);
             // What is left to cut, the first on top.
             let mut left: Vec<[f64; 2]> =
                 breaks.windows(2).rev().map(|ends| [ends[0], ends[1]]).collect();
             let mut pieces = Vec::new();
             // psi at the start of the piece; along the side it is an integral of its gradient.
-            let (tangent, mut before) = (tangent(side, 1.0), psi.value_and_gradient(point(0.0)).0);
+            let mut before = psi.value_and_gradient(point(0.0)).0;
             while let Some([from, to]) = left.pop() {
                 let (length, middle) = (to - from, 0.5 * (from + to));
                 let segment = [point(from), point(to)];
@@ -54,9 +60,9 @@ impl Border {
                     left.extend([[middle, to], [from, middle]]);
                 } else if length > 0.0 {
                     let gradient = |t: f64| psi.gradient(point(t));
-                    let piece = Piece::new([from, to], &cosines, tangent, before, gradient);
+                    let piece = Piece::new(side, [from, to], &cosines, before, gradient);
                     // At 1 all polynomials are 1.
-                    before = piece.value.iter().sum();
+                    before = piece.series.iter().map(|c| c[0]).sum();
                     pieces.push(piece);
                 }
             }
@@ -65,34 +71,33 @@ impl Border {
         Self { sides }
     }
 
-    /// The gradient of psi.
-    pub(super) fn gradient(&self, place: Place) -> Complex {
-        let (piece, x) = self.piece(place);
-        let mut sums = [[0.0; 2]; 2];
-        for c in piece.gradient[1..].iter().rev() {
-            let next = [0, 1].map(|k| c[k] + 2.0 * x * sums[0][k] - sums[1][k]);
-            sums = [next, sums[0]];
+    /// psi and its gradient at places, in their order.
+    pub(super) fn at(&self, places: impl Iterator<Item = Place>) -> Vec<(f64, Complex)> {
+        let mut found = Vec::with_capacity(places.size_hint().0);
+        let mut places = places.peekable();
+        while let Some(first) = places.next() {
+            let piece = self.piece(first);
+            let (mut x, mut many) = ([piece.local(first); LANES], 1);
+            while let Some(place) =
+                places.next_if(|&place| many < LANES && piece.local(place).abs() <= 1.0)
+            {
+                x[many] = piece.local(place);
+                many += 1;
+            }
+            let [psi, re, im] = vectorised(
+                #[inline(always)]
+                || piece.sums(&x),
+            );
+            found.extend((0..many).map(|k| (psi[k], Complex::new(re[k], im[k]))));
         }
-        let [re, im] = [0, 1].map(|k| piece.gradient[0][k] + x * sums[0][k] - sums[1][k]);
-        Complex::new(re, im)
+        found
     }
 
-    /// psi.
-    pub(super) fn value(&self, place: Place) -> f64 {
-        let (piece, x) = self.piece(place);
-        let mut sums = [0.0; 2];
-        for c in piece.value[1..].iter().rev() {
-            sums = [c + 2.0 * x * sums[0] - sums[1], sums[0]];
-        }
-        piece.value[0] + x * sums[0] - sums[1]
-    }
-
-    /// The piece with a place, and where that is on it, from -1 to 1.
-    fn piece(&self, place: Place) -> (&Piece, f64) {
+    /// The piece with a place.
+    fn piece(&self, place: Place) -> &Piece {
         let (side, t) = on_side(place);
-        let pieces = &self.sides[side];
-        let piece = &pieces[pieces.partition_point(|piece| piece.to < t).min(pieces.len() - 1)];
-        (piece, (2.0 * t - piece.from - piece.to) / (piece.to - piece.from))
+        let pieces = &self.sides[side as usize];
+        &pieces[pieces.partition_point(|piece| piece.to < t).min(pieces.len() - 1)]
     }
 }
 
@@ -100,42 +105,70 @@ impl Border {
 const SHORTEST: f64 = 1e-6;
 
 /// The side of a place, and the distance from the corner at which it begins.
-fn on_side(Place { corner, t }: Place) -> (usize, f64) {
+fn on_side(Place { corner, t }: Place) -> (i32, f64) {
     let (side, t) = if t < 0.0 { (corner - 1, 1.0 + t) } else { (corner, t) };
-    (side.rem_euclid(4) as usize, t)
+    (side.rem_euclid(4), t)
 }
 
 impl Piece {
     fn new(
+        side: i32,
         [from, to]: [f64; 2],
         cosines: &[f64],
-        tangent: Complex,
         before: f64,
         at: impl Fn(f64) -> Complex,
     ) -> Self {
-        let mut gradient = [[0.0; 2]; TERMS];
+        let mut series = [[0.0; 3]; TERMS];
         for node in 0..TERMS {
             let x = cosines[2 * node + 1];
             let Complex { re, im } = at(0.5 * (from + to) + 0.5 * (to - from) * x);
-            for (k, sum) in gradient.iter_mut().enumerate() {
+            for (k, [_, x, y]) in series.iter_mut().enumerate() {
                 let share = if k == 0 { 1.0 } else { 2.0 } / TERMS as f64;
                 let weight = share * cosines[k * (2 * node + 1) % (4 * TERMS)];
-                sum[0] += weight * re;
-                sum[1] += weight * im;
+                *x += weight * re;
+                *y += weight * im;
             }
         }
         let slope = |k: usize| {
-            let [x, y] = gradient.get(k).copied().unwrap_or_default();
-            let along = tangent.dot(Complex::new(x, y));
+            let [_, x, y] = series.get(k).copied().unwrap_or_default();
+            let along = tangent(side, 1.0).dot(Complex::new(x, y));
             if k == 0 { 2.0 * along } else { along }
         };
-        let mut value = [0.0; TERMS];
-        for k in 1..TERMS {
-            value[k] = (to - from) * (slope(k - 1) - slope(k + 1)) / (4 * k) as f64;
-            value[0] += if k % 2 == 1 { value[k] } else { -value[k] };
+        let psi: [f64; TERMS] = std::array::from_fn(|k| match k {
+            0 => before,
+            _ => (to - from) * (slope(k - 1) - slope(k + 1)) / (4 * k) as f64,
+        });
+        for (k, value) in psi.into_iter().enumerate() {
+            series[k][0] += value;
+            // At -1, where psi is known, polynomials of odd degree are -1.
+            if k > 0 {
+                series[0][0] += if k % 2 == 1 { value } else { -value };
+            }
         }
-        value[0] += before;
-        Self { from, to, value, gradient }
+        Self { side, from, to, scale: 1.0 / (to - from), series }
+    }
+
+    /// Where a place is on the piece, from -1 to 1; on another side it is nowhere.
+    fn local(&self, place: Place) -> f64 {
+        let (side, t) = on_side(place);
+        let (after, before) = (t - self.from, self.to - t);
+        if side == self.side { (after - before) * self.scale } else { f64::INFINITY }
+    }
+
+    /// The sums of the three series, by Clenshaw's recurrence.
+    #[inline(always)]
+    fn sums(&self, x: &[f64; LANES]) -> [[f64; LANES]; 3] {
+        let (mut sums, mut before) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for (k, coefficients) in self.series.iter().enumerate().rev() {
+            let factor = if k == 0 { 1.0 } else { 2.0 };
+            for ((sum, before), c) in sums.iter_mut().zip(&mut before).zip(coefficients) {
+                for lane in 0..LANES {
+                    let next = c + factor * x[lane] * sum[lane] - before[lane];
+                    (before[lane], sum[lane]) = (sum[lane], next);
+                }
+            }
+        }
+        sums
     }
 }
 
@@ -157,12 +190,13 @@ mod tests {
             let border = Border::new(&psi, &jumps, &crossings);
             let corners = CORNERS.map(|z| psi.value_and_gradient(z).0.abs());
             let size = corners.into_iter().fold(1.0, f64::max);
-            for k in 0..4000 {
-                let place = Place::new(k % 4, 0.997 * f64::from(k) / 4000.0 - 0.5);
-                let (value, gradient) = psi.value_and_gradient(place.point());
-                let error = (border.value(place) - value).abs();
+            let places =
+                (0..4000).map(|k| Place::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5));
+            for (place, (value, gradient)) in places.clone().zip(border.at(places)) {
+                let (psi, slope) = psi.value_and_gradient(place.point());
+                let error = (psi - value).abs();
                 assert!(error < 2e-15 * size, "{text}, {place:?}: {error}");
-                let error = (border.gradient(place) - gradient).norm();
+                let error = (gradient - slope).norm();
                 assert!(error < 2e-14 * size, "{text}, {place:?}: {error}");
             }
         }

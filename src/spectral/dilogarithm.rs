@@ -42,10 +42,13 @@ pub(super) fn dilogarithm(y: Complex) -> Complex {
     }
     let u = -(one - y).ln();
     let square = u * u;
-    let series = COEFFICIENTS
+    // Horner's scheme for real coefficients, modulo the polynomial with the roots u^2 and its conjugate.
+    let (sum, size) = (2.0 * square.re, square.norm2());
+    let [first, rest] = COEFFICIENTS
         .iter()
         .rev()
-        .fold(Complex::default(), |sum, &c| sum * square + Complex::new(c, 0.0));
+        .fold([0.0; 2], |[first, rest], &c| [c + sum * first - size * rest, first]);
+    let series = Complex::new(first, 0.0) - square.conj().scaled(rest);
     u - square.scaled(0.25) + series * square * u
 }
 

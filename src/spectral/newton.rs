@@ -56,9 +56,11 @@ impl Problem {
             system.right[arcs + 1 + row] =
                 -of(gap).map(|at| at.derivative * at.node.weight).sum::<f64>();
         }
-        for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
-            let gradient = self.border.gradient(*place);
-            let target = Target { corner: place.corner, angle: *angle, gradient };
+        let at = self.border.at(ends.places.iter().copied());
+        for (j, ((place, angle), (psi, gradient))) in
+            ends.places.iter().zip(&ends.angles).zip(at).enumerate()
+        {
+            let target = Target { corner: place.corner, angle: *angle, psi, gradient };
             let (column, y) = derivatives(sources, &target, &trig, arcs % 2 == 1);
             let scale = angle.slope * if relative(&ends.places, j) { place.t } else { 1.0 };
             for (row, d) in column.iter().enumerate() {

@@ -149,7 +149,11 @@ impl Panel {
     }
 
     /// Nodes of a rule on (0, 1), graded like `x^power` towards the end where something is.
-    pub(super) fn nodes(&self, rule: &[[f64; 2]], power: i32) -> impl Iterator<Item = Node> {
+    pub(super) fn nodes(
+        &self,
+        rule: &[[f64; 2]],
+        power: i32,
+    ) -> impl Iterator<Item = Node> + Clone {
         let Self { from, to, .. } = *self;
         let length = to - from;
         let reversed = self.reversed();

@@ -61,11 +61,12 @@ pub(super) struct Group {
     pub range: Range<usize>,
 }
 
-/// A point of the border with the gradient of psi there.
+/// A point of the border with psi and its gradient there.
 #[derive(Clone, Copy)]
 pub(super) struct Target {
     pub corner: i32,
     pub angle: Angle,
+    pub psi: f64,
     pub gradient: Complex,
 }
 
@@ -73,9 +74,10 @@ impl Sources {
     /// Adds the nodes of a rule on a panel.
     fn add(&mut self, psi: &Border, ends: &Ends, panel: &Panel, rule: &[[f64; 2]], power: i32) {
         let (start, root) = (self.weight.len(), ends.root(panel));
-        for node in panel.nodes(rule, power) {
+        let at = psi.at(panel.nodes(rule, power).map(|node| panel.place(node.t)));
+        for (node, (_, gradient)) in panel.nodes(rule, power).zip(at) {
             let angle = Angle::from_corner(node.t);
-            let derivative = psi.gradient(panel.place(node.t)).dot(panel.direction());
+            let derivative = gradient.dot(panel.direction());
             let weight = node.weight / root(node, angle);
             self.weight.push(weight);
             self.moment.push(weight * derivative);
@@ -202,13 +204,15 @@ impl<'a> Field<'a> {
         const MANY: usize = 8;
         const FEW: usize = 4;
         let panel = &self.panels[p];
-        let nodes: Vec<Node> = panel.nodes(&self.rules.targets, panel.target_power()).collect();
-        let target = |node: &Node| Target {
+        let nodes = panel.nodes(&self.rules.targets, panel.target_power());
+        let at = self.psi.at(nodes.clone().map(|node| panel.place(node.t)));
+        let target = |(node, (psi, gradient)): (Node, (f64, Complex))| Target {
             corner: panel.corner,
             angle: Angle::from_corner(node.t),
-            gradient: self.psi.gradient(panel.place(node.t)),
+            psi,
+            gradient,
         };
-        let targets: Vec<Target> = nodes.iter().map(target).collect();
+        let targets: Vec<Target> = nodes.clone().zip(at).map(target).collect();
         let mut sums = Vec::with_capacity(targets.len() + MANY);
         vectorised(
             #[inline(always)]
@@ -223,7 +227,7 @@ impl<'a> Field<'a> {
             },
         );
         let root = self.ends.root(panel);
-        nodes.into_iter().zip(targets).zip(sums).map(move |((node, target), sum)| {
+        nodes.zip(targets).zip(sums).map(move |((node, target), sum)| {
             let root = root(node, target.angle) * target.angle.slope;
             AtNode { node, target, root, derivative: -root * sum / std::f64::consts::TAU }
         })

@@ -49,18 +49,15 @@ impl Trace {
         for (p, panel) in panels.iter().enumerate() {
             let first = points.len();
             starts.push(before);
-            points.extend(field.on_panel(p).map(|AtNode { node, target, derivative, .. }| {
-                let place = panel.place(node.t);
-                Point {
-                    place,
-                    panel: p,
-                    weight: node.weight,
-                    value: 0.0,
-                    multiplier: if panel.contact { derivative } else { 0.0 },
-                    along: if panel.contact { 0.0 } else { derivative },
-                    psi: problem.border.value(place),
-                    gradient: target.gradient,
-                }
+            points.extend(field.on_panel(p).map(|AtNode { node, target, derivative, .. }| Point {
+                place: panel.place(node.t),
+                panel: p,
+                weight: node.weight,
+                value: 0.0,
+                multiplier: if panel.contact { derivative } else { 0.0 },
+                along: if panel.contact { 0.0 } else { derivative },
+                psi: target.psi,
+                gradient: target.gradient,
             }));
             let points = &mut points[first..];
             before = if panel.contact { 0.0 } else { integrate(points, panel, before, rules) };
