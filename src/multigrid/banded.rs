@@ -1,18 +1,21 @@
-//! Cholesky factors of small banded matrices, for coarsest grids.
+//! Factors of small banded matrices, for coarsest grids.
 
-/// A symmetric positive definite matrix, first by its entries and then by its factor `L`, `A = L L'`.
+/// A symmetric positive definite matrix, first by its entries and then by its factors, `A = L D L'`.
 ///
-/// Row `k` holds the entries `(k, k - band ..= k)` of the lower triangle.
+/// Row `k` holds the entries `(k, k - band ..= k)` of the lower triangle; then those of `L`, whose diagonal is 1,
+/// and in its place the inverse of that of `D`.
 pub(super) struct Banded {
     size: usize,
     band: usize,
     lower: Vec<f64>,
+    /// A column below the diagonal.
+    column: Vec<f64>,
 }
 
 impl Banded {
     /// The zero matrix.
     pub(super) fn zeros(size: usize, band: usize) -> Self {
-        Self { size, band, lower: vec![0.0; size * (band + 1)] }
+        Self { size, band, lower: vec![0.0; size * (band + 1)], column: vec![0.0; band] }
     }
 
     /// Replaces all entries by those of another matrix of this size.
@@ -32,17 +35,17 @@ impl Banded {
 
     /// Multiplications that the factorisation takes.
     pub(super) fn factor_work(&self) -> f64 {
-        (self.size * self.band * (self.band + 1) / 2) as f64
+        (self.size * self.band * (self.band + 3) / 2) as f64
     }
 
     /// Multiplications that one solution takes.
     pub(super) fn solve_work(&self) -> f64 {
-        (2 * self.size * self.band) as f64
+        (self.size * (2 * self.band + 1)) as f64
     }
 
     /// How many numbers are stored.
     pub(super) fn entries(&self) -> usize {
-        self.lower.len()
+        self.lower.len() + self.band
     }
 
     /// Replaces row and column `k` by those of the unit matrix.
@@ -54,57 +57,44 @@ impl Banded {
         }
     }
 
-    /// Replaces the entries by those of the factor.
+    /// Replaces the entries by those of the factors.
     pub(super) fn factor(&mut self) {
-        let (band, width) = (self.band, self.band + 1);
-        for row in 0..self.size {
-            let (above, rest) = self.lower.split_at_mut(row * width);
-            let (mine, pivot) = rest[..width].split_at_mut(band);
-            let first = band.saturating_sub(row);
-            for place in first..band {
-                // Row `row` begins so many columns after that of the entry's column.
-                let shift = band - place;
-                let other = &above[(row - shift) * width..][..width];
-                let known: f64 = mine[first..place]
-                    .iter()
-                    .zip(&other[first + shift..])
-                    .map(|(a, b)| a * b)
-                    .sum();
-                mine[place] = (mine[place] - known) / other[band];
+        let band = self.band;
+        for k in 0..self.size {
+            let pivot = self.entry(k, k);
+            let inverse = 1.0 / *pivot;
+            *pivot = inverse;
+            let below = k + 1..self.size.min(k + band + 1);
+            for row in below.clone() {
+                self.column[row - k - 1] = *self.entry(row, k);
             }
-            pivot[0] = (pivot[0] - dot(&mine[first..], &mine[first..])).sqrt();
+            for row in below {
+                let (place, column) = (self.place(row, k), &self.column[..row - k]);
+                let factor = inverse * column[row - k - 1];
+                self.lower[place] = factor;
+                let right = &mut self.lower[place + 1..][..row - k];
+                right.iter_mut().zip(column).for_each(|(entry, column)| *entry -= factor * column);
+            }
         }
     }
 
-    /// Solves `L L' x = b`, where `x` comes in as `b`.
+    /// Solves `L D L' x = b`, where `x` comes in as `b`.
     pub(super) fn solve(&self, x: &mut [f64]) {
-        let (band, width) = (self.band, self.band + 1);
-        for (row, entries) in self.lower.chunks_exact(width).enumerate() {
-            let first = row.saturating_sub(band);
-            let known = dot(&entries[band + first - row..band], &x[first..row]);
-            x[row] = (x[row] - known) / entries[band];
+        let (band, rows) = (self.band, self.lower.chunks_exact(self.band + 1));
+        for (row, entries) in rows.clone().enumerate() {
+            let (solved, rest) = x.split_at_mut(row);
+            let reach = band.min(row);
+            let known = entries[band - reach..].iter().zip(&solved[row - reach..]);
+            known.for_each(|(entry, x)| rest[0] -= entry * x);
         }
-        for row in (0..self.size).rev() {
-            let (solved, entries) = (&x[row + 1..], &self.lower[row * width..]);
-            let (own, below) = entries.split_at(width);
-            // Down the column, one place nearer to the start of its row in each.
-            let mut known = 0.0;
-            for (k, (entries, x)) in below.chunks_exact(width).zip(solved).take(band).enumerate() {
-                known += entries[band - 1 - k] * x;
-            }
-            x[row] = (x[row] - known) / own[band];
+        x.iter_mut().zip(rows.clone()).for_each(|(x, entries)| *x *= entries[band]);
+        for (row, entries) in rows.enumerate().rev() {
+            let (above, solved) = x.split_at_mut(row);
+            let reach = band.min(row);
+            let known = above[row - reach..].iter_mut().zip(&entries[band - reach..]);
+            known.for_each(|(x, entry)| *x -= entry * solved[0]);
         }
     }
-}
-
-/// The sum of the products, one after the other.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (a, b) in a.iter().zip(b) {
-        sum += a * b;
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::network::Network;
 /// Active-set steps at most; there are at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
 
-/// The matrix of the coarsest grid and its Cholesky factor for one set of springs.
+/// The matrix of the coarsest grid and its factors for one set of springs.
 pub(super) struct Coarsest {
     network: Network,
     nodes: Vec<Node>,
