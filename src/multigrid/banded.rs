@@ -35,12 +35,17 @@ impl Banded {
 
     /// Multiplications that the factorisation takes.
     pub(super) fn factor_work(&self) -> f64 {
-        (self.size * self.band * (self.band + 3) / 2) as f64
+        self.columns().map(|below| below * (below + 3) / 2).sum::<usize>() as f64
     }
 
     /// Multiplications that one solution takes.
     pub(super) fn solve_work(&self) -> f64 {
-        (self.size * (2 * self.band + 1)) as f64
+        self.columns().map(|below| 2 * below + 1).sum::<usize>() as f64
+    }
+
+    /// Entries of each column below the diagonal.
+    fn columns(&self) -> impl Iterator<Item = usize> {
+        (0..self.size).rev().map(|rows| rows.min(self.band))
     }
 
     /// How many numbers are stored.
