@@ -125,7 +125,7 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     if asked.is_empty() {
         let names: Vec<_> = Stage::value_variants().iter().map(Stage::to_string).collect();
         return Err(Error::input(format!(
-            "no stage or task `{}`; stages are {}, `signorini dag` lists the tasks",
+            "no stage or task `{}`; stages are {}; `signorini dag` lists the tasks",
             args.stage,
             names.join(", ")
         )));
