@@ -141,13 +141,11 @@ impl<'a> Nodes<'a> {
         for t in 0..steps {
             // The node north of row k is the one east of row k + 1, and the node south of row k + 1 is
             // the one that row k has just left.
-            let (mut south, mut east) = (below[t], [above[t]; 5]);
+            let (mut south, mut east) = (below[t], rows[0][t + 2]);
             for k in 0..K {
-                east[k] = rows[k][t + 2];
-            }
-            for k in 0..K {
-                let next = interior(self.inside, south, east[k + 1], east[k], loads[k][t], west[k]);
-                (south, west[k]) = (west[k], next);
+                let north = if k + 1 < K { rows[k + 1][t + 2] } else { above[t] };
+                let next = interior(self.inside, south, north, east, loads[k][t], west[k]);
+                (south, east, west[k]) = (west[k], north, next);
                 rows[k][t + 1] = next;
             }
         }
