@@ -119,7 +119,8 @@ impl Evaluator<'_> {
                 self.iterate(level, |at, measure| {
                     if counted {
                         let Level { lanes, witness, .. } = at;
-                        let within = lanes.all_within(*held, measure, tolerance, witness);
+                        let bounds = held.map(|held| held.then_some(tolerance));
+                        let within = lanes.all_within(measure, bounds, witness);
                         *held = from_fn(|k| held[k] && within[k] == (n == last));
                     }
                 });

@@ -19,42 +19,36 @@ pub enum Measure {
     Kkt,
 }
 
-/// Whether a value is at most `bound`; NaN is not. One comparison, so that all lanes are compared at once.
-#[inline(always)]
-fn is_within<N: Number>(value: N, bound: f64) -> bool {
-    value.wide() <= bound
-}
-
 impl<N: Number> Lanes<N> {
     /// Whether a measure is at most `bound` everywhere in a lane; NaN never is.
     ///
     /// The node `witness`, which broke the bound last, is tried first.
     pub fn within(&self, lane: usize, measure: Measure, bound: f64, witness: &mut usize) -> bool {
         let mut witnesses = [*witness; LANES];
-        let within = self.all_within(from_fn(|l| l == lane), measure, bound, &mut witnesses);
+        let bounds = from_fn(|l| (l == lane).then_some(bound));
+        let within = self.all_within(measure, bounds, &mut witnesses);
         *witness = witnesses[lane];
         within[lane]
     }
 
-    /// The same in each of these lanes, with a witness for each; the others are not.
+    /// The same in each lane that has a bound, with a witness for each; the others are not.
     pub fn all_within(
         &self,
-        lanes: [bool; LANES],
         measure: Measure,
-        bound: f64,
+        bounds: [Option<f64>; LANES],
         witnesses: &mut [usize; LANES],
     ) -> [bool; LANES] {
         vectorised(
             #[inline(always)]
             || {
-                let mut open = lanes;
-                for lane in 0..LANES {
-                    open[lane] = lanes[lane]
-                        && is_within(self.at_node(measure, witnesses[lane]).0[lane], bound);
-                }
+                let mut open = from_fn(|l| {
+                    let here = |bound| self.at_node(measure, witnesses[l]).0[l].wide() <= bound;
+                    bounds[l].is_some_and(here)
+                });
                 let side = self.grid.side();
                 let Some(lane) = open.iter().position(|open| *open) else { return open };
-                let first = witnesses[lane] / side;
+                let (first, bounds) =
+                    (witnesses[lane] / side, bounds.map(Option::unwrap_or_default));
                 for j in (first..side).chain(0..first) {
                     let (one, mut above) = (N::of(1.0), V::all(0.0));
                     self.in_row(
@@ -62,8 +56,9 @@ impl<N: Number> Lanes<N> {
                         j,
                         #[inline(always)]
                         |value, _| {
+                            // One comparison, which NaN fails, so that all lanes are compared at once.
                             above = V(from_fn(|l| {
-                                if is_within(value.0[l], bound) { above.0[l] } else { one }
+                                if value.0[l].wide() <= bounds[l] { above.0[l] } else { one }
                             }));
                         },
                     );

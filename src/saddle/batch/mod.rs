@@ -89,6 +89,8 @@ pub fn run<N: Number>(
     let mut waiting = jobs.iter().enumerate();
     let mut lanes = Lanes::new(grid, Order::Lexicographic, 1.0);
     let mut runs: [Option<Run<N>>; LANES] = [const { None }; LANES];
+    // Nodes that broke the bound on the inner gradient when last tried.
+    let mut inner_witnesses = [0; LANES];
     loop {
         for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
             if let Some((number, job)) = waiting.next() {
@@ -101,12 +103,9 @@ pub fn run<N: Number>(
             return ends.into_iter().flatten().collect();
         }
         lanes.sweep(arithmetic);
-        let steps = from_fn(|lane| {
-            runs[lane].as_mut().is_some_and(|run| match run.inner {
-                None => true,
-                Some(bound) => lanes.within(lane, Measure::Inner, bound, &mut run.inner_witness),
-            })
-        });
+        let inner = from_fn(|lane| runs[lane].as_ref().and_then(|run| run.inner));
+        let within = lanes.all_within(Measure::Inner, inner, &mut inner_witnesses);
+        let steps = from_fn(|lane| runs[lane].is_some() && (inner[lane].is_none() || within[lane]));
         let changes = lanes.step(steps, arithmetic);
         let loose = |lane: usize| steps[lane] && runs[lane].as_ref().is_some_and(Run::is_loose);
         let gradients = (0..LANES).any(loose).then(|| lanes.worst(Measure::Printed));
@@ -138,9 +137,8 @@ struct Run<'a, N> {
     delta_a: f64,
     /// Bound on the inner gradient.
     inner: Option<f64>,
-    /// Nodes that broke the goal and the inner bound when last tried.
+    /// The node that broke the goal when last tried.
     witness: usize,
-    inner_witness: usize,
     /// Largest component of F.
     scale: f64,
 }
@@ -149,7 +147,7 @@ impl<'a, N: Number> Run<'a, N> {
     fn new(number: usize, job: &'a Job<'a, N>) -> Self {
         let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.wide().abs()));
         let inner = job.method.inner_bound(scale);
-        Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, inner_witness: 0, scale }
+        Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, scale }
     }
 
     /// Whether the inner bound follows the gradient.
