@@ -4,7 +4,7 @@ use super::evaluate::Evaluator;
 use super::random::Random;
 use super::rank::{Best, Found, Ranked, evaluate, explain};
 use super::request::{Method, Part, Request};
-use super::space::{Candidate, Geometry, Lattice, Space};
+use super::space::{Candidate, Geometry, Lattice, Space, decimals};
 use super::variant::Order;
 use super::{IdentifyError, Target};
 use crate::discrete::load::LoadRule;
@@ -154,17 +154,15 @@ impl<'a> Plan<'a> {
         let (mut next, end) = (item * ITEM, ((item + 1) * ITEM).min(all));
         let (mut tried, mut candidates) = (0, Vec::new());
         while next < end {
-            let geometry = next / self.per_geometry;
-            let last = end.min((geometry + 1) * self.per_geometry);
-            let mut all = self.candidates(next..last);
-            if exact > 0 {
-                let values: Vec<_> = all.iter().map(Candidate::values).collect();
-                let mut passed = evaluator.screened(geometry as usize, &values, exact).into_iter();
-                let screened = all.len() as u64;
-                all.retain(|_| passed.next().unwrap_or(false));
-                tried += screened - all.len() as u64;
-            }
-            candidates.append(&mut all);
+            let geometry = (next / self.per_geometry) as usize;
+            let last = end.min((geometry as u64 + 1) * self.per_geometry);
+            let (numbers, values) = self.admitted(geometry, next..last);
+            let values: Vec<_> = values.chunks_exact(self.lattices.len()).collect();
+            let passed = evaluator.screened(geometry, &values, exact);
+            let passed = numbers.iter().zip(passed).filter(|(_, passed)| *passed);
+            let before = candidates.len();
+            candidates.extend(passed.map(|(&number, _)| self.candidate(geometry, number)));
+            tried += (numbers.len() + before - candidates.len()) as u64;
             next = last;
         }
         if !live.go_on(tried) {
@@ -174,24 +172,38 @@ impl<'a> Plan<'a> {
         (tried + more, whole)
     }
 
-    /// The candidates with these numbers, all of one geometry, less those that the request leaves out.
-    fn candidates(&self, numbers: Range<u64>) -> Vec<Candidate> {
-        let candidate = |number: u64| {
-            let mut rest = number % self.per_geometry;
-            let mut digit = |lattice: &Lattice| {
-                let (n, ticks) = (lattice.ticks().len() as u64, lattice.ticks());
-                let tick = ticks[(rest % n) as usize];
-                rest /= n;
-                tick
-            };
-            Candidate {
-                geometry: (number / self.per_geometry) as usize,
-                ticks: self.lattices.iter().map(&mut digit).collect(),
-                places: self.lattices[0].places(),
+    /// The candidates with these numbers, all of this geometry, that the request does not leave out, and the
+    /// values of f of one after the other.
+    fn admitted(&self, geometry: usize, numbers: Range<u64>) -> (Vec<u64>, Vec<f64>) {
+        let (mut admitted, mut values) = (Vec::new(), Vec::new());
+        let mut ticks = vec![0; self.lattices.len()];
+        for number in numbers {
+            self.ticks(number).zip(&mut ticks).for_each(|(tick, to)| *to = tick);
+            if self.admits(geometry, &ticks) && !self.has_preferred_twin(&ticks) {
+                admitted.push(number);
+                values.extend(decimals(&ticks, self.lattices[0].places()));
             }
-        };
-        let all = numbers.map(candidate);
-        all.filter(|c| self.admits(c) && !self.has_preferred_twin(c)).collect()
+        }
+        (admitted, values)
+    }
+
+    /// The values of a candidate, by its number.
+    fn ticks(&self, number: u64) -> impl Iterator<Item = i64> {
+        let mut rest = number % self.per_geometry;
+        self.lattices.iter().map(move |lattice| {
+            let ticks = lattice.ticks();
+            let digit = rest % ticks.len() as u64;
+            rest /= ticks.len() as u64;
+            ticks[digit as usize]
+        })
+    }
+
+    fn candidate(&self, geometry: usize, number: u64) -> Candidate {
+        Candidate {
+            geometry,
+            ticks: self.ticks(number).collect(),
+            places: self.lattices[0].places(),
+        }
     }
 
     /// Runs candidates one after the other, each only as far as the best so far allow.
@@ -246,7 +258,7 @@ impl<'a> Plan<'a> {
             if !live.go_on(1) {
                 return (step, false);
             }
-            if !self.admits(&candidate) {
+            if !self.admits(geometry, &candidate.ticks) {
                 continue;
             }
             // Metropolis's rule, turned round: the draw comes first, and bounds what is worth running.
@@ -263,18 +275,16 @@ impl<'a> Plan<'a> {
         (steps, live.go_on(0))
     }
 
-    fn admits(&self, candidate: &Candidate) -> bool {
-        let areas = &self.areas[candidate.geometry];
-        let integral: f64 = areas.iter().zip(&candidate.ticks).map(|(a, &t)| a * t as f64).sum();
+    fn admits(&self, geometry: usize, ticks: &[i64]) -> bool {
+        let terms = self.areas[geometry].iter().zip(ticks);
+        let integral: f64 = terms.map(|(area, &tick)| area * tick as f64).sum();
         // Areas carry rounding errors; the integral of a candidate is a multiple of a block.
         !self.request.negative_integral || integral < -1e-6
     }
 
     /// Whether the mirror image in the diagonal, which has the same table, comes first.
-    fn has_preferred_twin(&self, candidate: &Candidate) -> bool {
-        self.transposable
-            && self.lattices[1] == self.lattices[2]
-            && candidate.ticks[2] < candidate.ticks[1]
+    fn has_preferred_twin(&self, ticks: &[i64]) -> bool {
+        self.transposable && self.lattices[1] == self.lattices[2] && ticks[2] < ticks[1]
     }
 
     /// Scores in full, by counts that come out first, what was kept.

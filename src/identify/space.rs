@@ -222,11 +222,17 @@ pub struct Candidate {
     pub places: u32,
 }
 
+/// The doubles nearest to decimals, given in units of `10^-places`.
+pub(super) fn decimals(ticks: &[i64], places: u32) -> impl Iterator<Item = f64> {
+    // Powers of ten up to 10^22 are exact: the quotient is rounded once.
+    let unit = 10f64.powi(places as i32);
+    ticks.iter().map(move |&tick| tick as f64 / unit)
+}
+
 impl Candidate {
     /// The values of f, one per piece: the doubles nearest to the decimals.
     pub fn values(&self) -> Vec<f64> {
-        // Powers of ten up to 10^22 are exact: the quotient is rounded once.
-        self.ticks.iter().map(|&t| t as f64 / 10f64.powi(self.places as i32)).collect()
+        decimals(&self.ticks, self.places).collect()
     }
 
     /// How much there is to say about f: distinct values, and their decimal places.
