@@ -7,6 +7,7 @@ use crate::identify::random::Random as Numbers;
 use crate::multigrid::Goal;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::array::from_fn;
 
 const SEED: u64 = 0x5167_6e6f;
 /// Cells per side are these times 2, 4, ..., 32.
@@ -54,18 +55,22 @@ impl Random {
 fn trial(number: usize) -> super::Trial {
     let mut random = Numbers::new(SEED, number as u64);
     let n = COARSEST[random.below(2)] << (1 + random.below(DOUBLINGS));
-    let amplitudes: [f64; WAVES] = std::array::from_fn(|_| 2.0 * random.unit() - 1.0);
+    let amplitudes: [f64; WAVES] = from_fn(|_| 2.0 * random.unit() - 1.0);
     let noise: Vec<f64> = (0..(n + 1) * (n + 1)).map(|_| random.unit() - 0.5).collect();
     let (roughness, exponent) = (2.0 * random.unit(), -8.0 + 7.7 * random.unit());
     let deficit = libm::pow(10.0, exponent);
+    let grid = Grid::new(n).expect("fine enough");
+    // Each wave is a product of a function of x and one of y.
+    let along = |f: &dyn Fn(usize, f64) -> f64| -> Vec<[f64; WAVES]> {
+        (0..=n).map(|i| from_fn(|k| f(k, i as f64 * grid.h() - 0.5))).collect()
+    };
+    let along_x = along(&|k, x| amplitudes[k] * libm::sin((k / 4 + 1) as f64 * 2.0 * x + k as f64));
+    let along_y = along(&|k, y| libm::cos((k % 4) as f64 * 2.5 * y + 0.3));
     let index = |x: f64| ((x + 0.5) * n as f64).round() as usize;
     let load = nodal_load(n, Some(deficit), |x, y| {
-        let wave = |(k, a): (usize, &f64)| {
-            let along_x = libm::sin((k / 4 + 1) as f64 * 2.0 * x + k as f64);
-            a * along_x * libm::cos((k % 4) as f64 * 2.5 * y + 0.3)
-        };
-        let smooth: f64 = amplitudes.iter().enumerate().map(wave).sum();
-        smooth + roughness * noise[index(y) * (n + 1) + index(x)]
+        let (i, j) = (index(x), index(y));
+        let smooth: f64 = along_x[i].iter().zip(&along_y[j]).map(|(x, y)| x * y).sum();
+        smooth + roughness * noise[j * (n + 1) + i]
     });
-    multi(Grid::new(n).expect("fine enough"), &load, Goal::RoundingFloor, None)
+    multi(grid, &load, Goal::RoundingFloor, None)
 }
