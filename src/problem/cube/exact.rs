@@ -37,36 +37,59 @@ impl Exact {
     }
 
     /// The solution at a point of the closed cube.
-    pub fn at(self, [x, y, z]: [f64; 3]) -> Sample {
-        let mut sample = None;
+    pub fn at(self, point: [f64; 3]) -> Sample {
+        let ([x, y, z], mut sample) = (point.map(|at| self.along(at)), None);
         self.in_row(&[x], [y, z], |_, at| sample = Some(at));
         sample.expect("a point")
+    }
+
+    /// What the solution depends on along an axis.
+    pub(crate) fn along(self, at: f64) -> Coordinate {
+        let cosine = match self {
+            Self::FullContact => {
+                let (sin, cos) = libm::sincos(PI * at);
+                (cos, -PI * sin, -PI * PI * cos)
+            }
+            Self::FreeStrip | Self::FreeDisc => (f64::NAN, f64::NAN, f64::NAN),
+        };
+        Coordinate { at, cosine }
     }
 
     /// Notes the solution at points with the same y and z, with the place of each in `x`.
     ///
     /// Always inlined, so that the caller decides for which instructions it is compiled.
     #[inline(always)]
-    pub(crate) fn in_row(self, x: &[f64], [y, z]: [f64; 2], mut note: impl FnMut(usize, Sample)) {
+    pub(crate) fn in_row(
+        self,
+        x: &[Coordinate],
+        [y, z]: [Coordinate; 2],
+        mut note: impl FnMut(usize, Sample),
+    ) {
         match self {
             Self::FullContact => {
-                let [y, z] = [y, z].map(cosine);
-                for (i, &x) in x.iter().enumerate() {
-                    note(i, product([cosine(x), y, z]).scaled(-1.0).into());
+                for (i, x) in x.iter().enumerate() {
+                    note(i, product([x.cosine, y.cosine, z.cosine]).scaled(-1.0).into());
                 }
             }
             Self::FreeStrip => {
-                for (i, &x) in x.iter().enumerate() {
-                    note(i, free_strip([x, y, z]).into());
+                for (i, x) in x.iter().enumerate() {
+                    note(i, free_strip([x.at, y.at, z.at]).into());
                 }
             }
             Self::FreeDisc => {
-                for (i, &x) in x.iter().enumerate() {
-                    note(i, free_disc([x, y, z]).into());
+                for (i, x) in x.iter().enumerate() {
+                    note(i, free_disc([x.at, y.at, z.at]).into());
                 }
             }
         }
     }
+}
+
+/// A coordinate s of a point, and `cos(pi s)` where the solution is made of it; NaN in the others.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coordinate {
+    at: f64,
+    cosine: Jet,
 }
 
 impl Known<[f64; 3]> for Exact {
@@ -79,12 +102,6 @@ impl Known<[f64; 3]> for Exact {
     fn f(self, point: [f64; 3]) -> f64 {
         self.at(point).f
     }
-}
-
-/// `cos(pi s)`.
-fn cosine(s: f64) -> Jet {
-    let (sin, cos) = libm::sincos(PI * s);
-    (cos, -PI * sin, -PI * PI * cos)
 }
 
 /// `v = p(x) ((1 - t^2) p(z)^2 psi(x, t) - A p(z) t^2 (1 - t))`, `p(s) = 1 - 4 s^2`, `t = y + 1/2`,
