@@ -24,6 +24,9 @@ const GRIDS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 /// How many times the usual cap iterations may take where the rounding floor is to be reached.
 const LONGER: usize = 2;
 
+/// Runs of the paper's method in a batch: enough that few lanes are idle when only the longest are left.
+const BATCH: usize = 4 * LANES;
+
 /// The finest grid on which the paper's method reaches its floor in good time.
 const SLOW: usize = 32;
 
@@ -105,7 +108,7 @@ impl<'a> Runs<'a> {
         let (x, runs): (Vec<X>, Vec<_>) = cases.unzip();
         let runs: Vec<_> = runs.iter().flatten().collect();
         let jobs: Vec<Job> = runs.iter().filter_map(|(_, run)| run.job()).collect();
-        let in_lanes = jobs.par_chunks(LANES).flat_map(|jobs| saddle(self.coarse, jobs));
+        let in_lanes = jobs.par_chunks(BATCH).flat_map(|jobs| saddle(self.coarse, jobs));
         let mut in_lanes = in_lanes.collect::<Vec<_>>().into_iter();
         let alone: Vec<Option<Trial>> = runs.par_iter().map(|(_, run)| run.alone()).collect();
         let trials = runs.iter().zip(alone).map(|((name, _), trial)| {
