@@ -10,6 +10,7 @@ use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
 use crate::saddle::Pair;
 use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure, V};
+use std::ops::{Add, Mul};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -64,7 +65,6 @@ struct Level {
     lanes: Lanes<f64>,
     /// In each lane, the node that last failed the comparison: the likeliest to fail next.
     witness: [usize; LANES],
-    load: Vec<V<f64>>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -105,7 +105,7 @@ impl<'a> Evaluator<'a> {
         let level = |level| {
             let grid = grid(level);
             let lanes = Lanes::new(grid, variant.order, variant.corner_weight());
-            Level { grid, lanes, witness: [0; LANES], load: vec![V::default(); grid.nodes()] }
+            Level { grid, lanes, witness: [0; LANES] }
         };
         let levels = (0..target.levels()).map(level).collect();
         let entered = vec![0; target.levels()];
@@ -149,8 +149,8 @@ impl<'a> Evaluator<'a> {
     fn enter(&mut self, geometry: usize, level: usize, values: &[f64], starts: &[Pair]) {
         self.entered[level] += 1;
         let at = &mut self.levels[level];
-        at.combine(&self.basis[geometry][level], [values; LANES]);
-        let load: Vec<f64> = at.load.iter().map(|load| load.0[0]).collect();
+        let mut load = vec![0.0; at.grid.nodes()];
+        combine(&mut load, &self.basis[geometry][level], values);
         for (row, (&r, start)) in self.target.r.iter().zip(starts).enumerate() {
             at.lanes.enter(row, r, &load, 0.0, start);
         }
@@ -160,8 +160,10 @@ impl<'a> Evaluator<'a> {
     fn enter_all(&mut self, geometry: usize, level: usize, values: [&[f64]; LANES], row: usize) {
         let (coarser, rest) = self.levels.split_at_mut(level);
         let at = &mut rest[0];
-        at.combine(&self.basis[geometry][level], values);
-        at.lanes.enter_all(self.target.r[row], &at.load);
+        let of_piece = |p| V(values.map(|values| values[p]));
+        let values: Vec<_> = (0..values[0].len()).map(of_piece).collect();
+        let loads = at.lanes.enter_all(self.target.r[row]);
+        combine(loads, &self.basis[geometry][level], &values);
         if let Some(coarser) = coarser.last() {
             let multiplier = self.variant.prolong_multiplier;
             at.lanes.prolong(&coarser.lanes, self.prolongation, multiplier);
@@ -179,16 +181,16 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-impl Level {
-    /// Sets the loads of the f with these values on the pieces, one in each lane.
-    fn combine(&mut self, basis: &[Vec<f64>], values: [&[f64]; LANES]) {
-        assert!(values.iter().all(|values| values.len() == basis.len()));
-        self.load.fill(V::default());
-        for (p, piece) in basis.iter().enumerate() {
-            let values = V(values.map(|values| values[p]));
-            for (load, &share) in self.load.iter_mut().zip(piece) {
-                *load = *load + values * share;
-            }
+/// Sets the load of the f with these values on the pieces; or loads, one in each lane.
+fn combine<T>(load: &mut [T], basis: &[Vec<f64>], values: &[T])
+where
+    T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,
+{
+    assert_eq!(values.len(), basis.len());
+    load.fill(T::default());
+    for (&value, piece) in values.iter().zip(basis) {
+        for (load, &share) in load.iter_mut().zip(piece) {
+            *load = *load + value * share;
         }
     }
 }

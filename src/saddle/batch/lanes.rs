@@ -137,16 +137,17 @@ impl<N: Number> Lanes<N> {
         self.regularise(lane);
     }
 
-    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r: each with its own load, from zero.
+    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r, from zero; returns the load vectors, which
+    /// the caller sets.
     ///
     /// # Panics
-    /// If the load vectors have the wrong length for the grid, or r is not positive.
-    pub fn enter_all(&mut self, r: f64, loads: &[V<N>]) {
-        assert!(loads.len() == self.grid.nodes() && r > 0.0 && !self.regularised);
+    /// If r is not positive, or a run before had a proximal term.
+    pub fn enter_all(&mut self, r: f64) -> &mut [V<N>] {
+        assert!(r > 0.0 && !self.regularised);
         self.y.fill(V::all(0.0));
         self.a.fill(V::all(0.0));
-        self.load.copy_from_slice(loads);
         self.r = V::all(r);
+        &mut self.load
     }
 
     /// Sets y, and the multiplier if it is to be, to those of the grid of twice the width, prolonged.
