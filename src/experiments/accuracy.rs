@@ -147,7 +147,7 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
     let spectral = CONTACT.map(|(name, f)| KnownSolution::spectral(name, f, Params::default()));
     let solutions: Vec<_> = formulas.into_iter().chain(spectral).collect::<Result<_, String>>()?;
     let (known, rest) = rayon::join(
-        || solutions.par_iter().map(|solution| known(solution, plan)).collect::<Vec<_>>(),
+        || solutions.par_iter().map(|of| known(of, plan)).collect::<Result<Vec<_>, _>>(),
         || {
             rayon::join(
                 || others(&plan.others),
@@ -155,10 +155,9 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
             )
         },
     );
-    let problems = known.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let (others, (laws, comparison)) = (rest.0?, rest.1);
+    let (others, (laws, comparison)) = rest;
+    let (problems, others, laws, comparison) = (known?, others?, laws?, comparison?);
     let ranges = Ranges::of(&problems, &others);
-    let (laws, comparison) = (laws?, comparison?);
     Ok(Findings { ranges, problems, sampled: SAMPLED, others, laws, comparison })
 }
 

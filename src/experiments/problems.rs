@@ -1,8 +1,9 @@
 //! The paper's problems, some that test the search for contact, and loads of growing difficulty.
 
-use crate::discrete::grid::Grid;
+use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
+use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -36,6 +37,19 @@ pub struct Problem {
     pub max_iterations: usize,
 }
 
+impl Problem {
+    /// Its f, its grids, and on each of them its load vector.
+    ///
+    /// # Errors
+    /// A sentence if f cannot be read, or the grids do not nest.
+    pub(super) fn discrete(&self) -> Result<(Source, Vec<Grid>, Vec<Vec<f64>>), String> {
+        let f: Source = self.f.parse().map_err(|e| format!("{}: {e}", self.f))?;
+        let grids = nested(&self.grids).map_err(|e| e.to_string())?;
+        let loads = grids.iter().map(|&grid| load(grid, &f, self.load)).collect();
+        Ok((f, grids, loads))
+    }
+}
+
 /// A load less the multiple of `ones`, the load of f = 1, that makes its sum `-deficit` times the sum of
 /// absolute values.
 pub fn with_deficit(mut load: Vec<f64>, ones: &[f64], deficit: f64) -> Vec<f64> {
@@ -61,16 +75,6 @@ pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -
     }
 }
 
-/// A load with `f` constant on the quadrants, axes belonging to the lower and left ones.
-pub fn quadrants(n: usize, [ll, lr, ul, ur]: [f64; 4]) -> Vec<f64> {
-    nodal_load(n, None, |x, y| match (x <= 0.0, y <= 0.0) {
-        (true, true) => ll,
-        (false, true) => lr,
-        (true, false) => ul,
-        (false, false) => ur,
-    })
-}
-
 /// Semicoercive problems of growing difficulty: contact at few nodes, at one, at both sides of a corner.
 ///
 /// The number in a name is minus the sum of the load over the sum of absolute values.
@@ -79,6 +83,11 @@ pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     let chess = |x: f64, y: f64| libm::cos(TAU * x) * libm::cos(TAU * y);
     let quadrant = |x: f64, y: f64| {
         if x <= 0.0 && y <= 0.0 { 1.0 } else { -1.0 / 3.0 }
+    };
+    let jumps = |x: f64, y: f64| match (x <= 0.0, y <= 0.0) {
+        (true, true) => -1e6,
+        (true, false) => 3e5,
+        (false, _) => 1.0,
     };
     let spike = |x: f64, y: f64| {
         if libm::hypot(x, y - 0.2) < 1.5 / n as f64 { 1e4 } else { -1.0 }
@@ -95,7 +104,7 @@ pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
         ("quadrant 1e-4", nodal_load(n, Some(1e-4), quadrant)),
         ("quadrant 1e-8", nodal_load(n, Some(1e-8), quadrant)),
         ("spike", nodal_load(n, Some(1e-2), spike)),
-        ("jumps", quadrants(n, [-1e6, 1.0, 3e5, 1.0])),
+        ("jumps", nodal_load(n, None, jumps)),
     ]
 }
 

@@ -78,12 +78,6 @@ pub struct Case<X> {
     pub trials: BTreeMap<String, Trial>,
 }
 
-impl<X> Case<X> {
-    fn new<const N: usize>(x: X, trials: [(&str, Trial); N]) -> Self {
-        Self { x, trials: trials.map(|(name, trial)| (name.into(), trial)).into() }
-    }
-}
-
 impl<X> Index<&str> for Case<X> {
     type Output = Trial;
 

@@ -1,9 +1,7 @@
 //! Which boundary nodes are in contact, iteration by iteration, on the finest grid of a published table.
 
 use super::problems::Problem;
-use crate::discrete::grid::nested;
-use crate::discrete::load::load;
-use crate::problem::source::Source;
+use crate::discrete::grid::Grid;
 use crate::saddle::{Method, Pair, Params, Steps, StopRule, arrow_hurwicz, on_nested, tolerance};
 use crate::spectral::spectral;
 use rayon::prelude::*;
@@ -56,7 +54,7 @@ pub fn strips(plan: &Plan) -> Result<Vec<Strips>, String> {
 }
 
 fn of_problem(problem: &Problem) -> Result<Strips, String> {
-    let f: Source = problem.f.parse().map_err(|e| format!("{}: {e}", problem.f))?;
+    let (f, grids, loads) = problem.discrete()?;
     let solution = spectral(&f, crate::spectral::Params::default())
         .map_err(|e| format!("{}: {e}", problem.f))?;
     let truth =
@@ -64,20 +62,14 @@ fn of_problem(problem: &Problem) -> Result<Strips, String> {
     Ok(Strips {
         number: problem.number,
         cells: problem.grids.last().copied().unwrap_or(0),
-        strips: problem
-            .r
-            .par_iter()
-            .map(|&r| strip(problem, &f, r))
-            .collect::<Result<_, String>>()?,
+        strips: problem.r.par_iter().map(|&r| strip(problem, &grids, &loads, r)).collect(),
         truth,
     })
 }
 
-fn strip(problem: &Problem, f: &Source, r: f64) -> Result<Strip, String> {
-    let grids = nested(&problem.grids).map_err(|e| e.to_string())?;
-    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, f, problem.load)).collect();
+fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip {
     let mut contact = Vec::new();
-    on_nested(&grids, &loads, problem.prolongation, |level, grid, load, pair| {
+    on_nested(grids, loads, problem.prolongation, |level, grid, load, pair| {
         let params = Params {
             r,
             tolerance: tolerance(level),
@@ -99,7 +91,7 @@ fn strip(problem: &Problem, f: &Source, r: f64) -> Result<Strip, String> {
         }
         (outcome, outcome.stop)
     });
-    Ok(Strip { r, contact })
+    Strip { r, contact }
 }
 
 /// Runs of boundary nodes with a positive multiplier.

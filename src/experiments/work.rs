@@ -71,17 +71,17 @@ const CHECKS: Checks = Checks { share: 50, cap: 1_000_000 };
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
 pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<CostLaw>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
-    let laws: Vec<Result<[CostLaw; 2], String>> = runs
+    let laws: Result<Vec<Vec<CostLaw>>, String> = runs
         .into_par_iter()
         .map(|((f, cells), nested)| {
             let grids = grid::nested(cells).map_err(|e| e.to_string())?;
             law(&grids, f, nested)
         })
         .collect();
-    Ok(laws.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    Ok(laws?.concat())
 }
 
-fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[CostLaw; 2], String> {
+fn law(grids: &[Grid], f: &str, nested: bool) -> Result<Vec<CostLaw>, String> {
     let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
     let mut sweeps = [Vec::new(), Vec::new()];
     let mut pair = Pair::zero(grids[0]);
@@ -100,13 +100,12 @@ fn law(grids: &[Grid], f: &str, nested: bool) -> Result<[CostLaw; 2], String> {
             sweeps.push((grid.cells(), total));
         }
     }
-    let mut of_target = TARGETS.into_iter().zip(sweeps).map(|(target, sweeps)| {
+    let of_target = |(target, sweeps): (f64, Vec<(usize, usize)>)| {
         let points: Vec<_> = sweeps.iter().map(|&(n, s)| (n as f64, s as f64)).collect();
         let exponent = exponent(&points[points.len().saturating_sub(3)..]);
         CostLaw { f: f.into(), nested, target, sweeps, exponent }
-    });
-    let mut next = || of_target.next().ok_or("a law for each target");
-    Ok([next()?, next()?])
+    };
+    Ok(TARGETS.into_iter().zip(sweeps).map(of_target).collect())
 }
 
 /// Runs multigrid, Arrow-Hurwicz and Uzawa to the discretisation error on each of the nested grids.

@@ -1,12 +1,11 @@
 //! The runs behind the claims, spread over threads; every count is the same however they are spread.
 
 use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Row, Table, VARIANTS};
-use crate::discrete::grid::{Grid, nested};
+use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::problems::Problem;
-use crate::problem::source::Source;
 use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
@@ -118,10 +117,8 @@ impl Batch {
 
 impl<'a> Case<'a> {
     fn new(problem: &'a Problem) -> Result<Self, String> {
-        let f: Source = problem.f.parse().map_err(|e| format!("{e}"))?;
-        let grids = nested(&problem.grids).map_err(|e| e.to_string())?;
-        let loads = |rule| grids.iter().map(|&grid| load(grid, &f, rule)).collect::<Vec<_>>();
-        let (published, solvable) = (loads(problem.load), loads(SOLVABLE));
+        let (f, grids, published) = problem.discrete()?;
+        let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let mut starts = vec![Pair::zero(grids[0])];
         for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {
             let params = Params {

@@ -1,11 +1,9 @@
 //! The runs of a table with errors: at each update of a value, or once in the load.
 
 use super::{Cell, Plan, Row, Table};
-use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::load;
+use crate::discrete::grid::Grid;
 use crate::experiments::problems::Problem;
 use crate::identify::random::Random;
-use crate::problem::source::Source;
 use crate::saddle::batch::{
     Arithmetic, AsDefined, End, Fused, LANES, Nested, Reversed, V, run_nested,
 };
@@ -35,9 +33,7 @@ struct Repetition {
 
 /// Repeats the runs of a table with errors of all sizes.
 pub(super) fn disturb(plan: &Plan, table: &Problem) -> Result<Table, String> {
-    let f: Source = table.f.parse().map_err(|e| format!("{e}"))?;
-    let grids = nested(&table.grids).map_err(|e| e.to_string())?;
-    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, table.load)).collect();
+    let (_, grids, loads) = table.discrete()?;
     let count = |&r: &f64| {
         let mut near = Margins::default();
         let params = Params { r, rule: StopRule::Signed, ..Params::default() };

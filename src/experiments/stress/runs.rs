@@ -1,7 +1,7 @@
 //! The runs of the experiments, one function per kind of stress.
 
 use super::{Attained, Case, Changed, Plan, Series, Single};
-use crate::discrete::grid::{Grid, nested};
+use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
@@ -16,6 +16,7 @@ use crate::saddle::batch::{
 };
 use crate::saddle::{Method, Pair, StopRule};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// The duality parameter where it is not what is varied.
 const R: f64 = 10.0;
@@ -185,17 +186,15 @@ impl<'a> Runs<'a> {
     pub(super) fn floors(&self) -> Series<f64> {
         let of_grid = |&cells: &usize| {
             let (grid, load, cap) = self.to_the_floor(cells);
-            let mut case = Case::new(
-                cells as f64,
-                [("multigrid", multi(grid, &load, Goal::RoundingFloor, None))],
-            );
+            let floor = multi(grid, &load, Goal::RoundingFloor, None);
+            let mut trials = BTreeMap::from([("multigrid".to_owned(), floor)]);
             if cells <= SLOW {
                 let goal = Until::Rule(StopRule::PrintedDual, 0.0);
                 let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
                 let job = Job { load: &load, start, method, r: R, goal, cap };
-                case.trials.insert("strict".into(), saddle(grid, &[job]).remove(0));
+                trials.insert("strict".into(), saddle(grid, &[job]).remove(0));
             }
-            case
+            Case { x: cells as f64, trials }
         };
         GRIDS.par_iter().map(of_grid).collect()
     }
@@ -281,9 +280,7 @@ impl<'a> Runs<'a> {
 
 /// The counts of a table in single precision against those in double.
 pub(super) fn single(table: &Problem) -> Result<Single, String> {
-    let f: Source = table.f.parse().map_err(|e| format!("{e}"))?;
-    let grids = nested(&table.grids).map_err(|e| e.to_string())?;
-    let double: Vec<_> = grids.iter().map(|&grid| load(grid, &f, table.load)).collect();
+    let (_, grids, double) = table.discrete()?;
     let single: Vec<Vec<f32>> =
         double.iter().map(|load| load.iter().map(|&f| f32::of(f)).collect()).collect();
     fn counts<N: Number>(
