@@ -196,7 +196,7 @@ where
 }
 
 /// The grid of a column of the table.
-fn grid(level: usize) -> Grid {
+pub(super) fn grid(level: usize) -> Grid {
     Grid::new(COARSEST << level).expect("fine enough")
 }
 

@@ -1,14 +1,13 @@
 //! What there is to know about a recovered f: who else explains its table, how far it may move, and that a blind search finds it.
 
-use super::evaluate::Evaluator;
+use super::evaluate::{Evaluator, grid};
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
 use super::rank::explain;
 use super::request::{Method, Request};
 use super::search::{Budget, Report, search};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Variant;
-use super::{COARSEST, Found, IdentifyError, Target};
-use crate::discrete::grid::Grid;
+use super::{Found, IdentifyError, Target};
 use crate::discrete::load::load;
 use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
@@ -104,10 +103,7 @@ pub fn findings(
         let source = quadrants.source(&values);
         let integral = quadrants.areas().iter().zip(&values).map(|(a, v)| a * v).sum();
         let found = explain(target, &mut evaluator, &candidate, source.to_string(), integral)?;
-        let sum = |level: usize| {
-            let grid = Grid::new(COARSEST << level).expect("fine enough");
-            load(grid, &source, variant.load).iter().sum()
-        };
+        let sum = |level: usize| load(grid(level), &source, variant.load).iter().sum();
         let sums = (0..target.levels()).map(sum).collect();
         Ok(Alternative { chosen: values == on_quadrants, values, found, sums })
     };

@@ -159,10 +159,12 @@ impl<'a> Plan<'a> {
             let (numbers, values) = self.admitted(geometry, next..last);
             let values: Vec<_> = values.chunks_exact(self.lattices.len()).collect();
             let passed = evaluator.screened(geometry, &values, exact);
-            let passed = numbers.iter().zip(passed).filter(|(_, passed)| *passed);
-            let before = candidates.len();
-            candidates.extend(passed.map(|(&number, _)| self.candidate(geometry, number)));
-            tried += (numbers.len() + before - candidates.len()) as u64;
+            tried += (numbers.len() - passed.len()) as u64;
+            candidates.extend(passed.into_iter().map(|k| Candidate {
+                geometry,
+                ticks: self.ticks(numbers[k]).collect(),
+                places: self.lattices[0].places(),
+            }));
             next = last;
         }
         if !live.go_on(tried) {
@@ -175,10 +177,10 @@ impl<'a> Plan<'a> {
     /// The candidates with these numbers, all of this geometry, that the request does not leave out, and the
     /// values of f of one after the other.
     fn admitted(&self, geometry: usize, numbers: Range<u64>) -> (Vec<u64>, Vec<f64>) {
-        let (mut admitted, mut values) = (Vec::new(), Vec::new());
-        let mut ticks = vec![0; self.lattices.len()];
+        let (mut admitted, mut values, mut ticks) = (Vec::new(), Vec::new(), Vec::new());
         for number in numbers {
-            self.ticks(number).zip(&mut ticks).for_each(|(tick, to)| *to = tick);
+            ticks.clear();
+            ticks.extend(self.ticks(number));
             if self.admits(geometry, &ticks) && !self.has_preferred_twin(&ticks) {
                 admitted.push(number);
                 values.extend(decimals(&ticks, self.lattices[0].places()));
@@ -196,14 +198,6 @@ impl<'a> Plan<'a> {
             rest /= ticks.len() as u64;
             ticks[digit as usize]
         })
-    }
-
-    fn candidate(&self, geometry: usize, number: u64) -> Candidate {
-        Candidate {
-            geometry,
-            ticks: self.ticks(number).collect(),
-            places: self.lattices[0].places(),
-        }
     }
 
     /// Runs candidates one after the other, each only as far as the best so far allow.

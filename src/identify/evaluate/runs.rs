@@ -129,7 +129,8 @@ impl Evaluator<'_> {
         all
     }
 
-    /// Which of many f, given by their values on the pieces, give all counts on so many coarse grids.
+    /// Places of those among many f, given by their values on the pieces, that give all counts on so many coarse
+    /// grids.
     ///
     /// Grid by grid and row by row: nearly all fail soon.
     ///
@@ -140,7 +141,7 @@ impl Evaluator<'_> {
         geometry: usize,
         all: &[V],
         grids: usize,
-    ) -> Vec<bool> {
+    ) -> Vec<usize> {
         let mut passed: Vec<usize> = (0..all.len()).collect();
         for level in 0..grids.min(self.target.levels()) {
             let entered = passed.len();
@@ -157,9 +158,7 @@ impl Evaluator<'_> {
             let failed = (entered - passed.len()) as u64;
             self.entered[..=level].iter_mut().for_each(|entered| *entered += failed);
         }
-        let mut all = vec![false; all.len()];
-        passed.into_iter().for_each(|k| all[k] = true);
-        all
+        passed
     }
 
     /// The table of counts as the stopping rule gives it.
