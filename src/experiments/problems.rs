@@ -37,16 +37,24 @@ pub struct Problem {
     pub max_iterations: usize,
 }
 
+/// A [`Problem`] on its grids.
+pub(super) struct Discrete {
+    pub(super) f: Source,
+    pub(super) grids: Vec<Grid>,
+    /// One load vector per grid.
+    pub(super) loads: Vec<Vec<f64>>,
+}
+
 impl Problem {
-    /// Its f, its grids, and on each of them its load vector.
+    /// The problem on its grids.
     ///
     /// # Errors
     /// A sentence if f cannot be read, or the grids do not nest.
-    pub(super) fn discrete(&self) -> Result<(Source, Vec<Grid>, Vec<Vec<f64>>), String> {
+    pub(super) fn discrete(&self) -> Result<Discrete, String> {
         let f: Source = self.f.parse().map_err(|e| format!("{}: {e}", self.f))?;
         let grids = nested(&self.grids).map_err(|e| e.to_string())?;
         let loads = grids.iter().map(|&grid| load(grid, &f, self.load)).collect();
-        Ok((f, grids, loads))
+        Ok(Discrete { f, grids, loads })
     }
 }
 

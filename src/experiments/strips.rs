@@ -1,6 +1,6 @@
 //! Which boundary nodes are in contact, iteration by iteration, on the finest grid of a published table.
 
-use super::problems::Problem;
+use super::problems::{Discrete, Problem};
 use crate::discrete::grid::Grid;
 use crate::saddle::{Method, Pair, Params, Steps, StopRule, arrow_hurwicz, on_nested, tolerance};
 use crate::spectral::spectral;
@@ -54,7 +54,7 @@ pub fn strips(plan: &Plan) -> Result<Vec<Strips>, String> {
 }
 
 fn of_problem(problem: &Problem) -> Result<Strips, String> {
-    let (f, grids, loads) = problem.discrete()?;
+    let Discrete { f, grids, loads } = problem.discrete()?;
     let solution = spectral(&f, crate::spectral::Params::default())
         .map_err(|e| format!("{}: {e}", problem.f))?;
     let truth =

@@ -5,7 +5,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
-use crate::experiments::problems::Problem;
+use crate::experiments::problems::{Discrete, Problem};
 use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
@@ -117,7 +117,7 @@ impl Batch {
 
 impl<'a> Case<'a> {
     fn new(problem: &'a Problem) -> Result<Self, String> {
-        let (f, grids, published) = problem.discrete()?;
+        let Discrete { f, grids, loads: published } = problem.discrete()?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let mut starts = vec![Pair::zero(grids[0])];
         for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::{Cell, Plan, Row, Table};
 use crate::discrete::grid::Grid;
-use crate::experiments::problems::Problem;
+use crate::experiments::problems::{Discrete, Problem};
 use crate::identify::random::Random;
 use crate::saddle::batch::{
     Arithmetic, AsDefined, End, Fused, LANES, Nested, Reversed, V, run_nested,
@@ -33,7 +33,7 @@ struct Repetition {
 
 /// Repeats the runs of a table with errors of all sizes.
 pub(super) fn disturb(plan: &Plan, table: &Problem) -> Result<Table, String> {
-    let (_, grids, loads) = table.discrete()?;
+    let Discrete { grids, loads, .. } = table.discrete()?;
     let count = |&r: &f64| {
         let mut near = Margins::default();
         let params = Params { r, rule: StopRule::Signed, ..Params::default() };

@@ -6,7 +6,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::power_of_ten;
-use crate::experiments::problems::{Problem, nodal_load};
+use crate::experiments::problems::{Discrete, Problem, nodal_load};
 use crate::experiments::trial::{Trial, multi, saddle};
 use crate::identify::random::Random;
 use crate::multigrid::Goal;
@@ -280,7 +280,7 @@ impl<'a> Runs<'a> {
 
 /// The counts of a table in single precision against those in double.
 pub(super) fn single(table: &Problem) -> Result<Single, String> {
-    let (_, grids, double) = table.discrete()?;
+    let Discrete { grids, loads: double, .. } = table.discrete()?;
     let single: Vec<Vec<f32>> =
         double.iter().map(|load| load.iter().map(|&f| f32::of(f)).collect()).collect();
     fn counts<N: Number>(
