@@ -12,61 +12,45 @@ use super::trace::{Point, Trace};
 /// Integrals over the border and over the square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Energies {
+    /// J = -1/2 int f v, by Green's identity with psi.
     pub energy: f64,
+    /// The same by Rellich's identity.
     pub rellich: f64,
     /// Integral of l over the border.
     pub force: f64,
     /// Integral of f over the square.
     pub integral: f64,
-    work: f64,
 }
 
 impl Energies {
-    /// The total of l over the border and the energy J = -1/2 int f v, by Green's identity with psi and
-    /// by Rellich's.
     pub(super) fn of(trace: &Trace, problem: &Problem, rules: &Rules) -> Self {
-        let (bilinear, energies) = (Bilinear::new(problem), Self::default());
-        let mut sums = Sums { problem, bilinear, energies, source: 0.0, rellich: 0.0 };
-        sums.add_border(trace);
-        sums.add_corners(trace);
-        sums.add_edges(rules);
-        let energy = -0.5 * (sums.source + sums.energies.work);
-        Self { energy, rellich: -0.25 * sums.rellich, ..sums.energies }
+        let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
+        energies.add_border(trace, problem, &bilinear);
+        energies.add_corners(trace, problem, &bilinear);
+        energies.add_edges(problem, &bilinear, rules);
+        Self { energy: -0.5 * energies.energy, rellich: -0.25 * energies.rellich, ..energies }
     }
-}
 
-/// The integrals of [`Energies::of`], as far as they have been summed.
-struct Sums<'a> {
-    problem: &'a Problem,
-    bilinear: Bilinear,
-    energies: Energies,
-    /// The integral of f psi.
-    source: f64,
-    /// That of psi in Rellich's identity.
-    rellich: f64,
-}
-
-impl Sums<'_> {
-    fn add_border(&mut self, trace: &Trace) {
+    fn add_border(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
         let value = |panel: &Panel| {
-            let z = panel.middle() + panel.tangent.turned().scaled(PROBE);
-            self.problem.jumps.value(z)
+            problem.jumps.value(panel.middle() + panel.tangent.turned().scaled(PROBE))
         };
         let values: Vec<f64> = trace.panels.iter().map(value).collect();
         for point in &trace.points {
             let panel = &trace.panels[point.panel];
             let z = point.place.point();
             let (tangent, normal) = (panel.tangent, -panel.tangent.turned());
-            let (psi, gradient) = self.bilinear.less(z, point.psi, point.gradient);
+            let Point { weight, value: v, multiplier: l, along, .. } = *point;
+            let (psi, gradient) = bilinear.less(z, point.psi, point.gradient);
             let (psi_n, psi_s) = (gradient.dot(normal), gradient.dot(tangent));
             let f = values[point.panel];
             let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
-            let Point { weight, value: v, multiplier: l, along, .. } = *point;
-            self.source +=
-                weight * f * (0.5 * outward * psi - square * psi_n - 0.25 * f * outward * square);
-            self.energies.work += weight * (psi * l - v * psi_n);
-            self.energies.force += weight * l;
-            self.energies.integral += weight * f * 0.5 * outward;
+            self.energy += weight
+                * (f * (0.5 * outward * psi - square * psi_n - 0.25 * f * outward * square)
+                    + psi * l
+                    - v * psi_n);
+            self.force += weight * l;
+            self.integral += weight * f * 0.5 * outward;
             let (h, h_s) = (v - psi, along - psi_s);
             let tau = z.dot(tangent);
             let u = z.dot(gradient) - 2.0 * psi;
@@ -81,12 +65,12 @@ impl Sums<'_> {
 
     /// What partial integration along the sides leaves at the corners, where psi vanishes but its gradient
     /// does not.
-    fn add_corners(&mut self, trace: &Trace) {
-        for (k, &z) in CORNERS.iter().enumerate() {
-            let value = trace.corner_value(k as i32);
-            let (_, gradient) = self.bilinear.less(z, 0.0, self.problem.psi.gradient(z));
+    fn add_corners(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
+        for (k, &z) in (0..).zip(&CORNERS) {
+            let value = trace.corner_value(k);
+            let (_, gradient) = bilinear.less(z, 0.0, problem.psi.gradient(z));
             for (t, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
-                let tangent = super::panels::tangent(k as i32, t);
+                let tangent = super::panels::tangent(k, t);
                 let normal = -tangent.turned();
                 self.rellich += sign
                     * value
@@ -96,19 +80,19 @@ impl Sums<'_> {
         }
     }
 
-    fn add_edges(&mut self, rules: &Rules) {
-        let jumps = &self.problem.jumps;
+    fn add_edges(&mut self, problem: &Problem, bilinear: &Bilinear, rules: &Rules) {
+        let jumps = &problem.jumps;
         for edge in &jumps.edges {
             let [left, right] = edge.values;
             for (z, normal, weight) in edge_nodes(jumps, edge, rules) {
-                let (psi, gradient) = self.problem.psi.value_and_gradient(z);
-                let (psi, gradient) = self.bilinear.less(z, psi, gradient);
+                let (psi, gradient) = problem.psi.value_and_gradient(z);
+                let (psi, gradient) = bilinear.less(z, psi, gradient);
                 let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
                 let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
                     - square * gradient.dot(normal);
-                self.source += weight * edge.jump() * moment;
+                self.energy += weight * edge.jump() * moment;
                 self.rellich += weight * edge.jump() * outward * psi;
-                self.energies.integral += weight * edge.jump() * 0.5 * outward;
+                self.integral += weight * edge.jump() * 0.5 * outward;
             }
         }
     }

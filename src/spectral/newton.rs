@@ -44,17 +44,17 @@ impl Problem {
         let field = Field::new(self, ends, rules, in_gap);
         let sources = &field.plain;
         let trig = trigonometric(ends, sources);
-        let mut system = Linear::new(many);
-        for (row, trig) in trig.iter().enumerate() {
-            system.right[row] = -dot(&sources.moment, trig);
+        // One row for each equation; the last column is the right-hand side.
+        let mut system = vec![vec![0.0; many + 1]; many];
+        for (row, trig) in system.iter_mut().zip(&trig) {
+            row[many] = -dot(&sources.moment, trig);
         }
         let numbered = field.panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
         let nodes: Vec<(usize, AtNode)> =
             numbered.flat_map(|(p, panel)| field.on_panel(p).map(|at| (panel.arcs, at))).collect();
         let of = |gap| nodes.iter().filter(move |(own, _)| *own == gap).map(|(_, at)| at);
-        for (row, &gap) in gaps.iter().enumerate() {
-            system.right[arcs + 1 + row] =
-                -of(gap).map(|at| at.derivative * at.node.weight).sum::<f64>();
+        for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
+            row[many] = -of(gap).map(|at| at.derivative * at.node.weight).sum::<f64>();
         }
         let at = self.border.at(ends.places.iter().copied());
         for (j, ((place, angle), (psi, gradient))) in
@@ -63,10 +63,10 @@ impl Problem {
             let target = Target { corner: place.corner, angle: *angle, psi, gradient };
             let (column, y) = derivatives(sources, &target, &trig, arcs % 2 == 1);
             let scale = angle.slope * if relative(&ends.places, j) { place.t } else { 1.0 };
-            for (row, d) in column.iter().enumerate() {
-                system.matrix[row][j] = d * scale;
+            for (row, d) in system.iter_mut().zip(&column) {
+                row[j] = d * scale;
             }
-            for (row, &gap) in gaps.iter().enumerate() {
+            for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
                 let kernel = |at: &AtNode| {
                     let [ts, tc] = at.target.angle.seen_from(at.target.corner - place.corner);
                     let (sine, cosine) =
@@ -74,10 +74,10 @@ impl Problem {
                     at.root * at.node.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
                 };
                 let sum: f64 = of(gap).map(kernel).sum();
-                system.matrix[arcs + 1 + row][j] = -0.25 * y * sum * scale;
+                row[j] = -0.25 * y * sum * scale;
             }
         }
-        system.solve()
+        solution(system)
     }
 }
 
@@ -103,19 +103,17 @@ fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
             let angle = Angle { sin: sources.sin[i], cos: sources.cos[i], slope: 0.0 };
             let [sin, cos] = angle.seen_from(group.corner - first);
             let half = Complex::new(cos, sin);
-            let whole = half * half;
-            let mut power = if arcs % 2 == 1 { half } else { Complex::new(1.0, 0.0) };
-            let mut row = 0;
+            let (whole, mut rows) = (half * half, rows.iter_mut());
+            let mut power = half;
             if arcs.is_multiple_of(2) {
-                rows[0].push(1.0);
+                // For s = 0 there is a real part only.
+                rows.next().expect("one row at least").push(1.0);
                 power = whole;
-                row = 1;
             }
-            while row < arcs + 1 {
-                rows[row].push(power.re);
-                rows[row + 1].push(power.im);
+            while let (Some(re), Some(im)) = (rows.next(), rows.next()) {
+                re.push(power.re);
+                im.push(power.im);
                 power = power * whole;
-                row += 2;
             }
         }
     }
@@ -210,45 +208,23 @@ fn moved(places: &[Place], change: &[f64], factor: f64) -> Vec<Place> {
         .collect()
 }
 
-/// A small dense linear system.
-struct Linear {
-    matrix: Vec<Vec<f64>>,
-    right: Vec<f64>,
-}
-
-impl Linear {
-    fn new(n: usize) -> Self {
-        Self { matrix: vec![vec![0.0; n]; n], right: vec![0.0; n] }
+/// The solution of a small linear system, the right-hand side being its last column, by Gauss and Jordan's
+/// elimination with scaled rows; `None` if the matrix is singular.
+fn solution(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let n = rows.len();
+    for row in &mut rows {
+        let largest = row[..n].iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+        row.iter_mut().for_each(|a| *a /= largest);
     }
-
-    /// Gaussian elimination with scaled rows; `None` if the matrix is singular.
-    fn solve(mut self) -> Option<Vec<f64>> {
-        let n = self.right.len();
-        for (row, right) in self.matrix.iter_mut().zip(&mut self.right) {
-            let largest = row.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-            row.iter_mut().for_each(|a| *a /= largest);
-            *right /= largest;
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
+        rows.swap(k, pivot);
+        let top = rows[k].clone();
+        for (_, row) in rows.iter_mut().enumerate().filter(|&(i, _)| i != k) {
+            let factor = row[k] / top[k];
+            row.iter_mut().zip(&top).skip(k).for_each(|(a, b)| *a -= factor * b);
         }
-        for k in 0..n {
-            let pivot = (k..n)
-                .max_by(|&a, &b| self.matrix[a][k].abs().total_cmp(&self.matrix[b][k].abs()))?;
-            self.matrix.swap(k, pivot);
-            self.right.swap(k, pivot);
-            let (done, rest) = self.matrix.split_at_mut(k + 1);
-            let top = &done[k];
-            if top[k] == 0.0 || !top[k].is_finite() {
-                return None;
-            }
-            for (row, i) in rest.iter_mut().zip(k + 1..) {
-                let factor = row[k] / top[k];
-                row.iter_mut().zip(top).skip(k).for_each(|(a, b)| *a -= factor * b);
-                self.right[i] -= factor * self.right[k];
-            }
-        }
-        for k in (0..n).rev() {
-            let known: f64 = (k + 1..n).map(|j| self.matrix[k][j] * self.right[j]).sum();
-            self.right[k] = (self.right[k] - known) / self.matrix[k][k];
-        }
-        self.right.iter().all(|x| x.is_finite()).then_some(self.right)
     }
+    let unknowns: Vec<f64> = rows.iter().enumerate().map(|(k, row)| row[n] / row[k]).collect();
+    unknowns.iter().all(|x| x.is_finite()).then_some(unknowns)
 }

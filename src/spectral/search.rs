@@ -27,9 +27,23 @@ impl Level {
         let level = Self { shortest: 1e-5, tolerance: [1e-5, 1e-5], ..Self::new(ROUGH) };
         (params.nodes > ROUGH.nodes).then_some(level)
     }
+
+    /// What Newton's method finds for a number of arcs, and a better contact set, as of [`corrected`]; `None` if
+    /// it does not converge, or no arc is left.
+    fn attempt(
+        &self,
+        problem: &Problem,
+        places: Vec<Place>,
+    ) -> Option<(Found, Option<Option<Vec<Place>>>)> {
+        let (moved, steps) = problem.newton(places, &self.rules, self.shortest)?;
+        let ends = Ends::new(without_short(moved)?);
+        let trace = Trace::new(problem, &ends, &self.rules);
+        let better = corrected(&trace, &ends, self.tolerance);
+        Some((Found { ends: ends.places, trace, rules: self.rules.clone(), steps }, better))
+    }
 }
 
-/// A solution for which all signs are right.
+/// A solution at one resolution.
 pub(super) struct Found {
     pub ends: Vec<Place>,
     pub trace: Trace,
@@ -38,9 +52,9 @@ pub(super) struct Found {
     pub steps: usize,
 }
 
-/// The solution, from a contact set of a grid. A low resolution prepares each attempt of the high one,
-/// which is then left with a single Newton step, and with signs that the low one cannot tell; where it
-/// misleads, the high one is tried alone.
+/// The solution with all signs right, from a contact set of a grid. A low resolution prepares each attempt of
+/// the high one, which is then left with a single Newton step, and with signs that the low one cannot tell;
+/// where it misleads, the high one is tried alone.
 pub(super) fn from_grid(problem: &Problem, start: Vec<Place>, params: Params) -> Option<Found> {
     let level = Level::new(params);
     let rough = Level::rough(params);
@@ -63,12 +77,12 @@ fn search(
     const ROUNDS: usize = 12;
     let mut steps = 0;
     for _ in 0..ROUNDS {
-        if let Some(Attempt { ends, steps: more, better, .. }) =
-            rough.and_then(|rough| Attempt::new(problem, places.clone(), rough))
+        if let Some((found, better)) =
+            rough.and_then(|rough| rough.attempt(problem, places.clone()))
         {
-            steps += more;
+            steps += found.steps;
             match better {
-                None => places = ends.places,
+                None => places = found.ends,
                 Some(Some(better)) => {
                     places = better;
                     continue;
@@ -76,35 +90,10 @@ fn search(
                 Some(None) => {}
             }
         }
-        let Attempt { ends, trace, steps: more, better } = Attempt::new(problem, places, level)?;
-        steps += more;
-        match better {
-            None => {
-                let rules = level.rules.clone();
-                return Some(Found { ends: ends.places, trace, rules, steps });
-            }
-            Some(better) => places = better?,
-        }
+        let (found, better) = level.attempt(problem, places)?;
+        steps += found.steps;
+        let Some(better) = better else { return Some(Found { steps, ..found }) };
+        places = better?;
     }
     None
-}
-
-/// What Newton's method finds for a number of arcs.
-struct Attempt {
-    ends: Ends,
-    trace: Trace,
-    steps: usize,
-    /// A better contact set, as of [`corrected`].
-    better: Option<Option<Vec<Place>>>,
-}
-
-impl Attempt {
-    /// `None` if the method does not converge, or no arc is left.
-    fn new(problem: &Problem, places: Vec<Place>, level: &Level) -> Option<Self> {
-        let (moved, steps) = problem.newton(places, &level.rules, level.shortest)?;
-        let ends = Ends::new(without_short(moved)?);
-        let trace = Trace::new(problem, &ends, &level.rules);
-        let better = corrected(&trace, &ends, level.tolerance);
-        Some(Self { ends, trace, steps, better })
-    }
 }
