@@ -22,6 +22,10 @@ pub(super) const STAMPS: &str = "stamps";
 /// How the names of the files end that hold the manifests of a task.
 pub(super) const RUNS: &str = ".runs";
 
+/// Artifacts of a task from which on they are written side by side: each waits for the disk. Fewer go one after
+/// the other, so that no other task comes between them.
+const MANY: usize = 32;
+
 /// A cache folder.
 #[derive(Debug)]
 pub struct Store {
@@ -200,15 +204,16 @@ impl Store {
         inputs: BTreeMap<String, String>,
         artifacts: &Artifacts,
     ) -> Result<Manifest> {
-        let mut outputs = Hashes::new();
-        for (name, bytes) in artifacts {
+        let one = |(name, bytes): (&String, &Vec<u8>)| {
             let hash = hash(bytes);
             if self.get(&hash).is_none() {
                 self.write(&self.object(&hash), bytes)?;
             }
-            outputs.insert(name.clone(), hash);
-        }
-        let manifest = Manifest { task: task.into(), inputs, outputs };
+            Ok((name.clone(), hash))
+        };
+        let all: Vec<_> = artifacts.iter().collect();
+        let outputs: Result<Hashes> = all.into_par_iter().with_min_len(MANY / 2).map(one).collect();
+        let manifest = Manifest { task: task.into(), inputs, outputs: outputs? };
         self.renew(&manifest)?;
         Ok(manifest)
     }
