@@ -20,7 +20,7 @@ const START: f64 = 1e-12;
 const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 
 /// Runs in a batch: many, so that few lanes are idle when only the longest runs are left.
-const RUNS: usize = 8 * LANES;
+const RUNS: usize = 12 * LANES;
 
 /// A problem on all its grids.
 struct Case<'a> {
