@@ -140,17 +140,15 @@ impl Exports {
             folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
             written.0.retain(|known, _| project.join(known) != path);
         }
-        // Each file waits for the disk.
-        self.write.par_iter().try_for_each(|(path, hash)| {
+        for (path, hash) in &self.write {
             let bytes = store.get(hash).ok_or_else(|| {
                 Error::input(format!(
                     "the artifact of {path} vanished while signorini ran; run again"
                 ))
             })?;
-            write_atomically(&project.join(path), &bytes)
-        })?;
-        let now = |(path, hash): (&String, &String)| (path.clone(), [hash.clone()].into());
-        written.0.extend(self.write.iter().map(now));
+            write_atomically(&project.join(path), &bytes)?;
+            written.0.insert(path.clone(), BTreeSet::from([hash.clone()]));
+        }
         written.save(project)
     }
 }

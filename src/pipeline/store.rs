@@ -22,10 +22,6 @@ pub(super) const STAMPS: &str = "stamps";
 /// How the names of the files end that hold the manifests of a task.
 pub(super) const RUNS: &str = ".runs";
 
-/// Artifacts of a task from which on they are written side by side: each waits for the disk. Fewer go one after
-/// the other, so that no other task comes between them.
-const MANY: usize = 32;
-
 /// A cache folder.
 #[derive(Debug)]
 pub struct Store {
@@ -204,16 +200,15 @@ impl Store {
         inputs: BTreeMap<String, String>,
         artifacts: &Artifacts,
     ) -> Result<Manifest> {
-        let one = |(name, bytes): (&String, &Vec<u8>)| {
+        let mut outputs = Hashes::new();
+        for (name, bytes) in artifacts {
             let hash = hash(bytes);
             if self.get(&hash).is_none() {
                 self.write(&self.object(&hash), bytes)?;
             }
-            Ok((name.clone(), hash))
-        };
-        let all: Vec<_> = artifacts.iter().collect();
-        let outputs: Result<Hashes> = all.into_par_iter().with_min_len(MANY / 2).map(one).collect();
-        let manifest = Manifest { task: task.into(), inputs, outputs: outputs? };
+            outputs.insert(name.clone(), hash);
+        }
+        let manifest = Manifest { task: task.into(), inputs, outputs };
         self.renew(&manifest)?;
         Ok(manifest)
     }
