@@ -96,34 +96,50 @@ fn one_cycle_reaches_the_discretisation_error() {
     }
 }
 
-/// The largest algebraic over discretisation error in the energy norm where multigrid stops for the latter, over
-/// random problems on the grid with `n` cells per side, and the number of those that one cycle was enough for.
-fn at_the_discretisation_error(n: usize, problems: usize) -> (f64, usize) {
+/// Algebraic over discretisation error in the energy norm where multigrid stops for the latter, on the grid with `n`
+/// cells per side, and the cycles that it took.
+fn at_the_discretisation_error(n: usize, f: &Source) -> (f64, usize) {
+    let exactly = LoadRule::Exact { diagonal: Diagonal::default() };
+    let solved = |n: usize, goal| {
+        let load = load(grid(n), f, exactly);
+        let (y, outcome) = run(n, &load, goal);
+        let energy = energy(grid(n), &y, &load);
+        (y, outcome, energy)
+    };
+    let (y, outcome, _) = solved(n, Goal::DiscretisationError);
+    let (discrete, _, coarse) = solved(n, Goal::RoundingFloor);
+    // Energies fall like the square of h: on a grid of a quarter of the width the excess is a sixteenth.
+    let excess = 16.0 / 15.0 * (coarse - solved(4 * n, Goal::RoundingFloor).2);
+    (errors_in_h1(n, &y, &discrete) / (2.0 * excess).sqrt(), outcome.cycles)
+}
+
+/// The largest of these ratios over random problems, and the number of those that one cycle was enough for.
+fn of_random_problems(n: usize, problems: usize) -> (f64, usize) {
     let mut dice = Dice(n as u64);
     let sources: Vec<Source> = (0..problems).map(|_| random_source(&mut dice)).collect();
-    let exactly = LoadRule::Exact { diagonal: Diagonal::default() };
-    let trial = |f: &Source| {
-        let solved = |n: usize, goal| {
-            let load = load(grid(n), f, exactly);
-            let (y, outcome) = run(n, &load, goal);
-            let energy = energy(grid(n), &y, &load);
-            (y, outcome, energy)
-        };
-        let (y, outcome, _) = solved(n, Goal::DiscretisationError);
-        let (discrete, _, coarse) = solved(n, Goal::RoundingFloor);
-        // Energies fall like the square of h: on a grid of a quarter of the width the excess is a sixteenth.
-        let excess = 16.0 / 15.0 * (coarse - solved(4 * n, Goal::RoundingFloor).2);
-        (errors_in_h1(n, &y, &discrete) / (2.0 * excess).sqrt(), outcome.cycles)
-    };
-    let trials: Vec<_> = sources.par_iter().map(trial).collect();
+    let trials: Vec<_> = sources.par_iter().map(|f| at_the_discretisation_error(n, f)).collect();
     let worst = trials.iter().map(|trial| trial.0).fold(0.0, f64::max);
     (worst, trials.iter().filter(|trial| trial.1 == 1).count())
+}
+
+/// One cycle leaves an eighth of the discretisation error and more, though the natural residual is below a
+/// twentieth of the largest load.
+#[test]
+fn narrow_peaks_get_a_second_cycle() {
+    for f in [
+        "rect(0.042,0.317,-0.5,-0.41)=-22.022; else=0.4868",
+        "disc(0.388,-0.572,0.144)=-65.4654; disc(0.159,-0.576,0.086)=3.9305; else=0.5098",
+        "disc(0.201,0.427,0.12)=-9.3861; rect(-0.5,-0.133,0.14,0.166)=-3.8701; else=0.3489",
+    ] {
+        let (ratio, cycles) = at_the_discretisation_error(16, &f.parse().unwrap());
+        assert!(ratio < ALGEBRAIC && cycles == 2, "{f}: {ratio} after {cycles}");
+    }
 }
 
 #[test]
 fn the_residual_tells_whether_one_cycle_is_enough() {
     for n in [8, 16, 32] {
-        let (worst, at_once) = at_the_discretisation_error(n, 200);
+        let (worst, at_once) = of_random_problems(n, 200);
         assert!(worst < ALGEBRAIC, "1/{n}: {worst}");
         // On coarse grids it tells both.
         assert!(at_once > 180 && (at_once < 200 || n > 8), "1/{n}: {at_once}");
@@ -134,7 +150,7 @@ fn the_residual_tells_whether_one_cycle_is_enough() {
 #[ignore = "takes a minute"]
 fn the_residual_tells_in_twenty_thousand_problems() {
     for n in [16, 32, 64, 96] {
-        let (worst, at_once) = at_the_discretisation_error(n, 5000);
+        let (worst, at_once) = of_random_problems(n, 5000);
         println!(
             "1/{n}: at most {worst:.3} of the discretisation error; {at_once} after one cycle"
         );
