@@ -5,6 +5,7 @@ use super::Target;
 use super::evaluate::Evaluator;
 use super::space::Geometry;
 use super::variant::Variant;
+use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
 
 /// Per row and grid, whether a published count comes out.
@@ -75,7 +76,7 @@ pub fn identifiability(
     let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
     let held = |all: &[Vec<f64>]| evaluator.held(0, all);
     let here = held(&[values.to_vec()]).remove(0);
-    let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let size = largest(values);
     let pieces = (0..values.len()).map(Some).chain([None]);
     let directions = pieces.map(|piece| Direction { piece, values, size }).collect::<Vec<_>>();
     let directions = along(&directions, &here, &held);

@@ -4,6 +4,7 @@ use super::banded::Banded;
 use super::layout::{Dimension, boundary_number};
 use super::level::{Level, locate};
 use super::network::Network;
+use super::stencil::{diagonal, inverse, visit};
 
 /// Active-set steps at most; there are at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
@@ -12,8 +13,10 @@ const MAX_STEPS: usize = 60;
 pub(super) struct Coarsest {
     network: Network,
     nodes: Vec<Node>,
-    /// Multiplications per visit of an unknown.
-    stencil: f64,
+    /// One over the diagonal inside.
+    inverse: f64,
+    /// Work of factoring and of solving, in visits of unknowns.
+    work: [f64; 2],
     /// Without springs.
     matrix: Banded,
     factor: Banded,
@@ -32,7 +35,7 @@ struct Node {
 impl Coarsest {
     pub(super) fn new<D: Dimension>(n: usize) -> Self {
         let network = Network::unit::<D>(n);
-        let (diagonal, full) = (network.diagonal(), 2.0 * D::AXES as f64);
+        let (diagonal, full) = (network.diagonal(), diagonal::<D>());
         let band = (n + 1).pow(D::AXES as u32 - 1);
         let zeros = || Banded::zeros(network.nodes(), band);
         let mut matrix = zeros();
@@ -51,7 +54,8 @@ impl Coarsest {
         };
         Self {
             nodes: (0..network.nodes()).map(node).collect(),
-            stencil: full + 1.0,
+            inverse: inverse::<D>(),
+            work: [matrix.factor_work(), matrix.solve_work()].map(|work| work / visit::<D>()),
             factor: zeros(),
             x: vec![0.0; network.nodes()],
             matrix,
@@ -61,11 +65,6 @@ impl Coarsest {
 
     pub(super) fn bytes(&self) -> usize {
         size_of::<f64>() * (2 * self.factor.entries() + self.x.len())
-    }
-
-    /// Multiplications per visit of an unknown.
-    pub(super) fn stencil(&self) -> f64 {
-        self.stencil
     }
 
     /// Factors the matrix for the springs of the level, made symmetric by the shares of the nodes; returns
@@ -81,7 +80,7 @@ impl Coarsest {
             }
         }
         factor.factor();
-        factor.factor_work() / self.stencil
+        self.work[0]
     }
 
     /// Solves `(A + springs) y = F` with `y = 0` at the nodes in contact; returns the work in visits.
@@ -95,7 +94,7 @@ impl Coarsest {
         for (&x, Node { place: (colour, place), .. }) in x.iter().zip(&*nodes) {
             level.values[*colour][*place] = x;
         }
-        self.factor.solve_work() / self.stencil
+        self.work[1]
     }
 
     /// Solves the Signorini problem by the primal-dual active set method; returns the work in visits.
@@ -103,7 +102,6 @@ impl Coarsest {
     /// Starting from full contact it never meets a singular system, because the node with the largest
     /// multiplier is kept when all others leave; see [`active_set`](super::active_set) on convergence.
     pub(super) fn solve_obstacle(&mut self, level: &mut Level) -> f64 {
-        let free = 1.0 / (self.stencil - 1.0);
         let load: Vec<_> = self
             .nodes
             .iter()
@@ -124,7 +122,7 @@ impl Coarsest {
                     (largest, keep) = (gradient[k], edge);
                 }
                 changed |= active != was_active;
-                level.inverse_diagonal[edge] = if active { 0.0 } else { free };
+                level.inverse_diagonal[edge] = if active { 0.0 } else { self.inverse };
             }
             if !changed {
                 break;

@@ -14,7 +14,7 @@ use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::stencil::{coupling, for_each_boundary_node};
+use super::stencil::{coupling, for_each_boundary_node, visit};
 use super::stopping::{self, Hierarchy};
 use super::transfer::Weighting;
 use super::{Goal, MultigridParams, Outcome, Progress};
@@ -298,7 +298,7 @@ impl<G: Geometry> Multigrid<G> {
     fn coarse_norm(&mut self) -> f64 {
         let coarse = &self.levels[self.levels.len() - 2];
         let (norm, nodes) = (load::norm(coarse), coarse.nodes as f64);
-        self.count(nodes / self.coarsest.stencil());
+        self.count(nodes / visit::<G>());
         self.move_bytes(8.0 * nodes);
         norm
     }

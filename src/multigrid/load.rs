@@ -93,8 +93,8 @@ pub(super) fn norm(level: &Level) -> f64 {
             },
         )
     };
-    let pieces = level.load.each_ref().map(|half| half.par_chunks(MIN_PLACES).map(squares));
-    let sums: Vec<f64> = pieces.into_iter().flat_map(|half| half.collect::<Vec<_>>()).collect();
+    let [red, black] = level.load.each_ref().map(|half| half.par_chunks(MIN_PLACES));
+    let sums: Vec<f64> = red.chain(black).map(squares).collect();
     sums.iter().sum::<f64>().sqrt()
 }
 

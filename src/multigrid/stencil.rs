@@ -73,8 +73,14 @@ pub(super) fn diagonal<D: Dimension>() -> f64 {
     2.0 * D::AXES as f64
 }
 
+/// Multiplications per visit of an unknown, as work is counted.
+pub(super) fn visit<D: Dimension>() -> f64 {
+    diagonal::<D>() + 1.0
+}
+
+/// One over the diagonal.
 #[inline(always)]
-fn inverse<D: Dimension>() -> f64 {
+pub(super) fn inverse<D: Dimension>() -> f64 {
     1.0 / diagonal::<D>()
 }
 

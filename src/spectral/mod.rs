@@ -80,6 +80,7 @@ mod trace;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, integral, load};
+use crate::discrete::norms::largest;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::source::Source;
@@ -230,8 +231,7 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
 fn coarse(grid: Grid, f: &Source) -> Option<Vec<f64>> {
     let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
     // At the ends of contact single nodes have large residuals, which the discretisation error does not feel.
-    let scale = load.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
-    let params = MultigridParams { goal: Goal::Kkt(0.05 * scale), ..Default::default() };
+    let params = MultigridParams { goal: Goal::Kkt(0.05 * largest(&load)), ..Default::default() };
     multigrid(grid.cells(), &load, None, &params, |_| ()).ok().map(|(y, _)| y)
 }
 

@@ -5,6 +5,7 @@ use super::map::Angle;
 use super::panels::{Ends, Panel, Place};
 use super::problem::Problem;
 use super::sources::{AtNode, Field, Rules, Sources, Target};
+use crate::discrete::norms::largest;
 use crate::discrete::simd::vectorised;
 
 impl Problem {
@@ -213,7 +214,7 @@ fn moved(places: &[Place], change: &[f64], factor: f64) -> Vec<Place> {
 fn solution(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let n = rows.len();
     for row in &mut rows {
-        let largest = row[..n].iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+        let largest = largest(&row[..n]);
         row.iter_mut().for_each(|a| *a /= largest);
     }
     for k in 0..n {

@@ -6,6 +6,7 @@ use super::domain::{Domain, square};
 use super::problem::Problem;
 use super::{Solver, name};
 use crate::discrete::kkt::Judgement;
+use crate::discrete::norms::largest;
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
 use crate::multigrid::cube;
 use crate::multigrid::square::multigrid;
@@ -97,10 +98,9 @@ impl Problem {
     /// Runs a solver that works on the finest grid alone.
     fn on_finest_grid(&self, load: &[f64]) -> Result<Solved> {
         let n = self.finest();
-        let largest = || load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
         let goal = match (self.accuracy, self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
-            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest()),
+            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(load)),
             // The bracket of the energy is far narrower than the error is large.
             _ => Goal::RoundingFloor,
         };

@@ -1,5 +1,6 @@
 //! What the chapter on the search says: how far f may move, which counts hold it, how much was searched.
 
+use crate::discrete::norms::largest;
 use crate::identify::record::Record;
 use crate::identify::{Breaks, COARSEST, Findings, Measure, Variant};
 use serde_json::{Value, json};
@@ -26,7 +27,7 @@ pub(super) fn fixed(findings: &Findings) -> Value {
     };
     let row = |k| (0..target.levels()).map(|level| least(k, level)).collect::<Vec<_>>();
     let holds: Vec<_> = (0..target.r.len()).map(row).collect();
-    let percent = 0.01 * map.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let percent = 0.01 * largest(&map.values);
     // Alternatives for which every count comes out: the most values of Delta a to both digits.
     let deltas = |chosen: bool| {
         let others = findings.alternatives.iter().filter(|other| other.chosen == chosen);
