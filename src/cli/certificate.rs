@@ -5,7 +5,7 @@ mod machine;
 
 use super::CacheArgs;
 use super::diff::comparison;
-use super::output::{OutputFile, say, talk};
+use super::output::{OutputFile, is_there, say, talk};
 use super::pipeline::{Scope, Workplace};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, Verdict, hash};
@@ -57,7 +57,10 @@ pub(super) struct CertificateArgs {
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
-    let folder = folder(args.output.as_deref(), &workplace.project.root)?;
+    let folder = match &args.output {
+        Some(folder) => is_there(folder).map(|()| folder.clone())?,
+        None => workplace.project.root.join("codecheck"),
+    };
     if !args.force && folder.join(MANIFEST).exists() {
         return Err(Error::input(format!(
             "{} is there already; move it away, or overwrite it with --force",
@@ -108,18 +111,6 @@ fn write(folder: &Path, files: &[File]) -> Result<()> {
 
 const MANIFEST: &str = "codecheck.yml";
 const PAGE: &str = "certificate.md";
-
-/// The folder to write to; one that was named must exist, so that a slip of the pen makes no folders.
-fn folder(asked: Option<&Path>, project: &Path) -> Result<PathBuf> {
-    match asked {
-        None => Ok(project.join("codecheck")),
-        Some(folder) if folder.is_dir() => Ok(folder.to_path_buf()),
-        Some(folder) => Err(Error::input(format!(
-            "--output {0}: no such folder; make it with `mkdir -p {0}`",
-            folder.display()
-        ))),
-    }
-}
 
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {

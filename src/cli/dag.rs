@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::say;
 use super::pipeline::{CACHE, Workplace};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Engine, Graph, Node, Plan};
+use crate::pipeline::{Engine, Graph, Plan};
 use clap::Args;
 use std::path::{Path, absolute};
 
@@ -49,7 +49,7 @@ struct Form {
 
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let plan = Workplace::open(&args.cache)?.tasks(&[], None)?;
-    let graph = || Graph { nodes: plan.tasks().iter().map(Node::of).collect() };
+    let graph = || Graph::of(plan.tasks());
     let form = &args.form;
     say(&match () {
         () if form.mermaid => graph().mermaid(),

@@ -15,8 +15,8 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing;
+use args::request;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
-use args::{Problem, request};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,10 +53,9 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
         return together(args);
     }
     let project = Project::read(Project::find(&current_folder()?)?)?;
-    let numbers: Vec<u8> = match args.problem {
-        Problem::One => vec![1],
-        Problem::Two => vec![2],
-        Problem::Both => project.paper.table.iter().map(|table| table.number).collect(),
+    let numbers: Vec<u8> = match args.problem.parse() {
+        Ok(number) => vec![number],
+        Err(_) => project.paper.table.iter().map(|table| table.number).collect(),
     };
     if numbers.is_empty() {
         return Err(Error::input(

@@ -1,8 +1,8 @@
 //! `man`: manual pages, made from the same words as `--help`.
 
 use super::Cli;
-use super::output::{OutputFile, say, talk};
-use crate::pipeline::error::{Error, Result};
+use super::output::{OutputFile, is_there, say, talk};
+use crate::pipeline::error::Result;
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use std::path::Path;
@@ -14,12 +14,7 @@ pub(super) fn man(output: Option<&Path>) -> Result<u8> {
         let (_, page) = page(&command);
         return say(&page);
     };
-    if !folder.is_dir() {
-        let folder = folder.display();
-        return Err(Error::input(format!(
-            "--output {folder}: no such folder; make it with `mkdir -p {folder}`"
-        )));
-    }
+    is_there(folder)?;
     let pages: Vec<_> =
         std::iter::once(&command).chain(command.get_subcommands()).map(page).collect();
     for (name, text) in &pages {

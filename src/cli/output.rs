@@ -47,6 +47,13 @@ pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> 
     rows.iter().map(line).collect()
 }
 
+/// Refuses a folder to write to that is not there: a slip of the pen makes no folders.
+pub(super) fn is_there(folder: &Path) -> Result<()> {
+    let shown = folder.display();
+    let remedy = || format!("--output {shown}: no such folder; make it with `mkdir -p {shown}`");
+    if folder.is_dir() { Ok(()) } else { Err(Error::input(remedy())) }
+}
+
 /// A file that the user named, found writable before the work whose result it is to hold.
 #[derive(Debug)]
 pub(super) struct OutputFile {
@@ -55,9 +62,6 @@ pub(super) struct OutputFile {
 
 impl OutputFile {
     /// Checks that `path` can be written.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if it is a folder, or in one that does not exist or cannot be written.
     pub(super) fn check(path: &Path) -> Result<Self> {
         let wrong =
             |what: &str| Err(Error::input(format!("cannot write {}: {what}", path.display())));

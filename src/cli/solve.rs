@@ -82,13 +82,16 @@ impl SolveArgs {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let ending = out.to_str().map(|name| if name == "vtk" { "vti" } else { name });
         let named = ending.filter(|ending| Format::from_str(ending, false).is_ok());
-        let name = problem.scene.as_deref().unwrap_or(match problem.domain.dimension() {
-            2 => "solution",
-            _ => "cube",
-        });
+        let on_cube = problem.domain.dimension() == 3;
+        let usual = if on_cube { "cube" } else { "solution" };
+        let name = problem.scene.as_deref().unwrap_or(usual);
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        problem.domain.check_format(format)?;
+        if on_cube && format == Format::Svg {
+            return Err(Error::input(
+                "--out: a solution on the cube has no picture; use .vti and open it in ParaView, or .npz",
+            ));
+        }
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 

@@ -5,7 +5,7 @@ use super::palette::{INK, MUTED, RGBColor, RULE, WHITE, legible_on, viridis};
 use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
 use super::table::of_fragility;
 use super::text::power_of_ten;
-use super::{Caption, Drawing, FigureError, finite, not_empty};
+use super::{Caption, Drawing, FigureError, finite, length, not_empty};
 use crate::experiments::rounding::{Cell, Table};
 
 /// Width and height of a cell in display pixels.
@@ -41,10 +41,7 @@ pub fn fragility(
     for table in not_empty("panels", tables)? {
         let panel = format!("Table {}", table.number);
         for row in not_empty("rows", &table.rows)? {
-            let (got, want) = (row.cells.len(), table.grids.len());
-            if got != want {
-                return Err(FigureError::Length { panel, what: "counts", got, want });
-            }
+            length(&panel, "counts", row.cells.len(), table.grids.len())?;
             let sizes = row.cells.iter().filter_map(|cell| cell.flips_at.map(decade));
             finite(&panel, "sizes", sizes)?;
         }

@@ -6,7 +6,7 @@ use super::panels::{Panels, title};
 use super::picture::{NORMAL, Picture, Place, SMALL, Type, text_width};
 use super::table::of_identifiability;
 use super::text::Ticks;
-use super::{Caption, Drawing, FigureError, IdentifiabilityPanel, finite, not_empty};
+use super::{Caption, Drawing, FigureError, IdentifiabilityPanel, finite, length, not_empty};
 
 /// Side of a panel in display pixels.
 const SIDE: f64 = 290.0;
@@ -28,11 +28,8 @@ pub fn identifiability(
         not_empty("points", &slice.x)?;
         finite(panel.title, "values", slice.x.iter().chain(&slice.y).copied())?;
         let rows = slice.exact.iter().map(|row| (row.len(), slice.x.len()));
-        let lengths = rows.chain([(slice.exact.len(), slice.y.len())]);
-        if let Some((got, want)) = lengths.into_iter().find(|(got, want)| got != want) {
-            let panel = panel.title.into();
-            return Err(FigureError::Length { panel, what: "counts", got, want });
-        }
+        let mut lengths = rows.chain([(slice.exact.len(), slice.y.len())]);
+        lengths.try_for_each(|(got, want)| length(panel.title, "counts", got, want))?;
         least = slice.exact.iter().flatten().copied().fold(least, usize::min);
     }
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);

@@ -187,30 +187,9 @@ pub enum FigureError {
     /// No panel, curve or iteration.
     #[error("figure has no {0} to draw; pass at least one")]
     Empty(&'static str),
-    /// NaN or an infinity among the data.
-    #[error(
-        "`{panel}`: entry {index} of {what} is not a finite number; solve again before drawing"
-    )]
-    NotFinite {
-        /// Title of the panel.
-        panel: String,
-        /// Which data.
-        what: &'static str,
-        /// Position of the first offender.
-        index: usize,
-    },
-    /// A vector that does not belong to its grid.
-    #[error("`{panel}`: {what} has {got} entries, its grid wants {want}")]
-    Length {
-        /// Title of the panel.
-        panel: String,
-        /// Which data.
-        what: &'static str,
-        /// Entries given.
-        got: usize,
-        /// Entries wanted.
-        want: usize,
-    },
+    /// Data that are no numbers, or do not fit together: the panel, and what is wrong in it.
+    #[error("`{0}`: {1}")]
+    Wrong(String, String),
 }
 
 /// Refuses an empty slice.
@@ -224,20 +203,27 @@ fn not_empty<'a, T>(what: &'static str, items: &'a [T]) -> Result<&'a [T], Figur
 /// Refuses NaN and infinities.
 fn finite(
     panel: &str,
-    what: &'static str,
+    what: &str,
     values: impl IntoIterator<Item = f64>,
 ) -> Result<(), FigureError> {
     match values.into_iter().position(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(FigureError::NotFinite { panel: panel.into(), what, index }),
+        Some(index) => Err(FigureError::Wrong(
+            panel.into(),
+            format!("entry {index} of {what} is not a finite number; solve again before drawing"),
+        )),
     }
 }
 
+/// Refuses another number of entries than its grid wants.
+fn length(panel: &str, what: &str, got: usize, want: usize) -> Result<(), FigureError> {
+    let wrong = || format!("{what} has {got} entries, its grid wants {want}");
+    if got == want { Ok(()) } else { Err(FigureError::Wrong(panel.into(), wrong())) }
+}
+
 /// Refuses a vector of another length than `want`, NaN and infinities.
-fn vector(panel: &str, what: &'static str, values: &[f64], want: usize) -> Result<(), FigureError> {
-    if values.len() != want {
-        return Err(FigureError::Length { panel: panel.into(), what, got: values.len(), want });
-    }
+fn vector(panel: &str, what: &str, values: &[f64], want: usize) -> Result<(), FigureError> {
+    length(panel, what, values.len(), want)?;
     finite(panel, what, values.iter().copied())
 }
 

@@ -65,8 +65,9 @@ pub fn surfaces(
         walls(&mut picture, &scene, &ticks);
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
         let mesh = "stroke=\"#203038\" stroke-width=\"1\"";
-        picture.group(mesh, |picture| quads(picture, &scene, panel, color));
-        picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &scene, panel));
+        let drawn = Drawn { scene: &scene, panel, touching: touching(panel) };
+        picture.group(mesh, |picture| quads(picture, &drawn, color));
+        picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &drawn));
         axes(&mut picture, &scene, &ticks);
         let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
         let bottom = top + high - 44.0;
@@ -118,7 +119,22 @@ fn thinned(grid: Grid) -> Vec<usize> {
     lines
 }
 
-fn quads(picture: &mut Picture, scene: &Scene, panel: &Surface, color: impl Fn(f64) -> RGBColor) {
+/// A surface and where it is drawn; `touching` tells the nodes in contact.
+struct Drawn<'a> {
+    scene: &'a Scene,
+    panel: &'a Surface<'a>,
+    touching: Vec<bool>,
+}
+
+/// Whether each node lies on the boundary and is in contact.
+fn touching(panel: &Surface) -> Vec<bool> {
+    let mut touching = vec![false; panel.y.len()];
+    panel.grid.boundary().zip(panel.a).for_each(|(node, a)| touching[node] = *a > 0.0);
+    touching
+}
+
+fn quads(picture: &mut Picture, drawn: &Drawn, color: impl Fn(f64) -> RGBColor) {
+    let &Drawn { scene, panel, .. } = drawn;
     let lines = thinned(panel.grid);
     let value = |(i, j): (usize, usize)| panel.y[panel.grid.index(i, j)];
     let xy = |(i, j): (usize, usize)| (panel.grid.coordinate(i), panel.grid.coordinate(j));
@@ -134,21 +150,21 @@ fn quads(picture: &mut Picture, scene: &Scene, panel: &Surface, color: impl Fn(f
         for side in 0..4 {
             let edge = [corners[side], corners[(side + 1) % 4]];
             if is_far(scene, panel.grid, edge) {
-                mark(picture, scene, panel, edge);
+                mark(picture, drawn, edge);
             }
         }
     }
 }
 
 /// Contact on the near sides, which nothing hides: last, so that the mesh does not cover half of it.
-fn near_contact(picture: &mut Picture, scene: &Scene, panel: &Surface) {
-    let lines = thinned(panel.grid);
-    let n = panel.grid.cells();
+fn near_contact(picture: &mut Picture, drawn: &Drawn) {
+    let grid = drawn.panel.grid;
+    let (lines, n) = (thinned(grid), grid.cells());
     for pair in lines.windows(2) {
         let (p, q) = (pair[0], pair[1]);
         for edge in [[(p, 0), (q, 0)], [(n, p), (n, q)], [(p, n), (q, n)], [(0, p), (0, q)]] {
-            if !is_far(scene, panel.grid, edge) {
-                mark(picture, scene, panel, edge);
+            if !is_far(drawn.scene, grid, edge) {
+                mark(picture, drawn, edge);
             }
         }
     }
@@ -161,14 +177,15 @@ fn is_far(scene: &Scene, grid: Grid, [p, q]: [(usize, usize); 2]) -> bool {
 }
 
 /// Draws the part of an edge on the boundary that is in contact, node by node of the full grid.
-fn mark(picture: &mut Picture, scene: &Scene, panel: &Surface, [p, q]: [(usize, usize); 2]) {
+fn mark(picture: &mut Picture, drawn: &Drawn, [p, q]: [(usize, usize); 2]) {
+    let Drawn { scene, panel, touching } = drawn;
     let grid = panel.grid;
     let length = p.0.abs_diff(q.0).max(p.1.abs_diff(q.1));
     let node = |k: usize| {
         let along = |a: usize, b: usize| (a * (length - k) + b * k) / length;
         (along(p.0, q.0), along(p.1, q.1))
     };
-    let touches = |k: usize| boundary_number(grid, node(k)).is_some_and(|b| panel.a[b] > 0.0);
+    let touches = |k: usize| touching[grid.index(node(k).0, node(k).1)];
     let place = |k: usize| {
         let (i, j) = node(k);
         scene.place(grid.coordinate(i), grid.coordinate(j), panel.y[grid.index(i, j)])
@@ -183,18 +200,6 @@ fn mark(picture: &mut Picture, scene: &Scene, panel: &Surface, [p, q]: [(usize, 
             picture.path((start..=k).map(place), CONTACT, 2.75);
         }
         k += 1;
-    }
-}
-
-/// The inverse of [`Grid::boundary_node`].
-fn boundary_number(grid: Grid, (i, j): (usize, usize)) -> Option<usize> {
-    let n = grid.cells();
-    match (i, j) {
-        (_, 0) => Some(i),
-        _ if i == n => Some(n + j),
-        _ if j == n => Some(3 * n - i),
-        (0, _) => Some(4 * n - j),
-        _ => None,
     }
 }
 
@@ -248,15 +253,6 @@ fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn boundary_numbers_invert_the_order_of_the_nodes() {
-        let grid = Grid::new(6).unwrap();
-        for b in 0..grid.boundary_nodes() {
-            assert_eq!(boundary_number(grid, grid.boundary_node(b)), Some(b));
-        }
-        assert_eq!(boundary_number(grid, (3, 3)), None);
-    }
 
     #[test]
     fn thinning_keeps_both_ends() {

@@ -1,6 +1,6 @@
 //! Tests that hold for every figure.
 
-use super::samples::{CAPTION, all, every, unusual};
+use super::samples::{CAPTION, committed, every, unusual};
 use super::*;
 use crate::problem::source::Source;
 
@@ -28,15 +28,12 @@ fn well_formed(svg: &str) {
 }
 
 #[test]
-fn figures_are_deterministic_well_formed_labelled_and_small() {
-    let figures = all();
-    assert_eq!(figures, all());
+fn figures_are_well_formed_labelled_and_small() {
+    let figures = committed();
     for (name, svg) in &figures {
         well_formed(svg);
         assert!(svg.starts_with("<svg xmlns=") && svg.contains("role=\"img\""));
-        assert!(svg.contains("<title>Title &lt;1&gt; &amp; more</title>"));
-        assert!(svg.contains("<desc>made by `signorini run`</desc>"));
-        assert!(svg.contains(">a) problem 1</text>") && svg.contains(">b) problem 2</text>"));
+        assert!(svg.contains(">Problem 1") && svg.contains(">Problem 2"));
         assert!(!svg.contains("NaN") && !svg.contains("inf\""));
         assert!(svg.len() < 400_000, "{name} has {} bytes", svg.len());
     }
@@ -105,7 +102,8 @@ fn bad_data_is_refused_with_its_place() {
         surfaces(CAPTION, 2, &[Surface { title: "t", grid, y, a, view, range: None }])
     };
     assert!(surface(&y, &a).is_ok(), "a flat surface is a picture");
-    assert!(matches!(surface(&y[1..], &a), Err(FigureError::Length { got: 24, want: 25, .. })));
+    let message = surface(&y[1..], &a).unwrap_err().to_string();
+    assert_eq!(message, "`t`: y has 24 entries, its grid wants 25");
     y[7] = f64::NAN;
     let message = surface(&y, &a).unwrap_err().to_string();
     assert!(message.contains("entry 7 of y"), "{message}");
@@ -127,7 +125,7 @@ fn bad_data_is_refused_with_its_place() {
     assert!(map(&slice(1.0)).is_ok(), "a single point is a map");
     assert!(map(&slice(f64::NAN)).is_err());
     let torn = Slice { exact: vec![vec![3, 3]], ..slice(1.0) };
-    assert!(matches!(map(&torn), Err(FigureError::Length { got: 2, want: 1, .. })));
+    assert!(map(&torn).unwrap_err().to_string().contains("counts has 2 entries"));
     let f = Source::constant(f64::NAN);
     assert!(maps_of_f(CAPTION, &[("t", &f)]).is_err());
 }
@@ -136,6 +134,8 @@ fn bad_data_is_refused_with_its_place() {
 fn unusual_pictures_are_drawn_too() {
     for (name, svg) in unusual() {
         well_formed(&svg);
+        assert!(svg.contains("<title>Title &lt;1&gt; &amp; more</title>"));
+        assert!(svg.contains("<desc>made by `signorini run`</desc>"));
         assert!(svg.len() < 400_000, "{name} has {} bytes", svg.len());
     }
 }

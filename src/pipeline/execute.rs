@@ -12,7 +12,7 @@ use serde_json::json;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Walks the plan; what it writes goes to the cache only, whose lock the caller holds.
 ///
@@ -50,24 +50,19 @@ enum State {
     Waiting,
     /// Up to date, from the start or since it ran.
     Done(Manifest),
-    /// To be run, for this reason, or running.
+    /// To be run, running, or run in vain, for this reason.
     Stale(Reason),
-    /// It failed, or the run ended before it.
-    Lost(Reason),
 }
 
 /// A stale task that can run.
 struct Job {
     task: usize,
     inputs: BTreeMap<String, String>,
+    reason: Reason,
 }
 
-/// What came of a job.
-struct Done {
-    job: usize,
-    time: Duration,
-    result: Result<Manifest>,
-}
+/// What came of it: which task, why and how long it ran, and what it made.
+type Done = (usize, Ran, Result<Manifest>);
 
 struct Walk<'a> {
     plan: &'a Plan,
@@ -102,7 +97,7 @@ impl<'a> Walk<'a> {
                         State::Done(hit.manifest)
                     }
                     Err(reason) => {
-                        jobs.push(Job { task, inputs });
+                        jobs.push(Job { task, inputs, reason: reason.clone() });
                         State::Stale(reason)
                     }
                 };
@@ -186,13 +181,7 @@ impl<'a> Walk<'a> {
         let done = |k: &usize| matches!(self.states[*k], State::Done(_));
         let left = (0..self.states.len()).filter(|k| !done(k)).map(|k| &*self.plan.tasks()[k].id);
         let ahead = times.ahead(left, threads);
-        let reasons: Vec<&Reason> = queue
-            .iter()
-            .filter_map(|job| match &self.states[job.task] {
-                State::Stale(reason) => Some(reason),
-                _ => None,
-            })
-            .collect();
+        let reasons: Vec<&Reason> = queue.iter().map(|job| &job.reason).collect();
         self.summary.expected = ahead.left();
         self.progress.begin(ahead, &why(&reasons));
     }
@@ -212,43 +201,32 @@ impl<'a> Walk<'a> {
         let task = &self.plan.tasks()[job.task];
         let needed = |need: &String| (need.clone(), self.manifest(need).outputs.clone());
         let needed: Vec<(String, Hashes)> = task.needs.iter().map(needed).collect();
-        let State::Stale(reason) = &self.states[job.task] else {
-            unreachable!("only stale tasks run")
-        };
-        let reason = reason.to_string();
         scope.spawn(move |_| {
             let start = Instant::now();
             let result = run(task, job.inputs, needed, store, progress);
             progress.span("task", &task.id, start, || match &result {
-                Ok((_, bytes)) => json!({ "verdict": "ran", "reason": reason, "bytes": bytes }),
+                Ok((_, bytes)) => {
+                    json!({ "verdict": "ran", "reason": job.reason.to_string(), "bytes": bytes })
+                }
                 Err(e) => json!({ "verdict": "failed", "reason": e.to_string() }),
             });
-            let result = result.map(|(manifest, _)| manifest);
+            let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.
-            let _ = send.send(Done { job: job.task, time: start.elapsed(), result });
+            let _ = send.send((job.task, ran, result.map(|(manifest, _)| manifest)));
         });
     }
 
     /// Notes what came of a task; returns those that waited and now have to run.
-    fn settle(&mut self, done: Done, times: &mut Times) -> Result<Vec<Job>> {
-        let id = &self.plan.tasks()[done.job].id;
-        let state = std::mem::replace(&mut self.states[done.job], State::Waiting);
-        let State::Stale(reason) = state else { unreachable!("only stale tasks run") };
-        let ran = Ran { task: id.clone(), reason, time: done.time };
-        self.progress.done(&ran, done.result.is_ok());
-        match done.result {
+    fn settle(&mut self, (task, ran, result): Done, times: &mut Times) -> Result<Vec<Job>> {
+        self.progress.done(&ran, result.is_ok());
+        match result {
             Ok(manifest) => {
                 times.learn(&ran);
-                self.states[done.job] = State::Done(manifest);
+                self.states[task] = State::Done(manifest);
                 self.summary.ran.push(ran);
             }
-            Err(e) => {
-                self.states[done.job] = State::Lost(ran.reason);
-                match e {
-                    Error::Stage(reasons) => self.summary.failed.extend(reasons),
-                    other => return Err(other),
-                }
-            }
+            Err(Error::Stage(reasons)) => self.summary.failed.extend(reasons),
+            Err(other) => return Err(other),
         }
         let is_waiting = |k: &usize| matches!(self.states[*k], State::Waiting);
         let waited: Vec<usize> = (0..self.states.len()).filter(is_waiting).collect();
@@ -271,7 +249,7 @@ impl<'a> Walk<'a> {
                 State::Done(_) => {
                     ran.get(id).map_or(Verdict::Fresh, |ran| Verdict::Stale(ran.reason.clone()))
                 }
-                State::Stale(reason) | State::Lost(reason) => Verdict::Stale(reason.clone()),
+                State::Stale(reason) => Verdict::Stale(reason.clone()),
                 State::Waiting => Verdict::Waits(self.waits_for(task).unwrap_or_default().into()),
             };
             if let (Verdict::Waits(on), true) = (&verdict, self.options.keep_going) {

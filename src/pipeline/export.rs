@@ -1,7 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
 use super::files::{hash_if_there, is_plain, leftovers, write_atomically};
-use super::{Hashes, Lock, Manifest, Plan, Store, hash};
+use super::{Hashes, Lock, Manifest, Plan, Store, Task, hash};
 use crate::pipeline::error::{Error, IoContext, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -42,10 +42,10 @@ impl Exports {
     ///
     /// # Errors
     /// [`Error::Io`] if a file is there and cannot be read.
-    pub fn plan(
+    pub fn plan<'p>(
         mut self,
         project: &Path,
-        plan: &Plan,
+        plan: &'p Plan,
         manifests: &BTreeMap<String, Manifest>,
         store: &Store,
         known: &Hashes,
@@ -54,20 +54,30 @@ impl Exports {
         let on_record = |exports: &Self, path: &str, found: &str| {
             known.get(path).is_some_and(|hash| hash == found) || exports.written.knows(path, found)
         };
-        let copies: Vec<Copy> = copies(plan, manifests).collect();
+        let exported =
+            |task: &'p Task| Some((task, task.export?, &manifests.get(&task.id)?.outputs));
+        // Task, name of the artifact, where its copy is to be, and its hash.
+        let copies: Vec<(&Task, &String, String, &String)> = plan
+            .tasks()
+            .iter()
+            .filter_map(exported)
+            .flat_map(|(task, folder, made)| {
+                made.iter().map(move |(name, hash)| (task, name, format!("{folder}/{name}"), hash))
+            })
+            .collect();
         let mut there = std::mem::take(&mut self.there);
-        let unseen = copies.par_iter().filter(|copy| !there.contains_key(&copy.path));
+        let unseen = copies.par_iter().filter(|(.., path, _)| !there.contains_key(path));
         let look = |path: &String| Ok((path.clone(), hash_if_there(&project.join(path))?));
-        let unseen = unseen.map(|copy| look(&copy.path));
+        let unseen = unseen.map(|(.., path, _)| look(path));
         there.extend(unseen.collect::<Result<Vec<_>>>()?);
-        for Copy { task, name, path, hash: wanted } in copies {
+        for (task, name, path, wanted) in copies {
             let found = there.get(&path).and_then(Option::as_ref);
             self.files.insert(path.clone(), wanted.clone());
             if found == Some(wanted) {
                 continue;
             }
             let in_cache = |found: &str| {
-                let earlier = store.manifests(task);
+                let earlier = store.manifests(&task.id);
                 earlier.iter().any(|then| then.outputs.get(name).is_some_and(|hash| hash == found))
             };
             // An empty file holds nothing that could be lost.
@@ -151,32 +161,6 @@ impl Exports {
         }
         written.save(project)
     }
-}
-
-/// An artifact that the project folder is to have a copy of.
-struct Copy<'a> {
-    task: &'a str,
-    name: &'a str,
-    path: String,
-    hash: &'a String,
-}
-
-/// The copies of these manifests' artifacts, in the order of the plan.
-fn copies<'a>(
-    plan: &'a Plan,
-    manifests: &'a BTreeMap<String, Manifest>,
-) -> impl Iterator<Item = Copy<'a>> {
-    plan.tasks().iter().flat_map(|task| {
-        let made = task.export.zip(manifests.get(&task.id));
-        made.into_iter().flat_map(move |(folder, manifest)| {
-            manifest.outputs.iter().map(move |(name, hash)| Copy {
-                task: &task.id,
-                name,
-                path: format!("{folder}/{name}"),
-                hash,
-            })
-        })
-    })
 }
 
 /// Which bytes this copy of the project was given, by path and hash; not for other copies.

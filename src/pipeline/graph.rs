@@ -4,46 +4,26 @@ use super::Task;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The tasks of a plan and what each needs.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Graph {
-    /// The tasks, each after all it needs.
-    pub nodes: Vec<Node>,
-}
-
-/// A task, reduced to its place in the graph.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Node {
-    /// Id of the task.
-    pub id: String,
-    /// Ids of the tasks it needs.
-    pub needs: Vec<String>,
-}
-
-impl Node {
-    /// The node of a task.
-    pub fn of(task: &Task) -> Self {
-        Self { id: task.id.clone(), needs: task.needs.clone() }
-    }
-}
+/// Ids of tasks, each after all it needs, with the ids of these.
+#[derive(Clone, Debug, Serialize)]
+pub struct Graph(pub Vec<(String, Vec<String>)>);
 
 impl Graph {
+    /// The graph of these tasks.
+    pub fn of(tasks: &[Task]) -> Self {
+        Self(tasks.iter().map(|task| (task.id.clone(), task.needs.clone())).collect())
+    }
+
     /// Edges as (needed, needing).
-    pub fn edges(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.nodes
-            .iter()
-            .flat_map(|node| node.needs.iter().map(move |need| (need.as_str(), node.id.as_str())))
+    fn edges(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().flat_map(|(id, needs)| needs.iter().map(move |need| (&**need, &**id)))
     }
 
     /// For Mermaid, which draws it in Markdown.
     pub fn mermaid(&self) -> String {
-        let number: BTreeMap<&str, usize> =
-            self.nodes.iter().enumerate().map(|(k, node)| (node.id.as_str(), k)).collect();
+        let number: BTreeMap<&str, usize> = self.0.iter().map(|(id, _)| &**id).zip(0..).collect();
         let mut text = String::from("graph LR\n");
-        self.nodes
-            .iter()
-            .enumerate()
-            .for_each(|(k, node)| text += &format!("  t{k}[\"{}\"]\n", node.id));
+        self.0.iter().for_each(|(id, _)| text += &format!("  t{}[\"{id}\"]\n", number[&**id]));
         self.edges()
             .for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
         text
@@ -52,7 +32,7 @@ impl Graph {
     /// For Graphviz.
     pub fn dot(&self) -> String {
         let mut text = String::from("digraph signorini {\n  rankdir=LR; node [shape=box];\n");
-        self.nodes.iter().for_each(|node| text += &format!("  \"{}\";\n", node.id));
+        self.0.iter().for_each(|(id, _)| text += &format!("  \"{id}\";\n"));
         self.edges().for_each(|(from, to)| text += &format!("  \"{from}\" -> \"{to}\";\n"));
         text + "}\n"
     }

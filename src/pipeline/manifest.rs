@@ -252,16 +252,4 @@ mod tests {
             assert_eq!(read(&forged.to_line()), None);
         }
     }
-
-    #[test]
-    fn changes_tell_old_from_new() {
-        let old = sample().inputs;
-        let mut new = old.clone();
-        new.insert("parameter r".into(), "5".into());
-        new.insert("file a".into(), hash(b"y"));
-        let text: Vec<_> = changes(&old, &new).iter().map(Change::to_string).collect();
-        let hash = &hash(b"y")[..12];
-        assert_eq!(text, [format!("file a: absent -> {hash}"), "parameter r: 10 -> 5".into()]);
-        assert!(changes(&old, &old).is_empty());
-    }
 }

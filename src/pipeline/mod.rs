@@ -28,7 +28,7 @@ pub use engine::Engine;
 pub use execute::execute;
 pub use export::Exports;
 pub use garbage::Garbage;
-pub use graph::{Graph, Node};
+pub use graph::Graph;
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Change, Manifest, Reason, Verdict, why};

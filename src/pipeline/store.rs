@@ -67,25 +67,16 @@ impl Store {
     }
 
     /// The right to write single tasks to the cache, beside others that do the same.
-    ///
-    /// # Errors
-    /// [`Error::Input`] where the file system has no locks; [`Error::Io`].
     pub(super) fn share(&self, busy: &dyn Fn(&str)) -> Result<Lock> {
         Lock::share(&self.cache.join("lock"), busy)
     }
 
     /// The right to run this task, for one who shares the cache.
-    ///
-    /// # Errors
-    /// As [`Store::share`].
     pub(super) fn lock_task(&self, task: &str, busy: &dyn Fn(&str)) -> Result<Lock> {
         Lock::wait(&self.root.join(LOCKS).join(hash(task.as_bytes())), busy)
     }
 
     /// Notes for an engine that the task with this stamp is done, by which run.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
     pub(super) fn stamp(&self, stamp: &str, manifest: &Manifest) -> Result<()> {
         let path = self.stamp_file(stamp);
         let text = manifest.seal() + "\n";

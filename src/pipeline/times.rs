@@ -11,14 +11,10 @@ use std::time::Duration;
 const FILE: &str = "times.json";
 
 /// Seconds by task id. A file that is missing or damaged is as good as empty.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Times {
+    #[serde(skip)]
     path: PathBuf,
-    seconds: BTreeMap<String, f64>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Stored {
     schema: u8,
     seconds: BTreeMap<String, f64>,
 }
@@ -30,12 +26,10 @@ impl Times {
     pub fn read(cache: &Path) -> Self {
         let path = cache.join(FILE);
         let stored = fs::read(&path).ok().and_then(|text| serde_json::from_slice(&text).ok());
-        let mut seconds = match stored {
-            Some(Stored { schema: SCHEMA, seconds }) => seconds,
-            _ => BTreeMap::new(),
-        };
+        let Self { mut seconds, .. } =
+            stored.filter(|stored: &Self| stored.schema == SCHEMA).unwrap_or_default();
         seconds.retain(|_, time| (0.0..LONGEST).contains(time));
-        Self { path, seconds }
+        Self { path, schema: SCHEMA, seconds }
     }
 
     /// Remembers a task that ran.
@@ -50,8 +44,7 @@ impl Times {
 
     /// Writes the record, if it can be written: no run should fail for the sake of an estimate.
     pub fn save(&self) {
-        let stored = Stored { schema: SCHEMA, seconds: self.seconds.clone() };
-        let text = serde_json::to_vec_pretty(&stored).expect("times are plain data");
+        let text = serde_json::to_vec_pretty(self).expect("times are plain data");
         // In place: half of it is as good as none.
         let _ = fs::write(&self.path, &text);
     }
@@ -125,7 +118,7 @@ mod tests {
     fn tasks_share_the_threads_and_what_has_ended_is_no_longer_ahead() {
         let seconds = [("solve/a", 100.0), ("solve/b", 300.0), ("diff/a", 50.0)];
         let seconds = seconds.iter().map(|(id, time)| ((*id).to_owned(), *time)).collect();
-        let times = Times { path: PathBuf::new(), seconds };
+        let times = Times { seconds, ..Times::default() };
         let left = |tasks: &[&str], threads| {
             times.ahead(tasks.iter().copied(), threads).left().map(|left| left.as_secs())
         };

@@ -1,6 +1,7 @@
 //! A record of what each worker did when, to be looked at in chrome://tracing or Perfetto; in no hash.
 
 use serde_json::{Value, json};
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -9,18 +10,8 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub struct Trace {
     start: Instant,
-    spans: Mutex<Vec<Span>>,
-}
-
-#[derive(Debug)]
-struct Span {
-    name: String,
-    category: &'static str,
-    start: Duration,
-    length: Duration,
-    /// Name of the thread.
-    thread: String,
-    args: Value,
+    /// When each began, how long it took, the name of its thread, and the event without that.
+    spans: Mutex<Vec<(Duration, Reverse<Duration>, String, Value)>>,
 }
 
 impl Default for Trace {
@@ -33,43 +24,34 @@ impl Default for Trace {
 impl Trace {
     /// Something that began at `start` on this thread and ends now.
     pub(super) fn span(&self, category: &'static str, name: &str, start: Instant, args: Value) {
-        let span = Span {
-            name: name.into(),
-            category,
-            start: start.duration_since(self.start),
-            length: start.elapsed(),
-            thread: std::thread::current().name().unwrap_or_default().to_owned(),
-            args,
-        };
-        self.spans.lock().expect("no panic while it is held").push(span);
+        let (start, length) = (start.duration_since(self.start), start.elapsed());
+        let event = json!({
+            "name": name, "cat": category, "ph": "X", "pid": std::process::id(),
+            "ts": microseconds(start), "dur": microseconds(length), "args": args,
+        });
+        let thread = std::thread::current().name().unwrap_or_default().to_owned();
+        let mut spans = self.spans.lock().expect("no panic while it is held");
+        spans.push((start, Reverse(length), thread, event));
     }
 
     /// The trace in the JSON array format of Chrome: complete events, in microseconds.
     pub fn to_json(&self) -> String {
-        let spans = self.spans.lock().expect("no panic while it is held");
-        let process = std::process::id();
-        let names: BTreeSet<&str> = spans.iter().map(|span| span.thread.as_str()).collect();
-        let threads: BTreeMap<&str, usize> = names.into_iter().zip(0..).collect();
-        let mut events: Vec<Value> = threads
-            .iter()
-            .map(|(name, thread)| {
-                json!({
-                    "name": "thread_name", "ph": "M", "pid": process, "tid": thread,
-                    "args": { "name": name },
-                })
-            })
-            .collect();
-        let mut sorted: Vec<&Span> = spans.iter().collect();
+        let mut spans = self.spans.lock().expect("no panic while it is held").clone();
         // What contains comes before what it contains.
-        sorted.sort_by_key(|span| (span.start, std::cmp::Reverse(span.length)));
-        events.extend(sorted.into_iter().map(|span| {
+        spans.sort_by_key(|(start, length, ..)| (*start, *length));
+        let names: BTreeSet<String> = spans.iter().map(|(.., name, _)| name.clone()).collect();
+        let threads: BTreeMap<String, usize> = names.into_iter().zip(0..).collect();
+        let named = threads.iter().map(|(name, thread)| {
             json!({
-                "name": span.name, "cat": span.category, "ph": "X", "pid": process,
-                "tid": threads[span.thread.as_str()], "ts": microseconds(span.start),
-                "dur": microseconds(span.length), "args": span.args,
+                "name": "thread_name", "ph": "M", "pid": std::process::id(), "tid": thread,
+                "args": { "name": name },
             })
-        }));
-        let lines: Vec<String> = events.iter().map(Value::to_string).collect();
+        });
+        let events = spans.into_iter().map(|(.., thread, mut event)| {
+            event["tid"] = threads[&thread].into();
+            event
+        });
+        let lines: Vec<String> = named.chain(events).map(|event| event.to_string()).collect();
         format!("[\n{}\n]\n", lines.join(",\n"))
     }
 }

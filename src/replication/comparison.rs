@@ -173,8 +173,10 @@ impl Comparison {
 
 #[cfg(test)]
 mod tests {
-    use super::super::paper::tests::TEXT;
     use super::*;
+
+    const TEXT: &str = "r = [1e6, 10]\n[[table]]\nnumber = 1\ncounts = [[1, 100], [2, 200]]\n\
+        delta_a = [1e-4, 2e-4]\ncount_share = 0.05\ncount_slack = 1\ndelta_a_factor = 1.5\n";
 
     fn ours() -> Vec<Row> {
         vec![

@@ -111,26 +111,3 @@ impl PublishedTable {
         None
     }
 }
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    pub(in crate::replication) const TEXT: &str = "r = [1e6, 10]\n[[table]]\nnumber = 1\ncounts = [[1, 100], [2, 200]]\n\
-        delta_a = [1e-4, 2e-4]\ncount_share = 0.05\ncount_slack = 1\ndelta_a_factor = 1.5\n";
-
-    #[test]
-    fn ragged_tables_are_errors() {
-        assert!(Paper::parse(&TEXT.replace("[2, 200]", "[2]")).is_err());
-        for (from, to) in [
-            ("delta_a = [1e-4", "delta_a = [nan"),
-            ("factor = 1.5", "factor = inf"),
-            ("share = 0.05", "share = nan"),
-            ("r = [1e6, 10]", "r = []"),
-            ("r = [1e6", "r = [inf"),
-            ("[[1, 100], [2, 200]]", "[[], []]"),
-        ] {
-            assert!(TEXT.contains(from) && Paper::parse(&TEXT.replace(from, to)).is_err(), "{to}");
-        }
-    }
-}

@@ -240,19 +240,8 @@ mod tests {
     }
 
     #[test]
-    fn each_from_toml_has_its_own_message() {
-        assert!(error(&GOOD.replace("title", "titel")).contains("line 1"));
-        assert!(error(&format!("{GOOD}colour = 3\n")).contains("unknown field `colour`"));
-        assert!(error(&GOOD.replace("-1", "1")).contains("(2) asks for a negative one"));
-        assert!(error(&GOOD.replace("-1", "0")).contains("(2) asks for a negative one"));
-        assert!(error(&GOOD.replace("-1", "nan")).contains("not a finite number"));
-        assert!(error(&format!("{GOOD}r = [0.0]\n")).contains("must be a positive number"));
-        assert!(error(&format!("{GOOD}r = [nan]\n")).contains("must be a positive number"));
-        assert!(error(&format!("{GOOD}r = []\n")).contains("must not be empty"));
-        assert!(error(&format!("{GOOD}grids = [4, 12]\n")).contains("does not nest"));
-        assert!(error(&format!("{GOOD}r = [10, 1, 10]\n")).contains("lists 10 twice"));
+    fn mistakes_have_their_own_messages() {
         assert!(error(&format!("{GOOD}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
-        assert!(error(&format!("{GOOD}grids = [8192, 16384]\n")).contains("more memory"));
         assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
         assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
         assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));

@@ -278,6 +278,8 @@ fn published_values_that_are_no_numbers_are_refused() {
         ("delta_a_factor = 1e30", "delta_a_factor = 0.5", "delta_a_factor"),
         ("count_share = 0.1", "count_share = nan", "count_share"),
         ("counts = [[1, 2], [1, 100000]]", "counts = [[], []]", "table 1"),
+        ("r = [10.0, 1.0]", "r = []", "`r` must list positive numbers"),
+        ("r = [10.0", "r = [inf", "`r` must list positive numbers"),
     ] {
         project.write("pipeline/paper.toml", PAPER.replace(from, to));
         for command in ["run", "diff"] {

@@ -41,9 +41,6 @@ pub(super) fn lock_is_committed(project: &Path) -> Option<bool> {
 }
 
 /// Now in UTC, or the moment in `SOURCE_DATE_EPOCH`, as `2026-11-21 07:20:05`.
-///
-/// # Errors
-/// [`Error::Input`] if `SOURCE_DATE_EPOCH` is no number of seconds.
 pub(super) fn check_time() -> Result<String> {
     let seconds = match std::env::var("SOURCE_DATE_EPOCH") {
         Ok(text) => {

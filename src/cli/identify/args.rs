@@ -28,19 +28,6 @@ The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of
 (complexity); complexity counts distinct values and their decimal places. The same command finds the \
 same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
-/// Which published tables to explain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Problem {
-    /// Table 1.
-    #[value(name = "1")]
-    One,
-    /// Table 2.
-    #[value(name = "2")]
-    Two,
-    /// Every table of pipeline/paper.toml, one after the other.
-    Both,
-}
-
 /// How to go through a space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Way {
@@ -54,14 +41,9 @@ enum Way {
 #[derive(Args, Debug)]
 pub(in crate::cli) struct IdentifyArgs {
     /// The problem whose table f is to explain
-    #[arg(
-        long,
-        value_enum,
-        default_value = "both",
-        hide_possible_values = true,
-        value_name = "1|2|both"
-    )]
-    pub(super) problem: Problem,
+    #[arg(long, value_name = "1|2|both", default_value = "both", hide_possible_values = true,
+        value_parser = ["1", "2", "both"])]
+    pub(super) problem: String,
     /// Family of f; see below
     #[arg(long, default_value = "odd-quadrant")]
     space: String,

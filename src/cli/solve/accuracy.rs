@@ -56,9 +56,6 @@ impl Accuracy {
     }
 
     /// The grid after one on which `reached` is too large, and was `before` on the grid before that.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if no grid will do.
     pub(super) fn next(self, finest: usize, [before, reached]: [f64; 2]) -> Result<usize> {
         if finest > SETTLED && reached >= before {
             return Err(Error::input(format!(

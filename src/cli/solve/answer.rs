@@ -179,7 +179,7 @@ impl Answer {
 
     /// Where the load vector is that of another f.
     fn warn_of_load(&mut self, problem: &Problem, sum_load: f64) {
-        let (integral, n) = (problem.domain.integral(), problem.finest());
+        let (integral, n) = (problem.integral, problem.finest());
         if problem.domain.load_slack(n).is_some_and(|slack| (sum_load - integral).abs() > slack) {
             self.warnings.push(format!(
                 "the load vector sums to {sum_load:+.3e} on grid 1/{n}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
@@ -208,7 +208,7 @@ impl Answer {
             "stop": last.stop,
             "grids": self.solved.levels,
             "energy": last.energy,
-            "integral_f": problem.domain.integral(),
+            "integral_f": problem.integral,
             "sum_load": last.sum_load,
             "kkt": {
                 "stationarity": kkt.stationarity,
@@ -239,7 +239,7 @@ impl Answer {
 
     pub(super) fn text(&self, problem: &Problem) -> String {
         let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
-        let (f, integral) = (problem.domain.f(), shown_integral(problem.domain.integral()));
+        let (f, integral) = (problem.domain.f(), shown_integral(problem.integral));
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         let settings = problem.settings().into_iter().map(|(name, value)| match value {
             Value::String(text) => format!("{name} {text}"),

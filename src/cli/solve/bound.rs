@@ -1,6 +1,7 @@
 //! What an answer is worth: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use crate::bounds::Bounds;
+use crate::discrete::contact::ContactArc;
 use serde_json::{Value, json};
 
 /// Adds the bounds to an answer; those of a field that has none are null, with the reason.
@@ -37,14 +38,7 @@ pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
     } else {
         "\n".into()
     };
-    for arc in &bound.contact {
-        let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.4}, {y:.4})"));
-        text += &if arc.from == arc.to {
-            format!("contact everywhere, force {:.6}\n", arc.force)
-        } else {
-            format!("contact anticlockwise from {from} to {to}, force {:.6}\n", arc.force)
-        };
-    }
+    bound.contact.iter().for_each(|arc| text += &contact(arc, 6));
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {
@@ -54,6 +48,16 @@ pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
         text += "warning: the error may be as large as the solution; refine the grid, or try --solver multigrid\n";
     }
     text
+}
+
+/// Where a part of the boundary is in contact, and with which force.
+pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
+    let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
+    let place = match arc.from == arc.to {
+        true => "everywhere".to_owned(),
+        false => format!("anticlockwise from {from} to {to}"),
+    };
+    format!("contact {place}, force {:.digits$}\n", arc.force)
 }
 
 /// Part of the solution above which an error is warned of.

@@ -20,8 +20,8 @@ use serde::Serialize;
 
 /// The square or the cube, with f and its quadrature.
 pub(super) enum Domain {
-    Square { f: Source, rule: LoadRule, integral: f64 },
-    Cube { f: problem::cube::Source, integral: f64 },
+    Square { f: Source, rule: LoadRule },
+    Cube { f: problem::cube::Source },
 }
 
 /// Errors against a known solution.
@@ -35,13 +35,6 @@ pub(super) struct Errors {
 }
 
 impl Domain {
-    pub(super) fn default_solver(&self) -> Solver {
-        match self {
-            Self::Square { .. } => Solver::ArrowHurwicz,
-            Self::Cube { .. } => Solver::Multigrid,
-        }
-    }
-
     /// Refuses a solver that the domain does not have, or that would take too much memory.
     pub(super) fn check_solver(&self, solver: Solver, finest: usize) -> Result<()> {
         // Finest grids on which a nodal vector or two, or a Cholesky factor, fit comfortably in memory.
@@ -90,41 +83,33 @@ impl Domain {
     pub(super) fn f(&self) -> String {
         match self {
             Self::Square { f, .. } => f.to_string(),
-            Self::Cube { f, .. } => f.to_string(),
+            Self::Cube { f } => f.to_string(),
         }
     }
 
-    /// The integral of f.
-    pub(super) fn integral(&self) -> f64 {
-        match *self {
-            Self::Square { integral, .. } | Self::Cube { integral, .. } => integral,
+    /// The integrals of f and of |f|.
+    pub(super) fn integrals(&self) -> [f64; 2] {
+        match self {
+            Self::Square { f, .. } => [load::integral(f), load::integral(&f.absolute())],
+            Self::Cube { f } => [cube::integral(f), cube::integral(&f.absolute())],
         }
     }
 
     /// By how much the sum of a load vector may miss the integral of f, which no part of f that a grid
     /// resolves explains: h^2 times the integral of |f|. Not for smooth f, where quadrature has its own error.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
-        let of_size = match self {
-            Self::Square { f, .. } if f.exact().is_none() => load::integral(&f.absolute()),
-            Self::Cube { f, .. } if f.exact().is_none() => cube::integral(&f.absolute()),
-            _ => return None,
+        let smooth = match self {
+            Self::Square { f, .. } => f.exact().is_some(),
+            Self::Cube { f } => f.exact().is_some(),
         };
-        Some(of_size / n as f64 / n as f64)
-    }
-
-    /// The option that gives f, as errors name it.
-    pub(super) fn option(&self) -> &'static str {
-        match self {
-            Self::Square { .. } => "--f",
-            Self::Cube { .. } => "--cube",
-        }
+        (!smooth).then(|| self.integrals()[1] / n as f64 / n as f64)
     }
 
     /// Load vector on the grid with `n` cells per side.
     pub(super) fn load(&self, n: usize) -> Vec<f64> {
         match self {
-            Self::Square { f, rule, .. } => load(square(n), f, *rule),
-            Self::Cube { f, .. } => cube::exact_load(cube(n), f),
+            Self::Square { f, rule } => load(square(n), f, *rule),
+            Self::Cube { f } => cube::exact_load(cube(n), f),
         }
     }
 
@@ -153,14 +138,10 @@ impl Domain {
         match self {
             Self::Square { f, .. } => {
                 let e = errors(square(n), f.exact()?, y, load);
-                Some(Errors {
-                    l2: e.l2,
-                    h1: e.h1,
-                    max: e.max,
-                    multiplier_l2: Some(e.multiplier_l2),
-                })
+                let multiplier_l2 = Some(e.multiplier_l2);
+                Some(Errors { l2: e.l2, h1: e.h1, max: e.max, multiplier_l2 })
             }
-            Self::Cube { f, .. } => {
+            Self::Cube { f } => {
                 let e = cube::errors(cube(n), f.exact()?, y);
                 Some(Errors { l2: e.l2, h1: e.h1, max: e.max, multiplier_l2: None })
             }
@@ -176,9 +157,6 @@ impl Domain {
     }
 
     /// The recovered solution, on the grid of half the width.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if there is none.
     pub(super) fn recovered(&self, n: usize, pair: &Pair) -> Result<Pair> {
         let Self::Square { f, .. } = self else {
             return Err(Error::input("--recover is for the square; leave it out"));
@@ -188,33 +166,13 @@ impl Domain {
         Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }
 
-    /// Refuses a format that the domain does not have.
-    pub(super) fn check_format(&self, format: Format) -> Result<()> {
-        match (self, format) {
-            (Self::Cube { .. }, Format::Svg) => Err(Error::input(
-                "--out: a solution on the cube has no picture; use .vti and open it in ParaView, or .npz",
-            )),
-            _ => Ok(()),
-        }
-    }
-
-    /// The bytes of a file with the solution.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if the solution cannot be drawn, or is too large for the format.
-    pub(super) fn file(
-        &self,
-        format: Format,
-        n: usize,
-        pair: &Pair,
-        name: &str,
-    ) -> Result<Vec<u8>> {
-        self.check_format(format)?;
+    /// The bytes of a file with the solution; on the cube, of no picture.
+    pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
-            Self::Cube { f, .. } => Fields::cube(cube(n), f, &self.boundary(n), pair),
+            Self::Cube { f } => Fields::cube(cube(n), f, &self.boundary(n), pair),
         };
-        match format {
+        match kind {
             Format::Npy => Ok(fields.npy()),
             Format::Npz => fields.npz().ok_or_else(|| {
                 Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vti")

@@ -4,12 +4,10 @@ use super::accuracy::Accuracy;
 use super::domain::Domain;
 use super::{SolveArgs, Solver, cells, name};
 use crate::cli::current_folder;
-use crate::discrete::cube;
 use crate::discrete::grid::nested;
-use crate::discrete::load::{Diagonal, LoadRule, integral};
+use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::transfer::Prolongation;
 use crate::pipeline::error::{Error, Result};
-use crate::problem;
 use crate::problem::source::Source;
 use crate::replication::project::Project;
 use crate::replication::scene::{Scene, positive_r, solvable};
@@ -24,6 +22,8 @@ pub(super) struct Problem {
     /// Name of the scene, if f is one's.
     pub scene: Option<String>,
     pub domain: Domain,
+    /// Of f.
+    pub integral: f64,
     pub solver: Solver,
     /// Cells per side of the nested grids, coarsest first; only the saddle-point methods use more than the last.
     pub grids: Vec<usize>,
@@ -40,17 +40,16 @@ pub(super) struct Problem {
 
 impl Problem {
     /// Reads and checks the arguments.
-    ///
-    /// # Errors
-    /// [`Error::Input`] with what is wrong with them.
     pub(super) fn read(args: &SolveArgs) -> Result<Self> {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
         let mut choose = Choice::default();
         let domain = choose.domain(args, scene)?;
-        let default = match args.accuracy() {
-            Some(_) => Solver::Multigrid,
-            None => domain.default_solver(),
+        let [integral, of_size] = domain.integrals();
+        let integral = solvable(integral, of_size)?;
+        let default = match (args.accuracy(), &domain) {
+            (None, Domain::Square { .. }) => Solver::ArrowHurwicz,
+            _ => Solver::Multigrid,
         };
         let solver = args.solver.unwrap_or(default);
         let given = args.h.as_deref().map(cells).transpose()?;
@@ -68,6 +67,7 @@ impl Problem {
             tolerance: args.tolerance(solver)?,
             accuracy: args.accuracy(),
             overridden: choose.overridden,
+            integral,
             domain,
         })
     }
@@ -110,10 +110,8 @@ impl Choice {
     fn domain(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Domain> {
         match (&args.cube, &args.f) {
             (Some(text), _) => {
-                let f: problem::cube::Source =
-                    text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
-                let integral = solvable(cube::integral(&f), cube::integral(&f.absolute()))?;
-                Ok(Domain::Cube { f, integral })
+                let f = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
+                Ok(Domain::Cube { f })
             }
             (None, text) => {
                 let f: Source = match (text, scene) {
@@ -127,8 +125,7 @@ impl Choice {
                 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
                 let given = args.load.or(args.accuracy().map(|_| EXACT));
                 let rule = self.one("load", given, scene.map(|s| s.load), name).unwrap_or(EXACT);
-                let integral = solvable(integral(&f), integral(&f.absolute()))?;
-                Ok(Domain::Square { f, rule, integral })
+                Ok(Domain::Square { f, rule })
             }
         }
     }
@@ -138,13 +135,9 @@ impl Choice {
         let r = self.one("r", args.r, scene.map(|s| s.draw_r), f64::to_string).unwrap_or(10.0);
         let stop = args.stop.as_deref().map(stop_rule).transpose()?;
         let rule = self.one("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string);
-        let cap = scene.map(|s| s.max_iterations);
-        let cap = self.one(
-            "max-iterations",
-            args.max_iterations.map(|n| n as usize),
-            cap,
-            usize::to_string,
-        );
+        let (cap, of_scene) =
+            (args.max_iterations.map(|n| n as usize), scene.map(|s| s.max_iterations));
+        let cap = self.one("max-iterations", cap, of_scene, usize::to_string);
         let defaults = Params::default();
         Ok(Params {
             r: positive_r(r)?,

@@ -17,9 +17,6 @@ use std::time::Instant;
 
 impl Problem {
     /// Solves the problem and judges the answer.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if the solver refuses the load; [`Error::Stage`] if it diverges.
     pub(super) fn solve(&self) -> Result<Answer> {
         let start = Instant::now();
         let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };
@@ -37,9 +34,6 @@ impl Problem {
 
     /// Solves on one grid after the other until what is guaranteed is enough. Coarser grids cost less than
     /// the last one together.
-    ///
-    /// # Errors
-    /// As [`Self::solve`]; [`Error::Input`] if there is no bound, or no grid will do.
     pub(super) fn solve_to(&mut self, accuracy: Accuracy) -> Result<Answer> {
         accuracy.check()?;
         let (mut finest, mut before, mut levels) = (FIRST, f64::INFINITY, Vec::new());
@@ -145,15 +139,16 @@ impl Problem {
     }
 
     fn refused(&self, e: &InputError) -> Error {
-        let remedy = match (e, &self.domain) {
-            (InputError::NotCoercive(_), Domain::Square { .. }) => {
-                "use --load exact, another --h, or a lower f"
-            }
-            (InputError::NotCoercive(_), Domain::Cube { .. }) => "lower f somewhere",
-            (InputError::GridSize(..), _) => "choose another --h",
+        let (option, lower) = match self.domain {
+            Domain::Square { .. } => ("--f", "use --load exact, another --h, or a lower f"),
+            Domain::Cube { .. } => ("--cube", "lower f somewhere"),
+        };
+        let remedy = match e {
+            InputError::NotCoercive(_) => lower,
+            InputError::GridSize(..) => "choose another --h",
             _ => "check f",
         };
-        let place = self.scene.as_deref().unwrap_or(self.domain.option());
+        let place = self.scene.as_deref().unwrap_or(option);
         Error::input(format!("{place}: {e}; {remedy}"))
     }
 }

@@ -1,17 +1,17 @@
 //! `solve --solver spectral`: the true solution, without a grid.
 
 use super::SolveArgs;
+use super::bound::contact;
 use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
-use crate::discrete::contact::ContactArc;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::shown_integral;
 use crate::spectral::{Params, Solution, SpectralError, spectral};
 use std::time::Instant;
 
 pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
-    let Domain::Square { f, integral, .. } = &problem.domain else {
+    let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
     let given =
@@ -38,7 +38,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
             "iterations": solution.steps,
             "stop": "converged",
             "energy": finer.energy,
-            "integral_f": integral,
+            "integral_f": problem.integral,
             "contact": finer.contact,
             "value": {
                 "centre": finer.value(0.0, 0.0),
@@ -57,7 +57,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
             "seconds": { "solve": seconds },
         }));
     }
-    let integral = shown_integral(*integral);
+    let integral = shown_integral(problem.integral);
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
     text += &table(&finer);
     text += &format!(
@@ -69,16 +69,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
 
 fn table(solution: &Solution) -> String {
     let mut text = format!("energy {:.16}\n", solution.energy);
-    for ContactArc { from, to, force } in &solution.contact {
-        text += &if from == to {
-            format!("contact everywhere, force {force:.16}\n")
-        } else {
-            format!(
-                "contact from ({:.16}, {:.16}) to ({:.16}, {:.16}), force {force:.16}\n",
-                from[0], from[1], to[0], to[1]
-            )
-        };
-    }
+    solution.contact.iter().for_each(|arc| text += &contact(arc, 16));
     text + &format!("v(0,0) {:.16}\n", solution.value(0.0, 0.0))
 }
 

@@ -28,29 +28,6 @@ fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
 }
 
 #[test]
-fn many_workers_run_each_task_once() {
-    let (cache, ran) = (tempfile::tempdir().unwrap(), Arc::new(AtomicUsize::new(0)));
-    let plan = plan(1, &ran);
-    std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..16)
-            .map(|_| scope.spawn(|| work_on(&plan, &["a/1", "b/1"], cache.path()).unwrap()))
-            .collect();
-        let ran_by_all: usize = workers.into_iter().map(|w| w.join().unwrap().ran.len()).sum();
-        assert_eq!(ran_by_all, 2);
-    });
-    assert_eq!(ran.load(Ordering::SeqCst), 2);
-}
-
-#[test]
-fn what_is_needed_must_be_there_and_is_not_run() {
-    let (cache, ran) = (tempfile::tempdir().unwrap(), Arc::new(AtomicUsize::new(0)));
-    let plan = plan(1, &ran);
-    let refusal = work_on(&plan, &["b/1"], cache.path()).unwrap_err().to_string();
-    assert!(refusal.contains("(never ran); first `signorini run --task a/1`"), "{refusal}");
-    assert_eq!(ran.load(Ordering::SeqCst), 0);
-}
-
-#[test]
 fn a_stamp_names_all_that_a_task_is_made_from() {
     let ran = Arc::new(AtomicUsize::new(0));
     let [one, same, other] = [plan(1, &ran), plan(1, &ran), plan(2, &ran)].map(|p| p.stamps());

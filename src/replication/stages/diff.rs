@@ -1,13 +1,11 @@
 //! The `diff` stage: the table of one scene against the published one.
 
-use super::tabulate;
-use super::{artifact, to_json};
+use super::{tabulate, to_json};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Artifacts, Task, parameters};
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
-use crate::replication::table::read_table;
 
 /// Artifact with a [`crate::replication::comparison::TableComparison`].
 pub const DIFF: &str = "diff.json";
@@ -25,12 +23,11 @@ pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
     let of_scene = |e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name));
     let table = project.paper.published(number).map_err(of_scene)?;
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let need = tabulate::id(scene, scene.stop[0]);
+    let needs = tabulate::solves(scene, scene.stop[0]);
     let name = scene.name.clone();
     let parameters = parameters(&serde_json::json!({ "r": paper.r, "table": table }));
-    Ok(Task::new(id(scene), parameters, vec![need.clone()], move |inputs| {
-        let rows = read_table(artifact(inputs, &need, tabulate::TABLE)?)?;
-        let diff = paper.compare(number, &name, &rows)?;
+    Ok(Task::new(id(scene), parameters, needs.clone(), move |inputs| {
+        let diff = paper.compare(number, &name, &tabulate::rows(inputs, &needs)?)?;
         Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
     }))
 }

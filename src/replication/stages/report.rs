@@ -7,7 +7,7 @@ mod times;
 
 use super::{artifact, figures, results, solutions, to_json};
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Artifacts, Graph, Inputs, Node, Task, hash};
+use crate::pipeline::{Artifacts, Graph, Inputs, Task, hash};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::report;
@@ -45,8 +45,8 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
         |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
     files.extend(project.templates.iter().map(report_file));
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let own = Node { id: "report/book".into(), needs: needs.clone() };
-    let graph = Graph { nodes: earlier.iter().map(Node::of).chain([own]).collect() };
+    let mut graph = Graph::of(earlier);
+    graph.0.push(("report/book".into(), needs.clone()));
     // By hash: whoever asks what changed does not want to read it all, old and new.
     let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
     let commands = project.commands;

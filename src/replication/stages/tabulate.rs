@@ -8,7 +8,7 @@ use crate::replication::scene::Scene;
 use crate::replication::table::table_csv;
 use crate::saddle::{StopReason, StopRule};
 
-/// Artifact in the paper's layout; [`crate::replication::table::read_table`] reads it.
+/// Artifact in the paper's layout.
 pub const TABLE: &str = "table.csv";
 
 /// Id of the task that tabulates a scene under a stopping rule.
@@ -18,16 +18,24 @@ pub fn id(scene: &Scene, stop: StopRule) -> String {
 
 /// The task that tabulates a scene under a stopping rule.
 pub fn task(scene: &Scene, stop: StopRule) -> Task {
-    let needs: Vec<String> = scene.r.iter().map(|&r| solve::id(scene, stop, r)).collect();
+    let needs = solves(scene, stop);
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
     let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
-        let rows = needs.iter().map(|need| row(inputs, need)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Artifacts::from([(TABLE.into(), table_csv(&rows, &cells)?)]))
+        Ok(Artifacts::from([(TABLE.into(), table_csv(&rows(inputs, &needs)?, &cells)?)]))
     })
 }
 
-/// What a task that solves makes a row of the table.
+/// The tasks whose results are the rows of the table.
+pub(super) fn solves(scene: &Scene, stop: StopRule) -> Vec<String> {
+    scene.r.iter().map(|&r| solve::id(scene, stop, r)).collect()
+}
+
+/// The rows that these tasks make.
+pub(super) fn rows(inputs: &Inputs, solves: &[String]) -> Result<Vec<Row>, String> {
+    solves.iter().map(|task| row(inputs, task)).collect()
+}
+
 fn row(inputs: &Inputs, need: &str) -> Result<Row, String> {
     let Outcomes { r, levels, .. } = from_json(inputs, need, solve::OUTCOMES)?;
     Ok(Row {
