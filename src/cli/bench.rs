@@ -10,7 +10,6 @@ use crate::timing::recorded::{self, Goal, Peer, Timings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-/// Arguments of `bench`.
 #[derive(Args)]
 pub(super) struct BenchArgs {
     /// Print JSON

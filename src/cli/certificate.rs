@@ -33,7 +33,6 @@ const COMMANDS: [(&str, &str); 4] = [
     ("cargo test --release", "tests the program"),
 ];
 
-/// Arguments of `certificate`.
 #[derive(Args)]
 pub(super) struct CertificateArgs {
     /// Folder for the bundle, which must exist [default: codecheck in the project]

@@ -17,7 +17,6 @@ Examples:\n  \
   signorini dag --make > tasks.mk && make -j 8 -f tasks.mk\n  \
   signorini dag --snakemake > Snakefile && snakemake --cores 8";
 
-/// Arguments of `dag`.
 #[derive(Args)]
 pub(super) struct DagArgs {
     #[command(flatten)]

@@ -12,7 +12,6 @@ use anstyle::AnsiColor;
 use clap::Args;
 use std::collections::BTreeMap;
 
-/// Arguments of `diff`.
 #[derive(Args)]
 pub(super) struct DiffArgs {
     /// Print JSON

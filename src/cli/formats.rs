@@ -7,16 +7,12 @@ use crate::saddle::Pair;
 use clap::ValueEnum;
 use std::path::Path;
 
-/// A kind of file, by its ending.
+/// A kind of file, by its ending: VTK XML image data, one NumPy array, several, a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
-    /// VTK XML image data.
     Vti,
-    /// A NumPy array.
     Npy,
-    /// NumPy arrays.
     Npz,
-    /// A picture.
     Svg,
 }
 

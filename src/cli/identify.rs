@@ -27,8 +27,9 @@ use watch::Watch;
 /// What was found for one table, and how fast.
 #[derive(Debug, Serialize)]
 struct Answer {
-    /// Number of the table.
     problem: u8,
+    #[serde(skip)]
+    target: Target,
     #[serde(flatten)]
     report: Report,
     /// Time this command spent on it; less than all of it if the search was resumed.
@@ -62,8 +63,8 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
             "no published table is in pipeline/paper.toml; add one to explain",
         ));
     }
-    let targets =
-        numbers.iter().map(|&number| project.paper.target(number)).collect::<Result<Vec<_>>>()?;
+    let target = |number: u8| Ok((number, project.paper.target(number)?));
+    let problems = numbers.into_iter().map(target).collect::<Result<Vec<_>>>()?;
     let request = request(args)?;
     if args.threads == Some(0) {
         return Err(Error::input("--threads must be at least 1; leave it out for one per core"));
@@ -73,21 +74,15 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
         threads: args.threads.map(|count| threads("--threads", count)),
         clock: timing::clock,
     };
-    if args.variants {
-        compare(args, &numbers, &targets, &request, budget)
-    } else {
-        find(args, &numbers, &targets, &request, budget)
-    }
+    let answer = if args.variants { compare } else { find };
+    answer(args, problems, &request, budget)
 }
 
+/// The tables to explain, with their numbers.
+type Problems = Vec<(u8, Target)>;
+
 /// The searches for each table in turn.
-fn find(
-    args: &IdentifyArgs,
-    numbers: &[u8],
-    targets: &[Target],
-    request: &Request,
-    budget: Budget,
-) -> Result<u8> {
+fn find(args: &IdentifyArgs, problems: Problems, request: &Request, budget: Budget) -> Result<u8> {
     let states = args.checkpoint.as_deref().map(read_states).transpose()?;
     let mut states = states.flatten().unwrap_or_default();
     states.schema = 1;
@@ -96,11 +91,12 @@ fn find(
     let stop = interrupted();
     let began = Instant::now();
     let mut answers = Vec::new();
-    for (k, (&number, target)) in numbers.iter().zip(targets).enumerate() {
+    let count = problems.len();
+    for (k, (number, target)) in problems.into_iter().enumerate() {
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let left = (numbers.len() - k) as u32;
+        let left = (count - k) as u32;
         let time = budget.time.map(|all| all.saturating_sub(began.elapsed()) / left);
         let from = states.problems.get(&number).cloned();
         let mut watch = Watch::new(&format!("problem {number}"));
@@ -114,27 +110,25 @@ fn find(
                 saved = Instant::now();
             }
         };
-        let report = search(request, target, Budget { time, ..budget }, from, stop, &mut observe)
+        let report = search(request, &target, Budget { time, ..budget }, from, stop, &mut observe)
             .map_err(refused)?;
         watch.end();
         if let (None, Some(file)) = (&failure, &file) {
             failure = write_states(file, &states).err();
         }
         let (seconds, rates) = watch.rates();
-        answers.push(Answer { problem: number, report, seconds, rates });
+        answers.push(Answer { problem: number, target, report, seconds, rates });
     }
-    show(args, &answers, targets)?;
+    show(args, &answers)?;
     // What was found is shown first: it was not to be had for nothing.
     failure.map_or_else(|| ended(args), Err)
 }
 
-/// Prints what was found for each table.
-fn show(args: &IdentifyArgs, answers: &[Answer], targets: &[Target]) -> Result<u8> {
+fn show(args: &IdentifyArgs, answers: &[Answer]) -> Result<u8> {
     if args.json {
         return say_json(&serde_json::json!({ "schema": 1, "problems": answers }));
     }
-    let parts: Vec<_> =
-        answers.iter().zip(targets).map(|(answer, t)| table::found(answer, t)).collect();
+    let parts: Vec<_> = answers.iter().map(table::found).collect();
     say(&(parts.join("\n") + table::LEGEND))
 }
 
@@ -148,25 +142,24 @@ fn together(args: &IdentifyArgs) -> Result<u8> {
             problems.entry(number).or_default().push(state);
         }
     }
-    let (mut answers, mut targets) = (Vec::new(), Vec::new());
+    let mut answers = Vec::new();
     for (problem, parts) in problems {
         let (target, report) = merge(&parts).map_err(refused)?;
-        answers.push(Answer { problem, report, seconds: 0.0, rates: Vec::new() });
-        targets.push(target);
+        answers.push(Answer { problem, target, report, seconds: 0.0, rates: Vec::new() });
     }
-    show(args, &answers, &targets)
+    show(args, &answers)
 }
 
 /// The model selection: every variant against every table.
 fn compare(
     args: &IdentifyArgs,
-    numbers: &[u8],
-    targets: &[Target],
+    problems: Problems,
     request: &Request,
     budget: Budget,
 ) -> Result<u8> {
+    let (numbers, targets): (Vec<u8>, Vec<Target>) = problems.into_iter().unzip();
     let variants = Variant::neighbours();
-    let tables: Vec<_> = targets.iter().map(|t| (t.clone(), request.clone())).collect();
+    let tables: Vec<_> = targets.into_iter().map(|t| (t, request.clone())).collect();
     let each = budget.time.map(|all| all / (variants.len() * tables.len()).max(1) as u32);
     let mut watch = Watch::new("variants");
     let mut done = 0;
@@ -182,7 +175,7 @@ fn compare(
             "schema": 1, "problems": numbers, "request": request, "selection": all,
         }))?;
     } else {
-        say(&table::selection(&all, numbers))?;
+        say(&table::selection(&all, &numbers))?;
     }
     ended(args)
 }
@@ -213,7 +206,6 @@ fn seconds(budget: f64) -> Result<Duration> {
     Err(Error::input(format!("--budget {budget} is no time; give seconds, such as 60")))
 }
 
-/// What is in a checkpoint, if it is there.
 fn read_states(path: &Path) -> Result<Option<States>> {
     let Some(text) = read_if_there(path)? else { return Ok(None) };
     serde_json::from_slice(&text).map(Some).map_err(|e| {

@@ -7,7 +7,6 @@ use clap::Args;
 use std::fs;
 use std::path::PathBuf;
 
-/// Arguments of `init`.
 #[derive(Args)]
 pub(super) struct InitArgs {
     /// Folder of the study: a new one, or an empty one

@@ -18,6 +18,7 @@ mod status;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::CommandHelp;
 use crate::timing::machine;
+use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use output::{say, styled, talk};
 use std::io;
@@ -170,7 +171,6 @@ fn fail(why: &str) {
     talk(&format!("{}: {why}", styled("error", anstyle::AnsiColor::Red)));
 }
 
-/// A panic in one line.
 fn panicked(panic: &PanicHookInfo) -> String {
     let what = panic.payload_as_str().unwrap_or("a panic without words").replace('\n', " ");
     // The libraries that start threads of their own know no other way to say it.
@@ -212,7 +212,17 @@ fn start_threads() -> Result<()> {
 }
 
 fn dispatch(cli: Cli) -> Result<u8> {
-    match cli.command.unwrap_or(Command::Run(cli.run)) {
+    let Some(command) = cli.command else {
+        return run::run(&cli.run).map_err(|error| match (error, &cli.run.scenes[..]) {
+            // What is no scene may be a command.
+            (Error::Input(text), [word, ..]) if text.starts_with("no scene ") => {
+                let meant = similar(word).map(|name| format!("; did you mean `signorini {name}`?"));
+                Error::Input(text + &meant.unwrap_or_default())
+            }
+            (error, _) => error,
+        });
+    };
+    match command {
         Command::Run(args) => run::run(&args),
         Command::Status(args) => status::status(&args),
         Command::Explain(args) => status::explain(&args),
@@ -231,6 +241,20 @@ fn dispatch(cli: Cli) -> Result<u8> {
             say(&String::from_utf8_lossy(&script))
         }
         Command::Man { output } => man::man(output.as_deref()),
+    }
+}
+
+/// The command whose name is most like this word.
+fn similar(word: &str) -> Option<String> {
+    let commands = Cli::command().get_subcommands().cloned().collect::<Vec<_>>();
+    let alone = clap::Command::new("signorini").subcommand_required(true).subcommands(commands);
+    let refusal = alone.try_get_matches_from(["signorini", word]).err()?;
+    match refusal.get(ContextKind::SuggestedSubcommand)? {
+        // The likeliest is the last; few slips are made in the first letter.
+        ContextValue::Strings(names) => {
+            names.iter().rev().find(|name| name.chars().next() == word.chars().next()).cloned()
+        }
+        _ => None,
     }
 }
 

@@ -94,7 +94,6 @@ impl OutputFile {
         &self.path
     }
 
-    /// Writes the file: whole or not at all.
     pub(super) fn write(&self, bytes: &[u8]) -> Result<()> {
         // A pipe or a device can only be written in place.
         if self.path.exists() && !self.path.is_file() {

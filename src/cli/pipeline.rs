@@ -19,7 +19,6 @@ use std::process::Command;
 /// The cache of a project, if no other is named.
 pub(super) const CACHE: &str = ".signorini";
 
-/// Arguments of `report`.
 #[derive(Args)]
 pub(super) struct ReportArgs {
     /// Open the book in the browser
@@ -29,7 +28,6 @@ pub(super) struct ReportArgs {
     cache: CacheArgs,
 }
 
-/// Arguments of `gc`.
 #[derive(Args)]
 pub(super) struct GcArgs {
     /// Count only; remove nothing
@@ -220,7 +218,6 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
     }
 }
 
-/// What is to be said about a file that somebody edited.
 pub(super) fn edited(path: &str) -> String {
     format!("{path} was edited by hand; move it away, or overwrite it with --force")
 }

@@ -12,7 +12,6 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Arguments of `run`.
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunArgs {
     /// Scenes to run [default: all, and the book]
@@ -185,7 +184,6 @@ fn verdicts(summary: &Summary) -> String {
     text + &exports(summary)
 }
 
-/// What is to be said about the files in the project folder.
 pub(super) fn exports(summary: &Summary) -> String {
     let mut text = String::new();
     let (written, removed) = summary.exports.counts();

@@ -20,7 +20,6 @@ use clap::{Args, ValueEnum};
 use problem::Problem;
 use std::path::PathBuf;
 
-/// Arguments of `solve`.
 #[derive(Args)]
 pub(super) struct SolveArgs {
     /// A scene of the project; r is its `draw_r`, the stopping rule its first, all else as it says
@@ -95,13 +94,11 @@ impl SolveArgs {
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
-    /// The accuracy by which the grid is chosen, if one is asked for.
     fn accuracy(&self) -> Option<Accuracy> {
         let energy = self.accuracy_energy.map(Accuracy::Energy);
         self.accuracy.map(Accuracy::Error).or(energy)
     }
 
-    /// The tolerance of multigrid, if it is asked for.
     fn tolerance(&self, solver: Solver) -> Result<Option<f64>> {
         match self.tolerance {
             Some(_) if solver != Solver::Multigrid => Err(Error::input(
@@ -221,11 +218,9 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
 /// Cells per side in `1/N`, `N`, or a decimal that is one over an integer.
 fn cells(h: &str) -> Result<usize> {
     let wrong = || Error::input(format!("--h {h}: write the width as 1/N, e.g. 1/256"));
-    let n = match h.split_once('/') {
-        Some(("1", n)) => n.parse().map_err(|_| wrong())?,
-        Some(_) => return Err(wrong()),
-        None if h.bytes().all(|c| c.is_ascii_digit()) => h.parse().map_err(|_| wrong())?,
-        None => {
+    let n = match h.strip_prefix("1/").unwrap_or(h).parse() {
+        Ok(n) => n,
+        Err(_) => {
             let width: f64 = h.parse().map_err(|_| wrong())?;
             let n = (1.0 / width).round();
             if !(width > 0.0 && n * width == 1.0) {

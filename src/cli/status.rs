@@ -11,7 +11,6 @@ use anstyle::AnsiColor;
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 
-/// Arguments of `status`.
 #[derive(Args)]
 pub(super) struct StatusArgs {
     /// Scenes to look at [default: all]
@@ -27,7 +26,6 @@ pub(super) struct StatusArgs {
     cache: CacheArgs,
 }
 
-/// Arguments of `explain`.
 #[derive(Args)]
 pub(super) struct ExplainArgs {
     /// A stage (solve, tabulate, diff, identify, bench, figures, report) or the beginning of a task's id

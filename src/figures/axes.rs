@@ -28,18 +28,15 @@ impl Frame {
         scale(y, self.y, (self.down.1, self.down.0))
     }
 
-    /// Place of (x, y).
     pub(super) fn at(&self, x: f64, y: f64) -> Place {
         (self.right(x), self.up(y))
     }
 
-    /// The four sides.
     pub(super) fn outline(&self, picture: &mut Picture) {
         let (x, y) = (self.across, self.down);
         picture.outline((x.0, y.0), (x.1, y.1), INK, 1.0);
     }
 
-    /// Its middle.
     pub(super) fn middle(&self) -> Place {
         (0.5 * (self.across.0 + self.across.1), 0.5 * (self.down.0 + self.down.1))
     }
@@ -88,7 +85,6 @@ impl Frame {
         }
     }
 
-    /// Ticks and numbers below the frame.
     pub(super) fn label_below(
         &self,
         picture: &mut Picture,
@@ -102,7 +98,6 @@ impl Frame {
         }
     }
 
-    /// Ticks and numbers to the left of the frame.
     pub(super) fn label_left(
         &self,
         picture: &mut Picture,
@@ -166,7 +161,6 @@ pub(super) struct Entry<'a> {
 /// A legend of coloured strokes: where each entry begins, in rows no wider than `width`.
 pub(super) struct Legend<'a> {
     entries: Vec<(Entry<'a>, Place)>,
-    /// Rows needed.
     pub(super) rows: usize,
 }
 
@@ -179,7 +173,6 @@ impl<'a> Legend<'a> {
         Self::of(labels.into_iter().enumerate().map(solid), width)
     }
 
-    /// Lays out `entries`.
     pub(super) fn of(given: impl IntoIterator<Item = Entry<'a>>, width: f64) -> Self {
         let (mut x, mut row) = (0.0, 0);
         let mut entries = Vec::new();

@@ -71,7 +71,6 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// The camera of a view.
     pub(super) fn new(view: View) -> Self {
         let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
         let (sin_a, cos_a) = libm::sincos(radians(view.azimuth));
@@ -99,7 +98,6 @@ impl Camera {
 
 /// Maps space to a panel.
 pub(super) struct Scene {
-    /// From where it is seen.
     pub(super) camera: Camera,
     /// Where the middle of the box is, in display pixels.
     pub(super) origin: Place,

@@ -2,13 +2,11 @@
 
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend};
 use super::palette::{MUTED, RULE, series, solver};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type, WIDTH};
 use super::table::of_charts;
 use super::text::power_of_ten;
 use super::{Caption, Chart, Curve, Drawing, FigureError, Stroke, finite, not_empty};
 
-/// Width of the picture in display pixels.
-const WIDTH: f64 = 800.0;
 /// Height of a plot in display pixels.
 const PLOT: f64 = 260.0;
 /// Room to the left of a plot, for numbers and the name of the axis.

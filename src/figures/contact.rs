@@ -2,15 +2,13 @@
 
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
-use super::picture::{LARGE, NORMAL, Picture, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, SMALL, Type, WIDTH};
 use super::table::of_contact;
 use super::text::Ticks;
 use super::{Caption, ContactPanel, Drawing, FigureError, not_empty, range_with_zero, vector};
 use crate::discrete::grid::Grid;
 use crate::saddle::Pair;
 
-/// Width of the picture in display pixels.
-const WIDTH: f64 = 800.0;
 /// Left and right end of the plots.
 const ACROSS: (f64, f64) = (82.0, 780.0);
 /// Height of the plots of y and of a in display pixels.
@@ -119,7 +117,6 @@ fn draw_plot(
     frame.outline(picture);
 }
 
-/// Names the sides above both plots, and the corners below.
 fn name_sides(picture: &mut Picture, whole: &Frame) {
     let (top, bottom) = whole.down;
     for (k, side) in ["bottom", "right", "top", "left"].into_iter().enumerate() {

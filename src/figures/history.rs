@@ -2,14 +2,12 @@
 
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, RULE, series};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type, WIDTH};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
 use super::{Caption, Drawing, FigureError, History, HistoryPanel, finite, not_empty};
 use crate::saddle::{Iteration, tolerance};
 
-/// Width of the picture in display pixels.
-const WIDTH: f64 = 800.0;
 /// Height of a plot in display pixels.
 const PLOT: f64 = 250.0;
 /// Left and right end of the plots.

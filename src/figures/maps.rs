@@ -28,7 +28,7 @@ type Point = [f64; 2];
 /// widest, if it fits. A smooth f is painted as a raster, without values.
 ///
 /// # Errors
-/// [`FigureError::Empty`] without panels, [`FigureError::NotFinite`] if a value of f is not finite.
+/// [`FigureError`] without panels, or if a value of f is not finite.
 pub fn maps_of_f(caption: Caption, panels: &[(&str, &Source)]) -> Result<Drawing, FigureError> {
     not_empty("panels", panels)?;
     let mut limit = 0.0f64;

@@ -192,7 +192,6 @@ pub enum FigureError {
     Wrong(String, String),
 }
 
-/// Refuses an empty slice.
 fn not_empty<'a, T>(what: &'static str, items: &'a [T]) -> Result<&'a [T], FigureError> {
     if items.is_empty() {
         return Err(FigureError::Empty(what));
@@ -200,7 +199,6 @@ fn not_empty<'a, T>(what: &'static str, items: &'a [T]) -> Result<&'a [T], Figur
     Ok(items)
 }
 
-/// Refuses NaN and infinities.
 fn finite(
     panel: &str,
     what: &str,

@@ -6,9 +6,7 @@ use super::picture::{LARGE, Picture, Type};
 /// The layout, in display pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panels {
-    /// How many.
     pub(super) count: usize,
-    /// Side of the square.
     pub(super) side: f64,
     /// Empty on the left and on the right of the picture.
     pub(super) margin: f64,
@@ -16,7 +14,6 @@ pub(super) struct Panels {
     pub(super) left: f64,
     /// What a cell is wider and higher than the square.
     pub(super) around: (f64, f64),
-    /// Height of the foot.
     pub(super) foot: f64,
 }
 
@@ -28,13 +25,11 @@ impl Panels {
         (self.side + self.around.0, self.side + self.around.1)
     }
 
-    /// Width and height of the picture.
     pub(super) fn size(&self) -> (f64, f64) {
         let columns = self.count.min(2) as f64;
         (2.0 * self.margin + columns * self.cell().0, self.foot_top() + self.foot)
     }
 
-    /// Where the foot begins.
     pub(super) fn foot_top(&self) -> f64 {
         self.count.div_ceil(2) as f64 * self.cell().1
     }
@@ -47,7 +42,6 @@ impl Panels {
     }
 }
 
-/// The title above a panel.
 pub(super) fn title(picture: &mut Picture, frame: &Frame, text: &str) {
     picture.text(text, (frame.middle().0, frame.down.0 - 22.0), Type::size(LARGE).bold());
 }

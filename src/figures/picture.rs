@@ -11,6 +11,8 @@ use std::fmt::Write as _;
 const FINE: f64 = 4.0;
 /// plotters divides every font size by this.
 const FONT_UNIT: f64 = 1.24;
+/// Width of pictures that have no other, in display pixels.
+pub(super) const WIDTH: f64 = 800.0;
 /// Smallest text, in display pixels.
 pub(super) const SMALL: f64 = 12.0;
 /// Axis names.
@@ -86,7 +88,6 @@ impl Picture {
         self.shape(|svg| svg.draw_path(path, &style));
     }
 
-    /// A filled polygon.
     pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
         self.shape(|svg| svg.fill_polygon(places.into_iter().map(fine), &filled(color)));
     }
@@ -98,7 +99,6 @@ impl Picture {
         self.shape(|svg| svg.draw_rect(low, high, &filled(color), true));
     }
 
-    /// The outline of a rectangle.
     pub(super) fn outline(
         &mut self,
         (x0, y0): Place,
@@ -178,7 +178,6 @@ fn escaped(text: &str) -> String {
         .collect()
 }
 
-/// How a text is set.
 #[derive(Clone, Copy)]
 pub(super) struct Type {
     size: f64,
@@ -194,22 +193,18 @@ impl Type {
         Self { size, color: INK, style: FontStyle::Normal, align: HPos::Center, upwards: false }
     }
 
-    /// Starts at its place.
     pub(super) fn left(self) -> Self {
         Self { align: HPos::Left, ..self }
     }
 
-    /// Ends at its place.
     pub(super) fn right(self) -> Self {
         Self { align: HPos::Right, ..self }
     }
 
-    /// Bold, for titles.
     pub(super) fn bold(self) -> Self {
         Self { style: FontStyle::Bold, ..self }
     }
 
-    /// Italic, for variables.
     pub(super) fn italic(self) -> Self {
         Self { style: FontStyle::Italic, ..self }
     }
@@ -219,7 +214,6 @@ impl Type {
         Self { upwards: true, ..self }
     }
 
-    /// In another colour.
     pub(super) fn color(self, color: RGBColor) -> Self {
         Self { color, ..self }
     }

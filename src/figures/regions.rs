@@ -6,7 +6,6 @@ use crate::problem::source::Source;
 /// Cells per side of the raster that finds where labels go, and that stands for a smooth f.
 pub(super) const RASTER: usize = 72;
 
-/// Coordinate of the centre of raster cell `i`.
 fn centre(i: usize) -> f64 {
     (i as f64 + 0.5) / RASTER as f64 - 0.5
 }

@@ -94,7 +94,6 @@ fn unusual_charts() -> Vec<(String, String)> {
     ]
 }
 
-/// All of them, by name.
 pub(super) fn every() -> impl Iterator<Item = (String, String)> {
     committed().into_iter().chain(unusual())
 }

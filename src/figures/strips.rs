@@ -2,17 +2,14 @@
 
 use super::axes::Frame;
 use super::palette::{CONTACT, INK, MUTED, RULE};
-use super::picture::{LARGE, NORMAL, Picture, SMALL, Type};
+use super::picture::{LARGE, NORMAL, Picture, SMALL, Type, WIDTH};
 use super::table::of_strips;
 use super::text::Ticks;
 use super::{Caption, Drawing, FigureError, finite, not_empty};
 use crate::experiments::strips::{Strip, Strips};
 
-/// Width of the picture in display pixels.
-const WIDTH: f64 = 800.0;
 /// Left and right end of a row of strips.
 const ACROSS: (f64, f64) = (58.0, 790.0);
-/// Between two strips.
 const GAP: f64 = 12.0;
 /// Height of the longest strip.
 const TALL: f64 = 200.0;

@@ -27,7 +27,6 @@ pub(super) fn of_charts(panels: &[Chart]) -> String {
     csv
 }
 
-/// Every iteration of every run.
 pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
     for panel in panels {

@@ -68,12 +68,10 @@ impl Ticks {
         Self { step, decimals, multiples: first..=last }
     }
 
-    /// The values, ascending.
     pub(super) fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.multiples.clone().map(|k| k as f64 * self.step)
     }
 
-    /// The values with their texts, ascending.
     pub(super) fn labelled(&self) -> impl Iterator<Item = (f64, String)> + '_ {
         self.values().map(|value| {
             // Rounding noise in k * step ends here: the text has as many decimals as the step.

@@ -186,7 +186,6 @@ impl<'a> Walk<'a> {
         self.progress.begin(ahead, &why(&reasons));
     }
 
-    /// Whether no further task may start.
     fn stops(&self) -> bool {
         let failed = !self.summary.failed.is_empty() && !self.options.keep_going;
         failed || self.interrupted.load(Ordering::Relaxed)

@@ -123,7 +123,6 @@ fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>> {
     }
 }
 
-/// The text in a file.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     let text = read(path).and_then(|bytes| {
         String::from_utf8(bytes)

@@ -170,20 +170,18 @@ impl Plan {
 /// A task that computes from the same value cannot depend on anything that is not hashed.
 pub fn parameters(value: &impl Serialize) -> BTreeMap<String, String> {
     fn flatten(prefix: &str, value: serde_json::Value, out: &mut BTreeMap<String, String>) {
-        match value {
+        let text = match value {
             serde_json::Value::Object(map) => {
                 for (key, value) in map {
                     let key = if prefix.is_empty() { key } else { format!("{prefix}.{key}") };
                     flatten(&key, value, out);
                 }
+                return;
             }
-            serde_json::Value::String(text) => {
-                out.insert(prefix.into(), text);
-            }
-            other => {
-                out.insert(prefix.into(), other.to_string());
-            }
-        }
+            serde_json::Value::String(text) => text,
+            other => other.to_string(),
+        };
+        out.insert(prefix.into(), text);
     }
     let mut out = BTreeMap::new();
     let value = serde_json::to_value(value).expect("parameters are plain data");

@@ -79,7 +79,6 @@ impl Progress {
         }
     }
 
-    /// A task ended.
     pub(super) fn done(&self, ran: &Ran, succeeded: bool) {
         if self.verbose {
             let verdict = if succeeded { "ran" } else { "FAILED" };
@@ -103,7 +102,6 @@ impl Progress {
         }
     }
 
-    /// The last task has ended.
     pub(super) fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

@@ -32,7 +32,6 @@ impl Times {
         Self { path, schema: SCHEMA, seconds }
     }
 
-    /// Remembers a task that ran.
     pub(super) fn learn(&mut self, ran: &Ran) {
         self.seconds.insert(ran.task.clone(), ran.time.as_secs_f64());
     }
@@ -76,12 +75,10 @@ pub struct Ahead {
 }
 
 impl Ahead {
-    /// A task has ended, or need not run.
     pub(super) fn ended(&mut self, task: &str) {
         self.tasks.remove(task);
     }
 
-    /// How many tasks there are.
     pub(super) fn len(&self) -> usize {
         self.tasks.len()
     }

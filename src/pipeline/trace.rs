@@ -10,9 +10,11 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub struct Trace {
     start: Instant,
-    /// When each began, how long it took, the name of its thread, and the event without that.
-    spans: Mutex<Vec<(Duration, Reverse<Duration>, String, Value)>>,
+    spans: Mutex<Vec<Span>>,
 }
+
+/// When it began, how long it took, the name of its thread, and the event without that.
+type Span = (Duration, Reverse<Duration>, String, Value);
 
 impl Default for Trace {
     /// A trace that begins now.

@@ -105,13 +105,9 @@ impl Project {
     /// # Errors
     /// [`Error::Input`] with the known names if one is unknown.
     pub fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
-        if names.is_empty() {
-            return Ok(self.scenes.iter().collect());
-        }
-        let mut scenes = names.iter().map(|name| self.scene(name)).collect::<Result<Vec<_>>>()?;
-        scenes.sort_by(|a, b| a.name.cmp(&b.name));
-        scenes.dedup_by(|a, b| a.name == b.name);
-        Ok(scenes)
+        names.iter().try_for_each(|name| self.scene(name).map(drop))?;
+        let is_wanted = |scene: &&Scene| names.is_empty() || names.contains(&scene.name);
+        Ok(self.scenes.iter().filter(is_wanted).collect())
     }
 
     /// The scenes of the paper's problems 1 and 2, as far as there are any; the chapters are about them.

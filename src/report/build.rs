@@ -45,7 +45,9 @@ pub fn build(
         }
     }
     let built = scratch.join(&config.build.build_dir);
-    MDBook::load_with_config(scratch, config).and_then(|book| book.build()).map_err(refused)?;
+    MDBook::load_with_config(scratch, config)
+        .and_then(|book| book.build())
+        .map_err(|error| ReportError::at("mdBook", format!("{error:#}")))?;
     read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
 }
 
@@ -68,10 +70,6 @@ pub fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
         }
     }
     Ok(config)
-}
-
-fn refused(error: mdbook_driver::errors::Error) -> ReportError {
-    ReportError::at("mdBook", format!("{error:#}"))
 }
 
 fn io(path: &Path, error: std::io::Error) -> ReportError {

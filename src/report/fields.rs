@@ -10,13 +10,10 @@ use crate::saddle::Pair;
 pub struct Fields<'a> {
     /// Cells along x, y and z; none along an axis that is not there.
     cells: [usize; 3],
-    /// Width of a cell.
     h: f64,
-    /// Values of v at the nodes.
     v: &'a [f64],
     /// The multiplier dv/dn at the nodes, zero inside.
     multiplier: Vec<f64>,
-    /// f at the centres of the cells.
     f: Vec<f64>,
 }
 

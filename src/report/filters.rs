@@ -2,7 +2,6 @@
 
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 
-/// Makes the filters known to templates.
 pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("sci", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
         Ok(math(scientific(x, kwargs.get::<usize>("digits")?.unwrap_or(2))))
@@ -109,7 +108,6 @@ fn factor(x: f64) -> String {
     }
 }
 
-/// The nearest number of two significant digits.
 fn two_digits(x: f64) -> f64 {
     format!("{x:.1e}").parse().unwrap_or(x)
 }

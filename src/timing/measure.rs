@@ -176,7 +176,6 @@ fn timed(cells: usize) -> Result<(Grid, Vec<f64>), String> {
     Ok((grid, load(grid, &Source::Exact(TIMED), LoadRule::default())))
 }
 
-/// A problem on all grids.
 struct Case {
     name: String,
     levels: Vec<OnGrid>,

@@ -290,6 +290,14 @@ fn solve_refuses_in_one_line() {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
     }
+    let misspelt = project.run(&["solv"]);
+    assert!(
+        misspelt.refusal().ends_with("there are: a; did you mean `signorini solve`?"),
+        "{misspelt:?}"
+    );
+    for word in ["nobody", "plat"] {
+        assert!(project.run(&[word]).refusal().ends_with("there are: a"), "{word}");
+    }
     let wild =
         project.run(&["solve", "--f", "else=-1e308", "--h", "1/8", "--max-iterations", "50"]);
     assert_eq!(wild.code, Some(3), "{wild:?}");

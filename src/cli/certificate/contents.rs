@@ -11,7 +11,6 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::fs;
 
-/// A file of the bundle.
 #[derive(Serialize)]
 pub(super) struct File {
     pub(super) path: String,
@@ -32,7 +31,6 @@ pub(super) fn sentences(tables: &[TableComparison]) -> String {
     tables.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
-/// What matched of a table, in a sentence.
 fn sentence(table: &TableComparison) -> String {
     format!(
         "Table {}: {} of {} iteration counts come out exactly, {} of {} values of Delta a to the printed digits, and {}.",
@@ -131,7 +129,6 @@ pub(super) fn files(
     Ok(files)
 }
 
-/// The title that a picture gives itself.
 fn title(svg: &[u8]) -> String {
     let text = String::from_utf8_lossy(svg);
     let title = text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));

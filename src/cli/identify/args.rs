@@ -28,16 +28,12 @@ The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of
 (complexity); complexity counts distinct values and their decimal places. The same command finds the \
 same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
-/// How to go through a space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Way {
-    /// Every candidate, in order.
     Enumerate,
-    /// Simulated annealing from random candidates.
     Anneal,
 }
 
-/// Arguments of `identify`.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct IdentifyArgs {
     /// The problem whose table f is to explain
@@ -98,7 +94,6 @@ pub(in crate::cli) struct IdentifyArgs {
     pub(super) json: bool,
 }
 
-/// What the arguments ask for.
 pub(super) fn request(args: &IdentifyArgs) -> Result<Request> {
     let space: Space = args.space.parse().map_err(refused)?;
     // Where few values are asked for, all of them; and lattices that take about a minute.

@@ -5,7 +5,6 @@ use crate::cli::output::{columns, styled};
 use crate::identify::{Found, Selection, Target, agrees};
 use anstyle::AnsiColor;
 
-/// What the columns mean.
 pub(super) const LEGEND: &str = "
 counts      published counts that come out exactly
 misfit      how far the others are from coming out, in logarithms of the stopping measure
@@ -15,7 +14,7 @@ integral    of f over the square; (2) asks for less than zero
 ";
 
 /// The ranking for one table, and the best candidate's own table.
-pub(super) fn found(answer: &Answer, target: &Target) -> String {
+pub(super) fn found(answer: &Answer) -> String {
     let report = &answer.report;
     let head = styled(&format!("Problem {}", answer.problem), AnsiColor::Cyan);
     let part = report.request.part.map_or(String::new(), |part| format!(", part {part}"));
@@ -43,7 +42,7 @@ pub(super) fn found(answer: &Answer, target: &Target) -> String {
     let head = ["rank", "counts", "misfit", "Delta a", "complexity", "total", "integral", "f"];
     out += &columns(&head, &[head.len() - 1], rows.collect());
     out += "the first one's table, with the published value where it differs:\n";
-    out + &own(&report.found[0], target)
+    out + &own(&report.found[0], &answer.target)
 }
 
 fn own(found: &Found, target: &Target) -> String {
@@ -79,7 +78,6 @@ pub(super) fn one_line(selection: &Selection) -> String {
     format!("{}: {}", selection.description, best.collect::<Vec<_>>().join("; "))
 }
 
-/// The variants, best first.
 pub(super) fn selection(all: &[Selection], numbers: &[u8]) -> String {
     let best = |best: &Option<Found>| match best {
         Some(Found { score, .. }) => format!(

@@ -18,14 +18,12 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    /// Begins to watch the search called `name`.
     pub(super) fn new(name: &str) -> Self {
         let bar = bar("{prefix} [{bar:24}] {percent:>3} %  {eta:>4}  {wide_msg}");
         bar.iter().for_each(|bar| bar.set_prefix(name.to_owned()));
         Self { name: name.into(), bar, spoke: Instant::now(), last: None }
     }
 
-    /// Shows how far the search is.
     pub(super) fn show(&mut self, progress: &Progress) {
         self.last = Some(progress.clone());
         match &self.bar {
@@ -51,7 +49,6 @@ impl Watch {
         (seconds, last.entered.iter().map(|&n| n as f64 / seconds).collect())
     }
 
-    /// A line that stays.
     pub(super) fn line(&mut self, text: &str) {
         match &self.bar {
             Some(bar) => bar.println(text),
@@ -59,7 +56,6 @@ impl Watch {
         }
     }
 
-    /// The search has ended.
     pub(super) fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

@@ -26,7 +26,6 @@ impl Accuracy {
         wanted
     }
 
-    /// What the bounds guarantee.
     pub(super) fn reached(self, bounds: &Bounds) -> f64 {
         match self {
             Self::Error(_) => bounds.relative(),
@@ -75,7 +74,6 @@ impl Accuracy {
     }
 }
 
-/// The option and its value.
 impl std::fmt::Display for Accuracy {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

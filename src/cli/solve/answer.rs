@@ -41,7 +41,6 @@ fn natural<S: serde::Serializer>(kkt: &Kkt, out: S) -> Result<S::Ok, S::Error> {
     json!({ "natural": kkt.natural, "relative": kkt.relative }).serialize(out)
 }
 
-/// What a solver leaves.
 pub(super) struct Solved {
     /// One entry per grid on which it stopped, coarsest first.
     pub levels: Vec<Level>,
@@ -53,7 +52,6 @@ pub(super) struct Solved {
     pub work_units: Option<f64>,
 }
 
-/// An answer with its judgement.
 pub(super) struct Answer {
     pub solved: Solved,
     /// The sum of v r over the boundary, r the gradient of the energy: zero at the solution, and elsewhere,
@@ -189,7 +187,7 @@ impl Answer {
 
     pub(super) fn json(&self, problem: &Problem) -> Value {
         let last = self.last();
-        let (n, kkt) = (problem.finest(), last.kkt);
+        let (n, kkt, bounds) = (problem.finest(), last.kkt, self.bounds.as_ref().ok());
         let per_grid = |of: fn(&Level) -> Option<usize>| -> Vec<usize> {
             self.solved.levels.iter().filter_map(of).collect()
         };
@@ -220,6 +218,10 @@ impl Answer {
                 "relative": kkt.relative,
             },
             "contact_nodes": { "nodes": self.contact[0], "boundary_nodes": self.contact[1] },
+            "bound": bounds.map(|of| {
+                json!({ "energy": of.energy, "error": of.error, "recovered": of.recovered })
+            }),
+            "contact": bounds.map(|of| &of.contact),
             "warnings": self.warnings,
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
@@ -233,7 +235,9 @@ impl Answer {
         if let Some(errors) = &self.errors {
             json["errors"] = json!(errors);
         }
-        bound::add_to(&mut json, &self.bounds);
+        if let Err(reason) = &self.bounds {
+            json["bound_reason"] = reason.as_str().into();
+        }
         json
     }
 
@@ -268,7 +272,6 @@ impl Answer {
         text
     }
 
-    /// One line per grid.
     fn table(&self) -> String {
         let levels = &self.solved.levels;
         // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.

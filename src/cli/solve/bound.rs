@@ -2,26 +2,8 @@
 
 use crate::bounds::Bounds;
 use crate::discrete::contact::ContactArc;
-use serde_json::{Value, json};
 
-/// Adds the bounds to an answer; those of a field that has none are null, with the reason.
-pub(super) fn add_to(answer: &mut Value, bound: &Result<Bounds, String>) {
-    (answer["bound"], answer["contact"]) = match bound {
-        Ok(bound) => {
-            let Bounds { energy, error, recovered, .. } = bound;
-            (
-                json!({ "energy": energy, "error": error, "recovered": recovered }),
-                json!(bound.contact),
-            )
-        }
-        Err(reason) => {
-            answer["bound_reason"] = reason.as_str().into();
-            (Value::Null, Value::Null)
-        }
-    };
-}
-
-/// The same as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong.
+/// The bounds as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong.
 pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
     let bound = match bound {
         Ok(bound) => bound,

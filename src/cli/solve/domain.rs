@@ -24,7 +24,6 @@ pub(super) enum Domain {
     Cube { f: problem::cube::Source },
 }
 
-/// Errors against a known solution.
 #[derive(Serialize)]
 pub(super) struct Errors {
     pub l2: f64,
@@ -105,7 +104,6 @@ impl Domain {
         (!smooth).then(|| self.integrals()[1] / n as f64 / n as f64)
     }
 
-    /// Load vector on the grid with `n` cells per side.
     pub(super) fn load(&self, n: usize) -> Vec<f64> {
         match self {
             Self::Square { f, rule } => load(square(n), f, *rule),
@@ -133,7 +131,6 @@ impl Domain {
         }
     }
 
-    /// Errors, if the solution is known.
     pub(super) fn errors(&self, n: usize, y: &[f64], load: &[f64]) -> Option<Errors> {
         match self {
             Self::Square { f, .. } => {
@@ -148,7 +145,6 @@ impl Domain {
         }
     }
 
-    /// Guaranteed bounds, or why there are none.
     pub(super) fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Bounds, String> {
         match self {
             Self::Square { f, .. } => bounds(square(n), f, y).map_err(|reason| reason.to_string()),

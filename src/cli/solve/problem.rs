@@ -106,7 +106,6 @@ struct Choice {
 }
 
 impl Choice {
-    /// f and its quadrature.
     fn domain(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Domain> {
         match (&args.cube, &args.f) {
             (Some(text), _) => {
@@ -130,7 +129,6 @@ impl Choice {
         }
     }
 
-    /// What a saddle-point method is told.
     fn params(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Params> {
         let r = self.one("r", args.r, scene.map(|s| s.draw_r), f64::to_string).unwrap_or(10.0);
         let stop = args.stop.as_deref().map(stop_rule).transpose()?;

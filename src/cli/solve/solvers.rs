@@ -16,7 +16,6 @@ use crate::saddle::{self, Outcome, Pair, Params, StopReason, on_nested, toleranc
 use std::time::Instant;
 
 impl Problem {
-    /// Solves the problem and judges the answer.
     pub(super) fn solve(&self) -> Result<Answer> {
         let start = Instant::now();
         let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };

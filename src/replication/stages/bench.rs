@@ -151,7 +151,6 @@ where
     })
 }
 
-/// What an experiment found.
 pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
     super::from_json(inputs, &id(experiment), RESULT)
 }

@@ -112,7 +112,6 @@ fn law_line(law: &CostLaw) -> Curve {
     Curve::marked(format!("{f}, {start}"), points)
 }
 
-/// A solver's name in words.
 fn in_words(solver: &str) -> &str {
     match solver {
         "arrow-hurwicz" => "Arrow-Hurwicz",

@@ -159,7 +159,6 @@ pub(super) fn drawing(
     Task { export: Some("figures"), ..task }
 }
 
-/// Id of the task that draws the figure `name`.
 pub(super) fn id(name: &str) -> String {
     format!("figures/{name}")
 }

@@ -110,7 +110,6 @@ fn book(
         .collect())
 }
 
-/// Pictures and their data by file name.
 fn pictures<'a>(inputs: &'a Inputs) -> impl Iterator<Item = (&'a String, &'a Vec<u8>)> {
     inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")).flat_map(|(_, made)| made)
 }

@@ -49,10 +49,8 @@ pub fn task(project: &Project) -> Option<Task> {
 #[derive(Clone, Debug)]
 pub(super) struct Results(DataFrame);
 
-/// Some numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Summary {
-    /// How many.
     pub(super) cases: usize,
     pub(super) sum: f64,
     pub(super) least: f64,
@@ -62,12 +60,10 @@ pub(super) struct Summary {
 const KEYS: [&str; 3] = ["problem", "r", "cells"];
 
 impl Results {
-    /// Reads the artifact [`FILE`].
     pub(super) fn read(bytes: &[u8]) -> PolarsResult<Self> {
         read_csv(bytes).map(Self)
     }
 
-    /// The results of one problem.
     pub(super) fn of_problem(&self, name: &str) -> PolarsResult<Self> {
         self.0.filter(&self.0.column("problem")?.str()?.equal(name)).map(Self)
     }

@@ -11,7 +11,6 @@ use serde::Serialize;
 /// A solution in the book's folder `data`, as .npz and as .vti.
 #[derive(Serialize)]
 pub(super) struct Solution {
-    /// Its name, without ending.
     name: String,
     /// Title of the scene, and which state of it.
     what: String,

@@ -31,7 +31,6 @@ pub(super) fn solves(scene: &Scene, stop: StopRule) -> Vec<String> {
     scene.r.iter().map(|&r| solve::id(scene, stop, r)).collect()
 }
 
-/// The rows that these tasks make.
 pub(super) fn rows(inputs: &Inputs, solves: &[String]) -> Result<Vec<Row>, String> {
     solves.iter().map(|task| row(inputs, task)).collect()
 }

@@ -43,7 +43,6 @@ pub(super) fn duality(caption: Caption, found: &Stress) -> Result<Drawing, Figur
     charts(caption, 2, false, &parts)
 }
 
-/// What is reached for each tolerance.
 pub(super) fn tolerances(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
     let named = found.plan.names().into_iter().zip(&found.tolerances);
     let parts: Vec<_> = named

@@ -10,6 +10,7 @@ use crate::identify::Findings;
 use crate::identify::record::Record;
 use crate::pipeline::error::{Failure, from_toml};
 use crate::pipeline::{Inputs, hash};
+use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::replication::comparison::TableComparison;
 use crate::replication::project::IDENTIFIED;
@@ -53,6 +54,10 @@ pub(super) fn context(
     context.insert("finest", &grids.last());
     context.insert("tolerance", &tolerance(grids.len()));
     context.insert("grids", &grids);
+    // Depth and lift of the known solution whose lift is slight.
+    let along = || (0..=problems[0].finest().cells()).map(|k| problems[0].finest().coordinate(k));
+    let heights = along().flat_map(|y| along().map(move |x| Exact::FreeCorner.at(x, y).value));
+    context.insert("free_corner", &Range::of(heights));
     context.insert("searched", &searched(&record));
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
@@ -76,7 +81,6 @@ fn times_and_targets(inputs: &Inputs, context: &mut Context) -> Result<(), Failu
     Ok(())
 }
 
-/// A scene, and more of it.
 #[derive(Serialize)]
 struct SceneData<'a> {
     #[serde(flatten)]

@@ -77,7 +77,6 @@ fn unknowns(cells: usize) -> usize {
     (cells + 1) * (cells + 1)
 }
 
-/// Nanoseconds per unknown.
 fn ns(line: &Scaling) -> f64 {
     1e9 * line.seconds / unknowns(line.cells) as f64
 }
@@ -137,7 +136,6 @@ struct Fit {
     /// Unknowns on the coarsest and the finest grid of the fit.
     from: usize,
     to: usize,
-    /// Nanoseconds per unknown.
     ns: Range,
 }
 
