@@ -1,8 +1,6 @@
 //! Solutions as files for other programs: NPY and NPZ for NumPy, VTK image data for ParaView.
 
-use crate::discrete::cube;
 use crate::discrete::grid::Grid;
-use crate::problem;
 use crate::problem::source::Source;
 use crate::saddle::Pair;
 
@@ -18,28 +16,28 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// A solution on the square, with its multiplier at the boundary nodes.
-    pub fn square(grid: Grid, f: &Source, pair: &'a Pair) -> Self {
-        let (n, h) = (grid.cells(), grid.h());
-        let middle = |k: usize| (k as f64 + 0.5) * h - 0.5;
-        let f = (0..n * n).map(|k| f.at([middle(k % n), middle(k / n)])).collect();
-        let multiplier = scattered(grid.nodes(), grid.boundary(), &pair.a);
-        Self { cells: [n, n, 0], h, v: &pair.y, multiplier, f }
-    }
-
-    /// A solution on the cube, with its multiplier at the nodes `boundary`.
-    pub fn cube(
-        grid: cube::Grid,
-        f: &problem::cube::Source,
+    /// A solution on the square or, if `dimension` is 3, the cube with `n` cells per side: v, and its multiplier at
+    /// the nodes `boundary`.
+    pub fn new(
+        dimension: u32,
+        n: usize,
+        f: impl Fn([f64; 3]) -> f64,
         boundary: &[usize],
         pair: &'a Pair,
     ) -> Self {
-        let (n, h) = (grid.cells(), grid.h());
-        let middle = |k: usize| (k as f64 + 0.5) * h - 0.5;
-        let at = |k: usize| f.at([k % n, k / n % n, k / (n * n)].map(middle));
-        let f = (0..n * n * n).map(at).collect();
-        let multiplier = scattered(grid.nodes(), boundary.iter().copied(), &pair.a);
-        Self { cells: [n; 3], h, v: &pair.y, multiplier, f }
+        let h = 1.0 / n as f64;
+        let at = |k: usize| f([k % n, k / n % n, k / (n * n)].map(|k| (k as f64 + 0.5) * h - 0.5));
+        let mut multiplier = vec![0.0; pair.y.len()];
+        boundary.iter().zip(&pair.a).for_each(|(&node, a)| multiplier[node] = *a);
+        let f = (0..n.pow(dimension)).map(at).collect();
+        let cells = [n, n, if dimension == 3 { n } else { 0 }];
+        Self { cells, h, v: &pair.y, multiplier, f }
+    }
+
+    /// A solution on the square, with its multiplier at the boundary nodes.
+    pub fn square(grid: Grid, f: &Source, pair: &'a Pair) -> Self {
+        let boundary: Vec<usize> = grid.boundary().collect();
+        Self::new(2, grid.cells(), |[x, y, _]| f.at([x, y]), &boundary, pair)
     }
 
     /// Lengths of an array with `more` entries than cells along each axis, the one along x last.
@@ -100,15 +98,6 @@ impl<'a> Fields<'a> {
         bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
         bytes
     }
-}
-
-/// A nodal vector with `values` at these nodes and zero elsewhere.
-fn scattered(nodes: usize, at: impl Iterator<Item = usize>, values: &[f64]) -> Vec<f64> {
-    let mut all = vec![0.0; nodes];
-    for (node, value) in at.zip(values) {
-        all[node] = *value;
-    }
-    all
 }
 
 fn doubles(values: &[f64]) -> impl Iterator<Item = u8> {

@@ -2,13 +2,11 @@
 
 use super::{sharing, to_json};
 use crate::identify::record::Record;
-use crate::identify::{Questions, Target, Variant, findings};
+use crate::identify::{Variant, findings};
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Task, parameters};
-use crate::problem::source::Source;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
-use serde::Serialize;
 
 /// Artifact with [`crate::identify::Findings`].
 pub const FINDINGS: &str = "findings.json";
@@ -44,27 +42,17 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
     };
     let variant =
         Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
-    let question = Question {
-        f: scene.f.clone(),
-        variant,
-        target: project.paper.target(table)?,
-        alternatives: record.alternatives(table).to_vec(),
-        questions: record.questions.clone(),
-    };
-    Ok(Task::new(id(scene), parameters(&question), Vec::new(), move |_| {
-        let Question { f, target, variant, alternatives, questions } = &question;
+    let (f, target) = (scene.f.clone(), project.paper.target(table)?);
+    let alternatives = record.alternatives(table).to_vec();
+    let questions = record.questions.clone();
+    // Of the files that hold these, the rest may change freely.
+    let parameters = parameters(&serde_json::json!({
+        "f": f, "variant": variant, "target": target,
+        "alternatives": alternatives, "questions": questions,
+    }));
+    Ok(Task::new(id(scene), parameters, Vec::new(), move |_| {
         let threads = rayon::current_num_threads();
-        let found = findings(target, variant, f, alternatives, questions, threads)?;
+        let found = findings(&target, &variant, &f, &alternatives, &questions, threads)?;
         Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
     }))
-}
-
-/// Everything that the findings depend on: of the files that hold it, the rest may change freely.
-#[derive(Serialize)]
-struct Question {
-    f: Source,
-    variant: Variant,
-    target: Target,
-    alternatives: Vec<String>,
-    questions: Questions,
 }
