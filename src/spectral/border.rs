@@ -3,9 +3,8 @@
 
 use super::complex::Complex;
 use super::jumps::Jumps;
-use super::panels::{Place, distance, tangent};
+use super::panels::{LANES, Place, distance, tangent};
 use super::potential::Potential;
-use crate::discrete::simd::vectorised;
 use std::f64::consts::PI;
 
 /// Terms of a series. No piece is longer than its distance from a singular point, so that the terms fall like
@@ -21,7 +20,6 @@ pub(super) struct Border {
 
 #[derive(Clone)]
 struct Piece {
-    side: i32,
     /// Ends as distances from the corner at which the side begins.
     from: f64,
     to: f64,
@@ -30,9 +28,6 @@ struct Piece {
     /// Coefficients of psi, psi_x and psi_y.
     series: [[f64; 3]; TERMS],
 }
-
-/// Places of one piece at which the series are summed at once.
-const LANES: usize = 16;
 
 impl Border {
     pub(super) fn new(psi: &Potential, jumps: &Jumps, crossings: &[Place]) -> Self {
@@ -50,7 +45,7 @@ impl Border {
                 breaks.windows(2).rev().map(|ends| [ends[0], ends[1]]).collect();
             let mut pieces = Vec::new();
             // psi at the start of the piece; along the side it is an integral of its gradient.
-            let mut before = psi.value_and_gradient(point(0.0)).0;
+            let mut before = psi.value(point(0.0));
             while let Some([from, to]) = left.pop() {
                 let (length, middle) = (to - from, 0.5 * (from + to));
                 let segment = [point(from), point(to)];
@@ -59,8 +54,11 @@ impl Border {
                 {
                     left.extend([[middle, to], [from, middle]]);
                 } else if length > 0.0 {
-                    let gradient = |t: f64| psi.gradient(point(t));
-                    let piece = Piece::new(side, [from, to], &cosines, before, gradient);
+                    let nodes: [Complex; TERMS] = std::array::from_fn(|node| {
+                        point(middle + 0.5 * length * cosines[2 * node + 1])
+                    });
+                    let gradients = psi.gradients(&nodes);
+                    let piece = Piece::new(side, [from, to], &cosines, before, &gradients);
                     // At 1 all polynomials are 1.
                     before = piece.series.iter().map(|c| c[0]).sum();
                     pieces.push(piece);
@@ -71,24 +69,27 @@ impl Border {
         Self { sides }
     }
 
-    /// psi and its gradient at places, in their order.
-    pub(super) fn at(&self, places: impl Iterator<Item = Place>) -> Vec<(f64, Complex)> {
-        let mut found = Vec::with_capacity(places.size_hint().0);
-        let mut places = places.peekable();
-        while let Some(first) = places.next() {
-            let piece = self.piece(first);
-            let (mut x, mut many) = ([piece.local(first); LANES], 1);
-            while let Some(place) =
-                places.next_if(|&place| many < LANES && piece.local(place).abs() <= 1.0)
-            {
-                x[many] = piece.local(place);
-                many += 1;
+    /// psi (0), psi_x (1) or psi_y (2), as `wanted`, at places of one side seen from the same corner.
+    #[inline(always)]
+    pub(super) fn at<const MANY: usize>(
+        &self,
+        corner: i32,
+        t: &[f64; LANES],
+        wanted: [usize; MANY],
+    ) -> [[f64; LANES]; MANY] {
+        let (mut found, mut known) = ([[0.0; LANES]; MANY], 0);
+        while known < LANES {
+            let piece = self.piece(Place { corner, t: t[known] });
+            let x = t.map(|t| piece.local(Place { corner, t }));
+            let sums = piece.sums(&x, wanted);
+            // Places of a panel are in the order of the border, or against it.
+            let first = known;
+            while known < LANES && (known == first || x[known].abs() <= 1.0) {
+                for (found, sums) in found.iter_mut().zip(&sums) {
+                    found[known] = sums[known];
+                }
+                known += 1;
             }
-            let [psi, re, im] = vectorised(
-                #[inline(always)]
-                || piece.sums(&x),
-            );
-            found.extend((0..many).map(|k| (psi[k], Complex::new(re[k], im[k]))));
         }
         found
     }
@@ -116,12 +117,10 @@ impl Piece {
         [from, to]: [f64; 2],
         cosines: &[f64],
         before: f64,
-        at: impl Fn(f64) -> Complex,
+        gradients: &[Complex],
     ) -> Self {
         let mut series = [[0.0; 3]; TERMS];
-        for node in 0..TERMS {
-            let x = cosines[2 * node + 1];
-            let Complex { re, im } = at(0.5 * (from + to) + 0.5 * (to - from) * x);
+        for (node, &Complex { re, im }) in gradients.iter().enumerate() {
             for (k, [_, x, y]) in series.iter_mut().enumerate() {
                 let share = if k == 0 { 1.0 } else { 2.0 } / TERMS as f64;
                 let weight = share * cosines[k * (2 * node + 1) % (4 * TERMS)];
@@ -145,25 +144,29 @@ impl Piece {
                 series[0][0] += if k % 2 == 1 { value } else { -value };
             }
         }
-        Self { side, from, to, scale: 1.0 / (to - from), series }
+        Self { from, to, scale: 1.0 / (to - from), series }
     }
 
-    /// Where a place is on the piece, from -1 to 1; on another side it is nowhere.
-    fn local(&self, place: Place) -> f64 {
-        let (side, t) = on_side(place);
-        let (after, before) = (t - self.from, self.to - t);
-        if side == self.side { (after - before) * self.scale } else { f64::INFINITY }
-    }
-
-    /// The sums of the three series, by Clenshaw's recurrence.
+    /// Where a place of its side is on the piece, from -1 to 1.
     #[inline(always)]
-    fn sums(&self, x: &[f64; LANES]) -> [[f64; LANES]; 3] {
-        let (mut sums, mut before) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+    fn local(&self, place: Place) -> f64 {
+        let (_, t) = on_side(place);
+        ((t - self.from) - (self.to - t)) * self.scale
+    }
+
+    /// The sums of series, by Clenshaw's recurrence.
+    #[inline(always)]
+    fn sums<const MANY: usize>(
+        &self,
+        x: &[f64; LANES],
+        wanted: [usize; MANY],
+    ) -> [[f64; LANES]; MANY] {
+        let (mut sums, mut before) = ([[0.0; LANES]; MANY], [[0.0; LANES]; MANY]);
         for (k, coefficients) in self.series.iter().enumerate().rev() {
             let factor = if k == 0 { 1.0 } else { 2.0 };
-            for ((sum, before), c) in sums.iter_mut().zip(&mut before).zip(coefficients) {
+            for ((sum, before), which) in sums.iter_mut().zip(&mut before).zip(wanted) {
                 for lane in 0..LANES {
-                    let next = c + factor * x[lane] * sum[lane] - before[lane];
+                    let next = coefficients[which] + factor * x[lane] * sum[lane] - before[lane];
                     (before[lane], sum[lane]) = (sum[lane], next);
                 }
             }
@@ -188,12 +191,16 @@ mod tests {
             let psi = Potential::new(&jumps);
             let crossings: Vec<Place> = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
             let border = Border::new(&psi, &jumps, &crossings);
-            let corners = CORNERS.map(|z| psi.value_and_gradient(z).0.abs());
+            let corners = CORNERS.map(|z| psi.value(z).abs());
             let size = corners.into_iter().fold(1.0, f64::max);
             let places =
                 (0..4000).map(|k| Place::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5));
-            for (place, (value, gradient)) in places.clone().zip(border.at(places)) {
-                let (psi, slope) = psi.value_and_gradient(place.point());
+            for place in places {
+                let [value, x, y] =
+                    border.at(place.corner, &[place.t; LANES], [0, 1, 2]).map(|s| s[0]);
+                let gradient = Complex::new(x, y);
+                let z = place.point();
+                let (psi, slope) = (psi.value(z), psi.gradients(&[z])[0]);
                 let error = (psi - value).abs();
                 assert!(error < 2e-15 * size, "{text}, {place:?}: {error}");
                 let error = (gradient - slope).norm();

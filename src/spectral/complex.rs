@@ -1,5 +1,6 @@
 //! Complex numbers, which here are also vectors of the plane.
 
+use super::elementary::{atan2, ln};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A complex number, or a vector of the plane.
@@ -55,13 +56,15 @@ impl Complex {
         self.conj().scaled(1.0 / self.norm2())
     }
 
-    /// The principal logarithm.
+    /// The principal logarithm; finite at zero.
+    #[inline(always)]
     pub(super) fn ln(self) -> Self {
-        Self::new(0.5 * libm::log(self.norm2()), self.arg())
+        Self::new(0.5 * ln(self.norm2()), self.arg())
     }
 
+    #[inline(always)]
     pub(super) fn arg(self) -> f64 {
-        libm::atan2(self.im, self.re)
+        atan2(self.im, self.re)
     }
 }
 

@@ -66,9 +66,10 @@ impl Energies {
     /// What partial integration along the sides leaves at the corners, where psi vanishes but its gradient
     /// does not.
     fn add_corners(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
-        for (k, &z) in (0..).zip(&CORNERS) {
+        let gradients = problem.psi.gradients(&CORNERS);
+        for ((k, &z), gradient) in (0..).zip(&CORNERS).zip(gradients) {
             let value = trace.corner_value(k);
-            let (_, gradient) = bilinear.less(z, 0.0, problem.psi.gradient(z));
+            let (_, gradient) = bilinear.less(z, 0.0, gradient);
             for (t, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
                 let tangent = super::panels::tangent(k, t);
                 let normal = -tangent.turned();
@@ -81,20 +82,44 @@ impl Energies {
     }
 
     fn add_edges(&mut self, problem: &Problem, bilinear: &Bilinear, rules: &Rules) {
-        let jumps = &problem.jumps;
-        for edge in &jumps.edges {
-            let [left, right] = edge.values;
-            for (z, normal, weight) in edge_nodes(jumps, edge, rules) {
-                let (psi, gradient) = problem.psi.value_and_gradient(z);
-                let (psi, gradient) = bilinear.less(z, psi, gradient);
-                let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
-                let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
-                    - square * gradient.dot(normal);
-                self.energy += weight * edge.jump() * moment;
-                self.rellich += weight * edge.jump() * outward * psi;
-                self.integral += weight * edge.jump() * 0.5 * outward;
+        for edge in &problem.jumps.edges {
+            // psi at the start of the piece; along the edge it is an integral of its gradient.
+            let mut before = problem.psi.value(edge.curve.at(edge.span[0]));
+            for piece in pieces(&problem.jumps, edge) {
+                before = self.add_piece(problem, bilinear, rules, edge, &piece, before);
             }
         }
+    }
+
+    /// Adds a piece of an edge, given psi at its start; returns psi at its end.
+    fn add_piece(
+        &mut self,
+        problem: &Problem,
+        bilinear: &Bilinear,
+        rules: &Rules,
+        edge: &Edge,
+        piece: &Piece,
+        before: f64,
+    ) -> f64 {
+        let nodes = piece.nodes(&edge.curve, rules);
+        let points: Vec<Complex> = nodes.iter().map(|&(z, ..)| z).collect();
+        let gradients = problem.psi.gradients(&points);
+        let changes = nodes
+            .iter()
+            .zip(&gradients)
+            .map(|(&(_, normal, weight), g)| weight * g.dot(normal.turned()));
+        let (values, end) = rules.integrate(before, piece.last, changes);
+        let [left, right] = edge.values;
+        for (((z, normal, weight), gradient), psi) in nodes.into_iter().zip(gradients).zip(values) {
+            let (psi, gradient) = bilinear.less(z, psi, gradient);
+            let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
+            let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
+                - square * gradient.dot(normal);
+            self.energy += weight * edge.jump() * moment;
+            self.rellich += weight * edge.jump() * outward * psi;
+            self.integral += weight * edge.jump() * 0.5 * outward;
+        }
+        end
     }
 }
 
@@ -105,7 +130,7 @@ impl Bilinear {
     fn new(problem: &Problem) -> Self {
         let mut c = [0.0; 4];
         for z in CORNERS {
-            let value = problem.psi.value_and_gradient(z).0;
+            let value = problem.psi.value(z);
             let basis = [0.25, z.re, z.im, 4.0 * z.re * z.im];
             c.iter_mut().zip(basis).for_each(|(c, b)| *c += b * value);
         }
@@ -119,17 +144,40 @@ impl Bilinear {
     }
 }
 
-/// Nodes, right normals and weights along an edge, in short pieces where psi is singular.
-fn edge_nodes(jumps: &Jumps, edge: &Edge, rules: &Rules) -> Vec<(Complex, Complex, f64)> {
+/// A piece of an edge, between parameters.
+struct Piece {
+    span: [f64; 2],
+    /// Whether there is a vertex at its start or at its end.
+    first: bool,
+    last: bool,
+}
+
+impl Piece {
+    /// Nodes, right normals and weights, counted from the vertex.
+    fn nodes(&self, curve: &Curve, rules: &Rules) -> Vec<(Complex, Complex, f64)> {
+        let [a, b] = self.span;
+        let node = |&[x, w]: &[f64; 2]| {
+            let (s, slope) =
+                if self.first || self.last { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
+            let s = if self.last { b - (b - a) * s } else { a + (b - a) * s };
+            (curve.at(s), curve.normal(s), (b - a) * curve.speed() * slope * w)
+        };
+        rules.targets.iter().map(node).collect()
+    }
+}
+
+/// The pieces of an edge in order, short where psi is singular.
+fn pieces(jumps: &Jumps, edge: &Edge) -> Vec<Piece> {
     /// Longest piece of an arc, as an angle.
     const WIDEST: f64 = 1.6;
     let Edge { curve, span, ends, .. } = edge;
-    let speed = curve.speed();
     let own = ends.map(|end| end.map(|v| jumps.vertices[v]));
-    let mut pieces = vec![(*span, own.map(|end| end.is_some()))];
-    let mut nodes = Vec::new();
-    while let Some(([a, b], [first, last])) = pieces.pop() {
-        let length = (b - a) * speed;
+    let [first, last] = own.map(|end| end.is_some());
+    let mut left = vec![Piece { span: *span, first, last }];
+    let mut pieces = Vec::new();
+    while let Some(piece) = left.pop() {
+        let Piece { span: [a, b], first, last } = piece;
+        let length = (b - a) * curve.speed();
         let middle = 0.5 * (a + b);
         let segment = [curve.at(a), curve.at(b)];
         let near = jumps
@@ -138,16 +186,13 @@ fn edge_nodes(jumps: &Jumps, edge: &Edge, rules: &Rules) -> Vec<(Complex, Comple
             .map(|v| distance(segment, v))
             .fold(f64::INFINITY, f64::min);
         let wide = matches!(curve, Curve::Circle { .. }) && b - a > WIDEST;
-        if (first && last) || wide || (length > near && length > 1e-9) {
-            pieces.push(([a, middle], [first, false]));
-            pieces.push(([middle, b], [false, last]));
-            continue;
-        }
-        for &[x, w] in &rules.targets {
-            let (s, slope) = if first || last { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
-            let s = if last { b - (b - a) * s } else { a + (b - a) * s };
-            nodes.push((curve.at(s), curve.normal(s), length * slope * w));
+        let graded = if first || last { 2.0 } else { 1.0 };
+        if (first && last) || wide || (graded * length > near && length > 1e-9) {
+            left.push(Piece { span: [middle, b], first: false, last });
+            left.push(Piece { span: [a, middle], first, last: false });
+        } else {
+            pieces.push(piece);
         }
     }
-    nodes
+    pieces
 }

@@ -5,6 +5,7 @@
 //! points near one are known by that distance.
 
 use super::complex::Complex;
+use super::elementary::sincos_pi;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// The complete elliptic integral of the parameter 1/2, a quarter of the period.
@@ -19,8 +20,9 @@ const CN_FACTOR: f64 = 0.911_876_255_531_992_5;
 const DN_FACTOR: f64 = 0.840_896_415_253_714_5;
 
 /// sn, cn and dn of 2 K t, by theta series to rounding.
+#[inline(always)]
 pub(super) fn jacobi(t: f64) -> [f64; 3] {
-    let (sin, cos) = libm::sincos(PI * t);
+    let [sin, cos] = sincos_pi(t);
     let x = 1.0 - 2.0 * sin * sin;
     const Q2: f64 = NOME * NOME;
     const Q4: f64 = Q2 * Q2;
@@ -48,14 +50,13 @@ pub(super) struct Angle {
 
 impl Angle {
     /// `t` is the distance from the corner along the border, negative before it, at most 1.
+    #[inline(always)]
     pub(super) fn from_corner(t: f64) -> Self {
         let [sn, cn, dn] = jacobi(t.abs());
         // 1 + cn and 1 - cn without cancellation.
-        let (plus, minus) = if cn > 0.0 {
-            (1.0 + cn, sn * sn / (1.0 + cn))
-        } else {
-            (sn * sn / (1.0 - cn), 1.0 - cn)
-        };
+        let large = 1.0 + cn.abs();
+        let small = sn * sn / large;
+        let (plus, minus) = if cn > 0.0 { (large, small) } else { (small, large) };
         let cosine = plus / (2.0 * dn);
         let cos = (0.5 * (1.0 + cosine)).sqrt();
         let sin = minus.copysign(t) / (4.0 * dn * cos);
@@ -80,6 +81,7 @@ pub(super) fn eighth_turns(k: i32) -> [f64; 2] {
 
 /// Sine of half the angle between two points of one side, `t` and `t - distance` from the same corner, to
 /// full relative accuracy for distances up to a half.
+#[inline(always)]
 pub(super) fn half_sine(t: f64, distance: f64) -> f64 {
     let [sn, _, dn] = jacobi(0.5 * distance);
     let [s, c, d] = jacobi((t - 0.5 * distance).abs());

@@ -65,6 +65,7 @@ mod complex;
 mod contact;
 mod curve;
 mod dilogarithm;
+mod elementary;
 mod energy;
 mod jumps;
 mod map;
@@ -287,7 +288,7 @@ impl Solution {
     /// v at a point inside the square; at a distance d from a corner, to about 1e-16 / d^2.
     pub fn value(&self, x: f64, y: f64) -> f64 {
         let z = Complex::new(x, y);
-        self.problem.psi.value_and_gradient(z).0 + self.trace.harmonic(z, &self.rules)
+        self.problem.psi.value(z) + self.trace.harmonic(z, &self.rules)
     }
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.

@@ -2,7 +2,7 @@
 
 use super::complex::Complex;
 use super::map::Angle;
-use super::panels::{Ends, Panel, Place};
+use super::panels::{Ends, LANES, Panel, Place};
 use super::problem::Problem;
 use super::sources::{AtNode, Field, Rules, Sources, Target};
 use crate::discrete::norms::largest;
@@ -51,16 +51,17 @@ impl Problem {
             row[many] = -dot(&sources.moment, trig);
         }
         let numbered = field.panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
-        let nodes: Vec<(usize, AtNode)> =
-            numbered.flat_map(|(p, panel)| field.on_panel(p).map(|at| (panel.arcs, at))).collect();
+        let nodes: Vec<(usize, AtNode)> = numbered
+            .flat_map(|(p, panel)| field.on_panel(p).into_iter().map(|at| (panel.arcs, at)))
+            .collect();
         let of = |gap| nodes.iter().filter(move |(own, _)| *own == gap).map(|(_, at)| at);
         for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-            row[many] = -of(gap).map(|at| at.derivative * at.node.weight).sum::<f64>();
+            row[many] = -of(gap).map(|at| at.derivative * at.weight).sum::<f64>();
         }
-        let at = self.border.at(ends.places.iter().copied());
-        for (j, ((place, angle), (psi, gradient))) in
-            ends.places.iter().zip(&ends.angles).zip(at).enumerate()
-        {
+        for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
+            let [psi, x, y] =
+                self.border.at(place.corner, &[place.t; LANES], [0, 1, 2]).map(|s| s[0]);
+            let gradient = Complex::new(x, y);
             let target = Target { corner: place.corner, angle: *angle, psi, gradient };
             let (column, y) = derivatives(sources, &target, &trig, arcs % 2 == 1);
             let scale = angle.slope * if relative(&ends.places, j) { place.t } else { 1.0 };
@@ -72,7 +73,7 @@ impl Problem {
                     let [ts, tc] = at.target.angle.seen_from(at.target.corner - place.corner);
                     let (sine, cosine) =
                         (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
-                    at.root * at.node.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
+                    at.root * at.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
                 };
                 let sum: f64 = of(gap).map(kernel).sum();
                 row[j] = -0.25 * y * sum * scale;

@@ -91,15 +91,28 @@ pub(super) struct Panel {
     pub tangent: Complex,
 }
 
-/// A quadrature node of a panel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
-    /// Distance from the panel's corner.
-    pub t: f64,
-    /// Distance from the end of the panel where something is.
-    pub offset: f64,
-    /// Weight with respect to the length of the border.
-    pub weight: f64,
+/// Nodes that are treated side by side.
+pub(super) const LANES: usize = 8;
+
+/// Quadrature nodes of a panel; the last one fills what is left.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Nodes {
+    /// Distances from the panel's corner.
+    pub t: [f64; LANES],
+    /// Distances from the end of the panel where something is.
+    pub offset: [f64; LANES],
+    /// Weights with respect to the length of the border.
+    pub weight: [f64; LANES],
+    /// Sines, cosines and slopes of their angles.
+    pub sin: [f64; LANES],
+    pub cos: [f64; LANES],
+    pub slope: [f64; LANES],
+}
+
+impl Nodes {
+    pub(super) fn angle(&self, k: usize) -> Angle {
+        Angle { sin: self.sin[k], cos: self.cos[k], slope: self.slope[k] }
+    }
 }
 
 impl Panel {
@@ -148,25 +161,28 @@ impl Panel {
         }
     }
 
-    /// Nodes of a rule on (0, 1), graded like `x^power` towards the end where something is.
-    pub(super) fn nodes(
-        &self,
-        rule: &[[f64; 2]],
-        power: i32,
-    ) -> impl Iterator<Item = Node> + Clone {
-        let Self { from, to, .. } = *self;
-        let length = to - from;
-        let reversed = self.reversed();
-        rule.iter().map(move |&[x, w]| {
+    /// Nodes of a part of a rule on (0, 1), graded like `x^power` towards the end where something is.
+    #[inline(always)]
+    pub(super) fn nodes(&self, rule: &[[f64; 2]], power: i32) -> Nodes {
+        let length = self.to - self.from;
+        let (start, sign) = if self.reversed() { (self.to, -1.0) } else { (self.from, 1.0) };
+        let mut nodes = Nodes::default();
+        for k in 0..LANES {
+            let [x, w] = rule[k.min(rule.len() - 1)];
             let (scale, slope) = match power {
                 1 => (x, 1.0),
                 2 => (x * x, 2.0 * x),
                 _ => (x * x * x, 3.0 * x * x),
             };
-            let offset = length * scale;
-            let t = if reversed { to - offset } else { from + offset };
-            Node { t, offset, weight: length * slope * w }
-        })
+            nodes.offset[k] = length * scale;
+            nodes.weight[k] = length * slope * w;
+        }
+        for k in 0..LANES {
+            nodes.t[k] = start + sign * nodes.offset[k];
+            let angle = Angle::from_corner(nodes.t[k]);
+            (nodes.sin[k], nodes.cos[k], nodes.slope[k]) = (angle.sin, angle.cos, angle.slope);
+        }
+        nodes
     }
 }
 
@@ -194,23 +210,27 @@ impl Ends {
     }
 
     /// (-1)^k |P|^{1/2} at nodes of a panel, P the product over all ends of 2 sin((theta - end) / 2).
-    pub(super) fn root(&self, panel: &Panel) -> impl Fn(Node, Angle) -> f64 {
-        let (reversed, near) = (panel.reversed(), panel.end());
-        let near = near.map(|end| self.places[end].distance_from(panel.corner));
-        let others = self.places.iter().zip(&self.angles).enumerate();
-        let others: Vec<[f64; 2]> = others
-            .filter(|&(j, _)| panel.end() != Some(j))
-            .map(|(_, (place, angle))| angle.seen_from(place.corner - panel.corner))
-            .collect();
-        let sign = if panel.arcs % 2 == 1 { -1.0 } else { 1.0 };
-        move |node, angle| {
-            let sine = |&[sin, cos]: &[f64; 2]| 2.0 * (angle.sin * cos - angle.cos * sin);
-            let product: f64 = others.iter().map(sine).product();
-            let own = near.map_or(1.0, |end| {
-                2.0 * half_sine(if reversed { end } else { end + node.offset }, node.offset)
-            });
-            sign * (product * own).abs().sqrt()
+    #[inline(always)]
+    pub(super) fn roots(&self, panel: &Panel, nodes: &Nodes) -> [f64; LANES] {
+        let mut product = [1.0; LANES];
+        for (j, (place, angle)) in self.places.iter().zip(&self.angles).enumerate() {
+            if panel.end() == Some(j) {
+                // Relative to a distance that is not known from the angles.
+                let end = place.distance_from(panel.corner);
+                let reversed = panel.reversed();
+                for (product, &offset) in product.iter_mut().zip(&nodes.offset) {
+                    let t = if reversed { end } else { end + offset };
+                    *product *= 2.0 * half_sine(t, offset);
+                }
+            } else {
+                let [sin, cos] = angle.seen_from(place.corner - panel.corner);
+                for (product, (s, c)) in product.iter_mut().zip(nodes.sin.iter().zip(&nodes.cos)) {
+                    *product *= 2.0 * (s * cos - c * sin);
+                }
+            }
         }
+        let sign = if panel.arcs % 2 == 1 { -1.0 } else { 1.0 };
+        product.map(|p| sign * p.abs().sqrt())
     }
 }
 

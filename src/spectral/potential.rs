@@ -2,7 +2,9 @@
 
 use super::complex::Complex;
 use super::dilogarithm::dilogarithm;
+use super::elementary::ln;
 use super::jumps::{Continued, Jumps};
+use crate::discrete::simd::vectorised;
 use std::f64::consts::{PI, TAU};
 
 /// Corners of the square, anticlockwise from the lower right one.
@@ -61,8 +63,15 @@ struct Circle {
     jump: f64,
 }
 
-/// Logarithm of the distance and angle of a vertex seen from a point.
-type Seen = [f64; 2];
+/// Logarithms as seen from points.
+struct Logs {
+    /// Number of points.
+    many: usize,
+    /// log(v - z), vertex by vertex.
+    of_vertices: Vec<Complex>,
+    /// What a jump makes of those at its ends.
+    ratios: Vec<Complex>,
+}
 
 impl Potential {
     pub(super) fn new(jumps: &Jumps) -> Self {
@@ -92,14 +101,15 @@ impl Potential {
         }
         // The same at all points but for rounding, which a small integral of f would feel.
         let points = psi.far_from_jumps();
-        let background = |&z: &Complex| jumps.value(z) - psi.source_of_jumps(z);
-        psi.background = points.iter().map(background).sum::<f64>() / points.len() as f64;
-        let corners = CORNERS.map(|z| psi.gradient(z).conj());
+        let jumps_give = psi.source_of_jumps(&points);
+        let background = points.iter().zip(jumps_give).map(|(&z, s)| jumps.value(z) - s);
+        psi.background = background.sum::<f64>() / points.len() as f64;
+        let corners = psi.gradients(&CORNERS);
         // Interpolation in the four corners is a discrete Fourier transform.
         let mut power = [Complex::new(0.25, 0.0); 4];
         for c in &mut psi.gauge {
-            for ((power, corner), z) in power.iter_mut().zip(corners).zip(CORNERS) {
-                *c = *c + corner * *power;
+            for ((power, corner), z) in power.iter_mut().zip(&corners).zip(CORNERS) {
+                *c = *c + corner.conj() * *power;
                 // The inverse of a corner is twice its conjugate.
                 *power = *power * z.conj().scaled(2.0);
             }
@@ -107,64 +117,81 @@ impl Potential {
         psi
     }
 
-    /// The gradient of psi.
-    pub(super) fn gradient(&self, z: Complex) -> Complex {
-        self.at::<false>(z).1
+    /// The gradient of psi at points.
+    pub(super) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
+        let [c0, c1, c2, c3] = self.gauge;
+        vectorised(
+            #[inline(always)]
+            || {
+                let gauge = |z: Complex| (((c3 * z + c2) * z + c1) * z + c0).conj();
+                let mut sums: Vec<Complex> =
+                    points.iter().map(|&z| z.scaled(-0.5 * self.background) - gauge(z)).collect();
+                let mut logs = self.logs(points);
+                for line in &self.lines {
+                    line.add_gradients(points, &mut logs, &mut sums);
+                }
+                for arc in &self.arcs {
+                    arc.add_gradients(points, &mut logs, &mut sums);
+                }
+                for circle in &self.circles {
+                    for (sum, &z) in sums.iter_mut().zip(points) {
+                        *sum = *sum + circle.gradient(z);
+                    }
+                }
+                sums
+            },
+        )
     }
 
-    /// psi and its gradient.
-    pub(super) fn value_and_gradient(&self, z: Complex) -> (f64, Complex) {
-        self.at::<true>(z)
+    /// psi at a point.
+    pub(super) fn value(&self, z: Complex) -> f64 {
+        let [c0, c1, c2, c3] = self.gauge;
+        let third = c2.scaled(1.0 / 3.0) + c3.scaled(0.25) * z;
+        let gauge = (((third * z + c1.scaled(0.5)) * z + c0) * z).re;
+        let mut logs = self.logs(&[z]);
+        let lines = self.lines.iter().map(|line| line.value(z, &self.vertices, &mut logs));
+        let lines = lines.sum::<f64>();
+        let arcs = self.arcs.iter().map(|arc| arc.value(z, &mut logs)).sum::<f64>();
+        let circles = self.circles.iter().map(|circle| circle.value(z)).sum::<f64>();
+        lines + arcs + circles - 0.25 * self.background * z.norm2() - gauge
     }
 
-    fn at<const VALUE: bool>(&self, z: Complex) -> (f64, Complex) {
-        let mut few = [[0.0; 2]; 32];
-        let mut many;
-        let seen = if self.vertices.len() <= few.len() {
-            &mut few[..self.vertices.len()]
-        } else {
-            many = vec![[0.0; 2]; self.vertices.len()];
-            &mut many[..]
-        };
-        for (seen, &v) in seen.iter_mut().zip(&self.vertices) {
-            let to = v - z;
-            // At a vertex the factors of the logarithm vanish.
-            if to != Complex::default() {
-                *seen = [0.5 * libm::log(to.norm2()), to.arg()];
+    /// log(v - z) for the vertices v, seen from points z.
+    #[inline(always)]
+    fn logs(&self, points: &[Complex]) -> Logs {
+        let many = points.len();
+        let mut of_vertices = vec![Complex::default(); many * self.vertices.len()];
+        for (logs, &v) in of_vertices.chunks_exact_mut(many).zip(&self.vertices) {
+            // At a vertex, where it is finite here, the factors of the logarithm vanish.
+            for (log, &z) in logs.iter_mut().zip(points) {
+                *log = (v - z).ln();
             }
         }
-        let mut value = -0.25 * self.background * z.norm2();
-        let mut gradient = z.scaled(-0.5 * self.background);
-        for line in &self.lines {
-            let (v, g) = line.at::<VALUE>(z, &self.vertices, seen);
-            (value, gradient) = (value + v, gradient + g);
-        }
-        for arc in &self.arcs {
-            let (v, g) = arc.at::<VALUE>(z, seen);
-            (value, gradient) = (value + v, gradient + g);
-        }
-        for circle in &self.circles {
-            let (v, g) = circle.at::<VALUE>(z);
-            (value, gradient) = (value + v, gradient + g);
-        }
-        let [c0, c1, c2, c3] = self.gauge;
-        gradient = gradient - (((c3 * z + c2) * z + c1) * z + c0).conj();
-        if VALUE {
-            let third = c2.scaled(1.0 / 3.0) + c3.scaled(0.25) * z;
-            value -= (((third * z + c1.scaled(0.5)) * z + c0) * z).re;
-        }
-        (value, gradient)
+        Logs { many, of_vertices, ratios: vec![Complex::default(); many] }
     }
 
-    /// What the jumps contribute to f, up to a constant.
-    fn source_of_jumps(&self, z: Complex) -> f64 {
-        let seen: Vec<Seen> =
-            self.vertices.iter().map(|&v| [libm::log((v - z).norm()), (v - z).arg()]).collect();
-        let lines = self.lines.iter().map(|line| line.jump * line.log_ratio(z, &seen).im);
-        let arcs = self.arcs.iter().map(|arc| arc.jump * arc.log(z, &seen).0.im);
-        let inside = |c: &Circle| (z - c.centre).norm() < c.radius;
-        let circles = self.circles.iter().map(|c| if inside(c) { c.jump * TAU } else { 0.0 });
-        (lines.sum::<f64>() + arcs.sum::<f64>() + circles.sum::<f64>()) / TAU
+    /// What the jumps contribute to f at points, up to a constant.
+    fn source_of_jumps(&self, points: &[Complex]) -> Vec<f64> {
+        let mut logs = self.logs(points);
+        let mut sums = vec![0.0; points.len()];
+        for line in &self.lines {
+            line.log_ratios(points, &mut logs);
+            for (sum, ratio) in sums.iter_mut().zip(&logs.ratios) {
+                *sum += line.jump / TAU * ratio.im;
+            }
+        }
+        for arc in &self.arcs {
+            arc.log_ratios(points, &mut logs);
+            for (sum, ratio) in sums.iter_mut().zip(&logs.ratios) {
+                *sum += arc.jump / TAU * (ratio.im + arc.sweep);
+            }
+        }
+        for circle in &self.circles {
+            for (sum, &z) in sums.iter_mut().zip(points) {
+                *sum += if (z - circle.centre).norm() < circle.radius { circle.jump } else { 0.0 };
+            }
+        }
+        sums
     }
 
     /// Points inside the square where no jump nor its continuation is near.
@@ -189,117 +216,138 @@ impl Potential {
 
 impl Line {
     /// log(b/a), a and b the ends seen from z; what those at infinity contribute is dropped.
-    fn log_ratio(&self, z: Complex, seen: &[Seen]) -> Complex {
-        let end = |end: Option<usize>| {
-            end.map(|v| Complex::new(seen[v][0], wrapped(seen[v][1] - self.angle)))
-        };
-        let side = Complex::new(0.0, PI.copysign(self.tangent.cross(self.origin - z)));
-        end(self.ends[1]).unwrap_or_default() - end(self.ends[0]).unwrap_or(side)
+    #[inline(always)]
+    fn log_ratios(&self, points: &[Complex], logs: &mut Logs) {
+        for (ratio, &z) in logs.ratios.iter_mut().zip(points) {
+            *ratio = Complex::new(0.0, -PI.copysign(self.tangent.cross(self.origin - z)));
+        }
+        for (end, sign) in self.ends.into_iter().zip([-1.0, 1.0]) {
+            let Some(v) = end else { continue };
+            if sign < 0.0 {
+                logs.ratios.fill(Complex::default());
+            }
+            let seen = &logs.of_vertices[v * logs.many..][..logs.many];
+            for (ratio, log) in logs.ratios.iter_mut().zip(seen) {
+                let end = Complex::new(log.re, wrapped(log.im - self.angle));
+                *ratio = *ratio + end.scaled(sign);
+            }
+        }
     }
 
-    fn at<const VALUE: bool>(
-        &self,
-        z: Complex,
-        vertices: &[Complex],
-        seen: &[Seen],
-    ) -> (f64, Complex) {
-        let delta = self.tangent.cross(self.origin - z);
-        let ratio = self.log_ratio(z, seen);
-        let gradient = (self.tangent * ratio.conj()).scaled(-self.jump * delta / TAU);
-        if !VALUE {
-            return (0.0, gradient);
+    #[inline(always)]
+    fn add_gradients(&self, points: &[Complex], logs: &mut Logs, sums: &mut [Complex]) {
+        self.log_ratios(points, logs);
+        for ((sum, &z), ratio) in sums.iter_mut().zip(points).zip(&logs.ratios) {
+            let delta = self.tangent.cross(self.origin - z);
+            *sum = *sum + (self.tangent * ratio.conj()).scaled(-self.jump * delta / TAU);
         }
+    }
+
+    fn value(&self, z: Complex, vertices: &[Complex], logs: &mut Logs) -> f64 {
+        self.log_ratios(&[z], logs);
+        let delta = self.tangent.cross(self.origin - z);
         let moment = |end: Option<usize>| {
-            end.map_or(0.0, |v| self.tangent.dot(vertices[v] - z) * (seen[v][0] - 0.5))
+            end.map_or(0.0, |v| self.tangent.dot(vertices[v] - z) * (logs.of_vertices[v].re - 0.5))
         };
         let moments = moment(self.ends[1]) - moment(self.ends[0]);
-        (self.jump * delta * (moments - delta * ratio.im) / (2.0 * TAU), gradient)
+        self.jump * delta * (moments - delta * logs.ratios[0].im) / (2.0 * TAU)
     }
 }
 
 impl Arc {
-    /// L = int dw / (w - z), and M = (L - i sweep) / (z - centre).
-    fn log(&self, z: Complex, seen: &[Seen]) -> (Complex, Complex) {
-        let from_centre = z - self.centre;
-        let (square, radius2) = (from_centre.norm2(), self.radius * self.radius);
-        let distance = seen[self.ends[1]][0] - seen[self.ends[0]][0];
-        let turn = Complex::new(0.0, self.sweep);
-        let [a, b] = [0, 1].map(|k| seen[self.ends[k]][1]);
-        if square > radius2 {
-            let angle = from_centre.arg() + PI;
-            let log = Complex::new(distance, wrapped(b - angle) - wrapped(a - angle));
-            return (log, (log - turn) * from_centre.inverse());
+    /// L - i sweep, L = int dw / (w - z) over the arc.
+    #[inline(always)]
+    fn log_ratios(&self, points: &[Complex], logs: &mut Logs) {
+        let radius2 = self.radius * self.radius;
+        let [a, b] = self.ends.map(|v| &logs.of_vertices[v * logs.many..][..logs.many]);
+        let [angle_a, angle_b] = self.angles;
+        for (((ratio, &z), a), b) in logs.ratios.iter_mut().zip(points).zip(a).zip(b) {
+            let to_centre = self.centre - z;
+            let outside = to_centre.norm2() > radius2;
+            let angle = to_centre.arg();
+            let (from_a, from_b) = if outside { (angle, angle) } else { (angle_a, angle_b) };
+            let angle = wrapped(b.im - from_b) - wrapped(a.im - from_a);
+            let turn = if outside { self.sweep } else { 0.0 };
+            *ratio = Complex::new(b.re - a.re, angle - turn);
         }
-        let rest =
-            Complex::new(distance, wrapped(b - self.angles[1]) - wrapped(a - self.angles[0]));
-        let [a, b] = self.from_centre.map(Complex::inverse);
-        let quotient = if square < 1e-4 * radius2 {
-            // log(1 - z/b) - log(1 - z/a), less a factor z.
-            let (mut sum, mut pa, mut pb) = (Complex::default(), a, b);
-            for k in 1..=9 {
-                sum = sum + (pa - pb).scaled(1.0 / f64::from(k));
-                (pa, pb) = (pa * a * from_centre, pb * b * from_centre);
-            }
-            sum
-        } else {
-            rest * from_centre.inverse()
-        };
-        (rest + turn, quotient)
     }
 
-    fn at<const VALUE: bool>(&self, z: Complex, seen: &[Seen]) -> (f64, Complex) {
-        let from_centre = z - self.centre;
-        let (log, quotient) = self.log(z, seen);
+    #[inline(always)]
+    fn add_gradients(&self, points: &[Complex], logs: &mut Logs, sums: &mut [Complex]) {
+        self.log_ratios(points, logs);
         let [a, b] = self.from_centre;
         let radius2 = self.radius * self.radius;
-        let derivative = quotient.scaled(radius2) - from_centre.conj() * log - (b - a).conj();
-        // Division by 4 pi i, and the conjugate of psi_x - i psi_y.
-        let gradient = Complex::new(derivative.im, derivative.re).scaled(self.jump / (2.0 * TAU));
-        if !VALUE {
-            return (0.0, gradient);
+        let turn = Complex::new(0.0, self.sweep);
+        for ((sum, &z), &ratio) in sums.iter_mut().zip(points).zip(&logs.ratios) {
+            let from_centre = z - self.centre;
+            let quotient = if from_centre.norm2() < 1e-4 * radius2 {
+                self.quotient_near_centre(from_centre)
+            } else {
+                ratio * from_centre.inverse()
+            };
+            let derivative =
+                quotient.scaled(radius2) - from_centre.conj() * (ratio + turn) - (b - a).conj();
+            // Division by 4 pi i, and the conjugate of psi_x - i psi_y.
+            let gradient = Complex::new(derivative.im, derivative.re);
+            *sum = *sum + gradient.scaled(self.jump / (2.0 * TAU));
         }
-        let square = from_centre.norm2();
+    }
+
+    /// (log(1 - z/b) - log(1 - z/a)) / z.
+    fn quotient_near_centre(&self, z: Complex) -> Complex {
+        let [a, b] = self.from_centre.map(Complex::inverse);
+        let (mut sum, mut pa, mut pb) = (Complex::default(), a, b);
+        for k in 1..=9 {
+            sum = sum + (pa - pb).scaled(1.0 / f64::from(k));
+            (pa, pb) = (pa * a * z, pb * b * z);
+        }
+        sum
+    }
+
+    fn value(&self, z: Complex, logs: &mut Logs) -> f64 {
+        self.log_ratios(&[z], logs);
+        let from_centre = z - self.centre;
+        let [a, b] = self.from_centre;
+        let (radius2, square) = (self.radius * self.radius, from_centre.norm2());
         let [ya, yb] = [a, b].map(|u| from_centre.cross(u));
+        let [log_a, log_b] = self.ends.map(|v| logs.of_vertices[v].re);
         let sweep = self.sweep;
-        let e = yb * seen[self.ends[1]][0] - ya * seen[self.ends[0]][0]
-            + 0.25 * (radius2 - square) * (2.0 * log.im - sweep)
+        let e = yb * log_b - ya * log_a
+            + 0.25 * (radius2 - square) * (2.0 * logs.ratios[0].im + sweep)
             - 0.25 * (radius2 + square) * sweep
             - 0.5 * (yb - ya);
         let lambda = if square > radius2 {
             let inverse = from_centre.inverse();
-            0.5 * sweep * libm::log(square)
-                - (dilogarithm(b * inverse).im - dilogarithm(a * inverse).im)
+            0.5 * sweep * ln(square) - (dilogarithm(b * inverse).im - dilogarithm(a * inverse).im)
         } else {
-            0.5 * sweep * libm::log(radius2)
+            0.5 * sweep * ln(radius2)
                 + (dilogarithm(from_centre * b.inverse()).im
                     - dilogarithm(from_centre * a.inverse()).im)
         };
         let sum = radius2 * lambda - e + 0.5 * (radius2 * sweep - (yb - ya));
-        (-self.jump * sum / (2.0 * TAU), gradient)
+        -self.jump * sum / (2.0 * TAU)
     }
 }
 
 impl Circle {
-    fn at<const VALUE: bool>(&self, z: Complex) -> (f64, Complex) {
+    #[inline(always)]
+    fn gradient(&self, z: Complex) -> Complex {
         let from_centre = z - self.centre;
-        let (square, radius2) = (from_centre.norm2(), self.radius * self.radius);
-        let half = -0.5 * self.jump;
-        if square > radius2 {
-            let value = if VALUE { half * radius2 * (0.5 * libm::log(square) + 1.0) } else { 0.0 };
-            return (value, from_centre.scaled(half * radius2 / square));
-        }
-        let log = if VALUE { radius2 * libm::log(radius2) } else { 0.0 };
-        (half * 0.5 * (log + square + radius2), from_centre.scaled(half))
+        let radius2 = self.radius * self.radius;
+        let ratio = radius2 / from_centre.norm2().max(radius2);
+        from_centre.scaled(-0.5 * self.jump * ratio)
+    }
+
+    fn value(&self, z: Complex) -> f64 {
+        let (square, radius2) = ((z - self.centre).norm2(), self.radius * self.radius);
+        let outer = square.max(radius2);
+        -0.25 * self.jump * (radius2 * (ln(outer) + 1.0) + square.min(radius2))
     }
 }
 
-/// The same angle within (-pi, pi].
+/// The same angle within (-pi, pi], for one within (-2 pi, 2 pi).
+#[inline(always)]
 fn wrapped(angle: f64) -> f64 {
-    if angle > PI {
-        wrapped(angle - TAU)
-    } else if angle <= -PI {
-        wrapped(angle + TAU)
-    } else {
-        angle
-    }
+    let down = if angle > PI { angle - TAU } else { angle };
+    if angle <= -PI { angle + TAU } else { down }
 }

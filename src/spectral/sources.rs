@@ -4,7 +4,7 @@ use super::Params;
 use super::border::Border;
 use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
-use super::panels::{Ends, Node, Panel, Special};
+use super::panels::{Ends, LANES, Panel, Special};
 use super::problem::Problem;
 use super::rule::{gauss, integration};
 use crate::discrete::simd::vectorised;
@@ -16,9 +16,9 @@ const RATIO: f64 = 8.0;
 /// The rules of one resolution.
 #[derive(Clone)]
 pub(super) struct Rules {
-    /// Nodes of the sources.
+    /// Nodes of the sources: one more than targets, so that they interlace.
     pub plain: Vec<[f64; 2]>,
-    /// Nodes of the targets: one more, so that they interlace.
+    /// Nodes of the targets.
     pub targets: Vec<[f64; 2]>,
     /// From values at the targets to integrals from the start of the panel to each of them.
     pub integrals: Vec<f64>,
@@ -28,16 +28,33 @@ pub(super) struct Rules {
 
 impl Rules {
     pub(super) fn new(Params { nodes, levels }: Params) -> Self {
-        let plain = gauss(nodes);
-        let mut near = Vec::with_capacity(nodes * (levels as usize + 1));
+        let plain = gauss(nodes + 1);
+        let mut near = Vec::with_capacity(plain.len() * (levels as usize + 1));
         let mut to = 1.0;
         for level in 0..=levels {
             let from = if level == levels { 0.0 } else { to / RATIO };
             near.extend(plain.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]));
             to = from;
         }
-        let targets = gauss(nodes + 1);
+        let targets = gauss(nodes);
         Self { integrals: integration(&targets), targets, plain, near }
+    }
+
+    /// Values at the targets of a piece, by `weights` times their derivatives there, and at its end, from that
+    /// at its start; a reversed piece has its targets counted from its end.
+    pub(super) fn integrate(
+        &self,
+        start: f64,
+        reversed: bool,
+        changes: impl Iterator<Item = f64>,
+    ) -> (Vec<f64>, f64) {
+        let rates: Vec<f64> = changes.zip(&self.targets).map(|(c, &[_, w])| c / w).collect();
+        let total: f64 = rates.iter().zip(&self.targets).map(|(r, &[_, w])| r * w).sum();
+        let value = |row: &[f64]| {
+            let part: f64 = row.iter().zip(&rates).map(|(m, r)| m * r).sum();
+            start + if reversed { total - part } else { part }
+        };
+        (self.integrals.chunks_exact(rates.len()).map(value).collect(), start + total)
     }
 }
 
@@ -73,32 +90,40 @@ pub(super) struct Target {
 impl Sources {
     /// Adds the nodes of a rule on a panel.
     fn add(&mut self, psi: &Border, ends: &Ends, panel: &Panel, rule: &[[f64; 2]], power: i32) {
-        let (start, root) = (self.weight.len(), ends.root(panel));
-        let at = psi.at(panel.nodes(rule, power).map(|node| panel.place(node.t)));
-        for (node, (_, gradient)) in panel.nodes(rule, power).zip(at) {
-            let angle = Angle::from_corner(node.t);
-            let derivative = gradient.dot(panel.direction());
-            let weight = node.weight / root(node, angle);
-            self.weight.push(weight);
-            self.moment.push(weight * derivative);
-            self.sin.push(angle.sin);
-            self.cos.push(angle.cos);
-        }
+        let start = self.weight.len();
+        let direction = panel.direction();
+        let component = if direction.re == 0.0 { 2 } else { 1 };
+        let sign = direction.re + direction.im;
+        vectorised(
+            #[inline(always)]
+            || {
+                for rule in rule.chunks(LANES) {
+                    let many = rule.len();
+                    let nodes = panel.nodes(rule, power);
+                    let [derivative] = psi.at(panel.corner, &nodes.t, [component]);
+                    let mut weight = ends.roots(panel, &nodes);
+                    let mut moment = [0.0; LANES];
+                    for k in 0..LANES {
+                        weight[k] = nodes.weight[k] / weight[k];
+                        moment[k] = weight[k] * sign * derivative[k];
+                    }
+                    self.weight.extend_from_slice(&weight[..many]);
+                    self.moment.extend_from_slice(&moment[..many]);
+                    self.sin.extend_from_slice(&nodes.sin[..many]);
+                    self.cos.extend_from_slice(&nodes.cos[..many]);
+                }
+            },
+        );
         self.groups.push(Group {
             corner: panel.corner,
-            direction: panel.direction(),
+            direction,
             range: start..self.weight.len(),
         });
     }
 
     /// For each target the sum over a group of weight (grad psi' - grad psi) . e k(theta - theta').
     #[inline(always)]
-    fn sums<const LANES: usize>(
-        &self,
-        group: &Group,
-        targets: &Block<LANES>,
-        odd: bool,
-    ) -> [f64; LANES] {
+    fn sums(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
         let Range { start, end } = group.range;
         let [cos, sin] = eighth_turns(targets.corner - group.corner);
         let Complex { re, im } = group.direction;
@@ -132,26 +157,11 @@ impl Sources {
 }
 
 /// Targets of one panel for which sums are made at once.
-struct Block<const LANES: usize> {
+struct Block {
     corner: i32,
     sin: [f64; LANES],
     cos: [f64; LANES],
     gradient: [[f64; LANES]; 2],
-}
-
-impl<const LANES: usize> Block<LANES> {
-    /// Of at most as many targets; the last one fills what is left.
-    fn new(targets: &[Target]) -> Self {
-        let lanes = |of: fn(&Target) -> f64| {
-            std::array::from_fn(|k| of(&targets[k.min(targets.len() - 1)]))
-        };
-        Self {
-            corner: targets[0].corner,
-            sin: lanes(|t| t.angle.sin),
-            cos: lanes(|t| t.angle.cos),
-            gradient: [lanes(|t| t.gradient.re), lanes(|t| t.gradient.im)],
-        }
-    }
 }
 
 /// All sources: plain ones and, where they do not serve, graded ones.
@@ -169,7 +179,10 @@ pub(super) struct Field<'a> {
 
 /// The solution at a target.
 pub(super) struct AtNode {
-    pub node: Node,
+    /// Distance from the panel's corner.
+    pub t: f64,
+    /// Quadrature weight with respect to the length of the border.
+    pub weight: f64,
     pub target: Target,
     /// (-1)^k |P|^{1/2} times the derivative of the angle along the border.
     pub root: f64,
@@ -200,42 +213,39 @@ impl<'a> Field<'a> {
     }
 
     /// The solution at the targets of panel `p`.
-    pub(super) fn on_panel(&self, p: usize) -> impl Iterator<Item = AtNode> {
-        const MANY: usize = 8;
-        const FEW: usize = 4;
+    pub(super) fn on_panel(&self, p: usize) -> Vec<AtNode> {
         let panel = &self.panels[p];
-        let nodes = panel.nodes(&self.rules.targets, panel.target_power());
-        let at = self.psi.at(nodes.clone().map(|node| panel.place(node.t)));
-        let target = |(node, (psi, gradient)): (Node, (f64, Complex))| Target {
-            corner: panel.corner,
-            angle: Angle::from_corner(node.t),
-            psi,
-            gradient,
-        };
-        let targets: Vec<Target> = nodes.clone().zip(at).map(target).collect();
-        let mut sums = Vec::with_capacity(targets.len() + MANY);
+        let mut found = Vec::with_capacity(self.rules.targets.len());
         vectorised(
             #[inline(always)]
             || {
-                for block in targets.chunks(MANY) {
-                    if block.len() > FEW {
-                        sums.extend(self.sums(p, &Block::<MANY>::new(block)));
-                    } else {
-                        sums.extend(self.sums(p, &Block::<FEW>::new(block)));
-                    }
+                for rule in self.rules.targets.chunks(LANES) {
+                    let nodes = panel.nodes(rule, panel.target_power());
+                    let [psi, x, y] = self.psi.at(panel.corner, &nodes.t, [0, 1, 2]);
+                    let block = Block {
+                        corner: panel.corner,
+                        sin: nodes.sin,
+                        cos: nodes.cos,
+                        gradient: [x, y],
+                    };
+                    let (sums, roots) = (self.sums(p, &block), self.ends.roots(panel, &nodes));
+                    found.extend((0..rule.len()).map(|k| {
+                        let angle = nodes.angle(k);
+                        let root = roots[k] * angle.slope;
+                        let gradient = Complex::new(x[k], y[k]);
+                        let target = Target { corner: panel.corner, angle, psi: psi[k], gradient };
+                        let derivative = -root * sums[k] / std::f64::consts::TAU;
+                        AtNode { t: nodes.t[k], weight: nodes.weight[k], target, root, derivative }
+                    }));
                 }
             },
         );
-        let root = self.ends.root(panel);
-        nodes.zip(targets).zip(sums).map(move |((node, target), sum)| {
-            let root = root(node, target.angle) * target.angle.slope;
-            AtNode { node, target, root, derivative: -root * sum / std::f64::consts::TAU }
-        })
+        found
     }
 
     /// The sums over all sources.
     #[inline(always)]
-    fn sums<const LANES: usize>(&self, p: usize, targets: &Block<LANES>) -> [f64; LANES] {
+    fn sums(&self, p: usize, targets: &Block) -> [f64; LANES] {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed() { (p + 1) % many } else { (p + many - 1) % many };

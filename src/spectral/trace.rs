@@ -1,8 +1,8 @@
 //! The solution on the border, and from it the energy.
 
 use super::complex::Complex;
-use super::map::{Angle, corner_angle, to_disc};
-use super::panels::{Ends, Node, Panel, Place, Special, distance};
+use super::map::{corner_angle, to_disc};
+use super::panels::{Ends, LANES, Nodes, Panel, Place, Special, distance};
 use super::problem::Problem;
 use super::rule::interpolation;
 use super::sources::{AtNode, Field, Rules};
@@ -49,18 +49,23 @@ impl Trace {
         for (p, panel) in panels.iter().enumerate() {
             let first = points.len();
             starts.push(before);
-            points.extend(field.on_panel(p).map(|AtNode { node, target, derivative, .. }| Point {
-                place: panel.place(node.t),
-                panel: p,
-                weight: node.weight,
-                value: 0.0,
-                multiplier: if panel.contact { derivative } else { 0.0 },
-                along: if panel.contact { 0.0 } else { derivative },
-                psi: target.psi,
-                gradient: target.gradient,
-            }));
+            points.extend(field.on_panel(p).into_iter().map(
+                |AtNode { t, weight, target, derivative, .. }| Point {
+                    place: panel.place(t),
+                    panel: p,
+                    weight,
+                    value: 0.0,
+                    multiplier: if panel.contact { derivative } else { 0.0 },
+                    along: if panel.contact { 0.0 } else { derivative },
+                    psi: target.psi,
+                    gradient: target.gradient,
+                },
+            ));
             let points = &mut points[first..];
-            before = if panel.contact { 0.0 } else { integrate(points, panel, before, rules) };
+            let changes = points.iter().map(|p| p.along * p.weight);
+            let (values, end) = rules.integrate(before, panel.reversed(), changes);
+            points.iter_mut().zip(values).for_each(|(point, value)| point.value = value);
+            before = if panel.contact { 0.0 } else { end };
             if panel.reversed() {
                 points.reverse();
             }
@@ -113,8 +118,10 @@ impl Trace {
                     .iter()
                     .map(|&[x, w]| [from + (to - from) * x, (to - from) * w])
                     .collect();
-                let nodes: Vec<Node> = panel.nodes(&inside, panel.target_power()).collect();
-                let segment = [nodes[0], nodes[n - 1]].map(|node| panel.point(node.t));
+                let power = panel.target_power();
+                let nodes: Vec<Nodes> =
+                    inside.chunks(LANES).map(|rule| panel.nodes(rule, power)).collect();
+                let segment = [0, n - 1].map(|k| panel.point(nodes[k / LANES].t[k % LANES]));
                 if (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12) {
                     let middle = 0.5 * (from + to);
                     parts.extend([[from, middle], [middle, to]]);
@@ -122,12 +129,13 @@ impl Trace {
                 }
                 let places: Vec<f64> = inside.iter().map(|&[x, _]| x).collect();
                 let matrix = interpolation(&rules.targets, &places);
-                for (node, row) in nodes.iter().zip(matrix.chunks_exact(n)) {
+                for (k, row) in matrix.chunks_exact(n).enumerate() {
+                    let (nodes, k) = (&nodes[k / LANES], k % LANES);
                     let h: f64 = row.iter().zip(&values).map(|(m, h)| m * h).sum();
-                    let angle = Angle::from_corner(node.t);
+                    let angle = nodes.angle(k);
                     let half = Complex::new(angle.cos, angle.sin);
                     let to = Complex::new(cos, sin) * half * half - image;
-                    sum += node.weight * angle.slope * h / to.norm2();
+                    sum += nodes.weight[k] * angle.slope * h / to.norm2();
                 }
             }
         }
@@ -201,17 +209,4 @@ impl Trace {
         };
         self.panels.iter().position(begins).map_or(0.0, |p| self.starts[p])
     }
-}
-
-/// Fills in v at the points of a panel, in the order of the rule, from its derivative and from v at the
-/// start of the panel; returns v at its end.
-fn integrate(points: &mut [Point], panel: &Panel, start: f64, rules: &Rules) -> f64 {
-    let rate: Vec<f64> =
-        points.iter().zip(&rules.targets).map(|(p, &[_, w])| p.along * p.weight / w).collect();
-    let total: f64 = rate.iter().zip(&rules.targets).map(|(r, &[_, w])| r * w).sum();
-    for (point, row) in points.iter_mut().zip(rules.integrals.chunks_exact(rate.len())) {
-        let part: f64 = row.iter().zip(&rate).map(|(m, r)| m * r).sum();
-        point.value = start + if panel.reversed() { total - part } else { part };
-    }
-    start + total
 }
