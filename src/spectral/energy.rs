@@ -18,8 +18,6 @@ pub(super) struct Energies {
     pub rellich: f64,
     /// Integral of l over the border.
     pub force: f64,
-    /// Integral of f over the square.
-    pub integral: f64,
 }
 
 impl Energies {
@@ -33,7 +31,13 @@ impl Energies {
 
     fn add_border(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
         let value = |panel: &Panel| {
-            problem.jumps.value(panel.middle() + panel.tangent.turned().scaled(PROBE))
+            // Where a circle touches the border from within, f beside it is that of the circle.
+            let inward = panel.tangent.turned().scaled(PROBE);
+            let [a, b, c] = [0.25, 0.5, 0.75].map(|part| {
+                let t = panel.from + part * (panel.to - panel.from);
+                problem.jumps.value(panel.point(t) + inward)
+            });
+            if a == b { a } else { c }
         };
         let values: Vec<f64> = trace.panels.iter().map(value).collect();
         for point in &trace.points {
@@ -50,7 +54,6 @@ impl Energies {
                     + psi * l
                     - v * psi_n);
             self.force += weight * l;
-            self.integral += weight * f * 0.5 * outward;
             let (h, h_s) = (v - psi, along - psi_s);
             let tau = z.dot(tangent);
             let u = z.dot(gradient) - 2.0 * psi;
@@ -117,7 +120,6 @@ impl Energies {
                 - square * gradient.dot(normal);
             self.energy += weight * edge.jump() * moment;
             self.rellich += weight * edge.jump() * outward * psi;
-            self.integral += weight * edge.jump() * 0.5 * outward;
         }
         end
     }

@@ -80,7 +80,7 @@ mod trace;
 
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{Diagonal, LoadRule, integral, load};
+use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
@@ -145,26 +145,30 @@ pub struct Checks {
     pub green: f64,
     /// The energy by Rellich's identity less the energy, over the latter.
     pub rellich: f64,
+    /// The energy at the resolution before less the energy, over the latter; none at the first.
+    pub resolution: Option<f64>,
 }
 
 impl Checks {
-    /// Whether signs hold up to what is left out, and the identities to eight digits.
+    /// Whether signs hold up to what is left out, and what is to be zero is to eight digits.
     fn pass(&self) -> bool {
         let [multiplier, value] = contact::TOLERANCE;
         self.least_multiplier >= -multiplier
             && self.least_value >= -value
-            && self.green.abs() < 1e-8
-            && self.rellich.abs() < 1e-8
+            && [self.green, self.rellich, self.resolution.unwrap_or(0.0)]
+                .iter()
+                .all(|zero| zero.abs() < 1e-8)
     }
 }
 
 impl std::fmt::Display for Checks {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { least_multiplier, least_value, green, rellich } = self;
+        let Self { least_multiplier, least_value, green, rellich, resolution } = self;
         write!(
             out,
             "least multiplier {least_multiplier:.1e}, least value {least_value:.1e}, Green {green:.1e}, Rellich {rellich:.1e}"
-        )
+        )?;
+        resolution.map_or(Ok(()), |resolution| write!(out, ", two resolutions {resolution:.1e}"))
     }
 }
 
@@ -209,9 +213,8 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
         return Err(SpectralError::NotPieces);
     }
     let problem = Problem::new(f);
-    let integral = integral(f);
-    if integral >= 0.0 {
-        return Err(SpectralError::NotCoercive(integral));
+    if problem.integral >= 0.0 {
+        return Err(SpectralError::NotCoercive(problem.integral));
     }
     let mut error = SpectralError::NoContactSet;
     for n in [64, 256, 1024] {
@@ -220,7 +223,7 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
         let Some(found) = search::from_grid(&problem, contact::from_grid(grid, &y), params) else {
             continue;
         };
-        match Solution::checked(&problem, found) {
+        match Solution::checked(&problem, found, None) {
             Err(failed) => error = failed,
             solved => return solved,
         }
@@ -237,16 +240,21 @@ fn coarse(grid: Grid, f: &Source) -> Option<Vec<f64>> {
 }
 
 impl Solution {
-    fn checked(problem: &Problem, found: Found) -> Result<Self, SpectralError> {
+    fn checked(
+        problem: &Problem,
+        found: Found,
+        before: Option<f64>,
+    ) -> Result<Self, SpectralError> {
         let Found { ends, trace, rules, steps } = found;
-        let Energies { energy, rellich, force, integral, .. } =
-            Energies::of(&trace, problem, &rules);
+        let Energies { energy, rellich, force } = Energies::of(&trace, problem, &rules);
+        let integral = problem.integral;
         let [least_multiplier, least_value] = trace.least();
         let checks = Checks {
             least_multiplier,
             least_value,
             green: (force + integral) / integral,
             rellich: rellich / energy - 1.0,
+            resolution: before.map(|before| before / energy - 1.0),
         };
         if !checks.pass() {
             return Err(SpectralError::Unchecked(checks));
@@ -259,11 +267,12 @@ impl Solution {
     /// The same problem at another resolution, from the contact set of this solution.
     ///
     /// # Errors
-    /// If that is not reached.
+    /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight
+    /// digits.
     pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
         let found = search::refined(&self.problem, self.ends.clone(), params)
             .ok_or(SpectralError::NoContactSet)?;
-        Self::checked(&self.problem, found)
+        Self::checked(&self.problem, found, Some(self.energy))
     }
 
     /// v and dv/dn at the quadrature nodes of the border, anticlockwise.

@@ -129,10 +129,6 @@ impl Panel {
         CORNERS[self.corner.rem_euclid(4) as usize] + self.tangent.scaled(t)
     }
 
-    pub(super) fn middle(&self) -> Complex {
-        self.point(0.5 * (self.from + self.to))
-    }
-
     /// Whether nodes are counted from the end of the panel rather than from its start.
     pub(super) fn reversed(&self) -> bool {
         self.special[1].is_some()

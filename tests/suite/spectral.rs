@@ -152,10 +152,24 @@ fn values_near_the_border_agree_between_resolutions() {
 }
 
 #[test]
+fn discs_that_touch_the_border_from_within_are_solved() {
+    // In the middle of a panel, and elsewhere.
+    for f in ["disc(0,0.125,0.5)=-4; else=-1", "disc(0.1,0.2,0.4)=-4; else=-1"] {
+        let energy = solved(f, Params::default()).energy;
+        let touching = f.replace("0.5)", "0.4999999)").replace("0.4)", "0.3999999)");
+        close(energy, solved(&touching, Params::default()).energy, 1e-6);
+    }
+}
+
+#[test]
 fn what_is_not_solved_is_refused() {
     let refused = |f: &str| spectral(&f.parse().unwrap(), Params::default()).err();
     assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
     assert!(matches!(refused("exact(torsion)"), Some(SpectralError::NotPieces)));
+    // Jumps that are too small or too far to be seen are missed in the force.
+    for lost in ["disc(0.3,-0.4,1e-12)=-1e20; else=-1", "disc(0.5,1e16,1e16)=-2; else=-1"] {
+        assert!(matches!(refused(lost), Some(SpectralError::Unchecked(_))), "{lost}");
+    }
 }
 
 /// How far the spectral energy is from extrapolated ones, over what one halving of h changes.

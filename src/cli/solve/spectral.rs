@@ -25,7 +25,6 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let solution = spectral(f, Params::default()).map_err(|e| failed(problem.name(), &e))?;
     let finer = solution.at_resolution(Params::FINER).map_err(|e| failed(problem.name(), &e))?;
     let seconds = start.elapsed().as_secs_f64();
-    let resolution = solution.energy / finer.energy - 1.0;
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
         let checks = finer.checks;
@@ -52,7 +51,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
                 "least_value": checks.least_value,
                 "green": checks.green,
                 "rellich": checks.rellich,
-                "resolution": resolution,
+                "resolution": checks.resolution,
             },
             "seconds": { "solve": seconds },
         }));
@@ -61,7 +60,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
     text += &table(&finer);
     text += &format!(
-        "checks: {}, two resolutions {resolution:.1e}\nsolved in {seconds:.4} s, {} Newton steps\n",
+        "checks: {}\nsolved in {seconds:.4} s, {} Newton steps\n",
         finer.checks, solution.steps
     );
     say(&text)
