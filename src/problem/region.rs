@@ -128,7 +128,12 @@ fn scaled(a: f64, b: f64, c: f64) -> (f64, f64, f64) {
 impl Convex<1> for Region {
     fn along(&self, xs: &[f64], [y]: [f64; 1]) -> Range<usize> {
         let turn = match self.plain() {
-            Self::Rect { x, .. } => xs.partition_point(|&s| s < x[0]),
+            Self::Rect { x: [left, right], y: [bottom, top] } => {
+                let start = xs.partition_point(|&x| x < left);
+                let held = bottom <= y && y <= top;
+                let end = if held { xs.partition_point(|&x| x <= right) } else { start };
+                return start..end.max(start);
+            }
             Self::HalfPlane { a, .. } if a < 0.0 => xs.len(),
             Self::Disc { centre, .. } => xs.partition_point(|&s| s < centre[0]),
             _ => 0,

@@ -161,15 +161,15 @@ impl<'a> Cells<'a> {
         });
     }
 
-    /// Shows f on the `j`-th row, from below, to `visit`: runs of cells with one value, and cut cells, which have no
-    /// value.
+    /// Shows f on the `j`-th row, from below, to `visit`: runs of cells with one value, and cells that a border
+    /// crosses, which have none.
     pub fn runs(&mut self, j: usize, mut visit: impl FnMut(Range<usize>, Result<f64, &mut Cut>)) {
         let Self { rows, cut: cell } = self;
         rows.runs([j], |run| match run {
             Run::Constant(cells, value) => visit(cells, Ok(value)),
             Run::Cut(i, background, pieces) => {
                 cell.set(background, pieces);
-                visit(i..i + 1, Err(cell));
+                visit(i..i + 1, cell.constant().ok_or(cell));
             }
         });
     }

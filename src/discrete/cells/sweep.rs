@@ -94,6 +94,11 @@ impl Cut {
         [self.integrate(below), self.integrate(above)]
     }
 
+    /// The value of f, if borders of the pieces run along edges of the cell at most.
+    pub(super) fn constant(&self) -> Option<f64> {
+        self.borders.is_empty().then(|| self.value(0.0, 0.0))
+    }
+
     fn value(&self, x: f64, y: f64) -> f64 {
         let covering = self.pieces.iter().find(|(region, _)| region.contains([x, y]));
         covering.map_or(self.background, |&(_, value)| value)
