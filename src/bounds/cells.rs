@@ -1,11 +1,20 @@
-//! Sums over cells: energies of the vector and of its recovery, and the distance of the latter to the flux.
+//! Sums over cells: energies of the vector and of its recovery, and the distance of the latter to the flux; here
+//! cell by cell.
 
 use super::moments::{Moments, difference, mean};
+use std::array::from_fn;
 use std::f64::consts::PI;
-use std::ops::Range;
+
+/// Cells whose sums are formed side by side.
+pub(super) const LANES: usize = 16;
+
+pub(super) type Lanes = [f64; LANES];
 
 /// Sums over cells. Gradients are in units of differences: in two dimensions h drops out.
+///
+/// Aligned so that no vector of lanes lies in two lines of the cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(64))]
 pub(super) struct Sums<T = f64> {
     /// `|grad w - sigma|^2` with the oscillation of f.
     pub distance: T,
@@ -20,21 +29,18 @@ pub(super) struct Sums<T = f64> {
     /// What the residual varies within regular cells: the square of its L2 norm there less its means,
     /// times `h^2`.
     pub variance: T,
-    /// Sum over regular cells of the squares of the means of the residual, times `h^4`.
-    pub means: T,
 }
 
 impl<T> Sums<T> {
     /// Lets each sum take its part of `other` into account.
     #[inline(always)]
-    fn each<U: Copy>(&mut self, other: &Sums<U>, take: impl Fn(&mut T, U)) {
+    pub(super) fn each<U: Copy>(&mut self, other: &Sums<U>, take: impl Fn(&mut T, U)) {
         take(&mut self.distance, other.distance);
         take(&mut self.recovered, other.recovered);
         take(&mut self.recovered_load, other.recovered_load);
         take(&mut self.linear, other.linear);
         take(&mut self.linear_load, other.linear_load);
         take(&mut self.variance, other.variance);
-        take(&mut self.means, other.means);
     }
 }
 
@@ -45,150 +51,125 @@ impl Sums {
     }
 }
 
-/// Regular cells whose sums are formed side by side.
-pub(super) const LANES: usize = 16;
-
-type Lanes = [f64; LANES];
-
-/// Sums over cells in which, and around which, f has one value; `mass` is its integral over a cell. The
-/// rows of nodes are those below the cells, at their lower and upper edges, and above; they are longer than
-/// [`LANES`] by three nodes at least. Writes the means of the residual times `h^2` to `means`.
-#[inline(always)]
-pub(super) fn regular(
-    rows: [&[f64]; 4],
-    cells: Range<usize>,
-    mass: f64,
-    means: &mut [f64],
-) -> Sums {
-    let (mut lanes, mut start) = (Sums::<Lanes>::default(), cells.start);
-    while start + LANES <= cells.end {
-        let found = add_block(rows, start, mass, &mut lanes);
-        means[start..start + LANES].copy_from_slice(&found);
-        start += LANES;
-    }
-    if start < cells.end {
-        // A block that also holds cells of others, which do not count.
-        let first = start.min(rows[0].len() - 2 - LANES);
-        let counted = start - first..cells.end - first;
-        let mut block = Sums::<Lanes>::default();
-        let found = add_block(rows, first, mass, &mut block);
-        means[start..cells.end].copy_from_slice(&found[counted.clone()]);
-        let mut share = [0.0; LANES];
-        share[counted].fill(1.0);
-        lanes.each(&block, |lanes, block| {
-            for lane in 0..LANES {
-                lanes[lane] += share[lane] * block[lane];
-            }
-        });
-    }
-    let mut sums = Sums::default();
-    sums.each(&lanes, |sum, lanes| *sum = lanes.iter().sum());
-    let linear = 0.25 * sums.linear;
-    Sums {
-        distance: sums.distance / 2880.0,
-        recovered: linear + sums.recovered / 2880.0,
-        recovered_load: mass * sums.recovered_load / 48.0,
-        linear,
-        linear_load: mass * sums.linear_load / 12.0,
-        variance: sums.variance / 144.0,
-        means: sums.means,
+impl Sums<Lanes> {
+    /// The sums over all lanes.
+    #[inline(always)]
+    pub(super) fn total(&self) -> Sums {
+        let mut total = Sums::default();
+        total.each(self, |sum, lanes| *sum = lanes.iter().sum());
+        total
     }
 }
 
-/// Adds the regular cells from `start` on to the sums, and returns the means of the residual.
-///
-/// The formulas are those of [`Special`] with f constant around the cell, in sums and differences of opposite
-/// edges.
+/// A cell at the boundary, or where f is not constant around it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Special {
+    /// Values on the lines of the two edges along x, and of those along y: at their ends, and one node further.
+    pub lines: [[[f64; 4]; 2]; 2],
+    /// Coefficients of the bubbles on these edges.
+    pub bubbles: [[f64; 2]; 2],
+    /// Fluxes through the edges left, right, bottom, top that f needs.
+    pub flux: [f64; 4],
+    pub f: Moments,
+}
+
+/// Half the sum of the second differences at the ends of an edge: twice its bubble where f is constant around it.
 #[inline(always)]
-fn add_block(
-    [below, lower, upper, above]: [&[f64]; 4],
-    start: usize,
-    mass: f64,
-    sums: &mut Sums<Lanes>,
-) -> Lanes {
-    // Columns of nodes, from the one left of the cells on.
-    let (d1, d2) = (column(below, start), column(below, start + 1));
-    let (a0, a1) = (column(lower, start - 1), column(lower, start));
-    let (a2, a3) = (column(lower, start + 1), column(lower, start + 2));
-    let (b0, b1) = (column(upper, start - 1), column(upper, start));
-    let (b2, b3) = (column(upper, start + 1), column(upper, start + 2));
-    let (u1, u2) = (column(above, start), column(above, start + 1));
-    let mut means = [0.0; LANES];
-    for i in 0..LANES {
-        // Sums and differences of the two rows, and of the outer rows.
-        let (s0, s1, s2, s3) = (b0[i] + a0[i], b1[i] + a1[i], b2[i] + a2[i], b3[i] + a3[i]);
-        let (t0, t1, t2, t3) = (b0[i] - a0[i], b1[i] - a1[i], b2[i] - a2[i], b3[i] - a3[i]);
-        let (us, ut, ds, dt) = (u2[i] + u1[i], u2[i] - u1[i], d2[i] + d1[i], d2[i] - d1[i]);
-        let (x, y, turn, corners) = (s2 - s1, t2 + t1, t2 - t1, s2 + s1);
-        // Four times what the bubbles of one axis bend along the other.
-        let (g, e) = ((ut + dt) - x, (t3 + t0) - y);
-        // Third differences, summed over opposite edges, and their differences.
-        let (p, q) = ((s3 - s0) - 3.0 * x, (us - ds) - 3.0 * y);
-        let (dp, dq) = ((t3 - t0) - 3.0 * turn, (ut - dt) - 3.0 * turn);
-        // Four times the bubbles, summed over opposite edges.
-        let (along, across) = ((s3 + s0) - corners, (us + ds) - corners);
-        let laplacian = along + across;
-        // Twice the slopes of the residual, its twist and its mean.
-        let (r, o, twist, mean) = (p + g, q + e, dp + dq, 0.25 * laplacian + mass);
-        let (third, slope) = (p * p + q * q, r * r + o * o);
-        let (steep, turned) = (x * x + y * y, turn * turn);
-        let (bubbles, bent) = (along * along + across * across, g * x + e * y);
-        // In units that `regular` puts right.
-        let cell = Sums {
-            distance: 7.0 * (third + (dp * dp + dq * dq)) + 8.0 * (p * r + q * o) + 6.0 * slope,
-            recovered: 11.0 * (g * g + e * e) + 15.0 * bubbles - 120.0 * bent - 960.0 * turned,
-            recovered_load: 12.0 * corners - laplacian,
-            linear: steep + (turned + turned),
-            linear_load: 3.0 * corners + turn,
-            variance: 3.0 * slope + twist * twist,
-            means: mean * mean,
+pub(super) fn second([a, b, c, d]: [f64; 4]) -> f64 {
+    0.5 * ((d - c) - (b - a))
+}
+
+impl Special {
+    /// Values at ll, lr, ul, ur.
+    #[inline(always)]
+    pub(super) fn corners(&self) -> [f64; 4] {
+        let [[_, ll, lr, _], [_, ul, ur, _]] = self.lines[0];
+        [ll, lr, ul, ur]
+    }
+
+    /// The mean of the residual times `h^2`.
+    #[inline(always)]
+    pub(super) fn residual(&self) -> f64 {
+        let [x, y] = self.lines.map(|lines| mean(lines.map(second)));
+        let [left, right, bottom, top] = self.flux;
+        self.f.one + (x + y) + (right - left) + (top - bottom)
+    }
+
+    #[inline(always)]
+    fn sums(&self) -> Sums {
+        let Self { lines: [x, y], bubbles, flux: [left, right, bottom, top], f } = *self;
+        let (x, y) = (Axis::new(x, bubbles[0]), Axis::new(y, bubbles[1]));
+        // The five-point equation at the corners: its slopes there, and twist.
+        let slope = [
+            12.0 * f.x + mean(x.third) + difference(y.second),
+            12.0 * f.y + mean(y.third) + difference(x.second),
+        ];
+        let twist = 144.0 * f.xy + difference(x.third) + difference(y.third);
+        let distance = x.distance(y.bend(), [left, right], slope[0], twist)
+            + y.distance(x.bend(), [bottom, top], slope[1], twist);
+        // h / (2 pi) times the norm of f less its bilinear approximation adds to the square root.
+        let oscillation = f.oscillation();
+        let distance = match oscillation > 0.0 {
+            true => (distance.sqrt() + oscillation.sqrt() / (2.0 * PI)).powi(2),
+            false => distance,
         };
-        means[i] = mean;
-        sums.each(&cell, |lanes, part| lanes[i] += part);
+        // The load of the bilinear function, and of what the bubbles take from it.
+        let [ll, lr, ul, ur] = self.corners();
+        let turn = (ll + ur) - (lr + ul);
+        let bilinear = 0.25 * ((ll + lr) + (ul + ur)) * f.one
+            + 0.5 * ((lr + ur) - (ll + ul)) * f.x
+            + 0.5 * ((ul + ur) - (ll + lr)) * f.y
+            + turn * f.xy;
+        let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+        Sums {
+            distance,
+            recovered: x.recovered(y.bend()) + y.recovered(x.bend()),
+            recovered_load: bilinear - f.bubbles(bubbles),
+            linear: 0.5 * (square(x.along) + square(y.along)),
+            linear_load: bilinear + turn * f.ridge,
+            variance: 0.0,
+        }
     }
-    means
-}
 
-#[inline(always)]
-fn column(row: &[f64], start: usize) -> &[f64; LANES] {
-    row[start..start + LANES].try_into().expect("as long as that")
+    /// What the energy of w gains when the bubble on edge `k` along an axis is left out.
+    pub(super) fn trace(&self, axis: usize, k: usize) -> f64 {
+        let (bubble, opposite) = (self.bubbles[axis][k], self.bubbles[axis][1 - k]);
+        let [p, q] = self.lines[1 - axis].map(|[_, p, q, _]| q - p);
+        let inward = if k == 0 { mean([p, q]) } else { -mean([p, q]) };
+        let [both, turned] = self.f.blended()[axis];
+        let load = if k == 0 { 0.5 * both - turned } else { 0.5 * both + turned };
+        let energy = (2.0 * opposite - bubble) / 60.0 - (bubble + opposite) / 18.0 - SIXTH * inward;
+        bubble * (energy - load)
+    }
 }
 
 /// What a cell shows along one axis, on its two edges in that direction.
 #[derive(Clone, Copy)]
-pub(super) struct Axis {
+struct Axis {
     /// Differences.
-    pub along: [f64; 2],
+    along: [f64; 2],
     /// Third differences.
-    pub third: [f64; 2],
+    third: [f64; 2],
+    /// As [`second`].
+    second: [f64; 2],
     /// Coefficients of the bubbles.
-    pub bubble: [f64; 2],
-    /// Half the sum of the second differences at both ends: twice the bubble but where that is changed.
-    pub second: [f64; 2],
+    bubble: [f64; 2],
 }
 
 impl Axis {
-    /// From the values on the lines of both edges: at their ends, and one node further at each end.
     #[inline(always)]
-    pub(super) fn new([p, q]: [[f64; 4]; 2]) -> Self {
+    fn new(lines: [[f64; 4]; 2], bubble: [f64; 2]) -> Self {
         let third = |[a, b, c, d]: [f64; 4]| (d - a) - 3.0 * (c - b);
-        let second = |[a, b, c, d]: [f64; 4]| 0.5 * ((d - c) - (b - a));
-        let second = [second(p), second(q)];
         Self {
-            along: [p[2] - p[1], q[2] - q[1]],
-            third: [third(p), third(q)],
-            bubble: [0.5 * second[0], 0.5 * second[1]],
-            second,
+            along: lines.map(|[_, p, q, _]| q - p),
+            third: lines.map(third),
+            second: lines.map(second),
+            bubble,
         }
     }
 
-    /// The same without the bubbles of the edges on the boundary.
-    fn cut(self, outer: [bool; 2]) -> Self {
-        let [p, q] = self.bubble;
-        Self { bubble: [if outer[0] { 0.0 } else { p }, if outer[1] { 0.0 } else { q }], ..self }
-    }
-
     /// How the bubbles of this axis bend the slope along the other.
+    #[inline(always)]
     fn bend(&self) -> f64 {
         difference(self.bubble)
     }
@@ -221,73 +202,72 @@ impl Axis {
 const SIXTH: f64 = 1.0 / 6.0;
 const TWELFTH: f64 = 1.0 / 12.0;
 
-/// A cell at the boundary, or where f is not constant around it.
-pub(super) struct Special {
-    /// Values at ll, lr, ul, ur.
-    pub corners: [f64; 4],
-    pub x: Axis,
-    pub y: Axis,
-    /// Fluxes through the edges left, right, bottom, top that f needs.
-    pub flux: [f64; 4],
-    /// Which of these edges are on the boundary.
-    pub outer: [bool; 4],
+/// Special cells that wait until there are as many as lanes, and the sums over those before them.
+#[derive(Default)]
+pub(super) struct Batch {
+    waiting: usize,
+    lines: [[[Lanes; 4]; 2]; 2],
+    bubbles: [[Lanes; 2]; 2],
+    flux: [Lanes; 4],
+    f: [Lanes; 10],
+    sums: Sums<Lanes>,
 }
 
-impl Special {
-    /// Sums over the cell for f with these moments, and the mean of the residual times `h^2`.
+impl Batch {
+    /// Adds a cell.
     #[inline(always)]
-    pub(super) fn sums(&self, f: &Moments) -> (Sums, f64) {
-        let Self { corners, x, y, flux, .. } = self;
-        // The five-point equation at the corners: its mean there, slopes, and twist.
-        let laplacian = mean(x.second) + mean(y.second);
-        let slope = [
-            12.0 * f.x + mean(x.third) + difference(y.second),
-            12.0 * f.y + mean(y.third) + difference(x.second),
-        ];
-        let twist = 144.0 * f.xy + difference(x.third) + difference(y.third);
-        let distance = x.distance(y.bend(), [flux[0], flux[1]], slope[0], twist)
-            + y.distance(x.bend(), [flux[2], flux[3]], slope[1], twist);
-        // h / (2 pi) times the norm of f less its bilinear approximation adds to the square root.
-        let oscillation = f.oscillation();
-        let distance = match oscillation > 0.0 {
-            true => (distance.sqrt() + oscillation.sqrt() / (2.0 * PI)).powi(2),
-            false => distance,
-        };
-        // The load of the bilinear function, and of what the bubbles take from it.
-        let [ll, lr, ul, ur] = corners;
-        let turn = (ll + ur) - (lr + ul);
-        let bilinear = 0.25 * ((ll + lr) + (ul + ur)) * f.one
-            + 0.5 * ((lr + ur) - (ll + ul)) * f.x
-            + 0.5 * ((ul + ur) - (ll + lr)) * f.y
-            + turn * f.xy;
-        let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
-        let sums = Sums {
-            distance,
-            recovered: recovered(x, y),
-            recovered_load: bilinear - f.bubbles(x.bubble, y.bubble),
-            linear: 0.5 * (square(x.along) + square(y.along)),
-            linear_load: bilinear + turn * f.ridge,
-            ..Sums::default()
-        };
-        (sums, f.one + laplacian + (flux[1] - flux[0]) + (flux[3] - flux[2]))
+    pub(super) fn add(&mut self, cell: &Special) {
+        let k = self.waiting;
+        for axis in 0..2 {
+            for edge in 0..2 {
+                for node in 0..4 {
+                    self.lines[axis][edge][node][k] = cell.lines[axis][edge][node];
+                }
+                self.bubbles[axis][edge][k] = cell.bubbles[axis][edge];
+            }
+        }
+        (0..4).for_each(|edge| self.flux[edge][k] = cell.flux[edge]);
+        let f = cell.f.to_array();
+        (0..f.len()).for_each(|moment| self.f[moment][k] = f[moment]);
+        self.waiting += 1;
+        if self.waiting == LANES {
+            self.sum();
+        }
     }
 
-    /// What the energy of w gains when its bubbles on the boundary are left out.
-    pub(super) fn trace(&self, f: &Moments) -> f64 {
-        let energy = |x: &Axis, y: &Axis| 0.5 * recovered(x, y) + f.bubbles(x.bubble, y.bubble);
-        let [left, right, bottom, top] = self.outer;
-        energy(&self.x.cut([bottom, top]), &self.y.cut([left, right])) - energy(&self.x, &self.y)
+    /// Sums over the cells that wait.
+    #[inline(always)]
+    fn sum(&mut self) {
+        for k in 0..LANES {
+            let cell = Special {
+                lines: from_fn(|a| from_fn(|b| from_fn(|c| self.lines[a][b][c][k]))),
+                bubbles: from_fn(|a| from_fn(|b| self.bubbles[a][b][k])),
+                flux: from_fn(|a| self.flux[a][k]),
+                f: Moments::from_array(from_fn(|a| self.f[a][k])),
+            };
+            self.sums.each(&cell.sums(), |lanes, part| lanes[k] += part);
+        }
+        self.waiting = 0;
     }
-}
 
-/// `|grad w|^2` over the cell.
-#[inline(always)]
-fn recovered(x: &Axis, y: &Axis) -> f64 {
-    x.recovered(y.bend()) + y.recovered(x.bend())
+    /// Sums over the cells that wait, together with cells of zeros.
+    #[inline(always)]
+    pub(super) fn flush(&mut self) {
+        while self.waiting > 0 {
+            self.add(&Special::default());
+        }
+    }
+
+    /// The sums so far, which are zero afterwards.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> Sums {
+        std::mem::take(&mut self.sums).total()
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::regular::Regular;
     use super::*;
     use crate::discrete::simd::with_each;
 
@@ -303,10 +283,11 @@ mod tests {
             for i in cells.clone() {
                 let line = |j: usize| [0, 1, 2, 3].map(|k| rows[j][i + k - 1]);
                 let column = |i: usize| [0, 1, 2, 3].map(|j| rows[j][i]);
-                let (x, y) = (Axis::new([line(1), line(2)]), Axis::new([column(i), column(i + 1)]));
-                let corners = [rows[1][i], rows[1][i + 1], rows[2][i], rows[2][i + 1]];
-                let cell = Special { corners, x, y, flux: [0.0; 4], outer: [false; 4] };
-                let (mut sums, mean) = cell.sums(&Moments::constant(mass));
+                let lines = [[line(1), line(2)], [column(i), column(i + 1)]];
+                let bubbles = lines.map(|lines| lines.map(|line| 0.5 * second(line)));
+                let (x, y) = (Axis::new(lines[0], bubbles[0]), Axis::new(lines[1], bubbles[1]));
+                let cell = Special { lines, bubbles, flux: [0.0; 4], f: Moments::constant(mass) };
+                let (mut sums, mean) = (cell.sums(), cell.residual());
                 // Without the field that follows the residual inside the cell.
                 sums.distance = x.distance(y.bend(), [0.0; 2], 0.0, 0.0)
                     + y.distance(x.bend(), [0.0; 2], 0.0, 0.0);
@@ -319,7 +300,6 @@ mod tests {
                 let twist = at[0] + at[3] - at[1] - at[2];
                 sums.variance =
                     (slopes[0].powi(2) + slopes[1].powi(2)) / 48.0 + twist * twist / 144.0;
-                sums.means = mean * mean;
                 residuals[i] = mean;
                 want.add(&sums);
             }
@@ -328,16 +308,42 @@ mod tests {
                 || {
                     let mut means = vec![0.0; 59];
                     let views = [&rows[0][..], &rows[1], &rows[2], &rows[3]];
-                    (regular(views, cells.clone(), mass, &mut means), means)
+                    let mut regular = Regular::default();
+                    let squares = regular.add(views, cells.clone(), mass, &mut means);
+                    (regular.take(), squares, means)
                 },
             );
-            for (sums, means) in &found {
+            let want_squares: f64 = residuals.iter().map(|mean| mean * mean).sum();
+            for (sums, squares, means) in &found {
                 assert_eq!(*sums, found[0].0, "the same with all instructions");
+                assert!((squares - want_squares).abs() < 1e-12 * want_squares.max(1e3));
                 sums.clone().each(&want, |found, want| {
                     assert!((*found - want).abs() < 1e-12 * want.abs().max(1e3), "{found} {want}");
                 });
                 assert!(means.iter().zip(&residuals).all(|(p, q)| (p - q).abs() < 1e-11));
             }
         }
+    }
+
+    #[test]
+    fn a_batch_sums_what_its_cells_have_one_by_one() {
+        let wave = |k: usize| libm::sin(k as f64 * 78.233) * 3.7;
+        let (mut batch, mut want) = (Batch::default(), Sums::default());
+        for k in 0..2 * LANES + 3 {
+            let number = |place: usize| wave(100 * k + place);
+            let f = Moments::from_array(from_fn(|place| number(60 + place)));
+            let cell = Special {
+                lines: from_fn(|a| from_fn(|b| from_fn(|c| number(8 * a + 4 * b + c)))),
+                bubbles: from_fn(|a| from_fn(|b| number(20 + 2 * a + b))),
+                flux: from_fn(|edge| number(30 + edge)),
+                f: Moments { square: 1e3, ..f },
+            };
+            batch.add(&cell);
+            want.add(&cell.sums());
+        }
+        batch.flush();
+        batch.take().each(&want, |found, want| {
+            assert!((*found - want).abs() < 1e-12 * want.abs().max(1e3), "{found} {want}");
+        });
     }
 }

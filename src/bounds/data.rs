@@ -6,73 +6,62 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::radon;
 use crate::problem::source::Source;
 use std::borrow::Cow;
+use std::ops::Range;
 
-/// What is known of f on a run of neighbouring cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Neighbouring cells of a row on which f is alike.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// The cell after the last one.
+    pub end: usize,
+    pub f: Data,
+}
+
+/// What is known of f on a run.
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Data {
     /// Constant, with this integral over each cell.
     Constant(f64),
-    /// A single cell with the moments at this place in [`CellRow::cut`].
-    Cut(usize),
+    /// A single cell with these moments.
+    Cut(Moments),
 }
 
-/// f on one row of cells, as runs from left to right.
-#[derive(Clone, Debug, Default)]
-pub(super) struct CellRow {
-    /// The cell after the last one of each run, and what f is there.
-    runs: Vec<(usize, Data)>,
-    cut: Vec<Moments>,
-}
-
-impl CellRow {
-    /// Adds cells where f is constant, up to `end`.
-    fn add_constant(&mut self, end: usize, mass: f64) {
-        match self.runs.last_mut() {
-            Some((last, Data::Constant(before))) if *before == mass => *last = end,
-            _ => self.runs.push((end, Data::Constant(mass))),
+impl Run {
+    /// The integral over each cell of the run where f is constant.
+    pub(super) fn constant(&self) -> Option<f64> {
+        match self.f {
+            Data::Constant(mass) => Some(mass),
+            Data::Cut(_) => None,
         }
     }
 
-    /// Adds a cell that jumps cut.
-    fn add_cut(&mut self, i: usize, moments: Moments) {
-        self.runs.push((i + 1, Data::Cut(self.cut.len())));
-        self.cut.push(moments);
-    }
-
-    fn integral(&self) -> f64 {
-        let mut start = 0;
-        let of_run = |&(end, data): &(usize, Data)| {
-            let cells = end - std::mem::replace(&mut start, end);
-            match data {
-                Data::Constant(mass) => mass * cells as f64,
-                Data::Cut(cut) => self.cut[cut].one,
-            }
-        };
-        self.runs.iter().map(of_run).sum()
-    }
-
-    /// The end of the run with cell `i`, where f is constant, and its integral over each cell.
-    pub(super) fn constant(&self, i: usize) -> (usize, f64) {
-        match self.runs[self.runs.partition_point(|&(end, _)| end <= i)] {
-            (end, Data::Constant(mass)) => (end, mass),
-            (_, Data::Cut(_)) => unreachable!("f is not constant there"),
-        }
-    }
-
-    /// Moments over cell `i`.
-    pub(super) fn at(&self, i: usize) -> Moments {
-        match self.runs[self.runs.partition_point(|&(end, _)| end <= i)].1 {
+    /// The moments over each cell.
+    #[inline(always)]
+    pub(super) fn moments(&self) -> Moments {
+        match self.f {
             Data::Constant(mass) => Moments::constant(mass),
-            Data::Cut(cut) => self.cut[cut],
+            Data::Cut(moments) => moments,
         }
     }
 
-    /// The integral of f times the bilinear hat function of a corner over cell `i`.
-    pub(super) fn mass(&self, i: usize, corner: usize) -> f64 {
-        match self.runs[self.runs.partition_point(|&(end, _)| end <= i)].1 {
-            Data::Constant(mass) => 0.25 * mass,
-            Data::Cut(cut) => self.cut[cut].masses()[corner],
+    /// The integrals of f times the bilinear hat functions of the corners over each cell.
+    pub(super) fn masses(&self) -> [f64; 4] {
+        match self.f {
+            Data::Constant(mass) => [0.25 * mass; 4],
+            Data::Cut(moments) => moments.masses(),
         }
+    }
+}
+
+/// The runs of a row from one place on.
+pub(super) struct Cursor<'a>(pub &'a [Run]);
+
+impl<'a> Cursor<'a> {
+    /// The run of cell `i`, which is not left of the one asked for before.
+    pub(super) fn at(&mut self, i: usize) -> &'a Run {
+        while self.0[0].end <= i {
+            self.0 = &self.0[1..];
+        }
+        &self.0[0]
     }
 }
 
@@ -81,47 +70,55 @@ impl CellRow {
 pub(super) struct AllCells<'a> {
     grid: Grid,
     f: &'a Source,
-    rows: Vec<CellRow>,
+    /// All rows one after the other; empty for smooth f.
+    runs: Vec<Run>,
+    /// Where each row ends there.
+    ends: Vec<usize>,
     /// The integral of f.
     pub integral: f64,
+    /// Integrals of f times the bilinear hat functions of the boundary nodes, in boundary order.
+    pub outer: Vec<f64>,
 }
 
 impl<'a> AllCells<'a> {
     pub(super) fn new(grid: Grid, f: &'a Source) -> Self {
         let n = grid.cells();
-        let mut all = Self { grid, f, rows: Vec::new(), integral: 0.0 };
+        let (runs, ends, outer) = (Vec::new(), Vec::new(), vec![0.0; grid.boundary_nodes()]);
+        let mut all = Self { grid, f, runs, ends, integral: 0.0, outer };
         if let Source::Pieces { background, pieces } = f {
             let mut cells = Cells::new(grid, *background, pieces);
             let h2 = grid.h() * grid.h();
             for j in 0..n {
-                let mut row = CellRow::default();
-                cells.runs(j, |run, shown| match shown {
-                    Ok(value) => row.add_constant(run.end, value * h2),
-                    Err(cell) => row.add_cut(run.start, Moments::of_cut(grid, cell)),
+                let first = all.runs.len();
+                cells.runs(j, |Range { end, .. }, shown| match shown {
+                    Ok(value) => match all.runs[first..].last_mut() {
+                        Some(last) if last.constant() == Some(value * h2) => last.end = end,
+                        _ => all.runs.push(Run { end, f: Data::Constant(value * h2) }),
+                    },
+                    Err(cell) => {
+                        all.runs.push(Run { end, f: Data::Cut(Moments::of_cut(grid, cell)) })
+                    }
                 });
-                all.rows.push(row);
+                all.ends.push(all.runs.len());
             }
         }
-        all.integral = (0..n).map(|j| all.row(j).integral()).sum();
-        all
+        let mut outer = std::mem::take(&mut all.outer);
+        for j in 0..n {
+            let row = all.row(j);
+            add_outer(n, j, &row, &mut outer);
+            all.integral += integral(&row);
+        }
+        Self { outer, ..all }
     }
 
     /// Row `j` from below.
-    pub(super) fn row(&self, j: usize) -> Cow<'_, CellRow> {
-        if let Some(row) = self.rows.get(j) {
-            return Cow::Borrowed(row);
+    pub(super) fn row(&self, j: usize) -> Cow<'_, [Run]> {
+        if let Some(&end) = self.ends.get(j) {
+            let start = if j > 0 { self.ends[j - 1] } else { 0 };
+            return Cow::Borrowed(&self.runs[start..end]);
         }
-        let mut row = CellRow::default();
-        (0..self.grid.cells()).for_each(|i| row.add_cut(i, self.integrated(i, j)));
-        Cow::Owned(row)
-    }
-
-    /// The integral of f times the bilinear hat function of a corner over cell (i, j).
-    pub(super) fn mass(&self, [i, j]: [usize; 2], corner: usize) -> f64 {
-        match self.rows.get(j) {
-            Some(row) => row.mass(i, corner),
-            None => self.integrated(i, j).masses()[corner],
-        }
+        let cell = |i| Run { end: i + 1, f: Data::Cut(self.integrated(i, j)) };
+        Cow::Owned((0..self.grid.cells()).map(cell).collect())
     }
 
     /// Moments of a smooth f over cell (i, j), by quadrature.
@@ -148,11 +145,42 @@ fn quadrature([p, q, r]: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
         .map(|([a, b, c], weight)| ([0, 1].map(|d| a * p[d] + b * q[d] + c * r[d]), area * weight))
 }
 
-/// Finds the nodes around which f is not one constant, between a row of cells and the one above: inclusive
-/// ranges of columns, from left to right.
-pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>, seams: &mut Vec<[usize; 2]>) {
+/// The integral of f over a row of cells.
+fn integral(row: &[Run]) -> f64 {
+    let mut start = 0;
+    let of_run = |&Run { end, f }: &Run| {
+        let cells = end - std::mem::replace(&mut start, end);
+        match f {
+            Data::Constant(mass) => mass * cells as f64,
+            Data::Cut(moments) => moments.one,
+        }
+    };
+    row.iter().map(of_run).sum()
+}
+
+/// Adds the part of row `j` to the integrals of f times the hat functions of the boundary nodes.
+fn add_outer(n: usize, j: usize, row: &[Run], outer: &mut [f64]) {
+    let [ll, _, ul, _] = row[0].masses();
+    outer[(4 * n - j) % (4 * n)] += ll;
+    outer[4 * n - j - 1] += ul;
+    let [_, lr, _, ur] = row[row.len() - 1].masses();
+    outer[n + j] += lr;
+    outer[n + j + 1] += ur;
+    // Corners are done.
+    let mut cursor = Cursor(row);
+    for i in (1..n).take_while(|_| j == 0) {
+        outer[i] += cursor.at(i - 1).masses()[1] + cursor.at(i).masses()[0];
+    }
+    let mut cursor = Cursor(row);
+    for i in (1..n).take_while(|_| j + 1 == n) {
+        outer[3 * n - i] += cursor.at(i - 1).masses()[3] + cursor.at(i).masses()[2];
+    }
+}
+
+/// Finds the nodes around which f is not one constant, between a row of cells and the one above, of which one may
+/// be empty: inclusive ranges of columns, from left to right.
+pub(super) fn seams(mut below: &[Run], mut above: &[Run], seams: &mut Vec<[usize; 2]>) {
     seams.clear();
-    let [mut below, mut above] = [below, above].map(|row| row.map_or(&[][..], |row| &row.runs));
     let mut add = |from: usize, to: usize| match seams.last_mut() {
         Some(last) if from <= last[1] + 1 => last[1] = last[1].max(to),
         _ => seams.push([from, to]),
@@ -160,12 +188,12 @@ pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>, seams: &mu
     let (mut start, mut before) = (0, None);
     loop {
         let (lower, upper) = (below.first(), above.first());
-        let Some(end) = [lower, upper].into_iter().flatten().map(|run| run.0).min() else {
+        let Some(end) = [lower, upper].into_iter().flatten().map(|run| run.end).min() else {
             return;
         };
-        let uniform = match (lower.map(|run| run.1), upper.map(|run| run.1)) {
-            (Some(Data::Constant(p)), Some(Data::Constant(q))) if p == q => Some(p),
-            (Some(Data::Constant(p)), None) | (None, Some(Data::Constant(p))) => Some(p),
+        let uniform = match [lower, upper].map(|run| run.map(Run::constant)) {
+            [Some(p), Some(q)] if p == q => p,
+            [Some(p), None] | [None, Some(p)] => p,
             _ => None,
         };
         match uniform {
@@ -175,7 +203,7 @@ pub(super) fn seams(below: Option<&CellRow>, above: Option<&CellRow>, seams: &mu
         }
         before = uniform;
         start = end;
-        below = &below[usize::from(lower.is_some_and(|run| run.0 == end))..];
-        above = &above[usize::from(upper.is_some_and(|run| run.0 == end))..];
+        below = &below[usize::from(lower.is_some_and(|run| run.end == end))..];
+        above = &above[usize::from(upper.is_some_and(|run| run.end == end))..];
     }
 }

@@ -1,6 +1,6 @@
 //! The equilibrated flux: reactions on the boundary, and what has to flow where f is not constant.
 
-use super::data::{AllCells, CellRow, seams};
+use super::data::{AllCells, Cursor, Run, seams};
 use crate::discrete::grid::Grid;
 
 /// Reactions on the four sides, without a sign: the normal flux is their linear interpolant over h.
@@ -14,27 +14,25 @@ pub(super) struct Reactions {
 }
 
 impl Reactions {
-    /// Those of the nodal vector `y`, not negative on the boundary: `A y - b` where it is at least y,
-    /// scaled so that they balance f, whose integral is negative.
-    pub(super) fn new(grid: Grid, y: &[f64], f: &AllCells) -> Self {
-        let n = grid.cells();
-        let at = |i: usize, j: usize| y[grid.index(i, j)];
-        let mut found: Vec<f64> = (0..grid.boundary_nodes())
-            .map(|b| {
-                let (i, j) = grid.boundary_node(b);
-                let (mut flux, mut load) = (0.0, 0.0);
-                for (di, dj, corner) in [(0, 0, 3), (1, 0, 2), (0, 1, 1), (1, 1, 0)] {
-                    // The cell for which this node is that corner.
-                    if (i + di == 0) || (j + dj == 0) || i + di > n || j + dj > n {
-                        continue;
-                    }
-                    load += f.mass([i + di - 1, j + dj - 1], corner);
-                    let (across, along) =
-                        (if di == 0 { i - 1 } else { i + 1 }, if dj == 0 { j - 1 } else { j + 1 });
-                    flux += 0.5 * ((at(i, j) - at(across, j)) + (at(i, j) - at(i, along)));
-                }
-                let reaction = flux - load;
-                if reaction > 0.0 && reaction >= at(i, j) { reaction } else { 0.0 }
+    /// Those of the nodal vector `y`, with the values `outer` on the boundary, none of them negative: `A y - b`
+    /// where it is at least y, scaled so that they balance f, whose integral is negative.
+    pub(super) fn new(grid: Grid, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
+        let (n, nodes) = (grid.cells(), outer.len());
+        let mut found: Vec<f64> = grid
+            .boundary()
+            .enumerate()
+            .map(|(b, node)| {
+                let [before, after] = [b + nodes - 1, b + 1].map(|b| outer[b % nodes]);
+                let along = 0.5 * ((y[node] - before) + (y[node] - after));
+                let inner = match b / n {
+                    _ if grid.is_corner(b) => node,
+                    0 => node + grid.side(),
+                    1 => node - 1,
+                    2 => node - grid.side(),
+                    _ => node + 1,
+                };
+                let reaction = along + (y[node] - y[inner]) - f.outer[b];
+                if reaction > 0.0 && reaction >= y[node] { reaction } else { 0.0 }
             })
             .collect();
         let balanced = -f.integral / found.iter().sum::<f64>();
@@ -43,17 +41,14 @@ impl Reactions {
             found.iter_mut().for_each(|value| *value *= balanced);
             values.copy_from_slice(&found);
         } else {
-            values.fill(-f.integral / grid.boundary_nodes() as f64);
+            values.fill(-f.integral / nodes as f64);
         }
-        let side = |from: usize| (0..=n).map(move |k| (from + k) % (4 * n));
-        let collect = |places: &mut dyn Iterator<Item = usize>| places.map(|b| values[b]).collect();
-        Self {
-            bottom: collect(&mut side(0)),
-            right: collect(&mut side(n)),
-            top: collect(&mut side(2 * n).rev()),
-            left: collect(&mut side(3 * n).rev()),
-            found,
-        }
+        values.push(values[0]);
+        let side = |k: usize| values[k * n..=(k + 1) * n].to_vec();
+        let [bottom, right, mut top, mut left] = [0, 1, 2, 3].map(side);
+        top.reverse();
+        left.reverse();
+        Self { found, bottom, top, left, right }
     }
 }
 
@@ -67,11 +62,35 @@ pub(super) struct Around {
     pub south: f64,
 }
 
+impl Around {
+    /// The fluxes of least norm that move what the cells ne, nw, sw, se have too much of; none flows along a straight
+    /// seam.
+    fn balancing(masses: [Option<f64>; 4]) -> Self {
+        let zero = Self::default();
+        match masses {
+            [Some(ne), Some(nw), Some(sw), Some(se)] => {
+                let flow = |near: f64, far: f64| 0.125 * (3.0 * near + far);
+                Self {
+                    east: flow(ne - se, nw - sw),
+                    north: flow(nw - ne, sw - se),
+                    west: flow(sw - nw, se - ne),
+                    south: flow(se - sw, ne - nw),
+                }
+            }
+            [Some(ne), None, None, Some(se)] => Self { east: 0.5 * (ne - se), ..zero },
+            [None, Some(nw), Some(sw), None] => Self { west: 0.5 * (sw - nw), ..zero },
+            [Some(ne), Some(nw), None, None] => Self { north: 0.5 * (nw - ne), ..zero },
+            [None, None, Some(sw), Some(se)] => Self { south: 0.5 * (se - sw), ..zero },
+            _ => zero,
+        }
+    }
+}
+
 /// [`Around`] for one row of nodes; zero but at the seams of f.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct NodeFluxes {
     pub seams: Vec<[usize; 2]>,
-    pub around: Vec<Around>,
+    around: Vec<Around>,
 }
 
 impl NodeFluxes {
@@ -79,50 +98,28 @@ impl NodeFluxes {
         Self { seams: Vec::new(), around: vec![Around::default(); n + 1] }
     }
 
-    /// Replaces this by the row between two rows of cells; one of them may be missing.
-    pub(super) fn set(&mut self, below: Option<&CellRow>, above: Option<&CellRow>) {
+    /// Replaces this by the row between two rows of cells; one that is missing is empty.
+    pub(super) fn set(&mut self, below: &[Run], above: &[Run]) {
         for &[from, to] in &self.seams {
             self.around[from..=to].fill(Around::default());
         }
         seams(below, above, &mut self.seams);
         let n = self.around.len() - 1;
-        let mass = |row: Option<&CellRow>, cell: Option<usize>, corner: usize| {
-            let cell = cell.filter(|&cell| cell < n)?;
-            row.map(|row| row.mass(cell, corner))
+        let mut rows = [below, above].map(Cursor);
+        let mut column = |cell: Option<usize>| {
+            let cell = cell.filter(|&cell| cell < n);
+            rows.each_mut()
+                .map(|row| cell.filter(|_| !row.0.is_empty()).map(|cell| row.at(cell).masses()))
         };
         for &[from, to] in &self.seams {
+            let mut west = column(from.checked_sub(1));
             for i in from..=to {
-                let (west, east) = (i.checked_sub(1), Some(i));
-                let cells = [
-                    mass(above, east, 0),
-                    mass(above, west, 1),
-                    mass(below, west, 3),
-                    mass(below, east, 2),
-                ];
-                self.around[i] = Around::balancing(cells);
+                let east = column(Some(i));
+                let [[sw, se], [nw, ne]] = [0, 1].map(|row| [west[row], east[row]]);
+                let at = |masses: Option<[f64; 4]>, corner: usize| masses.map(|m| m[corner]);
+                self.around[i] = Around::balancing([at(ne, 0), at(nw, 1), at(sw, 3), at(se, 2)]);
+                west = east;
             }
-        }
-    }
-}
-
-impl Around {
-    /// The fluxes of least norm that move what the cells ne, nw, sw, se have too much of.
-    fn balancing(masses: [Option<f64>; 4]) -> Self {
-        let count = masses.iter().flatten().count();
-        let mean = masses.iter().flatten().sum::<f64>() / count as f64;
-        let zero = Self::default();
-        match masses.map(|mass| mass.map(|mass| mass - mean)) {
-            [Some(ne), Some(nw), Some(sw), Some(_)] => {
-                let east = 0.25 * (3.0 * ne + 2.0 * nw + sw);
-                let north = east - ne;
-                let west = north - nw;
-                Self { east, north, west, south: west - sw }
-            }
-            [Some(ne), None, None, Some(_)] => Self { east: ne, ..zero },
-            [None, Some(nw), Some(_), None] => Self { west: -nw, ..zero },
-            [Some(ne), Some(_), None, None] => Self { north: -ne, ..zero },
-            [None, None, Some(sw), Some(_)] => Self { south: -sw, ..zero },
-            _ => zero,
         }
     }
 }

@@ -39,9 +39,9 @@
 //! `2 (J(v) - J(w) + G)` and, with the bubbles on the boundary left out, `2 (J(v) - J(w'))`.
 //!
 //! # Cost and rounding
-//! One pass over the vector, row by row, with closed forms for all integrals ([`cells`]). Where f is constant
-//! around a cell they are quadratic forms of the twelve values there, summed over blocks of cells. The bounds
-//! are widened by what rounding errors can add up to in sums of `n` terms.
+//! One pass over the vector, row by row, with closed forms for all integrals ([`cells`]), summed over many cells
+//! side by side. Where f is constant around a cell they are quadratic forms of the twelve values there
+//! ([`regular`]). The bounds are widened by what rounding errors can add up to in sums of `n` terms.
 
 mod cells;
 mod contact;
@@ -49,6 +49,7 @@ mod data;
 mod flux;
 mod moments;
 mod recovery;
+mod regular;
 mod residual;
 mod walk;
 

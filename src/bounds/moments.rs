@@ -42,16 +42,40 @@ impl Moments {
         ]
     }
 
-    /// The integral of f times the bubbles on the edges along x and along y, blended over the cell.
-    pub(super) fn bubbles(&self, x: [f64; 2], y: [f64; 2]) -> f64 {
-        let along_x =
-            mean(x) * (0.25 * self.one - self.xx) + difference(x) * (0.25 * self.y - self.xxy);
-        let along_y =
-            mean(y) * (0.25 * self.one - self.yy) + difference(y) * (0.25 * self.x - self.xyy);
-        along_x + along_y
+    /// The numbers in the order of their names.
+    #[inline(always)]
+    pub(super) fn to_array(self) -> [f64; 10] {
+        let Self { one, x, y, xy, xx, yy, xxy, xyy, ridge, square } = self;
+        [one, x, y, xy, xx, yy, xxy, xyy, ridge, square]
+    }
+
+    /// The moments of which [`to_array`](Self::to_array) gives these numbers.
+    #[inline(always)]
+    pub(super) fn from_array(numbers: [f64; 10]) -> Self {
+        let [one, x, y, xy, xx, yy, xxy, xyy, ridge, square] = numbers;
+        Self { one, x, y, xy, xx, yy, xxy, xyy, ridge, square }
+    }
+
+    /// The integral of f times the bubbles on both edges along x, blended over the cell, and what the upper one has
+    /// more than the lower one; the same along y.
+    #[inline(always)]
+    pub(super) fn blended(&self) -> [[f64; 2]; 2] {
+        [
+            [0.25 * self.one - self.xx, 0.25 * self.y - self.xxy],
+            [0.25 * self.one - self.yy, 0.25 * self.x - self.xyy],
+        ]
+    }
+
+    /// The integral of f times the bubbles on the edges along x and along y.
+    #[inline(always)]
+    pub(super) fn bubbles(&self, [x, y]: [[f64; 2]; 2]) -> f64 {
+        let [along_x, along_y] = self.blended();
+        (mean(x) * along_x[0] + difference(x) * along_x[1])
+            + (mean(y) * along_y[0] + difference(y) * along_y[1])
     }
 
     /// `h^2` times the square of the L2 norm of f less its best bilinear approximation.
+    #[inline(always)]
     pub(super) fn oscillation(&self) -> f64 {
         let bilinear = self.one * self.one
             + 12.0 * (self.x * self.x + self.y * self.y)
@@ -90,10 +114,12 @@ impl Moments {
     }
 }
 
+#[inline(always)]
 pub(super) fn mean(pair: [f64; 2]) -> f64 {
     0.5 * (pair[0] + pair[1])
 }
 
+#[inline(always)]
 pub(super) fn difference(pair: [f64; 2]) -> f64 {
     pair[1] - pair[0]
 }

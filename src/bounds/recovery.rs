@@ -8,51 +8,66 @@ use crate::discrete::grid::Grid;
 /// five-point equation holds on the boundary as inside, and every stencil is that of the interior.
 pub(super) struct Extended<'a> {
     pub grid: Grid,
-    pub v: &'a [f64],
     pub reactions: &'a Reactions,
+    v: &'a [f64],
+    /// The rows of nodes below and above the square.
+    beyond: [Vec<f64>; 2],
 }
 
 impl<'a> Extended<'a> {
+    pub(super) fn new(grid: Grid, v: &'a [f64], reactions: &'a Reactions) -> Self {
+        let row = |j: usize| v[grid.index(0, j)..].iter();
+        let reflected = |(v, a): (&f64, &f64)| v + 2.0 * a;
+        let below = row(1).zip(&reactions.bottom).map(reflected).collect();
+        let above = row(grid.cells() - 1).zip(&reactions.top).map(reflected).collect();
+        Self { grid, reactions, v, beyond: [below, above] }
+    }
+
     /// The values on row `j` of nodes.
-    pub(super) fn row(&self, j: usize) -> &'a [f64] {
+    #[inline(always)]
+    pub(super) fn row(&self, j: usize) -> &[f64] {
         let side = self.grid.side();
         &self.v[j * side..(j + 1) * side]
     }
 
-    /// The values on row `j` of nodes from the one left of cell `i` to two right of it.
+    /// The values on the rows of nodes below row `j` of cells, at their lower and upper edges, and above.
     #[inline(always)]
-    fn line(&self, i: usize, j: usize) -> [f64; 4] {
-        let (row, Reactions { left, right, .. }) = (self.row(j), self.reactions);
-        let before = if i == 0 { row[1] + 2.0 * left[j] } else { row[i - 1] };
-        let after = row.get(i + 2).copied().unwrap_or_else(|| row[i] + 2.0 * right[j]);
-        [before, row[i], row[i + 1], after]
+    pub(super) fn rows(&self, j: usize) -> [&[f64]; 4] {
+        let [below, above] = &self.beyond;
+        let below = if j > 0 { self.row(j - 1) } else { below };
+        let above = if j + 2 < self.grid.side() { self.row(j + 2) } else { above };
+        [below, self.row(j), self.row(j + 1), above]
     }
 
     /// The values on the lines of the horizontal and of the vertical edges of cell (i, j): at their ends, and one
     /// node further at each end.
     #[inline(always)]
     pub(super) fn around(&self, i: usize, j: usize) -> [[[f64; 4]; 2]; 2] {
-        let Reactions { bottom, top, .. } = self.reactions;
-        let last = self.grid.cells() - 1;
-        let below =
-            |i: usize| if j == 0 { self.row(1)[i] + 2.0 * bottom[i] } else { self.row(j - 1)[i] };
-        let above =
-            |i: usize| if j == last { self.row(j)[i] + 2.0 * top[i] } else { self.row(j + 2)[i] };
-        let (a, b) = (self.line(i, j), self.line(i, j + 1));
-        [[a, b], [[below(i), a[1], b[1], above(i)], [below(i + 1), a[2], b[2], above(i + 1)]]]
+        let Reactions { left, right, .. } = self.reactions;
+        let [below, lower, upper, above] = self.rows(j);
+        let [[b, c], [f, g]] = [lower, upper].map(|row| [row[i], row[i + 1]]);
+        let [a, e] = match i {
+            0 => [c + 2.0 * left[j], g + 2.0 * left[j + 1]],
+            _ => [lower[i - 1], upper[i - 1]],
+        };
+        let [d, h] = match i + 2 < lower.len() {
+            true => [lower[i + 2], upper[i + 2]],
+            false => [b + 2.0 * right[j], f + 2.0 * right[j + 1]],
+        };
+        let vertical = [[below[i], b, f, above[i]], [below[i + 1], c, g, above[i + 1]]];
+        [[[a, b, c, d], [e, f, g, h]], vertical]
     }
 }
 
-/// The coefficient of the bubble on an edge of the boundary with end values `p` and `q`, cut so that the
+/// The coefficient of the bubble on an edge of the boundary with values p and q at its ends, cut so that the
 /// function stays nonnegative: its Bernstein coefficients are p, (p + q - c) / 2 and q.
-pub(super) fn admissible(bubble: f64, p: f64, q: f64) -> f64 {
+pub(super) fn admissible(bubble: f64, [_, p, q, _]: [f64; 4]) -> f64 {
     if p == 0.0 && q == 0.0 { 0.0 } else { bubble.min(p + q) }
 }
 
 /// What the recovery is at the corners, the middles of edges and the centre of a cell, row by row.
 pub(super) fn values(cell: &Special) -> [[f64; 3]; 3] {
-    let [ll, lr, ul, ur] = cell.corners;
-    let ([bottom, top], [left, right]) = (cell.x.bubble, cell.y.bubble);
+    let ([ll, lr, ul, ur], [[bottom, top], [left, right]]) = (cell.corners(), cell.bubbles);
     let middle = |p: f64, q: f64, bubble: f64| 0.5 * (p + q) - 0.25 * bubble;
     let centre = 0.25 * ((ll + lr) + (ul + ur)) - 0.125 * ((bottom + top) + (left + right));
     [

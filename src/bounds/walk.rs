@@ -1,9 +1,11 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
-use super::cells::{Axis, LANES, Special, Sums, regular};
-use super::data::{AllCells, CellRow};
+use super::cells::{Batch, LANES, Special, Sums, second};
+use super::data::{AllCells, Cursor, Run};
 use super::flux::{NodeFluxes, Reactions, through_edges};
+use super::moments::Moments;
 use super::recovery::{Extended, admissible, values};
+use super::regular::Regular;
 use super::residual::Pyramid;
 use super::{NoBound, contact};
 use crate::discrete::contact::ContactArc;
@@ -42,23 +44,26 @@ pub(super) fn total(
     if data.integral >= 0.0 {
         return Err(NoBound::NotCoercive);
     }
-    let reactions = Reactions::new(grid, v, &data);
-    let walk = Walk::new(&data, Extended { grid, v, reactions: &reactions }, recovered);
+    let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
+    let reactions = Reactions::new(grid, v, &outer, &data);
+    let contact = contact::arcs(grid, &outer, &reactions.found);
+    let walk = Walk::new(&data, Extended::new(grid, v, &reactions), contact, recovered);
     Ok(vectorised(
         #[inline(always)]
         || walk.run(),
     ))
 }
 
-/// Rows of cells whose sums are added up before they join the others.
-const BLOCK: usize = 64;
+/// Rows of cells whose sums are added up before they join the others: in lanes, no sum has more terms than half a
+/// row has cells.
+const BLOCK: usize = 8;
 
 struct Walk<'a> {
     grid: Grid,
     data: &'a AllCells<'a>,
     v: Extended<'a>,
-    /// Rows j to j + 2 of cells, where j is the row at which the walk stands.
-    cells: [Cow<'a, CellRow>; 3],
+    /// Rows j to j + 2 of cells, where j is the row at which the walk stands; empty beyond the boundary.
+    cells: [Cow<'a, [Run]>; 3],
     /// Fluxes around the nodes of rows j - 1 to j + 2.
     fluxes: [NodeFluxes; 4],
     /// Cells of the row that need more than the regular formulas, as inclusive ranges.
@@ -67,17 +72,22 @@ struct Walk<'a> {
     means: Vec<f64>,
     pyramid: Pyramid,
     total: Total,
-    /// The sums over the last rows, at most [`BLOCK`].
-    block: Sums,
+    /// The sums over cells of the last rows, at most [`BLOCK`].
+    regular: Regular,
+    batch: Batch,
     /// Sum of the squares of residuals that are rounding errors, each times `h^2`.
     noise: f64,
     recovered: Option<&'a mut [f64]>,
 }
 
 impl<'a> Walk<'a> {
-    fn new(data: &'a AllCells<'a>, v: Extended<'a>, recovered: Option<&'a mut [f64]>) -> Self {
+    fn new(
+        data: &'a AllCells<'a>,
+        v: Extended<'a>,
+        contact: Vec<ContactArc>,
+        recovered: Option<&'a mut [f64]>,
+    ) -> Self {
         let (grid, n) = (v.grid, v.grid.cells());
-        let outer: Vec<f64> = grid.boundary().map(|node| v.v[node]).collect();
         let total = Total {
             sums: Sums::default(),
             work: 0.0,
@@ -85,19 +95,20 @@ impl<'a> Walk<'a> {
             residual: 0.0,
             largest: 0.0,
             mass: 0.0,
-            contact: contact::arcs(grid, &outer, &v.reactions.found),
+            contact,
         };
         Self {
             grid,
             data,
             v,
-            cells: [0; 3].map(|_| Cow::Owned(CellRow::default())),
+            cells: Default::default(),
             fluxes: [0; 4].map(|_| NodeFluxes::zero(n)),
             special: Vec::new(),
             means: vec![0.0; n],
             pyramid: Pyramid::new(n),
             total,
-            block: Sums::default(),
+            regular: Regular::default(),
+            batch: Batch::default(),
             noise: 0.0,
             recovered,
         }
@@ -107,23 +118,24 @@ impl<'a> Walk<'a> {
     fn run(mut self) -> Total {
         let n = self.grid.cells();
         [self.cells[1], self.cells[2]] = [self.data.row(0), self.data.row(1)];
-        self.fluxes[2].set(None, Some(&self.cells[1]));
-        self.fluxes[3].set(Some(&self.cells[1]), Some(&self.cells[2]));
+        self.fluxes[2].set(&[], &self.cells[1]);
+        self.fluxes[3].set(&self.cells[1], &self.cells[2]);
         self.total.largest = largest(self.v.row(0)).max(largest(self.v.row(1)));
         for j in 0..n {
             self.cells.rotate_left(1);
-            if j + 2 < n {
-                self.cells[2] = self.data.row(j + 2);
-            }
+            self.cells[2] = if j + 2 < n { self.data.row(j + 2) } else { Cow::default() };
             self.fluxes.rotate_left(1);
-            let row = |k: usize| (j + k < n).then(|| &*self.cells[k]);
-            self.fluxes[3].set(row(1), row(2));
+            self.fluxes[3].set(&self.cells[1], &self.cells[2]);
             let ahead = largest(self.v.row(n.min(j + 2)));
             self.total.largest = self.total.largest.max(ahead);
             self.write_recovered(j);
             self.sum(j);
+            if j + 1 == n {
+                self.batch.flush();
+            }
             if (j + 1).is_multiple_of(BLOCK) || j + 1 == n {
-                self.total.sums.add(&std::mem::take(&mut self.block));
+                self.total.sums.add(&self.regular.take());
+                self.total.sums.add(&self.batch.take());
             }
         }
         let Self { total, pyramid, noise, .. } = &mut self;
@@ -138,29 +150,30 @@ impl<'a> Walk<'a> {
     fn sum(&mut self, j: usize) {
         let n = self.grid.cells();
         self.find_special(j);
+        let (row, special) =
+            (std::mem::take(&mut self.cells[0]), std::mem::take(&mut self.special));
         // Where a residual can only be a rounding error.
         let floor = 16.0 * f64::EPSILON * self.total.largest;
-        let (mut start, mut residual) = (0, false);
-        for k in 0..=self.special.len() {
-            let [from, to] = self.special.get(k).copied().unwrap_or([n, n]);
+        let (mut cursor, mut start, mut residual) = (Cursor(&row), 0, false);
+        for k in 0..=special.len() {
+            let [from, to] = special.get(k).copied().unwrap_or([n, n]);
             while start < from {
-                let (end, mass) = self.cells[0].constant(start);
-                let run = start..end.min(from);
-                let row = |j: usize| self.v.row(j);
-                let rows = [row(j - 1), row(j), row(j + 1), row(j + 2)];
-                let part = regular(rows, run.clone(), mass, &mut self.means);
-                self.block.add(&part);
-                self.total.mass += mass.abs() * run.len() as f64;
-                if part.means > run.len() as f64 * floor * floor {
+                let run = cursor.at(start);
+                let mass = run.constant().expect("cells that jumps of f cut are special");
+                let cells = start..run.end.min(from);
+                let rows = self.v.rows(j);
+                let squares = self.regular.add(rows, cells.clone(), mass, &mut self.means);
+                self.total.mass += mass.abs() * cells.len() as f64;
+                start = cells.end;
+                if squares > cells.len() as f64 * floor * floor {
                     residual = true;
                 } else {
-                    self.noise += part.means;
-                    self.means[run.clone()].fill(0.0);
+                    self.noise += squares;
+                    self.means[cells].fill(0.0);
                 }
-                start = run.end;
             }
             for i in from..n.min(to + 1) {
-                let mean = self.add_special(i, j);
+                let mean = self.add_special(i, j, cursor.at(i).moments());
                 if mean.abs() > floor {
                     residual = true;
                     self.means[i] = mean;
@@ -171,6 +184,7 @@ impl<'a> Walk<'a> {
             }
             start = to + 1;
         }
+        self.special = special;
         self.pyramid.push(if residual { &self.means } else { &[] });
     }
 
@@ -198,53 +212,54 @@ impl<'a> Walk<'a> {
     /// Adds cell (i, j), and what the reactions on its edges do, to the sums; returns the mean of the residual
     /// times `h^2`.
     #[inline(always)]
-    fn add_special(&mut self, i: usize, j: usize) -> f64 {
-        let cell = self.cell(i, j);
-        let moments = self.cells[0].at(i);
-        let (part, mean) = cell.sums(&moments);
-        self.block.add(&part);
-        self.total.mass += moments.square.sqrt();
-        if cell.outer.contains(&true) {
-            self.total.trace += cell.trace(&moments);
-            let [ll, lr, ul, ur] = cell.corners;
-            let Reactions { left, right, bottom, top, .. } = self.v.reactions;
-            let edges = [
-                ([ll, ul], &left[j..], cell.y.bubble[0]),
-                ([lr, ur], &right[j..], cell.y.bubble[1]),
-                ([ll, lr], &bottom[i..], cell.x.bubble[0]),
-                ([ul, ur], &top[i..], cell.x.bubble[1]),
-            ];
-            for ((v, reactions, bubble), outer) in edges.into_iter().zip(cell.outer) {
-                self.total.work += if outer { work(v, reactions, bubble) } else { 0.0 };
-            }
+    fn add_special(&mut self, i: usize, j: usize, f: Moments) -> f64 {
+        let cell = Special { f, ..self.cell(i, j) };
+        self.batch.add(&cell);
+        self.total.mass += f.square.sqrt();
+        if self.outer(i, j).as_flattened().contains(&true) {
+            self.add_outer(i, j, &cell);
         }
-        mean
+        cell.residual()
     }
 
-    /// Cell (i, j) with its bubbles.
-    #[inline(always)]
-    fn cell(&self, i: usize, j: usize) -> Special {
-        let n = self.grid.cells();
-        let [horizontal, vertical] = self.v.around(i, j);
-        let corners = [horizontal[0][1], horizontal[0][2], horizontal[1][1], horizontal[1][2]];
-        let (mut x, mut y) = (Axis::new(horizontal), Axis::new(vertical));
-        let mut flux = [0.0; 4];
-        if self.fluxes.iter().any(|row| !row.seams.is_empty()) {
-            flux = through_edges(&self.fluxes[1], &self.fluxes[2], i);
-            let [bent_x, bent_y] = self.bends(i, j);
-            [0, 1].into_iter().for_each(|k| x.bubble[k] += bent_x[k]);
-            [0, 1].into_iter().for_each(|k| y.bubble[k] += bent_y[k]);
-        }
-        let outer = [i == 0, i + 1 == n, j == 0, j + 1 == n];
-        let [ll, lr, ul, ur] = corners;
-        let edges = [(ll, ul), (lr, ur), (ll, lr), (ul, ur)];
-        let bubbles = y.bubble.iter_mut().chain(&mut x.bubble);
-        for ((bubble, (p, q)), outer) in bubbles.zip(edges).zip(outer) {
-            if outer {
-                *bubble = admissible(*bubble, p, q);
+    /// Adds what the reactions on the edges of cell (i, j) do to the sums.
+    fn add_outer(&mut self, i: usize, j: usize, cell: &Special) {
+        let (outer, Reactions { left, right, bottom, top, .. }) =
+            (self.outer(i, j), self.v.reactions);
+        let reactions = [[&bottom[i..], &top[i..]], [&left[j..], &right[j..]]];
+        for (axis, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            if outer[axis][k] {
+                let [_, p, q, _] = cell.lines[axis][k];
+                self.total.work += work([p, q], reactions[axis][k], cell.bubbles[axis][k]);
+                self.total.trace += cell.trace(axis, k);
             }
         }
-        Special { corners, x, y, flux, outer }
+    }
+
+    /// Which edges of cell (i, j) along x, and along y, are on the boundary.
+    #[inline(always)]
+    fn outer(&self, i: usize, j: usize) -> [[bool; 2]; 2] {
+        let last = self.grid.cells() - 1;
+        [[j == 0, j == last], [i == 0, i == last]]
+    }
+
+    /// Cell (i, j) with its bubbles, but for f.
+    #[inline(always)]
+    fn cell(&self, i: usize, j: usize) -> Special {
+        let (lines, outer) = (self.v.around(i, j), self.outer(i, j));
+        let (flux, bends) = match self.fluxes.iter().any(|row| !row.seams.is_empty()) {
+            true => (through_edges(&self.fluxes[1], &self.fluxes[2], i), self.bends(i, j)),
+            false => Default::default(),
+        };
+        let mut bubbles = [[0.0; 2]; 2];
+        for axis in 0..2 {
+            for k in 0..2 {
+                let (line, bend) = (lines[axis][k], bends[axis][k]);
+                let bubble = 0.5 * second(line) + bend;
+                bubbles[axis][k] = if outer[axis][k] { admissible(bubble, line) } else { bubble };
+            }
+        }
+        Special { lines, bubbles, flux, f: Moments::default() }
     }
 
     /// What the fluxes that f needs add to the bubbles of cell (i, j) along both axes: half their change over the
