@@ -16,6 +16,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// The sums over all cells, and what the boundary adds.
+#[derive(Default)]
 pub(super) struct Total {
     pub sums: Sums,
     /// `<sigma.n, w>`, the work of the reactions on the recovery.
@@ -88,15 +89,6 @@ impl<'a> Walk<'a> {
         recovered: Option<&'a mut [f64]>,
     ) -> Self {
         let (grid, n) = (v.grid, v.grid.cells());
-        let total = Total {
-            sums: Sums::default(),
-            work: 0.0,
-            trace: 0.0,
-            residual: 0.0,
-            largest: 0.0,
-            mass: 0.0,
-            contact,
-        };
         Self {
             grid,
             data,
@@ -106,7 +98,7 @@ impl<'a> Walk<'a> {
             special: Vec::new(),
             means: vec![0.0; n],
             pyramid: Pyramid::new(n),
-            total,
+            total: Total { contact, ..Total::default() },
             regular: Regular::default(),
             batch: Batch::default(),
             noise: 0.0,
@@ -130,19 +122,23 @@ impl<'a> Walk<'a> {
             self.total.largest = self.total.largest.max(ahead);
             self.write_recovered(j);
             self.sum(j);
-            if j + 1 == n {
-                self.batch.flush();
-            }
-            if (j + 1).is_multiple_of(BLOCK) || j + 1 == n {
-                self.total.sums.add(&self.regular.take());
-                self.total.sums.add(&self.batch.take());
+            if (j + 1).is_multiple_of(BLOCK) {
+                self.settle();
             }
         }
+        self.batch.flush();
+        self.settle();
         let Self { total, pyramid, noise, .. } = &mut self;
         // Poincaré's constant is h / pi on cells and 1 / pi on the square.
         let inside = (total.sums.variance.sqrt() + n as f64 * noise.sqrt()) / PI;
         total.residual = pyramid.bound() + inside;
         self.total
+    }
+
+    /// Adds the sums over the last rows to those over all.
+    fn settle(&mut self) {
+        self.total.sums.add(&self.regular.take());
+        self.total.sums.add(&self.batch.take());
     }
 
     /// Adds row `j` of cells to the sums, and their residuals to the pyramid.
