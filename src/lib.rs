@@ -24,7 +24,7 @@ pub mod bounds;
 pub mod cli;
 pub mod discrete;
 pub mod experiments;
-pub mod figures;
+pub(crate) mod figures;
 pub mod identify;
 pub mod multigrid;
 pub mod pipeline;

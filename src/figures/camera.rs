@@ -14,11 +14,11 @@ const AMBIENT: f64 = 0.62;
 ///
 /// At azimuths that are multiples of 90 degrees one side of the square is seen end on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub(crate) struct View {
     /// Degrees by which the viewer has walked counter-clockwise from the negative y axis.
-    pub azimuth: f64,
+    pub(crate) azimuth: f64,
     /// Degrees above the horizon, between 0 and 90.
-    pub elevation: f64,
+    pub(crate) elevation: f64,
 }
 
 impl View {
@@ -26,7 +26,7 @@ impl View {
     /// than the one in front by as much as can be, so that the surface hides little of itself.
     ///
     /// `y` is a nodal vector; if it has another length than `grid`'s, the default view is returned.
-    pub fn uphill(grid: Grid, y: &[f64]) -> Self {
+    pub(crate) fn uphill(grid: Grid, y: &[f64]) -> Self {
         let mut best = Self::default();
         if y.len() != grid.nodes() {
             return best;

@@ -18,13 +18,9 @@ const ABOVE: f64 = 30.0;
 /// Room below a plot, for numbers and the name of the axis.
 const BELOW: f64 = 50.0;
 
-/// Draws panels in rows of `columns`, one legend above them all; with `alike`, one range for all heights.
-///
-/// # Errors
-/// [`FigureError`] without panels or points, on NaN and infinities, and on numbers that are not positive.
-pub fn charts(
+/// Draws panels, two in a row, one legend above them all; with `alike`, one range for all heights.
+pub(crate) fn charts(
     caption: Caption,
-    columns: usize,
     alike: bool,
     panels: &[Chart],
 ) -> Result<Drawing, FigureError> {
@@ -41,7 +37,7 @@ pub fn charts(
         not_empty("points", &points(panel).collect::<Vec<_>>())?;
     }
     let entries = entries(&labels);
-    let columns = columns.clamp(1, panels.len());
+    let columns = panels.len().min(2);
     let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
     let head = if labels.is_empty() { 4.0 } else { 12.0 + LEGEND_ROW * legend.rows as f64 };
     let (wide, high) = (WIDTH / columns as f64, ABOVE + PLOT + BELOW);

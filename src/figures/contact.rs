@@ -21,10 +21,7 @@ const ROW: f64 = 9.0;
 /// The abscissa s in [0, 4] runs counter-clockwise from the lower left corner. A node is in contact
 /// where a > 0, and stands for the half cells on both of its sides. The band between the two plots
 /// has one bar per line; the ground is grey where all lines of the panel are in contact.
-///
-/// # Errors
-/// [`FigureError`] without panels or lines, on a vector of a wrong length, or on NaN and infinities.
-pub fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, FigureError> {
+pub(crate) fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         for (_, Pair { y, a }) in not_empty("lines", &panel.lines)? {
             vector(panel.title, "y", y, panel.grid.nodes())?;

@@ -26,11 +26,7 @@ const FORMATS: [(f64, &str); 2] =
 ///
 /// `sizes` are ascending. A cell is the darker the less it takes to change its count, and white if no
 /// size did.
-///
-/// # Errors
-/// [`FigureError`] without panels, rows or sizes, with rows of another length than the columns, and on sizes that are not
-/// positive.
-pub fn fragility(
+pub(crate) fn fragility(
     caption: Caption,
     sizes: &[f64],
     tables: &[Table],

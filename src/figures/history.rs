@@ -18,10 +18,7 @@ const ACROSS: (f64, f64) = (66.0, 690.0);
 /// Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
 /// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
 /// which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
-///
-/// # Errors
-/// [`FigureError`] without panels, grids, curves or iterations, or on NaN and infinities.
-pub fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, FigureError> {
+pub(crate) fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         not_empty("grids", panel.grids)?;
         for curve in not_empty("curves", &panel.curves)? {

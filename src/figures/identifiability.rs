@@ -15,10 +15,7 @@ const SIDE: f64 = 290.0;
 ///
 /// The region in which every count comes out is outlined, the f in the middle marked by a ring, other
 /// f by crosses if they are in the map.
-///
-/// # Errors
-/// [`FigureError`] without panels or points, with rows of another length than x, or if a value is not finite.
-pub fn identifiability(
+pub(crate) fn identifiability(
     caption: Caption,
     panels: &[IdentifiabilityPanel],
 ) -> Result<Drawing, FigureError> {

@@ -26,10 +26,10 @@ type Point = [f64; 2];
 ///
 /// Pieces are painted as exact polygons in their order; each value is printed where its region is
 /// widest, if it fits. A smooth f is painted as a raster, without values.
-///
-/// # Errors
-/// [`FigureError`] without panels, or if a value of f is not finite.
-pub fn maps_of_f(caption: Caption, panels: &[(&str, &Source)]) -> Result<Drawing, FigureError> {
+pub(crate) fn maps_of_f(
+    caption: Caption,
+    panels: &[(&str, &Source)],
+) -> Result<Drawing, FigureError> {
     not_empty("panels", panels)?;
     let mut limit = 0.0f64;
     let mut rasters = Vec::new();

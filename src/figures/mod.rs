@@ -17,18 +17,18 @@ mod picture;
 mod regions;
 mod strips;
 mod surface;
-pub mod table;
+pub(crate) mod table;
 mod text;
 
-pub use camera::View;
-pub use chart::charts;
-pub use contact::contact;
-pub use fragility::fragility;
-pub use history::histories;
-pub use identifiability::identifiability;
-pub use maps::maps_of_f;
-pub use strips::strips;
-pub use surface::surfaces;
+pub(crate) use camera::View;
+pub(crate) use chart::charts;
+pub(crate) use contact::contact;
+pub(crate) use fragility::fragility;
+pub(crate) use history::histories;
+pub(crate) use identifiability::identifiability;
+pub(crate) use maps::maps_of_f;
+pub(crate) use strips::strips;
+pub(crate) use surface::surfaces;
 
 use crate::discrete::grid::Grid;
 use crate::identify::Slice;
@@ -36,110 +36,102 @@ use crate::saddle::{Iteration, Pair};
 
 /// What a picture says about itself to readers who cannot see it.
 #[derive(Clone, Copy, Debug)]
-pub struct Caption<'a> {
+pub(crate) struct Caption<'a> {
     /// One line: what is shown.
-    pub title: &'a str,
+    pub(crate) title: &'a str,
     /// How it was made: command, inputs, hashes.
-    pub description: &'a str,
+    pub(crate) description: &'a str,
 }
 
 /// A picture, and what it shows as a table where that is more than the data it is drawn from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawing {
-    /// The picture.
-    pub svg: String,
+pub(crate) struct Drawing {
+    pub(crate) svg: String,
     /// CSV with a header line.
-    pub table: Option<String>,
+    pub(crate) table: Option<String>,
 }
 
 /// One panel of [`surfaces`].
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
-    /// Text above the panel.
-    pub title: &'a str,
-    /// Grid of the nodal vector.
-    pub grid: Grid,
+pub(crate) struct Surface<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) grid: Grid,
     /// Nodal vector: the height v, dimensionless.
-    pub y: &'a [f64],
+    pub(crate) y: &'a [f64],
     /// Boundary vector: where the multiplier is positive, the boundary is drawn as in contact.
-    pub a: &'a [f64],
+    pub(crate) a: &'a [f64],
     /// From where it is seen; [`View::uphill`] hides least.
-    pub view: View,
+    pub(crate) view: View,
     /// The range of heights and colours; without one, that of the data and zero.
-    pub range: Option<(f64, f64)>,
+    pub(crate) range: Option<(f64, f64)>,
 }
 
 /// One panel of [`histories`].
 #[derive(Clone, Debug)]
-pub struct HistoryPanel<'a> {
-    /// Text above the panel.
-    pub title: &'a str,
+pub(crate) struct HistoryPanel<'a> {
+    pub(crate) title: &'a str,
     /// The nested grids of every curve; the k-th, from 1, has tolerance 10^-k.
-    pub grids: &'a [Grid],
-    /// The runs compared.
-    pub curves: Vec<History>,
+    pub(crate) grids: &'a [Grid],
+    pub(crate) curves: Vec<History>,
 }
 
 /// The residuals of one run over nested grids.
 #[derive(Clone, Debug)]
-pub struct History {
+pub(crate) struct History {
     /// Name in the legend, such as `r = 10`.
-    pub label: String,
+    pub(crate) label: String,
     /// Iterations on each grid of the panel, coarsest first; fewer entries if the run ended early.
-    pub levels: Vec<Vec<Iteration>>,
+    pub(crate) levels: Vec<Vec<Iteration>>,
 }
 
 /// One panel of [`contact`].
 #[derive(Clone, Debug)]
-pub struct ContactPanel<'a> {
-    /// Text above the panel.
-    pub title: &'a str,
-    /// Grid of all lines.
-    pub grid: Grid,
+pub(crate) struct ContactPanel<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) grid: Grid,
     /// The solutions compared: name in the legend, y, and the multiplier a or the flux dy/dn.
-    pub lines: Vec<(String, Pair)>,
+    pub(crate) lines: Vec<(String, Pair)>,
 }
 
 /// One panel of [`identifiability`].
 #[derive(Clone, Debug)]
-pub struct IdentifiabilityPanel<'a> {
-    /// Text above the panel.
-    pub title: &'a str,
+pub(crate) struct IdentifiabilityPanel<'a> {
+    pub(crate) title: &'a str,
     /// Counts that come out around the recovered f, which is in the middle.
-    pub slice: &'a Slice,
-    /// Number of counts in the table.
-    pub cells: usize,
+    pub(crate) slice: &'a Slice,
+    pub(crate) cells: usize,
     /// Other f to mark, as points of the plane.
-    pub others: Vec<[f64; 2]>,
+    pub(crate) others: Vec<[f64; 2]>,
 }
 
 /// One panel of [`charts`], with logarithmic axes.
 #[derive(Clone, Debug)]
-pub struct Chart {
-    /// Text above the panel.
-    pub title: String,
+pub(crate) struct Chart {
+    pub(crate) title: String,
     /// Names of the axes, with their units: across, up.
-    pub axes: [&'static str; 2],
+    pub(crate) axes: [&'static str; 2],
     /// What is plotted; a curve without points is left out.
-    pub curves: Vec<Curve>,
+    pub(crate) curves: Vec<Curve>,
 }
 
 impl Chart {
-    /// A panel with these curves.
-    pub fn new(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Self {
+    pub(crate) fn new(
+        title: impl Into<String>,
+        axes: [&'static str; 2],
+        curves: Vec<Curve>,
+    ) -> Self {
         Self { title: title.into(), axes, curves }
     }
 }
 
 /// A curve of a [`Chart`].
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub(crate) struct Curve {
     /// Name in the legend; equal names share a colour across panels, and solvers across pictures.
-    pub label: String,
+    pub(crate) label: String,
     /// Points in the order in which they are joined.
-    pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
-    pub stroke: Stroke,
+    pub(crate) points: Vec<(f64, f64)>,
+    pub(crate) stroke: Stroke,
 }
 
 impl Curve {
@@ -152,17 +144,22 @@ impl Curve {
     }
 
     /// A curve with a ring at each point.
-    pub fn marked(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    pub(crate) fn marked(
+        label: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
         Self::new(label, points, Stroke::Marked)
     }
 
-    /// A line only.
-    pub fn line(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+    pub(crate) fn line(
+        label: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
         Self::new(label, points, Stroke::Line)
     }
 
     /// A curve to compare others with.
-    pub fn reference(
+    pub(crate) fn reference(
         label: impl Into<String>,
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
@@ -172,10 +169,9 @@ impl Curve {
 
 /// How a [`Curve`] is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stroke {
+pub(crate) enum Stroke {
     /// A line with a ring at each point.
     Marked,
-    /// A line only.
     Line,
     /// A thin dashed line in secondary ink, named at its right end and not in the legend: a bound, a slope.
     Reference,
@@ -183,8 +179,7 @@ pub enum Stroke {
 
 /// Why data cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum FigureError {
-    /// No panel, curve or iteration.
+pub(crate) enum FigureError {
     #[error("figure has no {0} to draw; pass at least one")]
     Empty(&'static str),
     /// Data that are no numbers, or do not fit together: the panel, and what is wrong in it.

@@ -89,8 +89,8 @@ fn unusual_charts() -> Vec<(String, String)> {
     let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
     vec![
         ("fragility".into(), fragility(CAPTION, &sizes, &[table.clone(), table]).unwrap().svg),
-        ("charts".into(), charts(CAPTION, 2, false, &panels).unwrap().svg),
-        ("chart".into(), charts(CAPTION, 1, true, &panels[..1]).unwrap().svg),
+        ("charts".into(), charts(CAPTION, false, &panels).unwrap().svg),
+        ("chart".into(), charts(CAPTION, true, &panels[..1]).unwrap().svg),
     ]
 }
 

@@ -25,10 +25,7 @@ const BELOW: f64 = 68.0;
 /// Draws one row of strips per panel: red where the boundary is in contact, first iteration on top.
 ///
 /// Below each strip a bar shows where the true solution touches.
-///
-/// # Errors
-/// [`FigureError`] without panels or strips, or with ends that are not finite.
-pub fn strips(caption: Caption, panels: &[Strips]) -> Result<Drawing, FigureError> {
+pub(crate) fn strips(caption: Caption, panels: &[Strips]) -> Result<Drawing, FigureError> {
     for panel in not_empty("panels", panels)? {
         not_empty("strips", &panel.strips)?;
         finite(&panel.title(), "ends of contact", panel.truth.iter().flatten().copied())?;

@@ -24,10 +24,7 @@ const CEILING_GAP: f64 = 0.04;
 ///
 /// Heights are shaded by Lambert's law and coloured by value; the parts of the boundary in contact
 /// (positive multiplier) are marked on the surface. Grids finer than 32 cells per side are thinned.
-///
-/// # Errors
-/// [`FigureError`] without panels, on a vector of a wrong length, or on NaN and infinities.
-pub fn surfaces(
+pub(crate) fn surfaces(
     caption: Caption,
     columns: usize,
     panels: &[Surface],

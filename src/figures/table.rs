@@ -5,7 +5,7 @@ use crate::experiments::rounding::Table;
 use crate::experiments::strips::Strips;
 
 /// A cell as RFC 4180 wants it.
-pub fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

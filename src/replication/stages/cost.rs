@@ -50,7 +50,7 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, Fi
             both,
         ),
     ];
-    charts(caption, 2, false, &panels)
+    charts(caption, false, &panels)
 }
 
 /// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
@@ -101,7 +101,7 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, Figure
             laws,
         ),
     ];
-    charts(caption, 2, false, &panels)
+    charts(caption, false, &panels)
 }
 
 fn law_line(law: &CostLaw) -> Curve {
@@ -151,7 +151,7 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
         Chart::new("All solvers, to the discretisation error", axes, solvers.into()),
     ];
     panels.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
-    charts(caption, 2, false, &panels)
+    charts(caption, false, &panels)
 }
 
 /// Error against time, one panel per problem; of each solver the runs that no other of its own beats.
@@ -181,7 +181,7 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             Chart::new(problem, ["seconds", error], curves)
         })
         .collect();
-    charts(caption, 2, false, &panels)
+    charts(caption, false, &panels)
 }
 
 /// Points (time, error) by time, without those that an earlier one beats.
@@ -216,7 +216,7 @@ pub(super) fn ends(caption: Caption, found: &Truth) -> Result<Drawing, FigureErr
         Chart::new("Ends of contact", ["1/h", "largest error along the boundary"], ends),
         Chart::new("Guaranteed bracket of the energy", ["1/h", "width"], brackets),
     ];
-    charts(caption, 2, false, &panels)
+    charts(caption, false, &panels)
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ pub(super) fn sweep(caption: Caption, claims: &Claims) -> Result<Drawing, Figure
             panels.push(Chart::new(title, axes, curves.collect()));
         }
     }
-    charts(caption, claims.problems.len(), true, &panels)
+    charts(caption, true, &panels)
 }
 
 /// Sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
@@ -43,7 +43,7 @@ pub(super) fn uzawa(caption: Caption, claims: &Claims) -> Result<Drawing, Figure
             panels.push(Chart::new(title, ["duality parameter r", "sweeps"], curves));
         }
     }
-    charts(caption, claims.problems.len(), true, &panels)
+    charts(caption, true, &panels)
 }
 
 /// A method over r on one grid; `variant` is a place in [`VARIANTS`], `None` stands for Arrow-Hurwicz.

@@ -40,7 +40,7 @@ pub(super) fn duality(caption: Caption, found: &Stress) -> Result<Drawing, Figur
         Chart::new("Where it stops", ["r", "KKT residual"], residual),
         Chart::new("How long it takes", ["r", "iterations"], curves(steps)),
     ];
-    charts(caption, 2, false, &parts)
+    charts(caption, false, &parts)
 }
 
 pub(super) fn tolerances(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
@@ -57,7 +57,7 @@ pub(super) fn tolerances(caption: Caption, found: &Stress) -> Result<Drawing, Fi
             Chart::new(name, axes, curves)
         })
         .collect();
-    charts(caption, 2, false, &parts)
+    charts(caption, false, &parts)
 }
 
 /// Work and contact as the integral of f tends to zero.
@@ -73,7 +73,7 @@ pub(super) fn deficits(caption: Caption, found: &Stress) -> Result<Drawing, Figu
         Chart::new("Work", ["deficit", "sweeps of the finest grid"], work),
         Chart::new("Contact", ["deficit", "boundary nodes in contact"], contact),
     ];
-    charts(caption, 2, false, &parts)
+    charts(caption, false, &parts)
 }
 
 /// What rounding leaves of the residual, over the grids.
@@ -92,5 +92,5 @@ pub(super) fn precision(caption: Caption, found: &Stress) -> Result<Drawing, Fig
         Chart::new("Over the load", ["1/h", "KKT residual"], residual),
         Chart::new("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
     ];
-    charts(caption, 2, false, &parts)
+    charts(caption, false, &parts)
 }
