@@ -6,7 +6,9 @@ use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 
 /// Arcs and gaps shorter than this are left out.
-const SHORTEST: f64 = 2e-6;
+pub(super) const SHORTEST: f64 = 2e-6;
+/// Gaps round corners shorter than this are left out in the end.
+pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
 /// Negative multipliers and values that count, relative to the largest.
 pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
 
@@ -75,18 +77,23 @@ fn in_order(mut places: Vec<Place>) -> Vec<Place> {
     places
 }
 
-/// A better contact set where the multiplier is negative in contact or v elsewhere; `None` where neither
-/// is, an empty second list if nothing reasonable is left.
-pub(super) fn corrected(
-    trace: &Trace,
-    ends: &Ends,
-    tolerance: [f64; 2],
-) -> Option<Option<Vec<Place>>> {
+/// What the signs of a solution for given ends say about its contact set.
+pub(super) enum Signs {
+    /// All are right.
+    Right,
+    /// Some are wrong, and this set is better.
+    Better(Vec<Place>),
+    /// So many are wrong that no contact is left.
+    NothingLeft,
+}
+
+/// A better contact set where the multiplier is negative in contact or v elsewhere.
+pub(super) fn corrected(trace: &Trace, ends: &Ends, tolerance: [f64; 2]) -> Signs {
     let points = &trace.points;
     let many = points.len();
     let wrong = wrong(trace, tolerance);
     if !wrong.contains(&true) {
-        return None;
+        return Signs::Right;
     }
     let contact = |i: usize| trace.in_contact(i);
     let place = |i: usize| {
@@ -118,12 +125,15 @@ pub(super) fn corrected(
                     _ => changes[finishes] = from,
                 }
             } else {
-                added.push(if kind { widened(from, to) } else { halved(from, to) });
+                let to_right = [from.after(place(first + many - 1)), place(last + 1).after(to)];
+                let to_right = to_right.map(|distance| distance.rem_euclid(4.0));
+                added.push(if kind { widened(from, to, to_right) } else { halved(from, to) });
             }
             first = last + 1;
         }
     }
-    Some(without_short(in_turn(changes, added, ends.arcs() == 0)))
+    let changed = in_turn(changes, added, ends.arcs() == 0);
+    without_short(changed, SHORTEST_ROUND_CORNER).map_or(Signs::NothingLeft, Signs::Better)
 }
 
 /// Where the multiplier is negative in contact or v elsewhere, point by point.
@@ -170,8 +180,9 @@ fn in_turn(mut changes: Vec<Place>, added: Vec<[Place; 2]>, everywhere: bool) ->
     changes
 }
 
-/// Leaves out arcs and gaps that are too short; `None` if no arc is left.
-pub(super) fn without_short(mut places: Vec<Place>) -> Option<Vec<Place>> {
+/// Leaves out arcs and gaps that are too short, and gaps round corners that are shorter than `round_corner`;
+/// `None` if no arc is left.
+pub(super) fn without_short(mut places: Vec<Place>, round_corner: f64) -> Option<Vec<Place>> {
     let contact_everywhere = places.is_empty();
     loop {
         let many = places.len();
@@ -180,7 +191,7 @@ pub(super) fn without_short(mut places: Vec<Place>) -> Option<Vec<Place>> {
             let length = next.after(places[j]);
             let length = if j + 1 == many { length + 4.0 } else { length };
             let corner_gap = j % 2 == 1 && places[j].t < 0.0 && next.t > 0.0;
-            length < if corner_gap { 2.0 * UNRESOLVED } else { SHORTEST }
+            length < if corner_gap { round_corner } else { SHORTEST }
         });
         match short {
             None => break,
@@ -203,9 +214,10 @@ pub(super) fn without_short(mut places: Vec<Place>) -> Option<Vec<Place>> {
     (contact_everywhere || !places.is_empty()).then(|| in_order(places))
 }
 
-/// A gap around the points where the multiplier is negative: next to a corner, where it is
-/// `a s - b s log(1/s)`, it vanishes at 1/sqrt2 times the length of the gap.
-fn widened(from: Place, to: Place) -> [Place; 2] {
+/// A gap around the points where the multiplier is negative, up to half the distances `to_right` from points
+/// where it is not. Next to a corner, where it is `a s - b s log(1/s)`, it vanishes at 1/sqrt2 times the length
+/// of the gap.
+fn widened(from: Place, to: Place, to_right: [f64; 2]) -> [Place; 2] {
     let [a, b] = [from, to].map(|place| Place::new(place.corner, place.t));
     let factor = std::f64::consts::SQRT_2;
     let corner =
@@ -226,8 +238,8 @@ fn widened(from: Place, to: Place) -> [Place; 2] {
             ]
         }
         None => {
-            let more = 0.5 * (factor - 1.0) * b.after(a) + 1e-5;
-            [Place::new(a.corner, a.t - more), Place::new(b.corner, b.t + more)]
+            let [before, after] = to_right.map(|distance| 0.5 * distance);
+            [Place::new(a.corner, a.t - before), Place::new(b.corner, b.t + after)]
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Newton's method for the ends of contact.
 
 use super::complex::Complex;
+use super::contact::{SHORTEST, without_short};
 use super::map::Angle;
 use super::panels::{Ends, LANES, Panel, Place};
 use super::problem::Problem;
@@ -10,7 +11,8 @@ use crate::discrete::simd::vectorised;
 
 impl Problem {
     /// Moves the ends until a step is shorter than `shortest`: convergence is quadratic, so the next would
-    /// have the square of its length. `None` if that is not reached.
+    /// have the square of its length. Arcs and gaps that vanish on the way are left out. `None` if no arc is
+    /// left, or that is not reached.
     pub(super) fn newton(
         &self,
         mut places: Vec<Place>,
@@ -25,11 +27,13 @@ impl Problem {
             let ends = Ends::new(places);
             let change = self.step(&ends, rules)?;
             let longest = longest(&ends.places, &change);
-            places = moved(&ends.places, &change, (1.0 / longest).min(1.0));
             if !longest.is_finite() {
                 return None;
             }
-            if longest < shortest {
+            // Without what vanishes the next step is another one.
+            let moved = moved(&ends.places, &change, (1.0 / longest).min(1.0));
+            places = without_short(moved, SHORTEST)?;
+            if longest < shortest || places.is_empty() {
                 return Some((places, step));
             }
         }

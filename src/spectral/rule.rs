@@ -8,8 +8,10 @@ pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
     for i in 0..n.div_ceil(2) {
         let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
         let mut slope = 1.0;
-        for _ in 0..6 {
-            let [p, q] = legendre(n, x);
+        // The first guess has two digits at least, and each step doubles them; the slope is that before it.
+        for _ in 0..5 {
+            let values = legendre(n, x);
+            let (p, q) = (values[n], values[n - 1]);
             slope = n as f64 * (x * p - q) / (x * x - 1.0);
             x -= p / slope;
         }
@@ -20,14 +22,15 @@ pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
     rule
 }
 
-/// The Legendre polynomials of degrees `n` and `n - 1` at `x`.
-fn legendre(n: usize, x: f64) -> [f64; 2] {
-    let (mut p, mut q) = (1.0, 0.0);
-    for k in 0..n {
-        let k = k as f64;
-        (p, q) = (((2.0 * k + 1.0) * x * p - k * q) / (k + 1.0), p);
+/// The Legendre polynomials of degrees 0 to `n` at `x`.
+fn legendre(n: usize, x: f64) -> Vec<f64> {
+    let mut values = vec![1.0, x];
+    for k in 1..n {
+        let part = k as f64 / (k as f64 + 1.0);
+        let lifted = x * values[k];
+        values.push(lifted + part * (lifted - values[k - 1]));
     }
-    [p, q]
+    values
 }
 
 /// Row by row for the points `x`: the matrix that interpolates values at Gauss nodes.
@@ -55,14 +58,15 @@ pub(super) fn interpolation(rule: &[[f64; 2]], x: &[f64]) -> Vec<f64> {
 /// Row by row: the matrix that takes values at Gauss nodes to integrals from 0 to each node.
 pub(super) fn integration(rule: &[[f64; 2]]) -> Vec<f64> {
     let n = rule.len();
-    let mut matrix = vec![0.0; n * n];
-    for (row, &[end, _]) in matrix.chunks_exact_mut(n).zip(rule) {
-        // By the rule itself, which is exact for the polynomial between 0 and the node.
-        let inside: Vec<f64> = rule.iter().map(|&[x, _]| end * x).collect();
-        let values = interpolation(rule, &inside);
-        for (value, &[_, w]) in values.chunks_exact(n).zip(rule) {
-            row.iter_mut().zip(value).for_each(|(sum, value)| *sum += end * w * value);
-        }
+    // A polynomial is its Legendre series, whose coefficients the rule gives exactly.
+    let values: Vec<Vec<f64>> = rule.iter().map(|&[x, _]| legendre(n, 2.0 * x - 1.0)).collect();
+    let mut matrix = Vec::with_capacity(n * n);
+    for (to, &[x, _]) in values.iter().zip(rule) {
+        let integrals: Vec<f64> = (1..n).map(|k| to[k + 1] - to[k - 1]).collect();
+        matrix.extend(values.iter().zip(rule).map(|(at, &[_, w])| {
+            let sum: f64 = integrals.iter().zip(&at[1..]).map(|(i, p)| i * p).sum();
+            w * (x + 0.5 * sum)
+        }));
     }
     matrix
 }

@@ -1,7 +1,7 @@
 //! The search for the contact set: Newton's method and corrections in turn, until all signs are right.
 
 use super::Params;
-use super::contact::{TOLERANCE, corrected, without_short};
+use super::contact::{SHORTEST_ROUND_CORNER, Signs, TOLERANCE, corrected, without_short};
 use super::panels::{Ends, Place};
 use super::problem::Problem;
 use super::sources::Rules;
@@ -28,18 +28,13 @@ impl Level {
         (params.nodes > ROUGH.nodes).then_some(level)
     }
 
-    /// What Newton's method finds for a number of arcs, and a better contact set, as of [`corrected`]; `None` if
-    /// it does not converge, or no arc is left.
-    fn attempt(
-        &self,
-        problem: &Problem,
-        places: Vec<Place>,
-    ) -> Option<(Found, Option<Option<Vec<Place>>>)> {
+    /// What Newton's method finds for a number of arcs; `None` if it does not converge, or no arc is left.
+    fn attempt(&self, problem: &Problem, places: Vec<Place>) -> Option<(Found, Signs)> {
         let (moved, steps) = problem.newton(places, &self.rules, self.shortest)?;
-        let ends = Ends::new(without_short(moved)?);
+        let ends = Ends::new(without_short(moved, SHORTEST_ROUND_CORNER)?);
         let trace = Trace::new(problem, &ends, &self.rules);
-        let better = corrected(&trace, &ends, self.tolerance);
-        Some((Found { ends: ends.places, trace, rules: self.rules.clone(), steps }, better))
+        let signs = corrected(&trace, &ends, self.tolerance);
+        Some((Found { ends: ends.places, trace, rules: self.rules.clone(), steps }, signs))
     }
 }
 
@@ -53,14 +48,9 @@ pub(super) struct Found {
 }
 
 /// The solution with all signs right, from a contact set of a grid. A low resolution prepares each attempt of
-/// the high one, which is then left with a single Newton step, and with signs that the low one cannot tell;
-/// where it misleads, the high one is tried alone.
+/// the high one, which is then left with a single Newton step, and with signs that the low one cannot tell.
 pub(super) fn from_grid(problem: &Problem, start: Vec<Place>, params: Params) -> Option<Found> {
-    let level = Level::new(params);
-    let rough = Level::rough(params);
-    rough
-        .and_then(|rough| search(problem, start.clone(), &level, Some(&rough)))
-        .or_else(|| search(problem, start, &level, None))
+    search(problem, start, &Level::new(params), Level::rough(params).as_ref())
 }
 
 /// The solution, from its own contact set at another resolution.
@@ -74,26 +64,29 @@ fn search(
     level: &Level,
     rough: Option<&Level>,
 ) -> Option<Found> {
-    const ROUNDS: usize = 12;
+    // If a few do not do, a contact set of a finer grid is the better start.
+    const ROUNDS: usize = 5;
     let mut steps = 0;
     for _ in 0..ROUNDS {
-        if let Some((found, better)) =
-            rough.and_then(|rough| rough.attempt(problem, places.clone()))
+        if let Some((found, signs)) = rough.and_then(|rough| rough.attempt(problem, places.clone()))
         {
             steps += found.steps;
-            match better {
-                None => places = found.ends,
-                Some(Some(better)) => {
+            match signs {
+                Signs::Right => places = found.ends,
+                Signs::Better(better) => {
                     places = better;
                     continue;
                 }
-                Some(None) => {}
+                Signs::NothingLeft => {}
             }
         }
-        let (found, better) = level.attempt(problem, places)?;
+        let (found, signs) = level.attempt(problem, places)?;
         steps += found.steps;
-        let Some(better) = better else { return Some(Found { steps, ..found }) };
-        places = better?;
+        match signs {
+            Signs::Right => return Some(Found { steps, ..found }),
+            Signs::Better(better) => places = better,
+            Signs::NothingLeft => return None,
+        }
     }
     None
 }
