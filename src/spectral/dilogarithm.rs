@@ -30,17 +30,24 @@ const COEFFICIENTS: [f64; 12] = {
     coefficients
 };
 
-/// Li2(y), |y| <= 1, by a series in -log(1 - y), after reflection where that is large.
-pub(super) fn dilogarithm(y: Complex) -> Complex {
-    let one = Complex::new(1.0, 0.0);
-    if y.re > 0.5 {
-        let rest = one - y;
-        if rest == Complex::default() {
-            return Complex::new(PI * PI / 6.0, 0.0);
-        }
-        return Complex::new(PI * PI / 6.0, 0.0) - y.ln() * rest.ln() - dilogarithm(rest);
+/// Li2(1 - rest), `|1 - rest| <= 1`, by a series in -log rest, after reflection where that is large.
+///
+/// What it differs from Li2(1) by is right to rounding of itself.
+pub(super) fn dilogarithm(rest: Complex) -> Complex {
+    let y = Complex::new(1.0, 0.0) - rest;
+    if y.re <= 0.5 {
+        return series(-rest.ln());
     }
-    let u = -(one - y).ln();
+    let at_one = Complex::new(PI * PI / 6.0, 0.0);
+    if rest == Complex::default() {
+        return at_one;
+    }
+    let ln = Complex::new(0.5 * libm::log1p(rest.norm2() - 2.0 * rest.re), y.arg());
+    at_one - ln * rest.ln() - series(-ln)
+}
+
+/// Li2(1 - exp(-u)).
+fn series(u: Complex) -> Complex {
     let square = u * u;
     // Horner's scheme for real coefficients, modulo the polynomial with the roots u^2 and its conjugate.
     let (sum, size) = (2.0 * square.re, square.norm2());
@@ -64,9 +71,10 @@ mod tests {
                 sum = sum + power.scaled(1.0 / f64::from(k * k));
                 power = power * y;
             }
-            assert!((dilogarithm(y) - sum).norm() < 1e-15, "{y:?}");
+            let found = dilogarithm(Complex::new(1.0, 0.0) - y);
+            assert!((found - sum).norm() < 1e-15, "{y:?}");
         }
-        let at = |re: f64, im: f64| dilogarithm(Complex::new(re, im));
+        let at = |re: f64, im: f64| dilogarithm(Complex::new(1.0 - re, -im));
         assert!((at(-1.0, 0.0).re + PI * PI / 12.0).abs() < 1e-15);
         // Catalan's constant.
         assert!((at(0.0, 1.0).im - 0.915_965_594_177_219).abs() < 1e-15);

@@ -28,7 +28,7 @@ impl Edge {
 }
 
 /// A jump as psi sees it: beyond the border f is continued, so that a line goes on for ever (no vertex at
-/// that end) and an arc runs on to the middle of its way outside.
+/// that end) and an arc runs on to the middle of its way outside, or for a length of two.
 #[derive(Clone, Debug)]
 pub(super) enum Continued {
     Line { origin: Complex, tangent: Complex, jump: f64, ends: [Option<usize>; 2] },
@@ -121,7 +121,7 @@ impl Jumps {
                 self.edges.push(Edge { curve: circle, span, values, ends });
             }
         }
-        let joined = continued(&around);
+        let joined = continued(&around, 2.0 / radius);
         if let [(_, jump)] = joined[..] {
             if jump != 0.0 {
                 self.continued.push(Continued::Circle { centre, radius, jump });
@@ -221,21 +221,23 @@ fn closed<T: Copy + PartialEq>(mut around: Vec<([f64; 2], T)>) -> Vec<([f64; 2],
 }
 
 /// The jumps around a circle with those outside the square: a piece there takes its jumps from its
-/// neighbours, half from each.
-fn continued(around: &[Piece]) -> Vec<([f64; 2], f64)> {
+/// neighbours, half from each, but no farther than `reach`: psi would grow with the square of the radius.
+fn continued(around: &[Piece], reach: f64) -> Vec<([f64; 2], f64)> {
     let many = around.len();
     let jump = |k: usize| around[k % many].1.map(|values| values[0] - values[1]);
     let mut arcs: Vec<([f64; 2], f64)> = Vec::new();
     for (k, &(span @ [from, to], _)) in around.iter().enumerate() {
         let middle = 0.5 * (from + to);
-        let halves = match jump(k) {
+        let (out, back) = (middle.min(from + reach), middle.max(to - reach));
+        let parts = match jump(k) {
             Some(jump) => vec![(span, jump)],
             None => vec![
-                ([from, middle], jump(k + many - 1).unwrap_or(0.0)),
-                ([middle, to], jump(k + 1).unwrap_or(0.0)),
+                ([from, out], jump(k + many - 1).unwrap_or(0.0)),
+                ([out, back], 0.0),
+                ([back, to], jump(k + 1).unwrap_or(0.0)),
             ],
         };
-        for (span, jump) in halves {
+        for (span, jump) in parts.into_iter().filter(|([from, to], _)| from < to) {
             match arcs.last_mut() {
                 Some((last, same)) if *same == jump => last[1] = span[1],
                 _ => arcs.push((span, jump)),

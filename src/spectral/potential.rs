@@ -92,9 +92,17 @@ impl Potential {
                     psi.circles.push(Circle { centre, radius, jump });
                 }
                 Continued::Arc { centre, radius, span: [from, to], jump, ends } => {
-                    let from_centre = [from, to].map(|s| Complex::unit(s).scaled(radius));
+                    let [p, q] = ends.map(|v| psi.vertices[v]);
+                    // A short arc by its chord, which of a large circle has digits that the angles have lost.
+                    let half = 0.5 * (q - p).norm() / radius;
+                    let (middle, sweep) = if to - from < 1.0 {
+                        ((p - q).turned().arg(), 2.0 * libm::asin(half))
+                    } else {
+                        (0.5 * (from + to), to - from)
+                    };
+                    let from_centre =
+                        [-0.5, 0.5].map(|t| Complex::unit(middle + t * sweep).scaled(radius));
                     let angles = from_centre.map(Complex::arg);
-                    let sweep = to - from;
                     psi.arcs.push(Arc { centre, radius, sweep, jump, ends, from_centre, angles });
                 }
             }
@@ -151,7 +159,7 @@ impl Potential {
         let mut logs = self.logs(&[z]);
         let lines = self.lines.iter().map(|line| line.value(z, &self.vertices, &mut logs));
         let lines = lines.sum::<f64>();
-        let arcs = self.arcs.iter().map(|arc| arc.value(z, &mut logs)).sum::<f64>();
+        let arcs = self.arcs.iter().map(|arc| arc.value(z, &self.vertices, &mut logs)).sum::<f64>();
         let circles = self.circles.iter().map(|circle| circle.value(z)).sum::<f64>();
         lines + arcs + circles - 0.25 * self.background * z.norm2() - gauge
     }
@@ -304,25 +312,30 @@ impl Arc {
         sum
     }
 
-    fn value(&self, z: Complex, logs: &mut Logs) -> f64 {
+    /// All that is large of a large circle is formed from the distances of its ends, so that rounding errors
+    /// grow with the radius only, not with its square.
+    fn value(&self, z: Complex, vertices: &[Complex], logs: &mut Logs) -> f64 {
         self.log_ratios(&[z], logs);
-        let from_centre = z - self.centre;
-        let [a, b] = self.from_centre;
-        let (radius2, square) = (self.radius * self.radius, from_centre.norm2());
-        let [ya, yb] = [a, b].map(|u| from_centre.cross(u));
+        let ([a, b], radius2) = (self.from_centre, self.radius * self.radius);
+        let [to_a, to_b] = self.ends.map(|v| vertices[v] - z);
+        let from_centre = b - to_b;
+        // By how much the square of the distance from the centre exceeds that of the radius.
+        let excess = to_b.norm2() - 2.0 * b.dot(to_b);
+        let (ya, yb) = (a.cross(to_a), b.cross(to_b));
         let [log_a, log_b] = self.ends.map(|v| logs.of_vertices[v].re);
         let sweep = self.sweep;
-        let e = yb * log_b - ya * log_a
-            + 0.25 * (radius2 - square) * (2.0 * logs.ratios[0].im + sweep)
-            - 0.25 * (radius2 + square) * sweep
+        let e = yb * log_b
+            - ya * log_a
+            - 0.25 * excess * (2.0 * logs.ratios[0].im + sweep)
+            - 0.25 * (2.0 * radius2 + excess) * sweep
             - 0.5 * (yb - ya);
-        let lambda = if square > radius2 {
-            let inverse = from_centre.inverse();
-            0.5 * sweep * ln(square) - (dilogarithm(b * inverse).im - dilogarithm(a * inverse).im)
+        let lambda = if excess > 0.0 {
+            let inverse = -from_centre.inverse();
+            0.5 * sweep * ln(radius2 + excess)
+                - (dilogarithm(to_b * inverse).im - dilogarithm(to_a * inverse).im)
         } else {
             0.5 * sweep * ln(radius2)
-                + (dilogarithm(from_centre * b.inverse()).im
-                    - dilogarithm(from_centre * a.inverse()).im)
+                + (dilogarithm(to_b * b.inverse()).im - dilogarithm(to_a * a.inverse()).im)
         };
         let sum = radius2 * lambda - e + 0.5 * (radius2 * sweep - (yb - ya));
         -self.jump * sum / (2.0 * TAU)

@@ -162,6 +162,20 @@ fn discs_that_touch_the_border_from_within_are_solved() {
 }
 
 #[test]
+fn large_discs_come_close_to_half_planes() {
+    let energy = |region: &str| {
+        let f = format!("quadrant(ul)=-3.4; {region}=-2.9; else=1.26");
+        solved(&f, Params::default()).energy
+    };
+    let (limit, change) = (energy("halfplane(0,1,0)"), 0.014966);
+    for radius in [1e3, 1e4, 1e5] {
+        let disc = energy(&format!("disc(0.1,-{radius},{radius})"));
+        // First order in one over the radius.
+        close(radius * (disc - limit), change, 1e-5);
+    }
+}
+
+#[test]
 fn what_is_not_solved_is_refused() {
     let refused = |f: &str| spectral(&f.parse().unwrap(), Params::default()).err();
     assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
