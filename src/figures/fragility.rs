@@ -11,7 +11,7 @@ use crate::experiments::rounding::{Cell, Table};
 /// Width and height of a cell in display pixels.
 const CELL: (f64, f64) = (60.0, 42.0);
 /// Room to the left of a panel, for the names of its rows.
-const LEFT: f64 = 78.0;
+const LEFT: f64 = 84.0;
 /// Room above a panel, for its title and the names of its columns.
 const ABOVE: f64 = 62.0;
 /// Room between the panels and the scale, and below that.
