@@ -6,7 +6,7 @@ use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
 /// Distance from a jump at which f is read on either side of it.
-pub(super) const PROBE: f64 = 1e-9;
+pub(super) const PROBE: f64 = 0.5 * SAME;
 
 /// A piece of a jump inside the square, between vertices or points of the border.
 #[derive(Clone, Debug)]
@@ -168,7 +168,9 @@ impl Jumps {
         let mut pieces: Vec<Piece> = Vec::new();
         for cut in cuts.windows(2) {
             let s = 0.5 * (cut[0] + cut[1]);
-            let (z, step) = (curve.at(s), curve.normal(s).scaled(PROBE));
+            // Points of a large circle are off by rounding errors of its radius.
+            let step = PROBE.max(1e-14 * curve.speed());
+            let (z, step) = (curve.at(s), curve.normal(s).scaled(step));
             let inside = z.re.abs().max(z.im.abs()) < 0.5 - SAME;
             let values = inside.then(|| [z - step, z + step].map(|z| self.value(z)));
             match pieces.last_mut() {

@@ -176,6 +176,18 @@ fn large_discs_come_close_to_half_planes() {
 }
 
 #[test]
+fn jumps_that_nearly_coincide_are_told_apart() {
+    let energy = |left: &str| {
+        let f = format!("rect({left},0.25,-0.3,0.1)=1; quadrant(ul)=-2; else=-1");
+        solved(&f, Params::default()).energy
+    };
+    let known = energy("0");
+    for gap in ["1e-13", "1e-12", "1e-10", "1e-9", "1e-7"] {
+        close(energy(gap), known, gap.parse().unwrap());
+    }
+}
+
+#[test]
 fn what_is_not_solved_is_refused() {
     let refused = |f: &str| spectral(&f.parse().unwrap(), Params::default()).err();
     assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
