@@ -1,5 +1,4 @@
-//! psi on the border, interpolated: its gradient is wanted at thousands of points, each a sum of logarithms
-//! and, for psi itself, of dilogarithms.
+//! psi on the border, interpolated: its gradient, a sum of logarithms, is wanted at thousands of points.
 
 use super::complex::Complex;
 use super::jumps::Jumps;

@@ -48,7 +48,7 @@
 //! in 1 / f; below 1e-4 it is left out, at a cost of its fourth power.
 //!
 //! *The energy.* `J = -1/2 int f v` follows from Green's identity with psi, by integrals over the border
-//! and the edges; Rellich's identity gives it once more from other data (`trace.rs`).
+//! and the edges; Rellich's identity gives it once more from other data (`energy.rs`).
 //!
 //! # Literature
 //! - N. I. Muskhelishvili, Singular integral equations, Noordhoff (1953), for the Riemann-Hilbert problem

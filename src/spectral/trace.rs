@@ -1,4 +1,4 @@
-//! The solution on the border, and from it the energy.
+//! The solution on the border.
 
 use super::complex::Complex;
 use super::map::{corner_angle, to_disc};
