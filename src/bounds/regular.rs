@@ -66,8 +66,8 @@ impl Regular {
 
 /// Adds the regular cells from `start` on to the sums, and returns the means of the residual.
 ///
-/// The formulas are those of [`Special`](super::cells::Special) with f constant around the cell, in sums and differences of opposite
-/// edges.
+/// The formulas are those of [`Special`](super::cells::Special) with f constant around the cell, in sums and
+/// differences of opposite edges.
 #[inline(always)]
 fn add_block(
     [below, lower, upper, above]: [&[f64]; 4],

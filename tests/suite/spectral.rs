@@ -170,7 +170,7 @@ fn large_discs_come_close_to_half_planes() {
     let (limit, change) = (energy("halfplane(0,1,0)"), 0.014966);
     for radius in [1e3, 1e4, 1e5] {
         let disc = energy(&format!("disc(0.1,-{radius},{radius})"));
-        // First order in one over the radius.
+        // First order in one over the radius; the guaranteed bracket on 1/2048 gives 0.014966 at 1000.
         close(radius * (disc - limit), change, 1e-5);
     }
 }
