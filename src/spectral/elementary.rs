@@ -2,34 +2,41 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, PI, SQRT_2};
 
-/// Of sine over x and of cosine, in powers of `-x^2`: one over factorials.
-const SERIES: [[f64; 2]; 9] = {
-    let mut series = [[1.0; 2]; 9];
+/// In powers of `-x^2`, sine over x for `shift` 1 and cosine for -1: one over factorials.
+const fn inverse_factorials(shift: f64) -> [f64; 9] {
+    let mut series = [1.0; 9];
     let mut k = 1;
     while k < 9 {
         let n = 2.0 * k as f64;
-        let [sine, cosine] = series[k - 1];
-        series[k] = [sine / (n * (n + 1.0)), cosine / (n * (n - 1.0))];
+        series[k] = series[k - 1] / (n * (n + shift));
         k += 1;
     }
     series
-};
+}
+
+/// The polynomial with the given coefficients, that of degree zero first. Closures of iterators would not
+/// always be inlined where a loop over this is to vectorise.
+#[inline(always)]
+fn polynomial<const TERMS: usize>(coefficients: &[f64; TERMS], x: f64) -> f64 {
+    let mut sum = 0.0;
+    let mut k = TERMS;
+    while k > 0 {
+        k -= 1;
+        sum = sum * x + coefficients[k];
+    }
+    sum
+}
 
 /// Sine and cosine of `pi t`.
 #[inline(always)]
 pub(super) fn sincos_pi(t: f64) -> [f64; 2] {
+    const SINE: [f64; 9] = inverse_factorials(1.0);
+    const COSINE: [f64; 9] = inverse_factorials(-1.0);
     let quarters = (2.0 * t + 0.5).floor();
     let half = 0.5 * quarters;
     let x = PI * (t - half);
     let square = -x * x;
-    let [mut sine, mut cosine] = SERIES[8];
-    let mut k = 8;
-    while k > 0 {
-        k -= 1;
-        sine = sine * square + SERIES[k][0];
-        cosine = cosine * square + SERIES[k][1];
-    }
-    sine *= x;
+    let (sine, cosine) = (x * polynomial(&SINE, square), polynomial(&COSINE, square));
     let turned = half != half.floor();
     let (s, c) = if turned { (cosine, sine) } else { (sine, cosine) };
     // Both change their sign with each half turn, the cosine a quarter earlier.
@@ -56,12 +63,7 @@ pub(super) fn ln(x: f64) -> f64 {
     let f = f64::from_bits(bits.wrapping_sub((exponent as u64) << 52)) - 1.0;
     let s = f / (2.0 + f);
     let square = s * s;
-    let mut sum = 0.0;
-    let mut k = 7;
-    while k > 0 {
-        k -= 1;
-        sum = sum * square + SERIES[k];
-    }
+    let sum = polynomial(&SERIES, square);
     let half = 0.5 * f * f;
     exponent as f64 * LN_2 + (f - (half - s * (half + sum * square)))
 }
@@ -91,12 +93,7 @@ pub(super) fn atan2(y: f64, x: f64) -> f64 {
     let (top, bottom) = if turned { (small - large, small + large) } else { (small, large) };
     let t = top / if bottom > 0.0 { bottom } else { 1.0 };
     let square = t * t;
-    let mut sum = 0.0;
-    let mut k = 11;
-    while k > 0 {
-        k -= 1;
-        sum = sum * square + SERIES[k];
-    }
+    let sum = polynomial(&SERIES, square);
     let mut angle = t - t * square * sum;
     angle = if turned { FRAC_PI_4 + angle } else { angle };
     angle = if steep { FRAC_PI_2 - angle } else { angle };

@@ -128,7 +128,6 @@ fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
 
 /// The scalar product, in parts that are summed at once.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
     vectorised(
         #[inline(always)]
         || {
