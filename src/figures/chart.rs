@@ -5,7 +5,7 @@ use super::palette::{MUTED, RULE, series, solver};
 use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type, WIDTH};
 use super::table::of_charts;
 use super::text::power_of_ten;
-use super::{Caption, Chart, Curve, Drawing, FigureError, Stroke, finite, not_empty};
+use super::{Caption, Chart, Curve, Drawing, FigureError, Stroke, decade, finite, not_empty};
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 260.0;
@@ -27,8 +27,8 @@ pub(crate) fn charts(
     let mut labels: Vec<&str> = Vec::new();
     for panel in not_empty("panels", panels)? {
         for curve in &panel.curves {
-            finite(&panel.title, "x", curve.points.iter().map(|p| place(p.0)))?;
-            finite(&panel.title, "y", curve.points.iter().map(|p| place(p.1)))?;
+            finite(&panel.title, "x", curve.points.iter().map(|p| decade(p.0)))?;
+            finite(&panel.title, "y", curve.points.iter().map(|p| decade(p.1)))?;
             let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
             if named && !labels.contains(&&*curve.label) {
                 labels.push(&curve.label);
@@ -115,15 +115,10 @@ fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
     panel.curves.iter().flat_map(|curve| &curve.points)
 }
 
-/// Place of a value along an axis; not finite where there is none.
-fn place(value: f64) -> f64 {
-    if value > 0.0 { libm::log10(value) } else { f64::NAN }
-}
-
 /// The ends of an axis: all values with some air, whole decades if they are few.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
-        .map(place)
+        .map(decade)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let air = 0.03 * (high - low);
     match high - low < 2.0 {
@@ -158,7 +153,7 @@ fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
 }
 
 fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {
-    curve.points.iter().map(|p| frame.at(place(p.0), place(p.1))).collect()
+    curve.points.iter().map(|p| frame.at(decade(p.0), decade(p.1))).collect()
 }
 
 /// The name of a reference, beside its middle, on the side where the line is not.

@@ -5,7 +5,7 @@ use super::palette::{INK, MUTED, RGBColor, RULE, WHITE, legible_on, viridis};
 use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
 use super::table::of_fragility;
 use super::text::power_of_ten;
-use super::{Caption, Drawing, FigureError, finite, length, not_empty};
+use super::{Caption, Drawing, FigureError, decade, finite, length, not_empty};
 use crate::experiments::rounding::{Cell, Table};
 
 /// Width and height of a cell in display pixels.
@@ -57,10 +57,6 @@ pub(crate) fn fragility(
     }
     draw_scale(&mut picture, sizes, (0.5 * width, below + 50.0), color);
     Ok(picture.finish(caption, Some(of_fragility(tables))))
-}
-
-fn decade(size: f64) -> f64 {
-    if size > 0.0 { libm::log10(size) } else { f64::NAN }
 }
 
 fn named(size: f64) -> String {

@@ -220,8 +220,13 @@ fn vector(panel: &str, what: &str, values: &[f64], want: usize) -> Result<(), Fi
     finite(panel, what, values.iter().copied())
 }
 
+/// The power of ten of a value on a logarithmic scale; not finite where there is none.
+fn decade(value: f64) -> f64 {
+    if value > 0.0 { libm::log10(value) } else { f64::NAN }
+}
+
 /// Smallest and largest of `values`, 0 included.
-fn range_with_zero(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn range_with_zero(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     values.into_iter().fold((0.0, 0.0), |(lo, hi): (f64, f64), v| (lo.min(v), hi.max(v)))
 }
 

@@ -62,7 +62,9 @@ pub(crate) fn surfaces(
         walls(&mut picture, &scene, &ticks);
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
         let mesh = "stroke=\"#203038\" stroke-width=\"1\"";
-        let drawn = Drawn { scene: &scene, panel, touching: touching(panel) };
+        let mut touching = vec![false; panel.y.len()];
+        panel.grid.boundary().zip(panel.a).for_each(|(node, a)| touching[node] = *a > 0.0);
+        let drawn = Drawn { scene: &scene, panel, touching };
         picture.group(mesh, |picture| quads(picture, &drawn, color));
         picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &drawn));
         axes(&mut picture, &scene, &ticks);
@@ -116,18 +118,11 @@ fn thinned(grid: Grid) -> Vec<usize> {
     lines
 }
 
-/// A surface and where it is drawn; `touching` tells the nodes in contact.
+/// A surface and where it is drawn; `touching` tells which nodes lie on the boundary and are in contact.
 struct Drawn<'a> {
     scene: &'a Scene,
     panel: &'a Surface<'a>,
     touching: Vec<bool>,
-}
-
-/// Whether each node lies on the boundary and is in contact.
-fn touching(panel: &Surface) -> Vec<bool> {
-    let mut touching = vec![false; panel.y.len()];
-    panel.grid.boundary().zip(panel.a).for_each(|(node, a)| touching[node] = *a > 0.0);
-    touching
 }
 
 fn quads(picture: &mut Picture, drawn: &Drawn, color: impl Fn(f64) -> RGBColor) {

@@ -1,6 +1,6 @@
 //! The `diff` stage: the table of one scene against the published one.
 
-use super::{tabulate, to_json};
+use super::{solve, tabulate, to_json};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Artifacts, Task, parameters};
 use crate::replication::paper::Paper;
@@ -23,7 +23,7 @@ pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
     let of_scene = |e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name));
     let table = project.paper.published(number).map_err(of_scene)?;
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let needs = tabulate::solves(scene, scene.stop[0]);
+    let needs: Vec<String> = solve::ids(scene, scene.stop[0]).collect();
     let name = scene.name.clone();
     let parameters = parameters(&serde_json::json!({ "r": paper.r, "table": table }));
     Ok(Task::new(id(scene), parameters, needs.clone(), move |inputs| {

@@ -1,11 +1,11 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
 use super::identify::{self, FINDINGS};
-use super::solve::{self, HISTORY, PAIR, read_pair};
-use super::{artifact, from_json, sharing};
+use super::solve::{self, HISTORY};
+use super::{from_json, sharing};
 use crate::figures::{
     Caption, ContactPanel, Drawing, History, HistoryPanel, IdentifiabilityPanel, Surface, View,
-    contact, histories, identifiability, maps_of_f, surfaces,
+    contact, histories, identifiability, maps_of_f, range_with_zero, surfaces,
 };
 use crate::identify::Findings;
 use crate::pipeline::error::Failure;
@@ -48,14 +48,16 @@ pub const KINDS: [Kind; 5] = [
         output: Output::History,
         shared: "histories",
         caption: "Residuals against iterations",
-        needs: histories_of,
+        needs: |scene| solve::ids(scene, scene.stop[0]).collect(),
         draw: draw_histories,
     },
     Kind {
         output: Output::Contact,
         shared: "contact",
         caption: "Trace and multiplier along the boundary",
-        needs: contact_of,
+        needs: |scene| {
+            scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
+        },
         draw: draw_contact,
     },
     Kind {
@@ -96,7 +98,7 @@ fn stops(scenes: &[&Scene]) -> Task {
     let task = drawing("stops", title.into(), needs, move |inputs, caption| {
         let mut rows = Vec::new();
         for scene in &scenes {
-            let stop = pair(inputs, scene, &surface(scene))?;
+            let stop = solve::pair(inputs, scene, scene.stop[0])?;
             let solution = solve::solution(scene)?;
             let y = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
             let difference = Pair { y, a: vec![0.0; stop.a.len()] };
@@ -106,8 +108,7 @@ fn stops(scenes: &[&Scene]) -> Task {
         }
         let mut shown = Vec::new();
         for (grid, titles, pairs) in &rows {
-            let values = pairs.iter().flat_map(|pair| &pair.y).copied();
-            let range = values.fold((0.0, 0.0), |(l, h): (f64, f64), v| (l.min(v), h.max(v)));
+            let range = range_with_zero(pairs.iter().flat_map(|pair| &pair.y).copied());
             let (grid, view) = (*grid, View::uphill(*grid, &pairs[1].y));
             for (title, Pair { y, a }) in titles.iter().zip(pairs) {
                 shown.push(Surface { title, grid, y, a, view, range: Some(range) });
@@ -168,25 +169,13 @@ fn surface(scene: &Scene) -> String {
     solve::id(scene, scene.stop[0], scene.draw_r)
 }
 
-fn histories_of(scene: &Scene) -> Vec<String> {
-    scene.r.iter().map(|&r| solve::id(scene, scene.stop[0], r)).collect()
-}
-
-fn contact_of(scene: &Scene) -> Vec<String> {
-    scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
-}
-
-fn pair(inputs: &Inputs, scene: &Scene, task: &str) -> Result<Pair, String> {
-    read_pair(scene.finest(), artifact(inputs, task, PAIR)?)
-}
-
 fn draw_sources(scenes: &[Scene], _: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
     Ok(maps_of_f(caption, &maps)?)
 }
 
 fn draw_surfaces(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
-    let pairs = scenes.iter().map(|scene| pair(inputs, scene, &surface(scene)));
+    let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
     let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
     let shown = scenes.iter().zip(&pairs).map(|(scene, Pair { y, a })| {
         let (title, grid) = (&scene.title, scene.finest());
@@ -197,7 +186,7 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<
 
 fn draw_histories(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let shown = scenes.iter().map(|scene| {
-        let curves = histories_of(scene).into_iter().zip(&scene.r).map(|(task, r)| {
+        let curves = solve::ids(scene, scene.stop[0]).zip(&scene.r).map(|(task, r)| {
             let levels = from_json(inputs, &task, HISTORY)?;
             Ok(History { label: format!("r = {r}"), levels })
         });
@@ -209,8 +198,9 @@ fn draw_histories(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result
 
 fn draw_contact(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
     let shown = scenes.iter().map(|scene| {
-        let lines = contact_of(scene).into_iter().zip(&scene.stop).map(|(task, stop)| {
-            Ok((format!("stop: {stop}, r = {}", scene.draw_r), pair(inputs, scene, &task)?))
+        let lines = scene.stop.iter().map(|&stop| {
+            let label = format!("stop: {stop}, r = {}", scene.draw_r);
+            Ok((label, solve::pair(inputs, scene, stop)?))
         });
         let lines = lines.collect::<Result<_, String>>()?;
         Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })

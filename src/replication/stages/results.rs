@@ -23,10 +23,7 @@ pub fn task(project: &Project) -> Option<Task> {
     let scenes = project.scenes.iter().filter(|scene| scene.wants(Output::Table));
     let parts: Vec<(Scene, StopRule)> =
         scenes.flat_map(|scene| scene.stop.iter().map(|&rule| (scene.clone(), rule))).collect();
-    let ids = |(scene, rule): &(Scene, StopRule)| {
-        scene.r.iter().map(|&r| solve::id(scene, *rule, r)).collect::<Vec<_>>()
-    };
-    let needs: Vec<String> = parts.iter().flat_map(ids).collect();
+    let needs = parts.iter().flat_map(|(scene, rule)| solve::ids(scene, *rule)).collect();
     let paper = project.paper.clone();
     let tables: Vec<_> = parts.iter().map(|(scene, _)| scene.paper_table).collect();
     let printed: Vec<_> =

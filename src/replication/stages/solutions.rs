@@ -1,7 +1,6 @@
 //! The solutions that the book gives away, as files for other programs.
 
-use super::artifact;
-use super::solve::{self, PAIR, read_pair};
+use super::solve;
 use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::scene::{Output, Scene};
 use crate::report::Fields;
@@ -28,10 +27,7 @@ pub(super) fn all(
     others: &[Scene],
 ) -> Result<Vec<Solution>, String> {
     let mut kept = Vec::new();
-    let stopped = |scene: &Scene| {
-        let bytes = artifact(inputs, &solve::id(scene, scene.stop[0], scene.draw_r), PAIR)?;
-        read_pair(scene.finest(), bytes)
-    };
+    let stopped = |scene: &Scene| solve::pair(inputs, scene, scene.stop[0]);
     for scene in problems {
         let stop = format!("where the published rule stops, r = {}", scene.draw_r);
         kept.push(solution(scene, "-stop", &stop, &stopped(scene)?));

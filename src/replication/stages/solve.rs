@@ -1,6 +1,6 @@
 //! The `solve` stage: one cell is a problem, a stopping rule and an r, solved on all nested grids.
 
-use super::to_json;
+use super::{artifact, to_json};
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::judge;
 use crate::discrete::load::{Diagonal, LoadRule, load};
@@ -9,7 +9,7 @@ use crate::discrete::transfer::Prolongation;
 use crate::multigrid::MultigridParams;
 use crate::multigrid::square::multigrid;
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Artifacts, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::replication::scene::{Output, Scene};
@@ -57,6 +57,11 @@ pub const HISTORY: &str = "history.json";
 /// Id of the task that solves a cell of a scene.
 pub fn id(scene: &Scene, stop: StopRule, r: f64) -> String {
     format!("solve/{}/{stop}/r={r}", scene.name)
+}
+
+/// Ids of the tasks that solve a scene under a rule, one per r.
+pub fn ids(scene: &Scene, stop: StopRule) -> impl Iterator<Item = String> {
+    scene.r.iter().map(move |&r| id(scene, stop, r))
 }
 
 /// The tasks that solve the cells of a scene under a rule, as far as a table or a figure asks for them.
@@ -160,13 +165,14 @@ impl Monitor for Record {
     }
 }
 
-/// The pair in a [`PAIR`] artifact.
+/// The pair where a rule stops on the finest grid, with the r that is drawn.
 ///
 /// # Errors
-/// If it does not belong to `grid`.
-pub fn read_pair(grid: Grid, bytes: &[u8]) -> Result<Pair, String> {
-    let values: Vec<f64> =
-        bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
+/// If the artifact [`PAIR`] is missing, or is not for this grid.
+pub fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
+    let grid = scene.finest();
+    let (chunks, _) = artifact(inputs, &id(scene, stop, scene.draw_r), PAIR)?.as_chunks();
+    let values: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
     if values.len() != grid.nodes() + grid.boundary_nodes() {
         return Err(format!("{PAIR} is not for grid 1/{}", grid.cells()));
     }

@@ -18,7 +18,7 @@ pub fn id(scene: &Scene, stop: StopRule) -> String {
 
 /// The task that tabulates a scene under a stopping rule.
 pub fn task(scene: &Scene, stop: StopRule) -> Task {
-    let needs = solves(scene, stop);
+    let needs: Vec<String> = solve::ids(scene, stop).collect();
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
     let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
@@ -26,11 +26,7 @@ pub fn task(scene: &Scene, stop: StopRule) -> Task {
     })
 }
 
-/// The tasks whose results are the rows of the table.
-pub(super) fn solves(scene: &Scene, stop: StopRule) -> Vec<String> {
-    scene.r.iter().map(|&r| solve::id(scene, stop, r)).collect()
-}
-
+/// The rows of a table, one from each of the tasks `solves`.
 pub(super) fn rows(inputs: &Inputs, solves: &[String]) -> Result<Vec<Row>, String> {
     solves.iter().map(|task| row(inputs, task)).collect()
 }

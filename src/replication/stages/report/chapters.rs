@@ -18,7 +18,7 @@ use crate::replication::scene::Scene;
 use crate::replication::stages::diff::{self, DIFF};
 use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
-use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes, PAIR, read_pair};
+use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json, timings};
 use crate::saddle::{Iteration, Pair, StopRule, tolerance};
 use serde::Serialize;
@@ -55,8 +55,10 @@ pub(super) fn context(
     context.insert("tolerance", &tolerance(grids.len()));
     context.insert("grids", &grids);
     // Depth and lift of the known solution whose lift is slight.
-    let along = || (0..=problems[0].finest().cells()).map(|k| problems[0].finest().coordinate(k));
-    let heights = along().flat_map(|y| along().map(move |x| Exact::FreeCorner.at(x, y).value));
+    let grid = problems[0].finest();
+    let line = |k| grid.coordinate(k);
+    let nodes = (0..grid.nodes()).map(|k| (line(k % grid.side()), line(k / grid.side())));
+    let heights = nodes.map(|(x, y)| Exact::FreeCorner.at(x, y).value);
     context.insert("free_corner", &Range::of(heights));
     context.insert("searched", &searched(&record));
     context.insert("record", &record);
@@ -113,8 +115,7 @@ fn problem<'a>(
             json!({ "r": r, "signed": signed, "printed": printed, "dual": dual, "excess": excess }),
         )
     });
-    let stopped = solve::id(scene, scene.stop[0], scene.draw_r);
-    let stopped = read_pair(scene.finest(), artifact(inputs, &stopped, PAIR)?)?;
+    let stopped = solve::pair(inputs, scene, scene.stop[0])?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
     let findings: Findings = from_json(inputs, &identify::id(scene), FINDINGS)?;
