@@ -1,7 +1,7 @@
 //! Solutions as files: VTK image data for ParaView, NPY and NPZ for NumPy, SVG for the eye.
 
 use crate::discrete::grid::Grid;
-use crate::figures::{Caption, Surface, View, surfaces};
+use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::saddle::Pair;
 use clap::ValueEnum;
@@ -29,9 +29,8 @@ impl Format {
 
 /// The picture of a solution on the square.
 pub(super) fn picture(grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
-    let view = View::uphill(grid, &pair.y);
-    let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, view, range: None };
-    let caption = Caption { title: name, description: "Made by `signorini solve`." };
-    let drawing = surfaces(caption, 2, &[surface]).map_err(|e| Error::input(e.to_string()))?;
-    Ok(drawing.svg.into_bytes())
+    let azimuth = uphill(grid, &pair.y);
+    let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, azimuth, range: None };
+    let drawn = surfaces(2, &[surface]).svg(name, "Made by `signorini solve`.");
+    drawn.map(String::into_bytes).map_err(Error::input)
 }

@@ -2,7 +2,7 @@
 
 use super::problems::{Discrete, Problem};
 use crate::discrete::grid::Grid;
-use crate::saddle::{Method, Pair, Params, Steps, StopRule, arrow_hurwicz, on_nested, tolerance};
+use crate::saddle::{Method, Params, Steps, StopRule, arrow_hurwicz, on_nested, tolerance};
 use crate::spectral::spectral;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -86,7 +86,7 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
                 if steps.step(&mut again, usize::MAX).is_err() {
                     break;
                 }
-                contact.push(runs(&again));
+                contact.push(runs(&again.a));
             }
         }
         (outcome, outcome.stop)
@@ -94,10 +94,10 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
     Strip { r, contact }
 }
 
-/// Runs of boundary nodes with a positive multiplier.
-fn runs(pair: &Pair) -> Vec<[usize; 2]> {
+/// Runs of boundary nodes with a positive multiplier `a`: first, and one past the last.
+pub fn runs(a: &[f64]) -> Vec<[usize; 2]> {
     let mut runs: Vec<[usize; 2]> = Vec::new();
-    for (b, _) in pair.a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+    for (b, _) in a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
         match runs.last_mut() {
             Some(run) if run[1] == b => run[1] = b + 1,
             _ => runs.push([b, b + 1]),
@@ -112,7 +112,6 @@ mod tests {
 
     #[test]
     fn runs_are_disjoint_and_ascend() {
-        let pair = Pair { y: Vec::new(), a: vec![1.0, 0.0, 2.0, 3.0, 0.0] };
-        assert_eq!(runs(&pair), [[0, 1], [2, 4]]);
+        assert_eq!(runs(&[1.0, 0.0, 2.0, 3.0, 0.0]), [[0, 1], [2, 4]]);
     }
 }

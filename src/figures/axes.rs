@@ -1,7 +1,7 @@
 //! Parts that several figures share: plot frames with ticks, colour bars and legends.
 
 use super::palette::{INK, MUTED, RGBColor, RULE, series};
-use super::picture::{NORMAL, Picture, Place, SMALL, Type, text_width};
+use super::picture::{END, NORMAL, Picture, Place, SMALL, START, italic, plain, text_width};
 use super::text::Ticks;
 
 /// A rectangle of the picture with a linear scale along each side.
@@ -94,7 +94,7 @@ impl Frame {
         for (value, text) in ticks {
             let x = self.right(value);
             picture.path([(x, y), (x, y + 4.0)], INK, 1.0);
-            picture.text(&text, (x, y + 14.0), Type::size(SMALL));
+            picture.text(&text, (x, y + 14.0), plain(SMALL));
         }
     }
 
@@ -107,7 +107,7 @@ impl Frame {
         for (value, text) in ticks {
             let y = self.up(value);
             picture.path([(x - 4.0, y), (x, y)], INK, 1.0);
-            picture.text(&text, (x - 7.0, y), Type::size(SMALL).right());
+            picture.text(&text, (x - 7.0, y), plain(SMALL).pos(END));
         }
     }
 
@@ -143,7 +143,7 @@ pub(super) fn colour_bar(
     frame.outline(picture);
     let most = ((across.1 - across.0) / 42.0) as usize;
     frame.label_below(picture, Ticks::inside(range.0, range.1, most).labelled());
-    let kind = Type::size(NORMAL).italic().right();
+    let kind = italic(NORMAL).pos(END);
     picture.text(name, (across.0 - 10.0, top + 6.0), kind);
 }
 
@@ -196,13 +196,13 @@ impl<'a> Legend<'a> {
             for (from, to) in parts {
                 picture.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);
             }
-            picture.text(label, (x + STROKE + 6.0, y), Type::size(SMALL).left());
+            picture.text(label, (x + STROKE + 6.0, y), plain(SMALL).pos(START));
         }
     }
 }
 
 /// A key that explains a line style, in secondary ink; returns where it ends.
 pub(super) fn key(picture: &mut Picture, (x, y): Place, text: &str) -> f64 {
-    picture.text(text, (x, y), Type::size(SMALL).left().color(MUTED));
+    picture.text(text, (x, y), plain(SMALL).pos(START).color(&MUTED));
     x + text_width(text, SMALL)
 }

@@ -10,46 +10,24 @@ pub(super) const UNIT: f64 = 205.0;
 /// Light that falls on every side alike; the rest comes from the lamp.
 const AMBIENT: f64 = 0.62;
 
-/// From where a surface is seen, in parallel projection.
-///
-/// At azimuths that are multiples of 90 degrees one side of the square is seen end on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct View {
-    /// Degrees by which the viewer has walked counter-clockwise from the negative y axis.
-    pub(crate) azimuth: f64,
-    /// Degrees above the horizon, between 0 and 90.
-    pub(crate) elevation: f64,
-}
+/// Degrees by which the viewer has walked counter-clockwise from the negative y axis, where nothing asks for more.
+const AZIMUTH: f64 = -37.5;
+/// Degrees of the viewer above the horizon.
+const ELEVATION: f64 = 30.0;
 
-impl View {
-    /// The view from above one of the four corners that looks most uphill: at a corner that is higher
-    /// than the one in front by as much as can be, so that the surface hides little of itself.
-    ///
-    /// `y` is a nodal vector; if it has another length than `grid`'s, the default view is returned.
-    pub(crate) fn uphill(grid: Grid, y: &[f64]) -> Self {
-        let mut best = Self::default();
-        if y.len() != grid.nodes() {
-            return best;
+/// The azimuth of the view from above one of the four corners that looks most uphill: at a corner that is higher
+/// than the one in front by as much as can be, so that the surface, a nodal vector, hides little of itself.
+pub(crate) fn uphill(grid: Grid, y: &[f64]) -> f64 {
+    let n = grid.cells();
+    let (mut best, mut most) = (AZIMUTH, f64::NEG_INFINITY);
+    // In the order in which a viewer who walks counter-clockwise meets the corners.
+    for (turn, (i, j)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
+        let rise = y[grid.index(n - i, n - j)] - y[grid.index(i, j)];
+        if rise > most {
+            (best, most) = (AZIMUTH + 90.0 * turn as f64, rise);
         }
-        let n = grid.cells();
-        let mut most = f64::NEG_INFINITY;
-        // In the order in which a viewer who walks counter-clockwise meets the corners.
-        for (turn, (i, j)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
-            let rise = y[grid.index(n - i, n - j)] - y[grid.index(i, j)];
-            if rise > most {
-                most = rise;
-                let turned = Self::default().azimuth + 90.0 * turn as f64;
-                best.azimuth = if turned > 180.0 { turned - 360.0 } else { turned };
-            }
-        }
-        best
     }
-}
-
-impl Default for View {
-    fn default() -> Self {
-        Self { azimuth: -37.5, elevation: 30.0 }
-    }
+    if best > 180.0 { best - 360.0 } else { best }
 }
 
 pub(super) type Vector = [f64; 3];
@@ -71,10 +49,10 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    pub(super) fn new(view: View) -> Self {
+    pub(super) fn new(azimuth: f64) -> Self {
         let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
-        let (sin_a, cos_a) = libm::sincos(radians(view.azimuth));
-        let (sin_e, cos_e) = libm::sincos(radians(view.elevation));
+        let (sin_a, cos_a) = libm::sincos(radians(azimuth));
+        let (sin_e, cos_e) = libm::sincos(radians(ELEVATION));
         let toward = [sin_a * cos_e, -cos_a * cos_e, sin_e];
         let sign = |t: f64| if t < 0.0 { -1.0 } else { 1.0 };
         Self {
@@ -146,7 +124,7 @@ mod tests {
     fn a_cell_is_drawn_after_every_cell_it_may_hide() {
         let n = 5;
         for azimuth in [-170.0, -127.5, -90.0, -37.5, 0.0, 12.0, 52.5, 90.0, 142.5, 180.0] {
-            let camera = Camera::new(View { azimuth, elevation: 30.0 });
+            let camera = Camera::new(azimuth);
             let order: Vec<_> = camera.far_to_near(n).collect();
             let when = |cell| order.iter().position(|&c| c == cell).unwrap();
             for cell in (0..n * n).map(|k| (k % n, k / n)) {
@@ -168,7 +146,7 @@ mod tests {
 
     #[test]
     fn camera_is_orthonormal() {
-        let camera = Camera::new(View::default());
+        let camera = Camera::new(AZIMUTH);
         for (a, b) in
             [(camera.right, camera.up), (camera.up, camera.toward), (camera.toward, camera.right)]
         {
@@ -182,8 +160,7 @@ mod tests {
         for (k, near) in [(0, [1.0, 1.0]), (2, [-1.0, 1.0]), (8, [-1.0, -1.0]), (6, [1.0, -1.0])] {
             let mut y = vec![0.0; 9];
             y[k] = 1.0;
-            assert_eq!(Camera::new(View::uphill(grid, &y)).near, near);
+            assert_eq!(Camera::new(uphill(grid, &y)).near, near);
         }
-        assert_eq!(View::uphill(grid, &[]), View::default());
     }
 }

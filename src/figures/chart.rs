@@ -2,10 +2,12 @@
 
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend};
 use super::palette::{MUTED, RULE, series, solver};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type, WIDTH};
+use super::picture::{
+    END, LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain,
+};
 use super::table::of_charts;
 use super::text::power_of_ten;
-use super::{Caption, Chart, Curve, Drawing, FigureError, Stroke, decade, finite, not_empty};
+use super::{Chart, Curve, Stroke, decade};
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 260.0;
@@ -19,25 +21,19 @@ const ABOVE: f64 = 30.0;
 const BELOW: f64 = 50.0;
 
 /// Draws panels, two in a row, one legend above them all; with `alike`, one range for all heights.
-pub(crate) fn charts(
-    caption: Caption,
-    alike: bool,
-    panels: &[Chart],
-) -> Result<Drawing, FigureError> {
+///
+/// Panels without points are left out.
+pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
+    let panels: Vec<_> = panels.iter().filter(|panel| points(panel).next().is_some()).collect();
     let mut labels: Vec<&str> = Vec::new();
-    for panel in not_empty("panels", panels)? {
-        for curve in &panel.curves {
-            finite(&panel.title, "x", curve.points.iter().map(|p| decade(p.0)))?;
-            finite(&panel.title, "y", curve.points.iter().map(|p| decade(p.1)))?;
-            let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
-            if named && !labels.contains(&&*curve.label) {
-                labels.push(&curve.label);
-            }
+    for curve in panels.iter().flat_map(|panel| &panel.curves) {
+        let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
+        if named && !labels.contains(&&*curve.label) {
+            labels.push(&curve.label);
         }
-        not_empty("points", &points(panel).collect::<Vec<_>>())?;
     }
     let entries = entries(&labels);
-    let columns = panels.len().min(2);
+    let columns = panels.len().clamp(1, 2);
     let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
     let head = if labels.is_empty() { 4.0 } else { 12.0 + LEGEND_ROW * legend.rows as f64 };
     let (wide, high) = (WIDTH / columns as f64, ABOVE + PLOT + BELOW);
@@ -46,7 +42,7 @@ pub(crate) fn charts(
     if !labels.is_empty() {
         legend.draw(&mut picture, (LEFT, 18.0));
     }
-    let heights = extent(panels.iter().flat_map(points).map(|p| p.1));
+    let heights = extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
     for (k, panel) in panels.iter().enumerate() {
         let (left, top) = (wide * (k % columns) as f64, head + high * (k / columns) as f64);
         let frame = Frame {
@@ -57,7 +53,8 @@ pub(crate) fn charts(
         };
         draw(&mut picture, panel, &frame, &entries);
     }
-    Ok(picture.finish(caption, Some(of_charts(panels))))
+    picture.table = Some(of_charts(&panels));
+    picture
 }
 
 /// A colour for each label: that of its solver, or one that no solver here has. A solver that occurs
@@ -117,9 +114,8 @@ fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
 
 /// The ends of an axis: all values with some air, whole decades if they are few.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .map(decade)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let ends = values.map(|value| (decade(value), decade(value)));
+    let (low, high) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 1.0));
     let air = 0.03 * (high - low);
     match high - low < 2.0 {
         true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),
@@ -140,7 +136,7 @@ fn ticks((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
 /// Everything but the data.
 fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     let title = (frame.across.0, frame.down.0 - 14.0);
-    picture.text(&panel.title, title, Type::size(LARGE).bold().left());
+    picture.text(&panel.title, title, bold(LARGE).pos(START));
     let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
     let (x, y) = (ticks(frame.x, across), ticks(frame.y, 8));
     frame.rules(picture, y.iter().map(|tick| tick.0));
@@ -148,8 +144,8 @@ fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     frame.label_left(picture, y);
     frame.label_below(picture, x);
     let (x, y) = frame.middle();
-    picture.text(panel.axes[0], (x, frame.down.1 + 32.0), Type::size(NORMAL));
-    picture.text(panel.axes[1], (frame.across.0 - 55.0, y), Type::size(NORMAL).upwards());
+    picture.text(panel.axes[0], (x, frame.down.1 + 32.0), plain(NORMAL));
+    picture.text(panel.axes[1], (frame.across.0 - 55.0, y), plain(NORMAL).transform(UPWARDS));
 }
 
 fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {
@@ -161,10 +157,10 @@ fn name_reference(picture: &mut Picture, frame: &Frame, curve: &Curve) {
     let ends = places(frame, curve);
     let (&[(x0, y0), ..], &[.., (x1, y1)]) = (&ends[..], &ends[..]) else { return };
     let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) - 9.0);
-    let kind = Type::size(SMALL).color(MUTED);
+    let kind = plain(SMALL).color(&MUTED);
     if (y1 - y0) * (x1 - x0) < 0.0 {
-        picture.text(&curve.label, (x - 6.0, y), kind.right());
+        picture.text(&curve.label, (x - 6.0, y), kind.pos(END));
     } else {
-        picture.text(&curve.label, (x + 6.0, y), kind.left());
+        picture.text(&curve.label, (x + 6.0, y), kind.pos(START));
     }
 }

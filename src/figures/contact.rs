@@ -2,12 +2,12 @@
 
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
-use super::picture::{LARGE, NORMAL, Picture, SMALL, Type, WIDTH};
+use super::picture::{END, LARGE, NORMAL, Picture, SMALL, START, WIDTH, bold, italic, plain};
+use super::strips::arcs;
 use super::table::of_contact;
 use super::text::Ticks;
-use super::{Caption, ContactPanel, Drawing, FigureError, not_empty, range_with_zero, vector};
-use crate::discrete::grid::Grid;
-use crate::saddle::Pair;
+use super::{ContactPanel, range_with_zero};
+use crate::experiments::strips::runs;
 
 /// Left and right end of the plots.
 const ACROSS: (f64, f64) = (82.0, 780.0);
@@ -21,13 +21,7 @@ const ROW: f64 = 9.0;
 /// The abscissa s in [0, 4] runs counter-clockwise from the lower left corner. A node is in contact
 /// where a > 0, and stands for the half cells on both of its sides. The band between the two plots
 /// has one bar per line; the ground is grey where all lines of the panel are in contact.
-pub(crate) fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawing, FigureError> {
-    for panel in not_empty("panels", panels)? {
-        for (_, Pair { y, a }) in not_empty("lines", &panel.lines)? {
-            vector(panel.title, "y", y, panel.grid.nodes())?;
-            vector(panel.title, "a", a, panel.grid.boundary_nodes())?;
-        }
-    }
+pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
     let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;
     for panel in panels {
@@ -41,12 +35,13 @@ pub(crate) fn contact(caption: Caption, panels: &[ContactPanel]) -> Result<Drawi
         (ACROSS.0 + 36.0, y),
         "in contact (a > 0) in every run shown; bars: in contact, run by run",
     );
-    Ok(picture.finish(caption, Some(of_contact(panels))))
+    picture.table = Some(of_contact(panels));
+    picture
 }
 
 /// Draws a panel, and returns where the next one begins.
 fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
-    picture.text(panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
+    picture.text(panel.title, (ACROSS.0, top + 14.0), bold(LARGE).pos(START));
     let labels = panel.lines.iter().map(|(label, _)| &**label);
     let legend = Legend::new(labels, WIDTH - 100.0);
     legend.draw(picture, (ACROSS.0, top + 38.0));
@@ -71,23 +66,22 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     let lower_top = top + PLOT + band;
     let lower = frame((lower_top, lower_top + PLOT), &multipliers);
 
-    let touching: Vec<Vec<bool>> =
-        lines().map(|pair| pair.a.iter().map(|&a| a > 0.0).collect()).collect();
-    let all: Vec<bool> = (0..boundary.len()).map(|b| touching.iter().all(|line| line[b])).collect();
+    let least = |b: usize| multipliers.iter().map(|a| a[b]).fold(f64::INFINITY, f64::min);
+    let everywhere: Vec<f64> = (0..boundary.len()).map(least).collect();
     let whole = Frame { down: (top, lower_top + PLOT), ..upper.0 };
-    for run in contact_runs(grid, &all) {
-        whole.band(picture, run, SHADE);
+    for arc in arcs(&runs(&everywhere), grid.cells()) {
+        whole.band(picture, arc, SHADE);
     }
     draw_plot(picture, "y", &upper, &ys, grid.h());
     draw_plot(picture, "a", &lower, &multipliers, grid.h());
-    for (k, line) in touching.iter().enumerate() {
+    for (k, a) in multipliers.iter().enumerate() {
         let y = top + PLOT + 8.0 + ROW * k as f64;
-        for (from, to) in contact_runs(grid, line) {
+        for (from, to) in arcs(&runs(a), grid.cells()) {
             picture.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
         }
     }
     let middle = top + PLOT + 0.5 * band;
-    picture.text("contact", (ACROSS.0 - 8.0, middle), Type::size(SMALL).right().color(MUTED));
+    picture.text("contact", (ACROSS.0 - 8.0, middle), plain(SMALL).pos(END).color(&MUTED));
     name_sides(picture, &whole);
     whole.down.1 + 56.0
 }
@@ -102,7 +96,7 @@ fn draw_plot(
 ) {
     frame.rules(picture, ticks.values());
     frame.label_left(picture, ticks.labelled());
-    picture.text(name, (26.0, frame.middle().1), Type::size(NORMAL).italic());
+    picture.text(name, (26.0, frame.middle().1), italic(NORMAL));
     frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
     for (k, values) in data.iter().enumerate() {
         // Closed: s = 4 is the corner s = 0 again.
@@ -118,59 +112,19 @@ fn name_sides(picture: &mut Picture, whole: &Frame) {
     let (top, bottom) = whole.down;
     for (k, side) in ["bottom", "right", "top", "left"].into_iter().enumerate() {
         let x = whole.right(k as f64 + 0.5);
-        picture.text(side, (x, top - 11.0), Type::size(SMALL).color(MUTED));
+        picture.text(side, (x, top - 11.0), plain(SMALL).color(&MUTED));
     }
     let corners = ["lower left", "lower right", "upper right", "upper left", "lower left"];
     for (k, corner) in corners.into_iter().enumerate() {
         let x = whole.right(k as f64);
         picture.path([(x, bottom), (x, bottom + 4.0)], INK, 1.0);
-        picture.text(&k.to_string(), (x, bottom + 13.0), Type::size(SMALL));
-        let kind = Type::size(SMALL).color(MUTED);
+        picture.text(&k.to_string(), (x, bottom + 13.0), plain(SMALL));
+        let kind = plain(SMALL).color(&MUTED);
         match k {
-            0 => picture.text(corner, (x - 8.0, bottom + 29.0), kind.left()),
-            4 => picture.text(corner, (x + 8.0, bottom + 29.0), kind.right()),
+            0 => picture.text(corner, (x - 8.0, bottom + 29.0), kind.pos(START)),
+            4 => picture.text(corner, (x + 8.0, bottom + 29.0), kind.pos(END)),
             _ => picture.text(corner, (x, bottom + 29.0), kind),
         }
     }
-    picture.text("s", (whole.right(0.5), bottom + 15.0), Type::size(NORMAL).italic());
-}
-
-/// Intervals of s in [0, 4] in which the boundary is in contact, ascending, disjoint.
-///
-/// Each node stands for the half cells on both of its sides; the first node is also the last.
-fn contact_runs(grid: Grid, touching: &[bool]) -> Vec<(f64, f64)> {
-    let count = touching.len();
-    let mut runs: Vec<(f64, f64)> = Vec::new();
-    let mut open = false;
-    for b in 0..=count {
-        let touches = touching[b % count];
-        if touches {
-            let from = ((b as f64 - 0.5) * grid.h()).max(0.0);
-            let to = ((b as f64 + 0.5) * grid.h()).min(4.0);
-            match runs.last_mut() {
-                Some(run) if open => run.1 = to,
-                _ => runs.push((from, to)),
-            }
-        }
-        open = touches;
-    }
-    runs
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn contact_runs_wrap_around_the_first_corner() {
-        let grid = Grid::new(4).unwrap();
-        let mut touching = vec![false; 16];
-        assert!(contact_runs(grid, &touching).is_empty());
-        touching[0] = true;
-        assert_eq!(contact_runs(grid, &touching), [(0.0, 0.125), (3.875, 4.0)]);
-        touching[5] = true;
-        touching[6] = true;
-        assert_eq!(contact_runs(grid, &touching)[1], (1.125, 1.625));
-        assert_eq!(contact_runs(grid, &[true; 16]), [(0.0, 4.0)]);
-    }
+    picture.text("s", (whole.right(0.5), bottom + 15.0), italic(NORMAL));
 }

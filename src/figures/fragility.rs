@@ -1,11 +1,11 @@
 //! How large a disturbance it takes to change each count of a table.
 
 use super::axes::Frame;
+use super::decade;
 use super::palette::{INK, MUTED, RGBColor, RULE, WHITE, legible_on, viridis};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
+use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, plain};
 use super::table::of_fragility;
 use super::text::power_of_ten;
-use super::{Caption, Drawing, FigureError, decade, finite, length, not_empty};
 use crate::experiments::rounding::{Cell, Table};
 
 /// Width and height of a cell in display pixels.
@@ -26,23 +26,8 @@ const FORMATS: [(f64, &str); 2] =
 ///
 /// `sizes` are ascending. A cell is the darker the less it takes to change its count, and white if no
 /// size did.
-pub(crate) fn fragility(
-    caption: Caption,
-    sizes: &[f64],
-    tables: &[Table],
-) -> Result<Drawing, FigureError> {
-    not_empty("sizes", sizes)?;
-    finite("scale", "sizes", sizes.iter().map(|size| decade(*size)))?;
-    let mut wide = 0;
-    for table in not_empty("panels", tables)? {
-        let panel = format!("Table {}", table.number);
-        for row in not_empty("rows", &table.rows)? {
-            length(&panel, "counts", row.cells.len(), table.grids.len())?;
-            let sizes = row.cells.iter().filter_map(|cell| cell.flips_at.map(decade));
-            finite(&panel, "sizes", sizes)?;
-        }
-        wide = wide.max(table.grids.len());
-    }
+pub(crate) fn fragility(sizes: &[f64], tables: &[Table]) -> Picture {
+    let wide = tables.iter().map(|table| table.grids.len()).max().unwrap_or(0);
     let (least, most) = (decade(sizes[0]), decade(sizes[sizes.len() - 1]));
     let color = |size: f64| viridis((decade(size) - least) / (most - least).max(1.0));
     let tall = tables.iter().map(|table| table.rows.len()).max().unwrap_or(0) as f64;
@@ -56,7 +41,8 @@ pub(crate) fn fragility(
         draw_panel(&mut picture, table, (left, ABOVE), color);
     }
     draw_scale(&mut picture, sizes, (0.5 * width, below + 50.0), color);
-    Ok(picture.finish(caption, Some(of_fragility(tables))))
+    picture.table = Some(of_fragility(tables));
+    picture
 }
 
 fn named(size: f64) -> String {
@@ -72,23 +58,23 @@ fn draw_panel(
     let at = |i: usize, j: usize| (left + CELL.0 * i as f64, top + CELL.1 * j as f64);
     let (columns, rows) = (table.grids.len(), table.rows.len());
     let title = (left + 0.5 * CELL.0 * columns as f64, top - 42.0);
-    picture.text(&format!("Table {}", table.number), title, Type::size(LARGE).bold());
+    picture.text(&format!("Table {}", table.number), title, bold(LARGE));
     for (i, cells) in table.grids.iter().enumerate() {
         let place = (at(i, 0).0 + 0.5 * CELL.0, top - 14.0);
-        picture.text(&format!("h = 1/{cells}"), place, Type::size(SMALL));
+        picture.text(&format!("h = 1/{cells}"), place, plain(SMALL));
     }
     for (j, row) in table.rows.iter().enumerate() {
         let place = (left - 8.0, top + CELL.1 * (j as f64 + 0.5));
-        picture.text(&format!("r = {}", row.r), place, Type::size(SMALL).right());
+        picture.text(&format!("r = {}", row.r), place, plain(SMALL).pos(END));
         for (i, Cell { count, flips_at, .. }) in row.cells.iter().enumerate() {
             let ground = flips_at.map_or(WHITE, &color);
             picture.rect(at(i, j), at(i + 1, j + 1), ground);
             let ink = legible_on(ground);
             let (x, y) = at(i, j);
             let (x, y) = (x + 0.5 * CELL.0, y + 0.5 * CELL.1);
-            picture.text(&count.to_string(), (x, y - 8.0), Type::size(NORMAL).bold().color(ink));
+            picture.text(&count.to_string(), (x, y - 8.0), bold(NORMAL).color(&ink));
             let text = flips_at.map_or_else(|| "\u{2013}".into(), named);
-            picture.text(&text, (x, y + 10.0), Type::size(SMALL).color(ink));
+            picture.text(&text, (x, y + 10.0), plain(SMALL).color(&ink));
         }
     }
     for j in 0..=rows {
@@ -125,8 +111,8 @@ fn draw_scale(
         let x = frame.right(decade(rounding));
         picture.path([(x, top - 6.0), (x, top + HEIGHT)], INK, 1.5);
         let text = format!("one rounding in {name}");
-        picture.text(&text, (x - 4.0, top - 14.0), Type::size(SMALL).color(MUTED).left());
+        picture.text(&text, (x - 4.0, top - 14.0), plain(SMALL).color(&MUTED).pos(START));
     }
     let name = "largest relative disturbance of each value";
-    picture.text(name, (middle, top + HEIGHT + 32.0), Type::size(SMALL));
+    picture.text(name, (middle, top + HEIGHT + 32.0), plain(SMALL));
 }

@@ -1,46 +1,31 @@
 //! Convergence histories: both readings of the stopping criterion against the iterations.
 
+use super::HistoryPanel;
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, RULE, series};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type, WIDTH};
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
-use super::{Caption, Drawing, FigureError, History, HistoryPanel, finite, not_empty};
 use crate::saddle::{Iteration, tolerance};
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 250.0;
 /// Left and right end of the plots.
 const ACROSS: (f64, f64) = (66.0, 690.0);
+/// Dash patterns of tolerances and of the criterion as printed.
+const DOTTED: &str = "stroke-dasharray=\"4 8\"";
+const DASHED: &str = "stroke-dasharray=\"18 10\"";
 
 /// Draws the residuals of every run, one panel below the other.
 ///
 /// Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
 /// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
 /// which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
-pub(crate) fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Drawing, FigureError> {
-    for panel in not_empty("panels", panels)? {
-        not_empty("grids", panel.grids)?;
-        for curve in not_empty("curves", &panel.curves)? {
-            let shown = || curve.levels.iter().flatten();
-            finite(panel.title, "max dM/dy", shown().map(|i| i.gradient_signed))?;
-            finite(panel.title, "max |dM/dy|", shown().map(|i| i.gradient_abs))?;
-        }
-    }
+pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
     let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;
     for panel in panels {
-        let plan = Plan::new(panel)?;
-        let frame = plan.frame(top);
-        plan.ground(&mut picture, &frame, top);
-        picture.group("stroke-dasharray=\"4 8\"", |picture| plan.tolerances(picture, &frame));
-        picture.group("stroke-dasharray=\"18 10\"", |picture| {
-            plan.curves(picture, &frame, 1.0, |i| i.gradient_abs);
-        });
-        plan.curves(&mut picture, &frame, 2.0, |i| i.gradient_signed);
-        plan.rings(&mut picture, &frame);
-        frame.outline(&mut picture);
-        top = frame.down.1 + 52.0;
+        top = draw_panel(&mut picture, panel, top);
     }
     picture.height = top + 32.0;
     let (x, y) = (ACROSS.0, top + 10.0);
@@ -50,125 +35,97 @@ pub(crate) fn histories(caption: Caption, panels: &[HistoryPanel]) -> Result<Dra
     picture.ring((x + 410.0, y), 4.0, MUTED);
     key(&mut picture, (x + 421.0, y), "end of a grid");
     key(&mut picture, (x + 557.0, y), "tolerance 10\u{207b}\u{1d3a}");
-    picture.group("stroke-dasharray=\"18 10\"", |picture| {
+    picture.group(DASHED, |picture| {
         picture.path([(x + 192.0, y), (x + 220.0, y)], MUTED, 1.0);
     });
-    picture.group("stroke-dasharray=\"4 8\"", |picture| {
+    picture.group(DOTTED, |picture| {
         picture.path([(x + 522.0, y), (x + 550.0, y)], INK, 1.0);
     });
-    Ok(picture.finish(caption, Some(of_histories(panels))))
+    picture.table = Some(of_histories(panels));
+    picture
 }
 
-/// A panel with its scales.
-struct Plan<'a> {
-    panel: &'a HistoryPanel<'a>,
-    legend: Legend<'a>,
-    longest: usize,
-    /// Powers of ten at the lower and upper edge.
-    decades: (i32, i32),
-}
-
-impl<'a> Plan<'a> {
-    fn new(panel: &'a HistoryPanel<'a>) -> Result<Self, FigureError> {
-        let grids = panel.grids.len();
-        let shown = |curve: &'a History| curve.levels.iter().take(grids);
-        let longest =
-            panel.curves.iter().map(|curve| shown(curve).map(Vec::len).sum()).max().unwrap_or(0);
-        if longest == 0 {
-            return Err(FigureError::Empty("iterations"));
-        }
-        let largest = panel
-            .curves
-            .iter()
-            .flat_map(|curve| shown(curve).flatten())
-            .map(|i| i.gradient_abs.max(i.gradient_signed))
-            .fold(tolerance(1), f64::max);
-        let bottom = -(panel.grids.len() as i32) - 1;
-        let top = libm::ceil(libm::log10(largest) + 0.05) as i32;
-        Ok(Self {
-            panel,
-            legend: Legend::new(panel.curves.iter().map(|curve| &*curve.label), WIDTH - 90.0),
-            longest,
-            decades: (bottom, top.max(bottom + 1)),
-        })
-    }
-
-    fn frame(&self, top: f64) -> Frame {
-        let top = top + 34.0 + LEGEND_ROW * self.legend.rows as f64;
-        Frame {
-            across: ACROSS,
-            down: (top, top + PLOT),
-            x: (0.0, self.longest as f64 * 1.02),
-            y: (f64::from(self.decades.0), f64::from(self.decades.1)),
-        }
-    }
-
-    /// Everything but the data.
-    fn ground(&self, picture: &mut Picture, frame: &Frame, top: f64) {
-        picture.text(self.panel.title, (ACROSS.0, top + 14.0), Type::size(LARGE).bold().left());
-        self.legend.draw(picture, (ACROSS.0, top + 38.0));
-        let (low, high) = self.decades;
-        let step = ((high - low + 7) / 8).max(1) as usize;
-        frame.rules(picture, (low..=high).step_by(step).map(f64::from));
-        let ticks = (low..=high).step_by(step);
-        frame.label_left(picture, ticks.map(|e| (f64::from(e), power_of_ten(e))));
-        let ticks = Ticks::inside(0.0, frame.x.1, 10);
-        frame.verticals(picture, ticks.values(), RULE);
-        // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
-        frame.label_below(picture, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
-        let (x, y) = frame.middle();
-        picture.text("iterations, all grids", (x, frame.down.1 + 31.0), Type::size(NORMAL));
-        picture.text("residual", (17.0, y), Type::size(NORMAL).upwards());
-        for (k, grid) in (1..).zip(self.panel.grids) {
-            let y = frame.up(-f64::from(k));
-            let text = format!("{}  h = 1/{}", power_of_ten(-k), grid.cells());
-            picture.text(&text, (ACROSS.1 + 7.0, y), Type::size(SMALL).left().color(MUTED));
-        }
-    }
-
-    fn tolerances(&self, picture: &mut Picture, frame: &Frame) {
-        for k in 1..=self.panel.grids.len() as i32 {
-            let y = frame.up(-f64::from(k));
+/// Draws a panel, and returns where the next one begins.
+fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
+    let legend = Legend::new(panel.runs.iter().map(|(label, _)| &**label), WIDTH - 90.0);
+    let lengths = panel.runs.iter().map(|(_, levels)| levels.iter().map(Vec::len).sum::<usize>());
+    let longest = lengths.max().unwrap_or(0) as f64;
+    let iterations = panel.runs.iter().flat_map(|(_, levels)| levels.iter().flatten());
+    let residuals = iterations.map(|i| i.gradient_abs.max(i.gradient_signed));
+    let largest = residuals.fold(tolerance(1), f64::max);
+    // Powers of ten at the lower and the upper edge.
+    let low = -(panel.grids.len() as i32) - 1;
+    let high = (libm::ceil(libm::log10(largest) + 0.05) as i32).max(low + 1);
+    let plot = top + 34.0 + LEGEND_ROW * legend.rows as f64;
+    let frame = Frame {
+        across: ACROSS,
+        down: (plot, plot + PLOT),
+        x: (0.0, longest * 1.02),
+        y: (f64::from(low), f64::from(high)),
+    };
+    picture.text(panel.title, (ACROSS.0, top + 14.0), bold(LARGE).pos(START));
+    legend.draw(picture, (ACROSS.0, top + 38.0));
+    ground(picture, panel, &frame, (low..=high).step_by(((high - low + 7) / 8).max(1) as usize));
+    picture.group(DOTTED, |picture| {
+        for k in 1..=panel.grids.len() {
+            let y = frame.up(-(k as f64));
             picture.path([(ACROSS.0, y), (ACROSS.1, y)], INK, 1.0);
         }
-    }
-
-    /// Iterations shown of a run: number from 1, whether it is the last on its grid, and data.
-    fn shown(&self, curve: &'a History) -> impl Iterator<Item = (usize, bool, &'a Iteration)> {
-        let levels = curve.levels.iter().take(self.panel.grids.len());
-        levels
-            .flat_map(|level| level.iter().enumerate().map(|(k, i)| (k + 1 == level.len(), i)))
-            .enumerate()
-            .map(|(k, (last, i))| (k + 1, last, i))
-    }
-
-    fn place(&self, frame: &Frame, number: usize, value: f64) -> Place {
-        let (low, high) = frame.y;
-        let y = if value > 0.0 { libm::log10(value).clamp(low, high) } else { low };
-        frame.at(number as f64, y)
-    }
-
-    fn curves(
-        &self,
-        picture: &mut Picture,
-        frame: &Frame,
-        width: f64,
-        pick: fn(&Iteration) -> f64,
-    ) {
-        for (k, curve) in self.panel.curves.iter().enumerate() {
-            let places = self.shown(curve).map(|(number, _, i)| self.place(frame, number, pick(i)));
-            let thinned = thinned(places.collect());
-            if thinned.len() > 1 {
-                picture.path(thinned, series(k), width);
-            }
+    });
+    picture.group(DASHED, |picture| curves(picture, panel, &frame, 1.0, |i| i.gradient_abs));
+    curves(picture, panel, &frame, 2.0, |i| i.gradient_signed);
+    for (k, (_, levels)) in panel.runs.iter().enumerate() {
+        let mut number = 0;
+        for (level, last) in levels.iter().filter_map(|level| Some((level, level.last()?))) {
+            number += level.len();
+            picture.ring(place(&frame, number, last.gradient_signed), 4.0, series(k));
         }
     }
+    frame.outline(picture);
+    frame.down.1 + 52.0
+}
 
-    fn rings(&self, picture: &mut Picture, frame: &Frame) {
-        for (k, curve) in self.panel.curves.iter().enumerate() {
-            for (number, _, i) in self.shown(curve).filter(|(_, last, _)| *last) {
-                picture.ring(self.place(frame, number, i.gradient_signed), 4.0, series(k));
-            }
+/// Everything but the data; `powers` are the powers of ten that are marked.
+fn ground(
+    picture: &mut Picture,
+    panel: &HistoryPanel,
+    frame: &Frame,
+    powers: impl Iterator<Item = i32> + Clone,
+) {
+    frame.rules(picture, powers.clone().map(f64::from));
+    frame.label_left(picture, powers.map(|e| (f64::from(e), power_of_ten(e))));
+    let ticks = Ticks::inside(0.0, frame.x.1, 10);
+    frame.verticals(picture, ticks.values(), RULE);
+    // Iterations are counted in whole numbers, even where a run is so short that ticks are not.
+    frame.label_below(picture, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
+    let (x, y) = frame.middle();
+    picture.text("iterations, all grids", (x, frame.down.1 + 31.0), plain(NORMAL));
+    picture.text("residual", (17.0, y), plain(NORMAL).transform(UPWARDS));
+    for (k, grid) in (1..).zip(panel.grids) {
+        let y = frame.up(-f64::from(k));
+        let text = format!("{}  h = 1/{}", power_of_ten(-k), grid.cells());
+        picture.text(&text, (ACROSS.1 + 7.0, y), plain(SMALL).pos(START).color(&MUTED));
+    }
+}
+
+fn place(frame: &Frame, number: usize, value: f64) -> Place {
+    let (low, high) = frame.y;
+    let y = if value > 0.0 { libm::log10(value).clamp(low, high) } else { low };
+    frame.at(number as f64, y)
+}
+
+fn curves(
+    picture: &mut Picture,
+    panel: &HistoryPanel,
+    frame: &Frame,
+    width: f64,
+    pick: fn(&Iteration) -> f64,
+) {
+    for (k, (_, levels)) in panel.runs.iter().enumerate() {
+        let places = (1..).zip(levels.iter().flatten()).map(|(n, i)| place(frame, n, pick(i)));
+        let thinned = thinned(places.collect());
+        if thinned.len() > 1 {
+            picture.path(thinned, series(k), width);
         }
     }
 }

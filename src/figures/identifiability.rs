@@ -1,12 +1,12 @@
 //! How sharply the tables fix f: published counts that come out, over the plane of two of its values.
 
+use super::IdentifiabilityPanel;
 use super::axes::{Frame, colour_bar, key};
 use super::palette::{CONTACT, INK, RGBColor, WHITE, viridis};
 use super::panels::{Panels, title};
-use super::picture::{NORMAL, Picture, Place, SMALL, Type, text_width};
+use super::picture::{NORMAL, Picture, Place, SMALL, UPWARDS, plain, text_width};
 use super::table::of_identifiability;
 use super::text::Ticks;
-use super::{Caption, Drawing, FigureError, IdentifiabilityPanel, finite, length, not_empty};
 
 /// Side of a panel in display pixels.
 const SIDE: f64 = 290.0;
@@ -15,20 +15,9 @@ const SIDE: f64 = 290.0;
 ///
 /// The region in which every count comes out is outlined, the f in the middle marked by a ring, other
 /// f by crosses if they are in the map.
-pub(crate) fn identifiability(
-    caption: Caption,
-    panels: &[IdentifiabilityPanel],
-) -> Result<Drawing, FigureError> {
-    let mut least = usize::MAX;
-    for panel in not_empty("panels", panels)? {
-        let slice = panel.slice;
-        not_empty("points", &slice.x)?;
-        finite(panel.title, "values", slice.x.iter().chain(&slice.y).copied())?;
-        let rows = slice.exact.iter().map(|row| (row.len(), slice.x.len()));
-        let mut lengths = rows.chain([(slice.exact.len(), slice.y.len())]);
-        lengths.try_for_each(|(got, want)| length(panel.title, "counts", got, want))?;
-        least = slice.exact.iter().flatten().copied().fold(least, usize::min);
-    }
+pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
+    let counts = panels.iter().flat_map(|panel| panel.slice.exact.iter().flatten());
+    let least = counts.copied().min().unwrap_or(0);
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);
     let range = (least.min(most) as f64, most as f64);
     let color = |n: f64| viridis((n - range.0) / (range.1 - range.0).max(1.0));
@@ -59,7 +48,8 @@ pub(crate) fn identifiability(
         "counts that come out",
     );
     legend(&mut picture, (0.5 * width, top + 56.0), most, width);
-    Ok(picture.finish(caption, Some(of_identifiability(panels))))
+    picture.table = Some(of_identifiability(panels));
+    picture
 }
 
 /// The range of an axis: each point stands for the cell around it.
@@ -105,10 +95,9 @@ fn draw_panel(
     frame.outline(picture);
     frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
     frame.label_left(picture, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
-    let kind = Type::size(NORMAL);
     let (x, y) = frame.middle();
-    picture.text("f on the odd quadrant", (x, frame.down.1 + 32.0), kind);
-    picture.text("f elsewhere", (frame.across.0 - 64.0, y), kind.upwards());
+    picture.text("f on the odd quadrant", (x, frame.down.1 + 32.0), plain(NORMAL));
+    picture.text("f elsewhere", (frame.across.0 - 64.0, y), plain(NORMAL).transform(UPWARDS));
 }
 
 fn ring(picture: &mut Picture, at: Place) {

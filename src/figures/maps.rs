@@ -1,12 +1,12 @@
 //! Figure 1: maps of the piecewise constant right-hand sides.
 
 use super::axes::{Frame, colour_bar};
-use super::palette::{INK, RGBColor, WHITE, diverging, legible_on};
+use super::palette::{INK, RGBColor, diverging, legible_on};
 use super::panels::{Panels, title};
-use super::picture::{NORMAL, Picture, SMALL, Type, text_width};
+use super::picture::{NORMAL, Picture, SMALL, italic, plain, text_width};
 use super::regions::{RASTER, raster, regions, widest};
 use super::text::{Ticks, short};
-use super::{Caption, Drawing, FigureError, finite, not_empty};
+use crate::discrete::norms::largest;
 use crate::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
@@ -26,24 +26,9 @@ type Point = [f64; 2];
 ///
 /// Pieces are painted as exact polygons in their order; each value is printed where its region is
 /// widest, if it fits. A smooth f is painted as a raster, without values.
-pub(crate) fn maps_of_f(
-    caption: Caption,
-    panels: &[(&str, &Source)],
-) -> Result<Drawing, FigureError> {
-    not_empty("panels", panels)?;
-    let mut limit = 0.0f64;
-    let mut rasters = Vec::new();
-    for (title, f) in panels {
-        let values = raster(f);
-        finite(title, "f", values.iter().copied())?;
-        // The raster may miss a piece thinner than its cells.
-        if let Source::Pieces { background, pieces } = f {
-            let values = pieces.iter().map(|(_, value)| *value);
-            finite(title, "the pieces of f", values.chain([*background]))?;
-        }
-        limit = values.iter().fold(limit, |limit, v| limit.max(v.abs()));
-        rasters.push(values);
-    }
+pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
+    let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
+    let limit = largest(&rasters.concat());
     let limit = if limit > 0.0 { limit } else { 1.0 };
     let layout = Panels {
         count: panels.len(),
@@ -71,7 +56,7 @@ pub(crate) fn maps_of_f(
         |value| diverging(value / limit),
         "f (x, y)",
     );
-    Ok(picture.finish(caption, None))
+    picture
 }
 
 /// Colours are those of values up to `limit`; `values` is the raster of f.
@@ -103,10 +88,9 @@ fn draw_map(picture: &mut Picture, f: &Source, values: &[f64], frame: Frame, lim
     frame.outline(picture);
     frame.label_below(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
     frame.label_left(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
-    let kind = Type::size(NORMAL).italic();
     let (x, y) = frame.middle();
-    picture.text("x", (x, frame.down.1 + 31.0), kind);
-    picture.text("y", (frame.across.0 - 48.0, y), kind);
+    picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
+    picture.text("y", (frame.across.0 - 48.0, y), italic(NORMAL));
 }
 
 /// The part of the square that lies in all half-planes.
@@ -186,12 +170,7 @@ fn label_regions(
         let size = if room > 40.0 { 18.0 } else { NORMAL };
         if 0.5 * text_width(&text, SMALL) < room {
             let ink = legible_on(color(value));
-            let kind = Type::size(size).color(ink);
-            picture.text(
-                &text,
-                frame.at(at.0, at.1),
-                if ink == WHITE { kind.bold() } else { kind },
-            );
+            picture.text(&text, frame.at(at.0, at.1), plain(size).color(&ink));
         }
     }
 }

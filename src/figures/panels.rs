@@ -1,7 +1,7 @@
 //! Square panels, two in a row, each with room for its title and axes, above a foot common to all.
 
 use super::axes::Frame;
-use super::picture::{LARGE, Picture, Type};
+use super::picture::{LARGE, Picture, bold};
 
 /// The layout, in display pixels.
 #[derive(Clone, Copy, Debug)]
@@ -43,5 +43,5 @@ impl Panels {
 }
 
 pub(super) fn title(picture: &mut Picture, frame: &Frame, text: &str) {
-    picture.text(text, (frame.middle().0, frame.down.0 - 22.0), Type::size(LARGE).bold());
+    picture.text(text, (frame.middle().0, frame.down.0 - 22.0), bold(LARGE));
 }

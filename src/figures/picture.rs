@@ -1,10 +1,10 @@
 //! The canvas: shapes, drawn by plotters on a finer raster, put together into one SVG.
 
 use super::palette::{DARK, INK, RGBColor, WHITE};
-use super::{Caption, Drawing};
 use plotters::backend::{DrawingBackend, SVGBackend};
+pub(super) use plotters::style::TextStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontStyle, FontTransform, IntoFont, ShapeStyle, TextStyle};
+use plotters::style::{Color, FontStyle, FontTransform, IntoFont, ShapeStyle};
 use std::fmt::Write as _;
 
 /// Canvas pixels per display pixel: plotters has whole pixels only, too coarse for a mesh.
@@ -28,30 +28,36 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
 
-fn fine((x, y): Place) -> (i32, i32) {
-    ((x * FINE).round() as i32, (y * FINE).round() as i32)
-}
-
 fn filled(color: RGBColor) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: true, stroke_width: 1 }
 }
 
-/// A picture under construction; shapes are given in display pixels.
-pub(super) struct Picture {
+/// Shapes, given in display pixels.
+#[derive(Default)]
+pub(crate) struct Picture {
     width: f64,
     /// May be set when all is drawn.
     pub(super) height: f64,
     body: String,
+    /// Whether a place was not finite.
+    lost: bool,
+    /// What is shown as CSV with a header line, where that is more than the data it is drawn from.
+    pub(crate) table: Option<String>,
 }
 
 impl Picture {
     /// An empty picture of this size in display pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+        Self { width, height, ..Self::default() }
     }
 
     fn canvas(&self) -> (u32, u32) {
         ((self.width * FINE) as u32, (self.height * FINE) as u32)
+    }
+
+    fn fine(&mut self, (x, y): Place) -> (i32, i32) {
+        self.lost |= !(x.is_finite() && y.is_finite());
+        ((x * FINE).round() as i32, (y * FINE).round() as i32)
     }
 
     /// Adds a shape: what plotters draws, without the document around it.
@@ -81,7 +87,7 @@ impl Picture {
         color: RGBColor,
         width: f64,
     ) {
-        let mut path: Vec<_> = places.into_iter().map(fine).collect();
+        let mut path: Vec<_> = places.into_iter().map(|at| self.fine(at)).collect();
         path.dedup();
         let stroke_width = (width * FINE).round().max(1.0) as u32;
         let style = ShapeStyle { color: color.to_rgba(), filled: false, stroke_width };
@@ -89,13 +95,14 @@ impl Picture {
     }
 
     pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
-        self.shape(|svg| svg.fill_polygon(places.into_iter().map(fine), &filled(color)));
+        let corners: Vec<_> = places.into_iter().map(|at| self.fine(at)).collect();
+        self.shape(|svg| svg.fill_polygon(corners, &filled(color)));
     }
 
     /// A filled rectangle between opposite corners.
     pub(super) fn rect(&mut self, (x0, y0): Place, (x1, y1): Place, color: RGBColor) {
-        let low = fine((x0.min(x1), y0.min(y1)));
-        let high = fine((x0.max(x1), y0.max(y1)));
+        let low = self.fine((x0.min(x1), y0.min(y1)));
+        let high = self.fine((x0.max(x1), y0.max(y1)));
         self.shape(|svg| svg.draw_rect(low, high, &filled(color), true));
     }
 
@@ -113,42 +120,44 @@ impl Picture {
 
     /// A disc with a white core.
     pub(super) fn ring(&mut self, at: Place, radius: f64, color: RGBColor) {
+        let at = self.fine(at);
         for (radius, color) in [(radius, color), (radius - 1.5, WHITE)] {
             let radius = (radius * FINE).round() as u32;
-            self.shape(|svg| svg.draw_circle(fine(at), radius, &filled(color), true));
+            self.shape(|svg| svg.draw_circle(at, radius, &filled(color), true));
         }
     }
 
     /// A line of text whose middle height is at `at`.
-    pub(super) fn text(&mut self, text: &str, at: Place, kind: Type) {
-        let transform = if kind.upwards { FontTransform::Rotate270 } else { FontTransform::None };
-        let font = ("sans-serif", kind.size * FINE * FONT_UNIT)
-            .into_font()
-            .style(kind.style)
-            .transform(transform);
-        let style =
-            TextStyle::from(font).color(&kind.color).pos(Pos::new(kind.align, VPos::Center));
+    pub(super) fn text(&mut self, text: &str, at: Place, style: TextStyle) {
+        let at = self.fine(at);
         // XML has no control characters, not even escaped ones.
         let text: String = text.chars().filter(|c| !c.is_control()).collect();
-        self.shape(|svg| svg.draw_text(&text, &style, fine(at)));
+        self.shape(|svg| svg.draw_text(&text, &style, at));
     }
 
     /// The SVG document: scalable, shown at its size in display pixels where nothing else is said.
-    pub(super) fn finish(self, caption: Caption, table: Option<String>) -> Drawing {
+    ///
+    /// To readers who cannot see it, `title` says in a line what is shown, `description` how it was made.
+    pub(crate) fn svg(&self, title: &str, description: &str) -> Result<String, &'static str> {
+        if self.body.is_empty() {
+            return Err("there is nothing to draw; record or solve something first");
+        }
+        if self.lost {
+            return Err("a value to be drawn is not a finite number; solve again before drawing");
+        }
         let (width, height) = self.canvas();
-        let svg = format!(
+        Ok(format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\">\n\
              <title>{}</title>\n<desc>{}</desc>\n<style>{}</style>\n\
              <rect width=\"{width}\" height=\"{height}\" rx=\"32\" fill=\"#FFFFFF\"/>\n{}</svg>\n",
             self.width,
             self.height,
-            escaped(caption.title),
-            escaped(caption.description),
+            escaped(title),
+            escaped(description),
             dark(),
             self.body
-        );
-        Drawing { svg, table }
+        ))
     }
 }
 
@@ -178,43 +187,26 @@ fn escaped(text: &str) -> String {
         .collect()
 }
 
-#[derive(Clone, Copy)]
-pub(super) struct Type {
-    size: f64,
-    color: RGBColor,
-    style: FontStyle,
-    align: HPos,
-    upwards: bool,
+/// Texts that begin or end at their place.
+pub(super) const START: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
+pub(super) const END: Pos = Pos { h_pos: HPos::Right, v_pos: VPos::Center };
+/// Reads from below to above.
+pub(super) const UPWARDS: FontTransform = FontTransform::Rotate270;
+
+/// Ink of this size in display pixels, centred on its place both ways.
+fn styled(size: f64, style: FontStyle) -> TextStyle<'static> {
+    let font = ("sans-serif", size * FINE * FONT_UNIT).into_font().style(style);
+    TextStyle::from(font).color(&INK).pos(Pos { h_pos: HPos::Center, v_pos: VPos::Center })
 }
 
-impl Type {
-    /// Upright ink of this size in display pixels, centred on its place both ways.
-    pub(super) fn size(size: f64) -> Self {
-        Self { size, color: INK, style: FontStyle::Normal, align: HPos::Center, upwards: false }
-    }
+pub(super) fn plain(size: f64) -> TextStyle<'static> {
+    styled(size, FontStyle::Normal)
+}
 
-    pub(super) fn left(self) -> Self {
-        Self { align: HPos::Left, ..self }
-    }
+pub(super) fn bold(size: f64) -> TextStyle<'static> {
+    styled(size, FontStyle::Bold)
+}
 
-    pub(super) fn right(self) -> Self {
-        Self { align: HPos::Right, ..self }
-    }
-
-    pub(super) fn bold(self) -> Self {
-        Self { style: FontStyle::Bold, ..self }
-    }
-
-    pub(super) fn italic(self) -> Self {
-        Self { style: FontStyle::Italic, ..self }
-    }
-
-    /// Reads from below to above.
-    pub(super) fn upwards(self) -> Self {
-        Self { upwards: true, ..self }
-    }
-
-    pub(super) fn color(self, color: RGBColor) -> Self {
-        Self { color, ..self }
-    }
+pub(super) fn italic(size: f64) -> TextStyle<'static> {
+    styled(size, FontStyle::Italic)
 }

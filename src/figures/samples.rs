@@ -1,12 +1,15 @@
 //! Pictures for the tests: those of the paper's problems as committed, and odd cases drawn anew.
 
+use super::Stroke::{Line, Marked, Reference};
 use super::*;
 use crate::discrete::grid::nested;
 use crate::experiments::rounding::{Cell, Row, Table};
 use crate::problem::source::Source;
 
-pub(super) const CAPTION: Caption =
-    Caption { title: "Title <1> & more", description: "made by `signorini run`" };
+/// A picture under a title that needs escaping.
+pub(super) fn svg(picture: &Picture) -> String {
+    picture.svg("Title <1> & more", "made by `signorini run`").unwrap()
+}
 
 /// The figures of both problems; `run --locked` fails where the program draws others.
 pub(super) fn committed() -> Vec<(String, String)> {
@@ -32,8 +35,8 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let fs = texts.map(|text| text.parse::<Source>().unwrap());
     let maps: Vec<_> =
         texts.iter().zip(&fs).map(|(title, f)| (&title[..title.len().min(30)], f)).collect();
-    figures.push(("maps".into(), maps_of_f(CAPTION, &maps).unwrap().svg));
-    figures.push(("map".into(), maps_of_f(CAPTION, &maps[2..]).unwrap().svg));
+    figures.push(("maps".into(), svg(&maps_of_f(&maps))));
+    figures.push(("map".into(), svg(&maps_of_f(&maps[2..]))));
     let grids = nested(&[4, 8]).unwrap();
     let (title, grid) = ("one", grids[1]);
     let y = (0..grid.nodes()).map(|k| 0.01 * (k % 7) as f64 - 0.02).collect();
@@ -41,15 +44,14 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let pair = Pair { y, a };
     let (y, a) = (&pair.y, &pair.a);
     for azimuth in [0.0, 52.5, 90.0] {
-        let view = View { azimuth, ..View::default() };
-        let panel = Surface { title, grid, y, a, view, range: None };
-        figures.push((format!("view{azimuth}"), surfaces(CAPTION, 2, &[panel]).unwrap().svg));
+        let panel = Surface { title, grid, y, a, azimuth, range: None };
+        figures.push((format!("view{azimuth}"), svg(&surfaces(2, &[panel]))));
     }
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
             .map(|label| (label.into(), pair.clone()));
     let panel = ContactPanel { title, grid, lines: lines.into() };
-    figures.push(("lines".into(), contact(CAPTION, &[panel]).unwrap().svg));
+    figures.push(("lines".into(), svg(&contact(&[panel]))));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {
             let size = 1.0 / number as f64;
@@ -58,9 +60,9 @@ fn unusual_scenes() -> Vec<(String, String)> {
         })
         .collect();
     let levels = vec![vec![long[0]; 7], long];
-    let curve = |k| History { label: format!("curve number {k}"), levels: levels.clone() };
-    let panel = HistoryPanel { title, grids: &grids, curves: (1..=9).map(curve).collect() };
-    figures.push(("long".into(), histories(CAPTION, &[panel]).unwrap().svg));
+    let run = |k| (format!("curve number {k}"), levels.clone());
+    let panel = HistoryPanel { title, grids: &grids, runs: (1..=9).map(run).collect() };
+    figures.push(("long".into(), svg(&histories(&[panel]))));
     figures
 }
 
@@ -70,12 +72,12 @@ fn unusual_charts() -> Vec<(String, String)> {
     let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
     let few = || falling[3..6].iter().copied();
     let curves = vec![
-        Curve::marked("multigrid", falling.clone()),
-        Curve::marked("multigrid, again", few()),
-        Curve::line("maximum error", few()),
-        Curve::marked("one", few().take(1)),
-        Curve::marked("none", []),
-        Curve::reference("order 2", slope),
+        Curve::new(Marked, "multigrid", falling.clone()),
+        Curve::new(Marked, "multigrid, again", few()),
+        Curve::new(Line, "maximum error", few()),
+        Curve::new(Marked, "one", few().take(1)),
+        Curve::new(Marked, "none", []),
+        Curve::new(Reference, "order 2", slope),
     ];
     let panels = ["first", "second", "alone"]
         .map(|title| Chart::new(title, ["1/h", "error"], curves.clone()));
@@ -88,9 +90,9 @@ fn unusual_charts() -> Vec<(String, String)> {
     let table = Table { number: 1, grids: vec![4, 8, 16], rows, changed: Vec::new() };
     let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
     vec![
-        ("fragility".into(), fragility(CAPTION, &sizes, &[table.clone(), table]).unwrap().svg),
-        ("charts".into(), charts(CAPTION, false, &panels).unwrap().svg),
-        ("chart".into(), charts(CAPTION, true, &panels[..1]).unwrap().svg),
+        ("fragility".into(), svg(&fragility(&sizes, &[table.clone(), table]))),
+        ("charts".into(), svg(&charts(false, &panels))),
+        ("chart".into(), svg(&charts(true, &panels[..1]))),
     ]
 }
 

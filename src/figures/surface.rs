@@ -3,9 +3,9 @@
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, Scene, UNIT};
 use super::palette::{CONTACT, INK, MUTED, RGBColor, RULE, SHADE, lit, viridis};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, Type};
+use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, bold, italic, plain};
 use super::text::Ticks;
-use super::{Caption, Drawing, FigureError, Surface, not_empty, range_with_zero, vector};
+use super::{Surface, range_with_zero};
 use crate::discrete::grid::Grid;
 
 /// Most cells per side that are drawn; finer grids are thinned, or the file would grow too large.
@@ -24,16 +24,8 @@ const CEILING_GAP: f64 = 0.04;
 ///
 /// Heights are shaded by Lambert's law and coloured by value; the parts of the boundary in contact
 /// (positive multiplier) are marked on the surface. Grids finer than 32 cells per side are thinned.
-pub(crate) fn surfaces(
-    caption: Caption,
-    columns: usize,
-    panels: &[Surface],
-) -> Result<Drawing, FigureError> {
-    for panel in not_empty("panels", panels)? {
-        vector(panel.title, "y", panel.y, panel.grid.nodes())?;
-        vector(panel.title, "a", panel.a, panel.grid.boundary_nodes())?;
-    }
-    let columns = columns.clamp(1, panels.len());
+pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
+    let columns = columns.min(panels.len());
     let rows = panels.len().div_ceil(columns);
     let scale = (2.0 / columns as f64).min(1.0);
     let (wide, high) = (scale * PANEL.0, scale * (PANEL.1 - TEXT) + TEXT);
@@ -52,13 +44,13 @@ pub(crate) fn surfaces(
         let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
         let ticks = Ticks::inside(heights.0, heights.1, 5);
         let scene = Scene {
-            camera: Camera::new(panel.view),
+            camera: Camera::new(panel.azimuth),
             origin: (left + 0.5 * wide + 12.0, top + 24.0 + 160.0 * scale),
             unit: UNIT * scale,
             heights,
         };
         let color = |v: f64| viridis((v - data.0) / (data.1 - data.0));
-        picture.text(panel.title, (left + 0.5 * wide, top + 16.0), Type::size(LARGE).bold());
+        picture.text(panel.title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
         walls(&mut picture, &scene, &ticks);
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
         let mesh = "stroke=\"#203038\" stroke-width=\"1\"";
@@ -80,7 +72,7 @@ pub(crate) fn surfaces(
         let units = if columns > 1 { (x + 390.0, y) } else { (x, y + 20.0) };
         key(picture, units, "x, y and v are dimensionless");
     });
-    Ok(picture.finish(caption, None))
+    picture
 }
 
 /// Floor and the two far walls, with rules at the ticks.
@@ -216,9 +208,9 @@ fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
         picture.path([at(0), at(4)], INK, 1.0);
         for (k, text) in [(0, "\u{2212}0.5"), (2, "0"), (4, "0.5")] {
             picture.path([at(k), step(at(k), out, 5.0)], INK, 1.0);
-            picture.text(text, step(at(k), out, 17.0), Type::size(SMALL));
+            picture.text(text, step(at(k), out, 17.0), plain(SMALL));
         }
-        picture.text(name, step(at(1), out, 24.0), Type::size(NORMAL).italic());
+        picture.text(name, step(at(1), out, 24.0), italic(NORMAL));
     }
     // The vertical axis stands at the leftmost corner, where the surface cannot hide it.
     let corner = [(nx, -ny), (-nx, ny)]
@@ -235,11 +227,11 @@ fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
         picture.path([(x - 5.0, y), (x, y)], INK, 1.0);
         // Too near the floor, a number would collide with the first one there.
         if y < at(low).1 - SMALL {
-            picture.text(&text, (x - 8.0, y), Type::size(SMALL).right());
+            picture.text(&text, (x - 8.0, y), plain(SMALL).pos(END));
         }
     }
     let (x, y) = at(scene.heights.1);
-    picture.text("v", (x, y - 14.0), Type::size(NORMAL).italic());
+    picture.text("v", (x, y - 14.0), italic(NORMAL));
 }
 
 #[cfg(test)]

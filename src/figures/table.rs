@@ -14,7 +14,7 @@ pub(crate) fn quoted(text: &str) -> String {
 }
 
 /// The points of all curves; references are left out.
-pub(super) fn of_charts(panels: &[Chart]) -> String {
+pub(super) fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves } in panels {
         for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
@@ -30,9 +30,9 @@ pub(super) fn of_charts(panels: &[Chart]) -> String {
 pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
     for panel in panels {
-        for run in &panel.curves {
-            let names = [panel.title, &run.label].map(quoted).join(",");
-            for (grid, iterations) in panel.grids.iter().zip(&run.levels) {
+        for (run, levels) in &panel.runs {
+            let names = [panel.title, run].map(quoted).join(",");
+            for (grid, iterations) in panel.grids.iter().zip(levels) {
                 for i in iterations {
                     let (n, signed, abs) = (i.number, i.gradient_signed, i.gradient_abs);
                     let (cells, delta_a) = (grid.cells(), i.delta_a);
@@ -112,10 +112,11 @@ mod tests {
 
     #[test]
     fn charts_are_listed_point_by_point_and_commas_are_quoted() {
-        let marked = Curve::marked("multigrid, two threads", [(1.0, 0.5), (2.0, 1e-300)]);
-        let slope = Curve::reference("order 1", [(1.0, 1.0)]);
-        let line = Curve::line("a \"b\"", [(3.0, 4.0)]);
-        let text = of_charts(&[Chart::new("T", ["x", "y"], vec![marked, slope, line])]);
+        let points = [(1.0, 0.5), (2.0, 1e-300)];
+        let marked = Curve::new(Stroke::Marked, "multigrid, two threads", points);
+        let slope = Curve::new(Stroke::Reference, "order 1", [(1.0, 1.0)]);
+        let line = Curve::new(Stroke::Line, "a \"b\"", [(3.0, 4.0)]);
+        let text = of_charts(&[&Chart::new("T", ["x", "y"], vec![marked, slope, line])]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "panel,x axis,y axis,curve,x,y");
         assert_eq!(lines[1], "T,x,y,\"multigrid, two threads\",1,0.5");

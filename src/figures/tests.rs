@@ -1,8 +1,7 @@
 //! Tests that hold for every figure.
 
-use super::samples::{CAPTION, committed, every, unusual};
+use super::samples::{committed, every, svg, unusual};
 use super::*;
-use crate::problem::source::Source;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
 fn well_formed(svg: &str) {
@@ -93,41 +92,30 @@ fn text_is_large_enough_and_inside_the_picture() {
 }
 
 #[test]
-fn bad_data_is_refused_with_its_place() {
+fn what_cannot_be_drawn_is_refused() {
     let grid = Grid::new(4).unwrap();
     let (mut y, a) = (vec![0.0; 25], vec![0.0; 16]);
-    assert!(matches!(maps_of_f(CAPTION, &[]), Err(FigureError::Empty("panels"))));
-    let surface = |y: &[f64], a: &[f64]| {
-        let view = View::default();
-        surfaces(CAPTION, 2, &[Surface { title: "t", grid, y, a, view, range: None }])
+    let surface = |y: &[f64]| {
+        surfaces(2, &[Surface { title: "t", grid, y, a: &a, azimuth: 0.0, range: None }])
     };
-    assert!(surface(&y, &a).is_ok(), "a flat surface is a picture");
-    let message = surface(&y[1..], &a).unwrap_err().to_string();
-    assert_eq!(message, "`t`: y has 24 entries, its grid wants 25");
-    y[7] = f64::NAN;
-    let message = surface(&y, &a).unwrap_err().to_string();
-    assert!(message.contains("entry 7 of y"), "{message}");
-    let lines = vec![("l".into(), Pair { y: y.clone(), a: a.clone() })];
-    assert!(contact(CAPTION, &[ContactPanel { title: "t", grid, lines }]).is_err());
-    let bad =
-        Iteration { number: 1, gradient_signed: 1.0, gradient_abs: f64::INFINITY, delta_a: 0.0 };
-    let panel = |levels| {
-        let curves = vec![History { label: "l".into(), levels }];
-        histories(CAPTION, &[HistoryPanel { title: "t", grids: &[grid], curves }])
-    };
-    assert!(panel(vec![vec![bad]]).is_err());
-    assert_eq!(panel(Vec::new()), Err(FigureError::Empty("iterations")));
-    let slice = |x: f64| Slice { pieces: [0, 1], x: vec![x], y: vec![0.0], exact: vec![vec![3]] };
-    let map = |slice: &Slice| {
-        let panel = IdentifiabilityPanel { title: "t", slice, cells: 3, others: Vec::new() };
-        identifiability(CAPTION, &[panel])
-    };
-    assert!(map(&slice(1.0)).is_ok(), "a single point is a map");
-    assert!(map(&slice(f64::NAN)).is_err());
-    let torn = Slice { exact: vec![vec![3, 3]], ..slice(1.0) };
-    assert!(map(&torn).unwrap_err().to_string().contains("counts has 2 entries"));
-    let f = Source::constant(f64::NAN);
-    assert!(maps_of_f(CAPTION, &[("t", &f)]).is_err());
+    svg(&surface(&y));
+    y[4] = f64::NAN;
+    let refusal = |picture: Picture| picture.svg("t", "d").unwrap_err();
+    assert!(refusal(surface(&y)).contains("not a finite number"));
+    let lines = vec![("l".into(), Pair { y, a: a.clone() })];
+    let panel = ContactPanel { title: "t", grid, lines };
+    assert!(refusal(contact(&[panel])).contains("not a finite number"));
+    let curve = |point| Curve::new(Stroke::Marked, "c", point);
+    let chart = |point| charts(false, &[Chart::new("t", ["x", "y"], vec![curve(point)])]);
+    assert!(refusal(chart(Some((1.0, 0.0)))).contains("not a finite number"));
+    assert!(refusal(chart(None)).contains("nothing to draw"));
+}
+
+#[test]
+fn a_single_point_is_a_map() {
+    let slice = Slice { pieces: [0, 1], x: vec![1.0], y: vec![0.0], exact: vec![vec![3]] };
+    let panel = IdentifiabilityPanel { title: "t", slice: &slice, cells: 3, others: Vec::new() };
+    svg(&identifiability(&[panel]));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::{cost, to_json};
 use crate::experiments::problems::Problem;
 use crate::experiments::rounding::{self, Rounding};
 use crate::experiments::{self, accuracy, stress, strips, truth};
-use crate::figures::{self, Caption, Drawing, FigureError};
+use crate::figures::{self, Picture};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
@@ -77,7 +77,7 @@ pub fn pictures() -> Vec<Task> {
             "strips",
             "strips",
             "Contact along the boundary, iteration by iteration, for both problems and every r",
-            |caption, found: &Vec<strips::Strips>| figures::strips(caption, found),
+            |found: &Vec<strips::Strips>| figures::strips(found),
         ),
         picture(
             "sweep",
@@ -95,7 +95,7 @@ pub fn pictures() -> Vec<Task> {
             "rounding",
             "rounding",
             "The least relative disturbance that changes each published count",
-            |caption, found: &Rounding| figures::fragility(caption, &found.sizes, &found.tables),
+            |found: &Rounding| figures::fragility(&found.sizes, &found.tables),
         ),
         picture(
             "duality",
@@ -129,10 +129,10 @@ fn picture<T: DeserializeOwned + 'static>(
     name: &str,
     experiment: &'static str,
     title: &str,
-    draw: fn(Caption, &T) -> Result<Drawing, FigureError>,
+    draw: fn(&T) -> Picture,
 ) -> Task {
-    drawing(name, title.into(), vec![id(experiment)], move |inputs, caption| {
-        Ok(draw(caption, &result(inputs, experiment)?)?)
+    drawing(name, title.into(), vec![id(experiment)], move |inputs| {
+        Ok(draw(&result(inputs, experiment)?))
     })
 }
 

@@ -3,7 +3,8 @@
 use crate::experiments::accuracy::{self, Findings};
 use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Run};
-use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, charts};
+use crate::figures::Stroke::{Line, Marked, Reference};
+use crate::figures::{Chart, Curve, Picture, charts};
 use crate::problem::exact::Exact;
 use crate::timing::measure::SOLVERS;
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
@@ -20,17 +21,17 @@ fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
         false => factor * scaled.fold(0.0, f64::max),
     };
     let at = |x: f64| (x, constant * libm::pow(x, power));
-    Curve::reference(label, [at(ends.0), at(ends.1)])
+    Curve::new(Reference, label, [at(ends.0), at(ends.1)])
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
-pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, FigureError> {
+pub(super) fn accuracy(found: &Findings) -> Picture {
     type Error = fn(&accuracy::Level) -> Option<f64>;
     let panel = |title, y, error: Error, slopes: &[(&str, f64, f64)]| {
         let point = |level: &accuracy::Level| Some((level.cost.cells as f64, error(level)?));
         let known = found.problems.iter();
         let mut lines: Vec<_> = known
-            .map(|known| Curve::marked(&known.name, known.levels.iter().filter_map(point)))
+            .map(|known| Curve::new(Marked, &known.name, known.levels.iter().filter_map(point)))
             .collect();
         let slopes = slopes.iter().map(|&(label, power, at)| slope(label, &lines, power, at));
         let slopes: Vec<_> = slopes.collect();
@@ -50,20 +51,17 @@ pub(super) fn accuracy(caption: Caption, found: &Findings) -> Result<Drawing, Fi
             both,
         ),
     ];
-    charts(caption, false, &panels)
+    charts(false, &panels)
 }
 
 /// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
-pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, FigureError> {
+pub(super) fn work(found: &Findings) -> Picture {
     let compared = &found.comparison;
     let trace = |column: usize| -> Vec<Curve> {
         let of = |run: &Run| {
             let points = run.trace.iter().map(|point| (point[0], point[column]));
             // Rings at hundreds of checks would hide the line.
-            match run.trace.len() > 40 {
-                true => Curve::line(&run.method, points),
-                false => Curve::marked(&run.method, points),
-            }
+            Curve::new(if run.trace.len() > 40 { Line } else { Marked }, &run.method, points)
         };
         compared.runs.iter().map(of).collect()
     };
@@ -71,8 +69,9 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, Figure
     let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let ends = work.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
     let error = compared.discretisation;
-    errors.push(Curve::reference("discretisation error", [(ends.0, error), (ends.1, error)]));
-    let reached = |run: &Run| Curve::marked(&run.method, run.reached.iter().map(|a| (a.1, a.3)));
+    errors.push(Curve::new(Reference, "discretisation error", [(ends.0, error), (ends.1, error)]));
+    let reached =
+        |run: &Run| Curve::new(Marked, &run.method, run.reached.iter().map(|a| (a.1, a.3)));
     let mut reached: Vec<_> = compared.runs.iter().map(reached).collect();
     reached.push(slope("order 1", &reached[..1], -1.0, 0.15));
     let finest = |law: &&CostLaw| law.target < 1e-5;
@@ -101,7 +100,7 @@ pub(super) fn work(caption: Caption, found: &Findings) -> Result<Drawing, Figure
             laws,
         ),
     ];
-    charts(caption, false, &panels)
+    charts(false, &panels)
 }
 
 fn law_line(law: &CostLaw) -> Curve {
@@ -109,7 +108,7 @@ fn law_line(law: &CostLaw) -> Curve {
     let f = if f.contains('=') { "problem 2" } else { f };
     let start = if law.nested { "nested" } else { "from zero" };
     let points = law.sweeps.iter().map(|&(n, s)| (n as f64, s as f64));
-    Curve::marked(format!("{f}, {start}"), points)
+    Curve::new(Marked, format!("{f}, {start}"), points)
 }
 
 fn in_words(solver: &str) -> &str {
@@ -125,7 +124,7 @@ fn in_words(solver: &str) -> &str {
 /// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
 ///
 /// The proximal method would lie upon Uzawa's.
-pub(super) fn cost(caption: Caption, timings: &Timings) -> Result<Drawing, FigureError> {
+pub(super) fn cost(timings: &Timings) -> Picture {
     let per_unknown = |(cells, seconds): (usize, f64)| {
         let unknowns = ((cells + 1) * (cells + 1)) as f64;
         (unknowns, 1e9 * seconds / unknowns)
@@ -135,27 +134,26 @@ pub(super) fn cost(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
             let lines = timings.multigrid.iter().filter(wanted);
             let points = lines.map(|line| per_unknown((line.cells, line.seconds)));
-            Curve::marked(label, points)
+            Curve::new(Marked, label, points)
         })
     };
     let problem = timings.solver.last().map(|line| &line.problem);
     let solvers = ["multigrid", "active-set", "arrow-hurwicz", "uzawa"].map(|solver| {
         let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        Curve::marked(in_words(solver), to_discretisation(&mine).map(per_unknown))
+        Curve::new(Marked, in_words(solver), to_discretisation(&mine).map(per_unknown))
     });
     let axes = ["unknowns", "nanoseconds per unknown"];
-    let mut panels = vec![
+    let panels = [
         Chart::new("To the discretisation error", axes, multigrid(Goal::Discretisation).into()),
         Chart::new("To the rounding floor", axes, multigrid(Goal::Floor).into()),
         Chart::new("All solvers, to the discretisation error", axes, solvers.into()),
     ];
-    panels.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
-    charts(caption, false, &panels)
+    charts(false, &panels)
 }
 
 /// Error against time, one panel per problem; of each solver the runs that no other of its own beats.
-pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, FigureError> {
+pub(super) fn race(timings: &Timings) -> Picture {
     let mut problems: Vec<&str> = timings.solver.iter().map(|line| &line.problem[..]).collect();
     problems.extend(timings.spectral.iter().map(|line| &line.problem[..]));
     let mut seen = BTreeSet::new();
@@ -168,20 +166,20 @@ pub(super) fn race(caption: Caption, timings: &Timings) -> Result<Drawing, Figur
             let point = |line: &Reached| (line.seconds, line.error);
             let spectral = timings.spectral.iter().filter(|line| line.problem == problem);
             let spectral = front(spectral.map(|line| (line.seconds, line.error)));
-            let mut curves = vec![Curve::marked("spectral", spectral)];
+            let mut curves = vec![Curve::new(Marked, "spectral", spectral)];
             for solver in SOLVERS.iter().rev() {
                 let mine = lines().filter(|line| line.solver == *solver && !stop(line));
-                curves.push(Curve::marked(in_words(solver), front(mine.map(point))));
+                curves.push(Curve::new(Marked, in_words(solver), front(mine.map(point))));
             }
             let published = lines().filter(stop).map(point);
-            curves.push(Curve::marked("Arrow-Hurwicz, published stop", published));
+            curves.push(Curve::new(Marked, "Arrow-Hurwicz, published stop", published));
             let formula = Exact::ALL.iter().any(|exact| exact.name() == problem);
             let error =
                 if formula { "error at the nodes" } else { "error of the energy, relative" };
             Chart::new(problem, ["seconds", error], curves)
         })
         .collect();
-    charts(caption, false, &panels)
+    charts(false, &panels)
 }
 
 /// Points (time, error) by time, without those that an earlier one beats.
@@ -198,13 +196,13 @@ fn front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
 }
 
 /// Where contact ends, and the bracket of the energy, against the width of the grid.
-pub(super) fn ends(caption: Caption, found: &Truth) -> Result<Drawing, FigureError> {
+pub(super) fn ends(found: &Truth) -> Picture {
     let with_energy =
         || found.elements.iter().filter(|e| e.levels.iter().all(|l| l.energy.is_some()));
     let curves = |of: fn(&Level) -> Option<f64>| -> Vec<Curve> {
         let line = |elements: &Elements| {
             let points = elements.levels.iter().filter_map(|l| Some((l.cells as f64, of(l)?)));
-            Curve::marked(&elements.name, points)
+            Curve::new(Marked, &elements.name, points)
         };
         with_energy().map(line).filter(|curve| !curve.points.is_empty()).collect()
     };
@@ -216,7 +214,7 @@ pub(super) fn ends(caption: Caption, found: &Truth) -> Result<Drawing, FigureErr
         Chart::new("Ends of contact", ["1/h", "largest error along the boundary"], ends),
         Chart::new("Guaranteed bracket of the energy", ["1/h", "width"], brackets),
     ];
-    charts(caption, false, &panels)
+    charts(false, &panels)
 }
 
 #[cfg(test)]
@@ -242,9 +240,7 @@ mod tests {
 
     #[test]
     fn the_spectral_solver_is_drawn_where_the_record_has_it() {
-        let caption = Caption { title: "t", description: "d" };
-        let table =
-            |text: &str| race(caption, &Timings::parse(text).unwrap()).unwrap().table.unwrap();
+        let table = |text: &str| race(&Timings::parse(text).unwrap()).table.unwrap();
         let slow = RECORD.to_owned() + &solver("relative KKT 1e-2", 1e-2, 2.0);
         let before = table(&slow);
         assert!(before.contains("Arrow-Hurwicz,2,0.01") && !before.contains("spectral"));

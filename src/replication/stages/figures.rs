@@ -4,8 +4,8 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
-    Caption, ContactPanel, Drawing, History, HistoryPanel, IdentifiabilityPanel, Surface, View,
-    contact, histories, identifiability, maps_of_f, range_with_zero, surfaces,
+    ContactPanel, HistoryPanel, IdentifiabilityPanel, Picture, Surface, contact, histories,
+    identifiability, maps_of_f, range_with_zero, surfaces, uphill,
 };
 use crate::identify::Findings;
 use crate::pipeline::error::Failure;
@@ -25,7 +25,7 @@ pub struct Kind {
     caption: &'static str,
     /// The tasks from whose artifacts it is drawn.
     needs: fn(&Scene) -> Vec<String>,
-    draw: fn(&[Scene], &Inputs, Caption) -> Result<Drawing, Failure>,
+    draw: fn(&[Scene], &Inputs) -> Result<Picture, String>,
 }
 
 /// All kinds of figure.
@@ -95,7 +95,7 @@ fn stops(scenes: &[&Scene]) -> Task {
     let parameters = scenes.iter().map(|scene| (scene.name.clone(), scene.f.to_string())).collect();
     let needs = scenes.iter().map(surface).collect();
     let title = "Where the paper stopped, where the solution is, and the difference";
-    let task = drawing("stops", title.into(), needs, move |inputs, caption| {
+    let task = drawing("stops", title.into(), needs, move |inputs| {
         let mut rows = Vec::new();
         for scene in &scenes {
             let stop = solve::pair(inputs, scene, scene.stop[0])?;
@@ -109,12 +109,12 @@ fn stops(scenes: &[&Scene]) -> Task {
         let mut shown = Vec::new();
         for (grid, titles, pairs) in &rows {
             let range = range_with_zero(pairs.iter().flat_map(|pair| &pair.y).copied());
-            let (grid, view) = (*grid, View::uphill(*grid, &pairs[1].y));
+            let (grid, azimuth) = (*grid, uphill(*grid, &pairs[1].y));
             for (title, Pair { y, a }) in titles.iter().zip(pairs) {
-                shown.push(Surface { title, grid, y, a, view, range: Some(range) });
+                shown.push(Surface { title, grid, y, a, azimuth, range: Some(range) });
             }
         }
-        Ok(surfaces(caption, 3, &shown)?)
+        Ok(surfaces(3, &shown))
     });
     Task { parameters, ..task }
 }
@@ -135,7 +135,7 @@ fn task(kind: &'static Kind, name: String, scenes: &[&Scene]) -> Task {
         hashed.extend(parameters(&read).into_iter().map(named));
     }
     let needs = scenes.iter().flat_map(kind.needs).collect();
-    let draw = move |inputs: &Inputs, caption: Caption| (kind.draw)(&scenes, inputs, caption);
+    let draw = move |inputs: &Inputs| Ok((kind.draw)(&scenes, inputs)?);
     Task { parameters: hashed, ..drawing(&name, title, needs, draw) }
 }
 
@@ -144,7 +144,7 @@ pub(super) fn drawing(
     name: &str,
     title: String,
     needs: Vec<String>,
-    draw: impl Fn(&Inputs, Caption) -> Result<Drawing, Failure> + Send + Sync + 'static,
+    draw: impl Fn(&Inputs) -> Result<Picture, Failure> + Send + Sync + 'static,
 ) -> Task {
     let (picture, table) = (format!("{name}.svg"), format!("{name}.csv"));
     let parameters = BTreeMap::from([("title".into(), title.clone())]);
@@ -152,8 +152,9 @@ pub(super) fn drawing(
         let digest = &inputs.digest[..12];
         let description =
             format!("Made by `signorini run --only figures` from inputs {digest} (blake3).");
-        let drawn = draw(inputs, Caption { title: &title, description: &description })?;
-        let mut made = Artifacts::from([(picture.clone(), drawn.svg.into_bytes())]);
+        let drawn = draw(inputs)?;
+        let svg = drawn.svg(&title, &description)?;
+        let mut made = Artifacts::from([(picture.clone(), svg.into_bytes())]);
         made.extend(drawn.table.map(|text| (table.clone(), text.into_bytes())));
         Ok(made)
     });
@@ -169,34 +170,34 @@ fn surface(scene: &Scene) -> String {
     solve::id(scene, scene.stop[0], scene.draw_r)
 }
 
-fn draw_sources(scenes: &[Scene], _: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+fn draw_sources(scenes: &[Scene], _: &Inputs) -> Result<Picture, String> {
     let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
-    Ok(maps_of_f(caption, &maps)?)
+    Ok(maps_of_f(&maps))
 }
 
-fn draw_surfaces(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
     let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
     let shown = scenes.iter().zip(&pairs).map(|(scene, Pair { y, a })| {
         let (title, grid) = (&scene.title, scene.finest());
-        Surface { title, grid, y, a, view: View::uphill(grid, y), range: None }
+        Surface { title, grid, y, a, azimuth: uphill(grid, y), range: None }
     });
-    Ok(surfaces(caption, 2, &shown.collect::<Vec<_>>())?)
+    Ok(surfaces(2, &shown.collect::<Vec<_>>()))
 }
 
-fn draw_histories(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+fn draw_histories(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     let shown = scenes.iter().map(|scene| {
-        let curves = solve::ids(scene, scene.stop[0]).zip(&scene.r).map(|(task, r)| {
+        let runs = solve::ids(scene, scene.stop[0]).zip(&scene.r).map(|(task, r)| {
             let levels = from_json(inputs, &task, HISTORY)?;
-            Ok(History { label: format!("r = {r}"), levels })
+            Ok((format!("r = {r}"), levels))
         });
-        let curves = curves.collect::<Result<_, String>>()?;
-        Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, curves })
+        let runs = runs.collect::<Result<_, String>>()?;
+        Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, runs })
     });
-    Ok(histories(caption, &shown.collect::<Result<Vec<_>, String>>()?)?)
+    Ok(histories(&shown.collect::<Result<Vec<_>, String>>()?))
 }
 
-fn draw_contact(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<Drawing, Failure> {
+fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     let shown = scenes.iter().map(|scene| {
         let lines = scene.stop.iter().map(|&stop| {
             let label = format!("stop: {stop}, r = {}", scene.draw_r);
@@ -205,14 +206,10 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs, caption: Caption) -> Result<D
         let lines = lines.collect::<Result<_, String>>()?;
         Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })
     });
-    Ok(contact(caption, &shown.collect::<Result<Vec<_>, String>>()?)?)
+    Ok(contact(&shown.collect::<Result<Vec<_>, String>>()?))
 }
 
-fn draw_identifiability(
-    scenes: &[Scene],
-    inputs: &Inputs,
-    caption: Caption,
-) -> Result<Drawing, Failure> {
+fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     let found = scenes.iter().map(|scene| from_json(inputs, &identify::id(scene), FINDINGS));
     let found = found.collect::<Result<Vec<Findings>, _>>()?;
     let shown = scenes.iter().zip(&found).map(|(scene, found)| IdentifiabilityPanel {
@@ -221,7 +218,7 @@ fn draw_identifiability(
         cells: found.target.cells(),
         others: two_valued(found),
     });
-    Ok(identifiability(caption, &shown.collect::<Vec<_>>())?)
+    Ok(identifiability(&shown.collect::<Vec<_>>()))
 }
 
 /// The alternatives with one value on the first quadrant and one elsewhere: those in the plane of the map.

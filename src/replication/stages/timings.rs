@@ -1,13 +1,13 @@
 //! Pictures of recorded times: figure tasks whose only input is `pipeline/timings.toml`.
 
 use super::{cost, figures};
-use crate::figures::{Caption, Drawing, FigureError};
+use crate::figures::Picture;
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::project::Project;
 use crate::timing::recorded::{PATH, Timings};
 
-type Draw = fn(Caption, &Timings) -> Result<Drawing, FigureError>;
+type Draw = fn(&Timings) -> Picture;
 
 /// Name, title, and how it is drawn.
 const PICTURES: [(&str, &str, Draw); 2] = [
@@ -20,8 +20,8 @@ pub fn pictures(project: &Project) -> Vec<Task> {
     let Some(text) = project.files.get(PATH) else { return Vec::new() };
     let task = |&(name, title, draw): &(&str, &str, Draw)| Task {
         files: Artifacts::from([(PATH.into(), text.clone())]),
-        ..figures::drawing(name, title.into(), Vec::new(), move |inputs, caption| {
-            Ok(draw(caption, &read(inputs)?.ok_or("nothing has been recorded")?)?)
+        ..figures::drawing(name, title.into(), Vec::new(), move |inputs| {
+            Ok(draw(&read(inputs)?.ok_or("nothing has been recorded")?))
         })
     };
     PICTURES.iter().map(task).collect()

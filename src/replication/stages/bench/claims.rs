@@ -1,14 +1,15 @@
 //! Pictures of the experiment on the paper's claims.
 
 use crate::experiments::claims::{Cell, Claims, Count, Measure, Measured, VARIANTS};
-use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, charts};
+use crate::figures::Stroke::{Line, Marked};
+use crate::figures::{Chart, Curve, Picture, charts};
 use crate::saddle::StopRule;
 
 type Points = Vec<(f64, f64)>;
 
 /// Iterations against r: a row of panels per measure, a column per problem, a curve per grid.
-pub(super) fn sweep(caption: Caption, claims: &Claims) -> Result<Drawing, FigureError> {
-    let (target, _) = *claims.targets.first().ok_or(FigureError::Empty("KKT residual"))?;
+pub(super) fn sweep(claims: &Claims) -> Picture {
+    let (target, _) = claims.targets[0];
     let shown = [
         (Measure::Rule(StopRule::Signed), "signed rule".to_owned()),
         (Measure::Rule(StopRule::Printed), "printed rule".to_owned()),
@@ -19,31 +20,35 @@ pub(super) fn sweep(caption: Caption, claims: &Claims) -> Result<Drawing, Figure
         for problem in &claims.problems {
             let rows = problem.rows.iter().filter(|row| row.measure == *measure);
             let curves = rows.map(|row| {
-                Curve::line(format!("1/{}", row.cells), reached(claims.r.iter().zip(&row.counts)))
+                Curve::new(
+                    Line,
+                    format!("1/{}", row.cells),
+                    reached(claims.r.iter().zip(&row.counts)),
+                )
             });
             let title = format!("Problem {}, {name}", problem.number);
             let axes = ["duality parameter r", "iterations"];
             panels.push(Chart::new(title, axes, curves.collect()));
         }
     }
-    charts(caption, true, &panels)
+    charts(true, &panels)
 }
 
 /// Sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
-pub(super) fn uzawa(caption: Caption, claims: &Claims) -> Result<Drawing, FigureError> {
+pub(super) fn uzawa(claims: &Claims) -> Picture {
     let mut panels = Vec::new();
     for &(target, cells) in &claims.targets {
         for problem in &claims.problems {
             let of = |variant| against(problem, target, cells, variant);
-            let mut curves = vec![Curve::marked("Arrow-Hurwicz", of(None))];
+            let mut curves = vec![Curve::new(Marked, "Arrow-Hurwicz", of(None))];
             for (k, variant) in VARIANTS.iter().enumerate() {
-                curves.push(Curve::marked(variant.name, of(Some(k))));
+                curves.push(Curve::new(Marked, variant.name, of(Some(k))));
             }
             let title = format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number);
             panels.push(Chart::new(title, ["duality parameter r", "sweeps"], curves));
         }
     }
-    charts(caption, true, &panels)
+    charts(true, &panels)
 }
 
 /// A method over r on one grid; `variant` is a place in [`VARIANTS`], `None` stands for Arrow-Hurwicz.

@@ -2,7 +2,8 @@
 
 use crate::experiments::stress::{Attained, Case, Series, Stress};
 use crate::experiments::trial::Trial;
-use crate::figures::{Caption, Chart, Curve, Drawing, FigureError, charts};
+use crate::figures::Stroke::{Marked, Reference};
+use crate::figures::{Chart, Curve, Picture, charts};
 
 /// A curve with a ring at each case in which the method ran and the value is positive.
 fn marked(
@@ -15,7 +16,7 @@ fn marked(
         let value = value(case.trials.get(method)?).filter(|value| *value > 0.0)?;
         Some((case.x, value))
     };
-    Curve::marked(label, cases.iter().filter_map(of))
+    Curve::new(Marked, label, cases.iter().filter_map(of))
 }
 
 fn steps(trial: &Trial) -> Option<f64> {
@@ -23,7 +24,7 @@ fn steps(trial: &Trial) -> Option<f64> {
 }
 
 /// The paper's method over the duality parameter.
-pub(super) fn duality(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
+pub(super) fn duality(found: &Stress) -> Picture {
     let curves = |value: fn(&Trial) -> Option<f64>| {
         let of_problem = |(name, cases): (String, &Series<f64>)| {
             let label = |rule: &str| format!("{rule} rule, {name}");
@@ -34,16 +35,16 @@ pub(super) fn duality(caption: Caption, found: &Stress) -> Result<Drawing, Figur
     let mut residual = curves(|trial| trial.kkt);
     let ends = found.duality.first().and_then(|cases| Some((cases.first()?.x, cases.last()?.x)));
     if let Some((low, high)) = ends {
-        residual.push(Curve::reference("as large as the load", [(low, 1.0), (high, 1.0)]));
+        residual.push(Curve::new(Reference, "as large as the load", [(low, 1.0), (high, 1.0)]));
     }
     let parts = [
         Chart::new("Where it stops", ["r", "KKT residual"], residual),
         Chart::new("How long it takes", ["r", "iterations"], curves(steps)),
     ];
-    charts(caption, false, &parts)
+    charts(false, &parts)
 }
 
-pub(super) fn tolerances(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
+pub(super) fn tolerances(found: &Stress) -> Picture {
     let named = found.plan.names().into_iter().zip(&found.tolerances);
     let parts: Vec<_> = named
         .map(|(name, cases)| {
@@ -52,16 +53,16 @@ pub(super) fn tolerances(caption: Caption, found: &Stress) -> Result<Drawing, Fi
             let mut curves: Vec<_> =
                 named.map(|(label, name)| marked(label, cases, name, |trial| trial.kkt)).into();
             let asked = cases.iter().map(|case| (case.x, case.x));
-            curves.push(Curve::reference("as asked", asked));
+            curves.push(Curve::new(Reference, "as asked", asked));
             let axes = ["tolerance over the load", "KKT residual"];
             Chart::new(name, axes, curves)
         })
         .collect();
-    charts(caption, false, &parts)
+    charts(false, &parts)
 }
 
 /// Work and contact as the integral of f tends to zero.
-pub(super) fn deficits(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
+pub(super) fn deficits(found: &Stress) -> Picture {
     let (mut work, mut contact) = (Vec::new(), Vec::new());
     for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
         let multigrid = format!("multigrid, {way}");
@@ -73,17 +74,17 @@ pub(super) fn deficits(caption: Caption, found: &Stress) -> Result<Drawing, Figu
         Chart::new("Work", ["deficit", "sweeps of the finest grid"], work),
         Chart::new("Contact", ["deficit", "boundary nodes in contact"], contact),
     ];
-    charts(caption, false, &parts)
+    charts(false, &parts)
 }
 
 /// What rounding leaves of the residual, over the grids.
-pub(super) fn precision(caption: Caption, found: &Stress) -> Result<Drawing, FigureError> {
+pub(super) fn precision(found: &Stress) -> Picture {
     let curves = |double: fn(&Trial) -> Option<f64>, single: fn(&Attained) -> f64| {
         let single = |of: &Attained| (of.cells as f64, single(of));
         vec![
             marked("multigrid, double", &found.floors, "multigrid", double),
             marked("Arrow-Hurwicz, double", &found.floors, "strict", double),
-            Curve::marked("Arrow-Hurwicz, single", found.single_floors.iter().map(single)),
+            Curve::new(Marked, "Arrow-Hurwicz, single", found.single_floors.iter().map(single)),
         ]
     };
     let residual = curves(|trial| trial.kkt, |single| single.kkt);
@@ -92,5 +93,5 @@ pub(super) fn precision(caption: Caption, found: &Stress) -> Result<Drawing, Fig
         Chart::new("Over the load", ["1/h", "KKT residual"], residual),
         Chart::new("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
     ];
-    charts(caption, false, &parts)
+    charts(false, &parts)
 }
