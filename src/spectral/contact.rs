@@ -88,12 +88,15 @@ pub(super) enum Signs {
 }
 
 /// A better contact set where the multiplier is negative in contact or v elsewhere.
-pub(super) fn corrected(trace: &Trace, ends: &Ends, tolerance: [f64; 2]) -> Signs {
+pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Signs {
     let points = &trace.points;
     let many = points.len();
-    let wrong = wrong(trace, tolerance);
+    let wrong = wrong(trace);
     if !wrong.contains(&true) {
         return Signs::Right;
+    }
+    if !wrong.contains(&false) {
+        return Signs::NothingLeft;
     }
     let contact = |i: usize| trace.in_contact(i);
     let place = |i: usize| {
@@ -137,15 +140,15 @@ pub(super) fn corrected(trace: &Trace, ends: &Ends, tolerance: [f64; 2]) -> Sign
 }
 
 /// Where the multiplier is negative in contact or v elsewhere, point by point.
-fn wrong(trace: &Trace, tolerance: [f64; 2]) -> Vec<bool> {
+fn wrong(trace: &Trace) -> Vec<bool> {
     let points = &trace.points;
     let many = points.len();
     let largest = trace.largest();
     let is_wrong = |(i, p): (usize, &Point)| {
         if trace.in_contact(i) {
-            p.multiplier < -tolerance[0] * largest[0] && p.place.t.abs() > UNRESOLVED
+            p.multiplier < -TOLERANCE[0] * largest[0] && p.place.t.abs() > UNRESOLVED
         } else {
-            p.value < -tolerance[1] * largest[1]
+            p.value < -TOLERANCE[1] * largest[1]
         }
     };
     let mut wrong: Vec<bool> = points.iter().enumerate().map(is_wrong).collect();

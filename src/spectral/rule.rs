@@ -24,7 +24,8 @@ pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
 
 /// The Legendre polynomials of degrees 0 to `n` at `x`.
 fn legendre(n: usize, x: f64) -> Vec<f64> {
-    let mut values = vec![1.0, x];
+    let mut values = Vec::with_capacity(n + 1);
+    values.extend([1.0, x]);
     for k in 1..n {
         let part = k as f64 / (k as f64 + 1.0);
         let lifted = x * values[k];
