@@ -99,18 +99,20 @@ fn gaps(ends: &Ends) -> Vec<usize> {
     (1..=arcs).filter(|&gap| Some(gap) != longest).collect()
 }
 
-/// Real and imaginary parts of e^{i s theta} at the sources, s = m/2, m/2 - 1, .. down to 0 or 1/2.
+/// Real and imaginary parts of e^{i s theta} at the sources, s = m/2, m/2 - 1, .. down to 0 or 1/2; for odd m
+/// times the cosine that their weights lack.
 fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
     let arcs = ends.arcs();
-    let mut rows = vec![Vec::with_capacity(sources.sin.len()); arcs + 1];
+    let mut rows = vec![Vec::with_capacity(sources.tan.len()); arcs + 1];
     let first = ends.start().corner;
     for group in &sources.groups {
         for i in group.range.clone() {
-            let angle = Angle { sin: sources.sin[i], cos: sources.cos[i], slope: 0.0 };
-            let [sin, cos] = angle.seen_from(group.corner - first);
-            let half = Complex::new(cos, sin);
+            let (tan, cos) = (sources.tan[i], sources.cos[i]);
+            let angle = Angle { sin: tan * cos, cos, slope: 0.0 };
+            let [s, c] = angle.seen_from(group.corner - first);
+            let half = Complex::new(c, s);
             let (whole, mut rows) = (half * half, rows.iter_mut());
-            let mut power = half;
+            let mut power = half.scaled(cos);
             if arcs.is_multiple_of(2) {
                 // For s = 0 there is a real part only.
                 rows.next().expect("one row at least").push(1.0);
@@ -147,14 +149,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Derivatives of the moments with respect to an end of contact, and Y there.
 fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) -> (Vec<f64>, f64) {
     let mut y = 0.0;
-    let mut cotangents = Vec::with_capacity(sources.sin.len());
+    let mut cotangents = Vec::with_capacity(sources.tan.len());
     for group in &sources.groups {
         let [es, ec] = end.angle.seen_from(end.corner - group.corner);
         let g = end.gradient.dot(group.direction);
         for i in group.range.clone() {
-            let (s, c) = (sources.sin[i], sources.cos[i]);
-            let local = (sources.moment[i] - g * sources.weight[i]) / (s * ec - c * es);
-            let cotangent = local * (c * ec + s * es);
+            let t = sources.tan[i];
+            let local = (sources.moment[i] - g * sources.weight[i]) / (t * ec - es);
+            let cotangent = local * (ec + t * es);
             y += if odd { local } else { cotangent };
             cotangents.push(cotangent);
         }

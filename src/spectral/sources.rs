@@ -62,12 +62,13 @@ impl Rules {
 #[derive(Default)]
 pub(super) struct Sources {
     pub groups: Vec<Group>,
-    /// Weight over (-1)^k |P|^{1/2}.
+    /// Weight over (-1)^k |P|^{1/2}, for odd m over the cosine below too: then, with half the angles t and s,
+    /// 1 / sin(t - s) is 1 / (sin t - cos t tan s).
     pub weight: Vec<f64>,
     /// The same times the derivative of psi in the panel's direction.
     pub moment: Vec<f64>,
-    /// Sine and cosine of half the angle from the panel's corner.
-    pub sin: Vec<f64>,
+    /// Tangent and cosine of half the angle from the panel's corner.
+    pub tan: Vec<f64>,
     pub cos: Vec<f64>,
 }
 
@@ -94,6 +95,7 @@ impl Sources {
         let direction = panel.direction();
         let component = if direction.re == 0.0 { 2 } else { 1 };
         let sign = direction.re + direction.im;
+        let odd = ends.arcs() % 2 == 1;
         vectorised(
             #[inline(always)]
             || {
@@ -102,14 +104,16 @@ impl Sources {
                     let nodes = panel.nodes(rule, power);
                     let [derivative] = psi.at(panel.corner, &nodes.t, [component]);
                     let mut weight = ends.roots(panel, &nodes);
-                    let mut moment = [0.0; LANES];
+                    let (mut moment, mut tan) = ([0.0; LANES], [0.0; LANES]);
                     for k in 0..LANES {
-                        weight[k] = nodes.weight[k] / weight[k];
+                        let factor = if odd { nodes.cos[k] } else { 1.0 };
+                        tan[k] = nodes.sin[k] / nodes.cos[k];
+                        weight[k] = nodes.weight[k] / (weight[k] * factor);
                         moment[k] = weight[k] * sign * derivative[k];
                     }
                     self.weight.extend_from_slice(&weight[..many]);
                     self.moment.extend_from_slice(&moment[..many]);
-                    self.sin.extend_from_slice(&nodes.sin[..many]);
+                    self.tan.extend_from_slice(&tan[..many]);
                     self.cos.extend_from_slice(&nodes.cos[..many]);
                 }
             },
@@ -121,10 +125,13 @@ impl Sources {
         });
     }
 
-    /// For each target the sum over a group of weight (grad psi' - grad psi) . e k(theta - theta').
+    /// For each target the sum over a group of weight (grad psi' - grad psi) . e kappa(theta - theta').
     #[inline(always)]
     fn sums(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
-        let Range { start, end } = group.range;
+        /// Fractions that are brought to one denominator: divisions would take most of the time. Next to
+        /// corners, where the angles are tiny, products of many more would underflow.
+        const JOINED: usize = 9;
+        let range = group.range.clone();
         let [cos, sin] = eighth_turns(targets.corner - group.corner);
         let Complex { re, im } = group.direction;
         let (mut ts, mut tc, mut g) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -133,23 +140,22 @@ impl Sources {
             tc[k] = targets.cos[k] * cos - targets.sin[k] * sin;
             g[k] = targets.gradient[0][k] * re + targets.gradient[1][k] * im;
         }
-        let sources = self.weight[start..end].iter().zip(&self.moment[start..end]);
-        let sources = sources.zip(self.sin[start..end].iter().zip(&self.cos[start..end]));
-        // Four fractions are brought to one denominator: divisions would take most of the time.
-        let (mut sums, mut top, mut bottom) = ([0.0; LANES], [0.0; LANES], [1.0; LANES]);
-        for (i, ((w, m), (s, c))) in sources.enumerate() {
-            for k in 0..LANES {
-                let a = m - g[k] * w;
-                let a = if odd { a } else { a * (tc[k] * c + ts[k] * s) };
-                let b = ts[k] * c - tc[k] * s;
-                top[k] = top[k] * b + a * bottom[k];
-                bottom[k] *= b;
-            }
-            if i % 4 == 3 || i + 1 == end - start {
+        let mut sums = [0.0; LANES];
+        let weights = self.weight[range.clone()].chunks(JOINED);
+        let moments = self.moment[range.clone()].chunks(JOINED);
+        for ((weights, moments), tans) in weights.zip(moments).zip(self.tan[range].chunks(JOINED)) {
+            let (mut top, mut bottom) = ([0.0; LANES], [1.0; LANES]);
+            for ((w, m), t) in weights.iter().zip(moments).zip(tans) {
                 for k in 0..LANES {
-                    sums[k] += top[k] / bottom[k];
+                    let a = m - g[k] * w;
+                    let a = if odd { a } else { a * (tc[k] + ts[k] * t) };
+                    let b = ts[k] - tc[k] * t;
+                    top[k] = top[k] * b + a * bottom[k];
+                    bottom[k] *= b;
                 }
-                (top, bottom) = ([0.0; LANES], [1.0; LANES]);
+            }
+            for k in 0..LANES {
+                sums[k] += top[k] / bottom[k];
             }
         }
         sums
