@@ -283,8 +283,9 @@ struct Cutter<'a> {
 }
 
 impl Cutter<'_> {
-    /// Cuts a piece of a side so that no panel is longer than its distance to a vertex, or twice that to
-    /// a point where something is and that is not an end of it, and none has something at both ends.
+    /// Cuts a piece of a side until no panel has something at both ends, or is longer than twice its distance to
+    /// a vertex, or to a point where something is and that is not an end of it; one that has something at an
+    /// end must not be longer than its distance to a vertex.
     fn cut(&mut self, ends: [Place; 2], special: [Option<(usize, Special)>; 2]) {
         let [from, to] = ends;
         let length = to.after(from);
@@ -303,7 +304,10 @@ impl Cutter<'_> {
             }
         }
         let middle = (segment[0] + segment[1]).scaled(0.5);
-        if cut.is_none() && self.jumps.singular(middle).any(|v| length > distance(segment, v)) {
+        // Nodes that are graded towards one end are sparse at the other.
+        let longest = if special.iter().any(Option::is_some) { 1.0 } else { 2.0 };
+        let is_near = |v: Complex| length > longest * distance(segment, v);
+        if cut.is_none() && self.jumps.singular(middle).any(is_near) {
             cut = Some(0.5 * length);
         }
         match cut {
