@@ -2,7 +2,6 @@
 //! cell by cell.
 
 use super::moments::{Moments, difference, mean};
-use std::array::from_fn;
 use std::f64::consts::PI;
 
 /// Cells whose sums are formed side by side.
@@ -206,10 +205,7 @@ const TWELFTH: f64 = 1.0 / 12.0;
 #[derive(Default)]
 pub(super) struct Batch {
     waiting: usize,
-    lines: [[[Lanes; 4]; 2]; 2],
-    bubbles: [[Lanes; 2]; 2],
-    flux: [Lanes; 4],
-    f: [Lanes; 10],
+    cells: [Special; LANES],
     sums: Sums<Lanes>,
 }
 
@@ -217,18 +213,7 @@ impl Batch {
     /// Adds a cell.
     #[inline(always)]
     pub(super) fn add(&mut self, cell: &Special) {
-        let k = self.waiting;
-        for axis in 0..2 {
-            for edge in 0..2 {
-                for node in 0..4 {
-                    self.lines[axis][edge][node][k] = cell.lines[axis][edge][node];
-                }
-                self.bubbles[axis][edge][k] = cell.bubbles[axis][edge];
-            }
-        }
-        (0..4).for_each(|edge| self.flux[edge][k] = cell.flux[edge]);
-        let f = cell.f.to_array();
-        (0..f.len()).for_each(|moment| self.f[moment][k] = f[moment]);
+        self.cells[self.waiting] = *cell;
         self.waiting += 1;
         if self.waiting == LANES {
             self.sum();
@@ -238,13 +223,7 @@ impl Batch {
     /// Sums over the cells that wait.
     #[inline(always)]
     fn sum(&mut self) {
-        for k in 0..LANES {
-            let cell = Special {
-                lines: from_fn(|a| from_fn(|b| from_fn(|c| self.lines[a][b][c][k]))),
-                bubbles: from_fn(|a| from_fn(|b| self.bubbles[a][b][k])),
-                flux: from_fn(|a| self.flux[a][k]),
-                f: Moments::from_array(from_fn(|a| self.f[a][k])),
-            };
+        for (k, cell) in self.cells.iter().enumerate() {
             self.sums.each(&cell.sums(), |lanes, part| lanes[k] += part);
         }
         self.waiting = 0;
@@ -270,6 +249,7 @@ mod tests {
     use super::super::regular::Regular;
     use super::*;
     use crate::discrete::simd::with_each;
+    use std::array::from_fn;
 
     #[test]
     fn blocks_of_regular_cells_sum_what_the_cells_have_one_by_one() {
@@ -331,12 +311,13 @@ mod tests {
         let (mut batch, mut want) = (Batch::default(), Sums::default());
         for k in 0..2 * LANES + 3 {
             let number = |place: usize| wave(100 * k + place);
-            let f = Moments::from_array(from_fn(|place| number(60 + place)));
+            let [one, x, y, xy, xx, yy, xxy, xyy, ridge, _]: [f64; 10] =
+                from_fn(|place| number(60 + place));
             let cell = Special {
                 lines: from_fn(|a| from_fn(|b| from_fn(|c| number(8 * a + 4 * b + c)))),
                 bubbles: from_fn(|a| from_fn(|b| number(20 + 2 * a + b))),
                 flux: from_fn(|edge| number(30 + edge)),
-                f: Moments { square: 1e3, ..f },
+                f: Moments { one, x, y, xy, xx, yy, xxy, xyy, ridge, square: 1e3 },
             };
             batch.add(&cell);
             want.add(&cell.sums());

@@ -42,20 +42,6 @@ impl Moments {
         ]
     }
 
-    /// The numbers in the order of their names.
-    #[inline(always)]
-    pub(super) fn to_array(self) -> [f64; 10] {
-        let Self { one, x, y, xy, xx, yy, xxy, xyy, ridge, square } = self;
-        [one, x, y, xy, xx, yy, xxy, xyy, ridge, square]
-    }
-
-    /// The moments of which [`to_array`](Self::to_array) gives these numbers.
-    #[inline(always)]
-    pub(super) fn from_array(numbers: [f64; 10]) -> Self {
-        let [one, x, y, xy, xx, yy, xxy, xyy, ridge, square] = numbers;
-        Self { one, x, y, xy, xx, yy, xxy, xyy, ridge, square }
-    }
-
     /// The integral of f times the bubbles on both edges along x, blended over the cell, and what the upper one has
     /// more than the lower one; the same along y.
     #[inline(always)]
