@@ -128,12 +128,12 @@ impl Block<'_> {
                 }
             }
         }
-        let target = self.buffers.residuals(s);
-        target.copy_from_slice(&red[own]);
+        let (red, target) = (&red[own], self.buffers.residuals(s));
         let mut see = |number: usize, contact| in_contact[number - first_edge] = contact;
         for at in At::of_slab::<D>(n, s) {
             let row = Row::new::<D>(at, Colour::Red, load[Colour::Red as usize], black, start);
             let target = &mut target[at.in_slab()];
+            target.copy_from_slice(&red[at.in_slab()]);
             row.replace_by_residual::<D>(boundary, target, natural, &mut see);
         }
         let [coarse_red, coarse_black] = &mut self.coarse_load;

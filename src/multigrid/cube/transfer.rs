@@ -3,7 +3,7 @@
 use super::Cube;
 use crate::multigrid::buffers::Sums;
 use crate::multigrid::layout::{At, mirrored};
-use crate::multigrid::rows::{Colour, long_and_short};
+use crate::multigrid::rows::Colour;
 use crate::multigrid::transfer::Weighting;
 
 /// Half of the sum over a node and its neighbours in the surrounding cube, with weights 1, 1/2, 1/4, 1/8 by
@@ -11,51 +11,67 @@ use crate::multigrid::transfer::Weighting;
 impl Weighting for Cube {
     #[inline(always)]
     fn weigh_residuals(at: At, residuals: [&[f64]; 3], sums: &mut Sums) {
-        weigh(at, sums, |sums, fine, slab, weight| {
-            let residual = &residuals[slab][fine.in_slab()];
-            let sum = if fine.is_long(Colour::Red) { &mut sums.even } else { &mut sums.odd };
-            add(sum, residual, weight);
-        });
+        let residual = |slab: usize, fine: At| &residuals[slab][fine.in_slab()];
+        weigh_red(&mut sums.row[..at.n + 1], Around::new(at, residual));
     }
 
     #[inline(always)]
     fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], sums: &mut Sums) {
-        weigh(at, sums, |sums, fine, _, weight| {
-            let halves = [Colour::Red, Colour::Black].map(|c| &load(c, fine.s)[fine.in_slab()]);
-            let [long, short] = long_and_short(fine.r + fine.s, halves);
-            add(&mut sums.even, long, weight);
-            add(&mut sums.odd, short, weight);
-        });
+        let row = &mut sums.row[..at.n + 1];
+        weigh_red(row, Around::new(at, |_, fine| &load(Colour::Red, fine.s)[fine.in_slab()]));
+        weigh_black(row, Around::new(at, |_, fine| &load(Colour::Black, fine.s)[fine.in_slab()]));
     }
 }
 
-/// Makes the coarse row `at`; `add_row` adds a row of the finer grid, in the slab below, at or above the
-/// coarse one (0, 1, 2), to the sums at even and at odd columns.
-#[inline(always)]
-fn weigh(at: At, sums: &mut Sums, add_row: impl Fn(&mut Sums, At, usize, f64)) {
-    let n = 2 * at.n;
-    sums.even.fill(0.0);
-    sums.odd.fill(0.0);
-    let near = |i: usize| {
-        let [before, after] = mirrored(n, i);
-        [(before, 0.5), (i, 1.0), (after, 0.5)]
-    };
-    for (slab, (s, weight_s)) in near(2 * at.s).into_iter().enumerate() {
-        for (r, weight_r) in near(2 * at.r) {
-            add_row(sums, At { n, r, s }, slab, weight_r * weight_s);
+/// The rows of one colour of the finer grid around a coarse row, each with as many places as that has nodes.
+struct Around<'a> {
+    middle: &'a [f64],
+    sides: [&'a [f64]; 4],
+    diagonals: [&'a [f64]; 4],
+}
+
+impl<'a> Around<'a> {
+    /// `row` is given the slab, 0 to 2 from below, and the place of a row.
+    #[inline(always)]
+    fn new(at: At, row: impl Fn(usize, At) -> &'a [f64]) -> Self {
+        let (n, r, s) = (2 * at.n, 2 * at.r, 2 * at.s);
+        let ([south, north], [below, above]) = (mirrored(n, r), mirrored(n, s));
+        let row =
+            |slab: usize, r: usize| &row(slab, At { n, r, s: [below, s, above][slab] })[..at.n + 1];
+        Self {
+            middle: row(1, r),
+            sides: [row(0, r), row(1, south), row(1, north), row(2, r)],
+            diagonals: [row(0, south), row(0, north), row(2, south), row(2, north)],
         }
     }
-    let half = at.n;
-    let (even, odd) = (&sums.even[..half + 1], &sums.odd[..half]);
-    let row = &mut sums.row[..half + 1];
-    row[0] = 0.5 * (even[0] + odd[0]);
-    row[half] = 0.5 * (even[half] + odd[half - 1]);
-    for i in 1..half {
-        row[i] = 0.5 * (even[i] + 0.5 * (odd[i - 1] + odd[i]));
+}
+
+/// The red part of full weighting: rows at the sides lie between the coarse nodes.
+#[inline(always)]
+fn weigh_red(coarse: &mut [f64], Around { middle, sides, diagonals }: Around) {
+    let half = coarse.len() - 1;
+    coarse[0] = 0.5 * (middle[0] + 0.25 * sum(diagonals, 0) + 0.5 * sum(sides, 0));
+    for (k, entry) in (1..).zip(&mut coarse[1..half]) {
+        let beside = sum(sides, k - 1) + sum(sides, k);
+        *entry = 0.5 * (middle[k] + 0.25 * (sum(diagonals, k) + beside));
     }
+    let last = half - 1;
+    coarse[half] = 0.5 * (middle[half] + 0.25 * sum(diagonals, half) + 0.5 * sum(sides, last));
+}
+
+/// The black part of full weighting: rows in the middle and on the diagonals lie between the coarse nodes.
+#[inline(always)]
+fn weigh_black(coarse: &mut [f64], Around { middle, sides, diagonals }: Around) {
+    let half = coarse.len() - 1;
+    let between = |k: usize| middle[k] + 0.25 * sum(diagonals, k);
+    coarse[0] += 0.5 * (between(0) + 0.5 * sum(sides, 0));
+    for (k, entry) in (1..).zip(&mut coarse[1..half]) {
+        *entry += 0.25 * (between(k - 1) + between(k) + sum(sides, k));
+    }
+    coarse[half] += 0.5 * (between(half - 1) + 0.5 * sum(sides, half));
 }
 
 #[inline(always)]
-fn add(sum: &mut [f64], row: &[f64], weight: f64) {
-    sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+fn sum(rows: [&[f64]; 4], k: usize) -> f64 {
+    (rows[0][k] + rows[1][k]) + (rows[2][k] + rows[3][k])
 }
