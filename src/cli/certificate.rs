@@ -4,7 +4,7 @@ mod contents;
 mod machine;
 
 use super::CacheArgs;
-use super::diff::comparison;
+use super::diff::comparisons;
 use super::output::{OutputFile, is_there, say, talk};
 use super::pipeline::{Scope, Workplace};
 use crate::pipeline::error::{Error, IoContext, Result};
@@ -67,7 +67,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
         )));
     }
     let summary = up_to_date(&workplace)?;
-    let tables = comparison(&workplace, &summary.manifests)?.tables;
+    let tables = comparisons(&workplace, &summary.manifests)?;
     let mut files = files(&workplace, &summary, &tables)?;
     let count = files.len();
     let mut context = context(args, &workplace, &summary, &tables, &files)?;

@@ -5,11 +5,12 @@ use super::output::{columns, say, say_json, styled};
 use super::pipeline::Workplace;
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
-use crate::replication::comparison::{Comparison, RowComparison, TableComparison};
+use crate::replication::comparison::{RowComparison, TableComparison};
 use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
 use anstyle::AnsiColor;
 use clap::Args;
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 #[derive(Args)]
@@ -24,24 +25,31 @@ pub(super) struct DiffArgs {
     cache: CacheArgs,
 }
 
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Answer<'a> {
+    schema: u8,
+    tables: &'a [TableComparison],
+}
+
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    let comparison = comparison(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
+    let tables = comparisons(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
     if args.json {
-        say_json(&comparison)?;
+        say_json(&Answer { schema: 1, tables: &tables })?;
     } else {
         let print = if args.md { markdown } else { text };
-        say(&comparison.tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
+        say(&tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
     }
-    Ok(u8::from(!comparison.holds()))
+    Ok(u8::from(!tables.iter().all(TableComparison::holds)))
 }
 
 /// The comparisons among the outputs of these runs, by number of table.
-pub(super) fn comparison(
+pub(super) fn comparisons(
     workplace: &Workplace,
     manifests: &BTreeMap<String, Manifest>,
-) -> Result<Comparison> {
+) -> Result<Vec<TableComparison>> {
     let mut tables = Vec::new();
     for manifest in manifests.values().filter(|manifest| manifest.outputs.contains_key(DIFF)) {
         let artifacts = workplace.store.artifacts(&manifest.task, &manifest.outputs)?;
@@ -55,7 +63,7 @@ pub(super) fn comparison(
         ));
     }
     tables.sort_by_key(|table| table.table);
-    Ok(Comparison { schema: 1, tables })
+    Ok(tables)
 }
 
 /// Iterations with their mark: `=` exact, `~` within tolerance, `!` outside, `>` cut off.

@@ -16,11 +16,11 @@ mod solve;
 mod status;
 
 use crate::pipeline::error::{Error, Result};
-use crate::replication::project::CommandHelp;
 use crate::timing::machine;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use output::{say, styled, talk};
+use serde_json::{Value, json};
 use std::io;
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
@@ -259,7 +259,7 @@ fn similar(word: &str) -> Option<String> {
 }
 
 /// What the program and each of its commands print with `--help`, as plain text of one width.
-fn commands() -> Vec<CommandHelp> {
+fn commands() -> Vec<Value> {
     let cli = Cli::command().term_width(HELP_WIDTH);
     let names = cli.get_subcommands().map(|command| command.get_name().to_owned());
     let help = |name: String| {
@@ -268,8 +268,8 @@ fn commands() -> Vec<CommandHelp> {
         let printed = cli.clone().try_get_matches_from(args).expect_err("help ends the parsing");
         let text = printed.render().to_string();
         // The padding of empty lines means nothing.
-        let help = text.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
-        CommandHelp { name, help }
+        let help: String = text.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
+        json!({ "name": name, "help": help })
     };
     [String::new()].into_iter().chain(names).map(help).collect()
 }

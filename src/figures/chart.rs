@@ -35,13 +35,11 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let entries = entries(&labels);
     let columns = panels.len().clamp(1, 2);
     let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
-    let head = if labels.is_empty() { 4.0 } else { 12.0 + LEGEND_ROW * legend.rows as f64 };
+    let head = 12.0 + LEGEND_ROW * legend.rows as f64;
     let (wide, high) = (WIDTH / columns as f64, ABOVE + PLOT + BELOW);
     let rows = panels.len().div_ceil(columns);
     let mut picture = Picture::new(WIDTH, head + high * rows as f64);
-    if !labels.is_empty() {
-        legend.draw(&mut picture, (LEFT, 18.0));
-    }
+    legend.draw(&mut picture, (LEFT, 18.0));
     let heights = extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
     for (k, panel) in panels.iter().enumerate() {
         let (left, top) = (wide * (k % columns) as f64, head + high * (k / columns) as f64);

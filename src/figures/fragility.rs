@@ -38,7 +38,14 @@ pub(crate) fn fragility(sizes: &[f64], tables: &[Table]) -> Picture {
     let mut picture = Picture::new(width, below + SCALE);
     for (k, table) in tables.iter().enumerate() {
         let left = 0.5 * (width - all) + panel_width * k as f64 + LEFT;
-        draw_panel(&mut picture, table, (left, ABOVE), color);
+        let (columns, rows) = (table.grids.len() as f64, table.rows.len() as f64);
+        let frame = Frame {
+            across: (left, left + CELL.0 * columns),
+            down: (ABOVE, ABOVE + CELL.1 * rows),
+            x: (0.0, columns),
+            y: (rows, 0.0),
+        };
+        draw_panel(&mut picture, table, &frame, color);
     }
     draw_scale(&mut picture, sizes, (0.5 * width, below + 50.0), color);
     picture.table = Some(of_fragility(tables));
@@ -49,41 +56,36 @@ fn named(size: f64) -> String {
     power_of_ten(libm::round(decade(size)) as i32)
 }
 
+/// Draws a table whose cells are of size 1 in `frame`.
 fn draw_panel(
     picture: &mut Picture,
     table: &Table,
-    (left, top): Place,
+    frame: &Frame,
     color: impl Fn(f64) -> RGBColor,
 ) {
-    let at = |i: usize, j: usize| (left + CELL.0 * i as f64, top + CELL.1 * j as f64);
-    let (columns, rows) = (table.grids.len(), table.rows.len());
-    let title = (left + 0.5 * CELL.0 * columns as f64, top - 42.0);
+    let title = (frame.middle().0, frame.down.0 - 42.0);
     picture.text(&format!("Table {}", table.number), title, bold(LARGE));
     for (i, cells) in table.grids.iter().enumerate() {
-        let place = (at(i, 0).0 + 0.5 * CELL.0, top - 14.0);
+        let place = (frame.right(i as f64 + 0.5), frame.down.0 - 14.0);
         picture.text(&format!("h = 1/{cells}"), place, plain(SMALL));
     }
     for (j, row) in table.rows.iter().enumerate() {
-        let place = (left - 8.0, top + CELL.1 * (j as f64 + 0.5));
+        let place = (frame.across.0 - 8.0, frame.up(j as f64 + 0.5));
         picture.text(&format!("r = {}", row.r), place, plain(SMALL).pos(END));
         for (i, Cell { count, flips_at, .. }) in row.cells.iter().enumerate() {
             let ground = flips_at.map_or(WHITE, &color);
-            picture.rect(at(i, j), at(i + 1, j + 1), ground);
+            let (i, j) = (i as f64, j as f64);
+            picture.rect(frame.at(i, j), frame.at(i + 1.0, j + 1.0), ground);
             let ink = legible_on(ground);
-            let (x, y) = at(i, j);
-            let (x, y) = (x + 0.5 * CELL.0, y + 0.5 * CELL.1);
+            let (x, y) = frame.at(i + 0.5, j + 0.5);
             picture.text(&count.to_string(), (x, y - 8.0), bold(NORMAL).color(&ink));
             let text = flips_at.map_or_else(|| "\u{2013}".into(), named);
             picture.text(&text, (x, y + 10.0), plain(SMALL).color(&ink));
         }
     }
-    for j in 0..=rows {
-        picture.path([at(0, j), at(columns, j)], RULE, 0.75);
-    }
-    for i in 0..=columns {
-        picture.path([at(i, 0), at(i, rows)], RULE, 0.75);
-    }
-    picture.outline((left, top), at(columns, rows), INK, 1.0);
+    frame.rules(picture, (0..=table.rows.len()).map(|j| j as f64));
+    frame.verticals(picture, (0..=table.grids.len()).map(|i| i as f64), RULE);
+    frame.outline(picture);
 }
 
 /// The sizes in their colours, with the roundings of the usual formats marked above.

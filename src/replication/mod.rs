@@ -4,5 +4,4 @@ pub mod comparison;
 pub mod paper;
 pub mod project;
 pub mod scene;
-pub mod stages;
-pub mod table;
+pub(crate) mod stages;

@@ -96,17 +96,15 @@ impl PublishedTable {
         if let Some(value) = self.delta_a.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
             return Some(format!("has delta_a = {value}, which must be a positive number"));
         }
-        if !(self.count_share >= 0.0 && self.count_share.is_finite()) {
-            let share = self.count_share;
-            return Some(format!(
-                "has count_share = {share}, which must be a number from 0 on, such as 0.05"
-            ));
-        }
-        if !(self.delta_a_factor >= 1.0 && self.delta_a_factor.is_finite()) {
-            let factor = self.delta_a_factor;
-            return Some(format!(
-                "has delta_a_factor = {factor}, which must be a number from 1 on, such as 1.5"
-            ));
+        for (key, value, least, example) in [
+            ("count_share", self.count_share, 0.0, 0.05),
+            ("delta_a_factor", self.delta_a_factor, 1.0, 1.5),
+        ] {
+            if !(value >= least && value.is_finite()) {
+                return Some(format!(
+                    "has {key} = {value}, which must be a number from {least} on, such as {example}"
+                ));
+            }
         }
         None
     }

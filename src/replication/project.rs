@@ -7,7 +7,7 @@ use crate::replication::paper::Paper;
 use crate::replication::scene::Scene;
 use crate::report;
 use crate::timing::recorded::{self, Timings};
-use serde::Serialize;
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,15 +16,6 @@ pub const PAPER: &str = "pipeline/paper.toml";
 
 /// Path of the record of the searches for f in the project.
 pub const IDENTIFIED: &str = "pipeline/identified.toml";
-
-/// A command of the program, for the book.
-#[derive(Clone, Debug, Serialize)]
-pub struct CommandHelp {
-    /// Its name; empty for the program without a command.
-    pub name: String,
-    /// What it says with `--help`.
-    pub help: String,
-}
 
 /// A folder with `pipeline/scenes/`, read and validated.
 #[derive(Debug)]
@@ -40,8 +31,9 @@ pub struct Project {
     pub files: Artifacts,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
-    /// Tells the commands of the program, for the book; a reader of the folder alone knows none.
-    pub commands: fn() -> Vec<CommandHelp>,
+    /// Tells the commands of the program, for the book: the `name`, empty for the program without a command, and
+    /// the `help` of each. A reader of the folder alone knows none.
+    pub commands: fn() -> Vec<Value>,
 }
 
 impl Project {

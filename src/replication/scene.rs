@@ -3,6 +3,7 @@
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, integral};
 use crate::discrete::transfer::Prolongation;
+use crate::experiments::problems::Problem;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
@@ -156,6 +157,19 @@ impl Scene {
     /// Whether the scene asks for this output.
     pub fn wants(&self, output: Output) -> bool {
         self.outputs.contains(&output)
+    }
+
+    /// The problem as experiments take it, if it belongs to a published table.
+    pub fn problem(&self) -> Option<Problem> {
+        Some(Problem {
+            number: self.paper_table?,
+            f: self.f.to_string(),
+            load: self.load,
+            prolongation: self.prolongation,
+            grids: self.grids.iter().map(|grid| grid.cells()).collect(),
+            r: self.r.clone(),
+            max_iterations: self.max_iterations,
+        })
     }
 
     /// The finest grid.

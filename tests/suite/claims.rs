@@ -2,7 +2,7 @@
 
 use signorini::experiments::claims::{Claims, Measure, Plan, Verdict, claims};
 use signorini::replication::project::Project;
-use signorini::replication::stages::bench::problem;
+use signorini::replication::scene::Scene;
 use signorini::saddle::{Params, StopRule, solve_nested};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -14,7 +14,7 @@ fn project() -> Project {
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
 fn plan() -> Plan {
     let targets = vec![(1e-3, 32), (1e-6, 16)];
-    let problems = project().scenes.iter().filter_map(problem).collect();
+    let problems = project().scenes.iter().filter_map(Scene::problem).collect();
     Plan { per_decade: 2, targets, ..Plan::new(problems) }
 }
 

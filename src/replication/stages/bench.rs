@@ -1,4 +1,5 @@
-//! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results.
+//! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results and of
+//! recorded times.
 
 mod claims;
 mod stability;
@@ -9,9 +10,11 @@ use crate::experiments::problems::Problem;
 use crate::experiments::rounding::{self, Rounding};
 use crate::experiments::{self, accuracy, stress, strips, truth};
 use crate::figures::{self, Picture};
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
+use crate::timing::recorded::{PATH, Timings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -20,8 +23,9 @@ use std::collections::BTreeMap;
 const RESULT: &str = "result.json";
 
 /// The experiments, as tasks; they need the whole project, as the book does.
-pub fn tasks(project: &Project) -> Vec<Task> {
-    let problems: Vec<Problem> = project.problems().into_iter().filter_map(problem).collect();
+pub(super) fn tasks(project: &Project) -> Vec<Task> {
+    let problems: Vec<Problem> =
+        project.problems().into_iter().filter_map(Scene::problem).collect();
     let named = |problem: &Problem| (format!("problem {}", problem.number), problem.f.clone());
     let truth = truth::Plan::new(problems.iter().map(named));
     let strips = strips::Plan { problems: problems.clone() };
@@ -39,21 +43,8 @@ pub fn tasks(project: &Project) -> Vec<Task> {
     ]
 }
 
-/// The problem of a scene as experiments take it, if it belongs to a published table.
-pub fn problem(scene: &Scene) -> Option<Problem> {
-    Some(Problem {
-        number: scene.paper_table?,
-        f: scene.f.to_string(),
-        load: scene.load,
-        prolongation: scene.prolongation,
-        grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
-        r: scene.r.clone(),
-        max_iterations: scene.max_iterations,
-    })
-}
-
 /// The tasks that draw the pictures of the chapters on experiments.
-pub fn pictures() -> Vec<Task> {
+pub(super) fn pictures() -> Vec<Task> {
     vec![
         picture(
             "accuracy",
@@ -134,6 +125,27 @@ fn picture<T: DeserializeOwned + 'static>(
     drawing(name, title.into(), vec![id(experiment)], move |inputs| {
         Ok(draw(&result(inputs, experiment)?))
     })
+}
+
+/// The tasks that draw recorded times, their only input; none if nothing has been recorded.
+pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
+    let Some(text) = project.files.get(PATH) else { return Vec::new() };
+    let picture = |name, title: &str, draw: fn(&Timings) -> Picture| Task {
+        files: Artifacts::from([(PATH.into(), text.clone())]),
+        ..drawing(name, title.into(), Vec::new(), move |inputs| {
+            Ok(draw(&times(inputs)?.ok_or("nothing has been recorded")?))
+        })
+    };
+    vec![
+        picture("cost", "Time per unknown against the number of unknowns", cost::cost),
+        picture("race", "Error against time, all solvers", cost::race),
+    ]
+}
+
+/// The record of times among the files of a task, if it is there.
+pub(super) fn times(inputs: &Inputs) -> Result<Option<Timings>, Failure> {
+    let Some(text) = inputs.files.get(PATH) else { return Ok(None) };
+    Ok(Some(Timings::parse(&String::from_utf8_lossy(text))?))
 }
 
 fn id(experiment: &str) -> String {

@@ -8,18 +8,14 @@ use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 
 /// Artifact with a [`crate::replication::comparison::TableComparison`].
-pub const DIFF: &str = "diff.json";
+pub(crate) const DIFF: &str = "diff.json";
 
-/// Id of the task that compares a scene with the paper.
-pub fn id(scene: &Scene) -> String {
+pub(crate) fn id(scene: &Scene) -> String {
     format!("diff/{}", scene.name)
 }
 
 /// The task that compares a scene with the published table of this number.
-///
-/// # Errors
-/// [`Error::Input`] if there is no such table.
-pub fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
+pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
     let of_scene = |e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name));
     let table = project.paper.published(number).map_err(of_scene)?;
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };

@@ -15,70 +15,26 @@ use crate::replication::scene::{Output, Scene};
 use crate::saddle::Pair;
 use std::collections::BTreeMap;
 
-/// A kind of figure.
-pub struct Kind {
-    /// The output of a scene that asks for it.
-    pub output: Output,
-    /// Its name when the paper's problems share it.
-    shared: &'static str,
-    /// What it shows, in words.
-    caption: &'static str,
-    /// The tasks from whose artifacts it is drawn.
-    needs: fn(&Scene) -> Vec<String>,
-    draw: fn(&[Scene], &Inputs) -> Result<Picture, String>,
-}
-
-/// All kinds of figure.
-pub const KINDS: [Kind; 5] = [
-    Kind {
-        output: Output::Source,
-        shared: "figure1",
-        caption: "Right-hand side f",
-        needs: |_| Vec::new(),
-        draw: draw_sources,
-    },
-    Kind {
-        output: Output::Surface,
-        shared: "figure2",
-        caption: "Surface v",
-        needs: |scene| vec![surface(scene)],
-        draw: draw_surfaces,
-    },
-    Kind {
-        output: Output::History,
-        shared: "histories",
-        caption: "Residuals against iterations",
-        needs: |scene| solve::ids(scene, scene.stop[0]).collect(),
-        draw: draw_histories,
-    },
-    Kind {
-        output: Output::Contact,
-        shared: "contact",
-        caption: "Trace and multiplier along the boundary",
-        needs: |scene| {
-            scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
-        },
-        draw: draw_contact,
-    },
-    Kind {
-        output: Output::Identify,
-        shared: "identifiability",
-        caption: "Published counts that come out, around the recovered f",
-        needs: |scene| vec![identify::id(scene)],
-        draw: draw_identifiability,
-    },
+/// The kinds of figure: the output of a scene that asks for it, its name when the paper's problems share it,
+/// and what it shows.
+pub(super) const KINDS: [(Output, &str, &str); 5] = [
+    (Output::Source, "figure1", "Right-hand side f"),
+    (Output::Surface, "figure2", "Surface v"),
+    (Output::History, "histories", "Residuals against iterations"),
+    (Output::Contact, "contact", "Trace and multiplier along the boundary"),
+    (Output::Identify, "identifiability", "Published counts that come out, around the recovered f"),
 ];
 
 /// The figure tasks of `scenes`; shared ones only if all scenes of `project` that share them are there.
-pub fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
+pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for kind in &KINDS {
-        let shared = sharing(project, scenes, kind.output);
+    for (kind, name, caption) in KINDS {
+        let shared = sharing(project, scenes, kind);
         if !shared.is_empty() {
-            tasks.push(task(kind, kind.shared.into(), &shared));
+            tasks.push(task(kind, name.into(), caption, &shared));
         }
-        for scene in scenes.iter().filter(|s| !project.is_problem(s) && s.wants(kind.output)) {
-            tasks.push(task(kind, format!("{}-{}", scene.name, kind.output), &[scene]));
+        for scene in scenes.iter().filter(|s| !project.is_problem(s) && s.wants(kind)) {
+            tasks.push(task(kind, format!("{}-{kind}", scene.name), caption, &[scene]));
         }
     }
     let shared = sharing(project, scenes, Output::Surface);
@@ -119,24 +75,37 @@ fn stops(scenes: &[&Scene]) -> Task {
     Task { parameters, ..task }
 }
 
-fn task(kind: &'static Kind, name: String, scenes: &[&Scene]) -> Task {
+fn task(kind: Output, name: String, caption: &str, scenes: &[&Scene]) -> Task {
     let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
     let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
-    let title = format!("{}: {}", kind.caption, titles.join("; "));
+    let title = format!("{caption}: {}", titles.join("; "));
     // Drawing reads nothing else of a scene.
-    let mut hashed = BTreeMap::from([("kind".to_owned(), kind.output.to_string())]);
+    let mut hashed = BTreeMap::from([("kind".to_owned(), kind.to_string())]);
     for scene in &scenes {
         let mut read = serde_json::json!({ "title": scene.title });
-        match kind.output {
+        match kind {
             Output::Source | Output::Identify => read["f"] = scene.f.to_string().into(),
             _ => read["grids"] = scene.grids.iter().map(|grid| grid.cells()).collect(),
         }
         let named = |(key, value)| (format!("{}.{key}", scene.name), value);
         hashed.extend(parameters(&read).into_iter().map(named));
     }
-    let needs = scenes.iter().flat_map(kind.needs).collect();
-    let draw = move |inputs: &Inputs| Ok((kind.draw)(&scenes, inputs)?);
+    let needs = scenes.iter().flat_map(|scene| needs(kind, scene)).collect();
+    let draw = move |inputs: &Inputs| Ok(draw(kind, &scenes, inputs)?);
     Task { parameters: hashed, ..drawing(&name, title, needs, draw) }
+}
+
+/// The tasks from whose artifacts a kind of figure is drawn.
+fn needs(kind: Output, scene: &Scene) -> Vec<String> {
+    match kind {
+        Output::Surface => vec![surface(scene)],
+        Output::History => solve::ids(scene, scene.stop[0]).collect(),
+        Output::Contact => {
+            scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
+        }
+        Output::Identify => vec![identify::id(scene)],
+        Output::Source | Output::Table => Vec::new(),
+    }
 }
 
 /// The task that draws the figure `name`; its title is its only parameter.
@@ -170,55 +139,58 @@ fn surface(scene: &Scene) -> String {
     solve::id(scene, scene.stop[0], scene.draw_r)
 }
 
-fn draw_sources(scenes: &[Scene], _: &Inputs) -> Result<Picture, String> {
-    let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
-    Ok(maps_of_f(&maps))
+fn draw(kind: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
+    match kind {
+        Output::Source | Output::Table => {
+            let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
+            Ok(maps_of_f(&maps))
+        }
+        Output::Surface => {
+            let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
+            let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
+            let shown = scenes.iter().zip(&pairs).map(|(scene, Pair { y, a })| {
+                let (title, grid) = (&scene.title, scene.finest());
+                Surface { title, grid, y, a, azimuth: uphill(grid, y), range: None }
+            });
+            Ok(surfaces(2, &shown.collect::<Vec<_>>()))
+        }
+        Output::History => {
+            let shown = scenes.iter().map(|scene| history(scene, inputs));
+            Ok(histories(&shown.collect::<Result<Vec<_>, _>>()?))
+        }
+        Output::Contact => {
+            let shown = scenes.iter().map(|scene| contacts(scene, inputs));
+            Ok(contact(&shown.collect::<Result<Vec<_>, _>>()?))
+        }
+        Output::Identify => {
+            let found =
+                scenes.iter().map(|scene| from_json(inputs, &identify::id(scene), FINDINGS));
+            let found = found.collect::<Result<Vec<Findings>, _>>()?;
+            let shown = scenes.iter().zip(&found).map(|(scene, found)| IdentifiabilityPanel {
+                title: &scene.title,
+                slice: &found.slice,
+                cells: found.target.cells(),
+                others: two_valued(found),
+            });
+            Ok(identifiability(&shown.collect::<Vec<_>>()))
+        }
+    }
 }
 
-fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
-    let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
-    let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-    let shown = scenes.iter().zip(&pairs).map(|(scene, Pair { y, a })| {
-        let (title, grid) = (&scene.title, scene.finest());
-        Surface { title, grid, y, a, azimuth: uphill(grid, y), range: None }
-    });
-    Ok(surfaces(2, &shown.collect::<Vec<_>>()))
+fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
+    let runs = solve::ids(scene, scene.stop[0]).zip(&scene.r);
+    let runs = runs.map(|(task, r)| Ok((format!("r = {r}"), from_json(inputs, &task, HISTORY)?)));
+    let runs = runs.collect::<Result<_, String>>()?;
+    Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, runs })
 }
 
-fn draw_histories(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
-    let shown = scenes.iter().map(|scene| {
-        let runs = solve::ids(scene, scene.stop[0]).zip(&scene.r).map(|(task, r)| {
-            let levels = from_json(inputs, &task, HISTORY)?;
-            Ok((format!("r = {r}"), levels))
-        });
-        let runs = runs.collect::<Result<_, String>>()?;
-        Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, runs })
+fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, String> {
+    let lines = scene.stop.iter().map(|&stop| {
+        let label = format!("stop: {stop}, r = {}", scene.draw_r);
+        Ok((label, solve::pair(inputs, scene, stop)?))
     });
-    Ok(histories(&shown.collect::<Result<Vec<_>, String>>()?))
-}
-
-fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
-    let shown = scenes.iter().map(|scene| {
-        let lines = scene.stop.iter().map(|&stop| {
-            let label = format!("stop: {stop}, r = {}", scene.draw_r);
-            Ok((label, solve::pair(inputs, scene, stop)?))
-        });
-        let lines = lines.collect::<Result<_, String>>()?;
-        Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })
-    });
-    Ok(contact(&shown.collect::<Result<Vec<_>, String>>()?))
-}
-
-fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
-    let found = scenes.iter().map(|scene| from_json(inputs, &identify::id(scene), FINDINGS));
-    let found = found.collect::<Result<Vec<Findings>, _>>()?;
-    let shown = scenes.iter().zip(&found).map(|(scene, found)| IdentifiabilityPanel {
-        title: &scene.title,
-        slice: &found.slice,
-        cells: found.target.cells(),
-        others: two_valued(found),
-    });
-    Ok(identifiability(&shown.collect::<Vec<_>>()))
+    let lines = lines.collect::<Result<_, String>>()?;
+    Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })
 }
 
 /// The alternatives with one value on the first quadrant and one elsewhere: those in the plane of the map.

@@ -9,28 +9,21 @@ use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 
 /// Artifact with [`crate::identify::Findings`].
-pub const FINDINGS: &str = "findings.json";
+pub(super) const FINDINGS: &str = "findings.json";
 
-/// Id of the task that looks into a scene's f.
-pub fn id(scene: &Scene) -> String {
+pub(super) fn id(scene: &Scene) -> String {
     format!("identify/{}", scene.name)
 }
 
 /// The tasks that `scenes` ask for: none unless all scenes that ask are among them, as for shared figures.
-///
-/// # Errors
-/// [`Error::Input`] if the record of the search is missing.
-pub fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
-    let asking = sharing(project, scenes, Output::Identify);
-    let own = |scene: &&&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
-    let asking = asking.into_iter().chain(scenes.iter().filter(own).copied());
-    let record = project.files.get(IDENTIFIED).map(|text| String::from_utf8_lossy(text));
-    let mut asking = asking.peekable();
-    let record: Option<Record> = match record.filter(|_| asking.peek().is_some()) {
-        Some(text) => Some(from_toml(IDENTIFIED, &text)?),
-        None => None,
-    };
-    asking.map(|scene| task(project, scene, record.as_ref())).collect()
+pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
+    let own = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
+    let mut asking = sharing(project, scenes, Output::Identify);
+    asking.extend(scenes.iter().copied().filter(own));
+    let text = project.files.get(IDENTIFIED).filter(|_| !asking.is_empty());
+    let record = text.map(|text| from_toml(IDENTIFIED, &String::from_utf8_lossy(text)));
+    let record: Option<Record> = record.transpose()?;
+    asking.into_iter().map(|scene| task(project, scene, record.as_ref())).collect()
 }
 
 fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Task> {

@@ -1,16 +1,15 @@
 //! The stages of the replication, and the plan that ties them together.
 
-pub mod bench;
+mod bench;
 mod cost;
-pub mod diff;
-pub mod figures;
-pub mod identify;
-pub mod report;
-pub mod results;
+pub(crate) mod diff;
+mod figures;
+mod identify;
+pub(crate) mod report;
+mod results;
 mod solutions;
-pub mod solve;
-pub mod tabulate;
-pub mod timings;
+mod solve;
+pub(crate) mod tabulate;
 
 use crate::pipeline::error::Result;
 use crate::pipeline::{Inputs, Plan, Task, stage};
@@ -24,7 +23,7 @@ use std::fmt;
 /// The kinds of task, in the order in which they follow from each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
-pub enum Stage {
+pub(crate) enum Stage {
     /// One (problem, stopping rule, r) column over all grids.
     Solve,
     /// One table per scene and stopping rule.
@@ -43,7 +42,7 @@ pub enum Stage {
 
 impl Stage {
     /// The stage of the task with this id.
-    pub fn of(id: &str) -> Option<Self> {
+    pub(crate) fn of(id: &str) -> Option<Self> {
         Self::from_str(stage(id), false).ok()
     }
 }
@@ -62,10 +61,7 @@ const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 ///
 /// Figures that show several scenes together, and the book, belong to the project as a whole: they
 /// are planned when all scenes concerned are among `scenes`.
-///
-/// # Errors
-/// [`Error::Input`](crate::pipeline::error::Error::Input) if a scene asks for what the project lacks.
-pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
+pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
     let mut tasks: Vec<Task> = Vec::new();
     for scene in scenes {
         for &stop in &scene.stop {
@@ -86,7 +82,7 @@ pub fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result
         if report::left_out(project).is_none() {
             tasks.extend(bench::tasks(project));
             tasks.extend(bench::pictures());
-            tasks.extend(timings::pictures(project));
+            tasks.extend(bench::pictures_of_times(project));
         }
     }
     tasks.sort_by_cached_key(|task| Stage::of(&task.id));

@@ -1,6 +1,5 @@
 //! The `report` stage: gathers what the other stages made, and turns it into pages and a book.
 
-mod agreement;
 mod chapters;
 mod search;
 mod times;
@@ -12,11 +11,10 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::report;
 use std::collections::BTreeMap;
-use std::mem::take;
 
 /// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
 /// what one of them does not ask for, they are left out of the book.
-pub fn left_out(project: &Project) -> Option<String> {
+pub(crate) fn left_out(project: &Project) -> Option<String> {
     let problems = project.problems();
     let [first, second] = problems[..] else {
         return Some("they need two scenes, one with `paper_table = 1` and one with 2".into());
@@ -26,7 +24,7 @@ pub fn left_out(project: &Project) -> Option<String> {
     }
     problems.iter().find_map(|scene| {
         let rule = chapters::RULES.iter().find(|rule| !scene.stop.contains(rule));
-        let mut kinds = figures::KINDS.iter().map(|kind| kind.output).chain([Output::Table]);
+        let mut kinds = figures::KINDS.iter().map(|kind| kind.0).chain([Output::Table]);
         let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
             .find(|kind| !scene.wants(*kind))
             .map(|kind| format!("\"{kind}\" to `outputs`")))?;
@@ -35,7 +33,7 @@ pub fn left_out(project: &Project) -> Option<String> {
 }
 
 /// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
-pub fn task(project: &Project, earlier: &[Task]) -> Task {
+pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
     let other = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Table);
     let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
@@ -55,8 +53,7 @@ pub fn task(project: &Project, earlier: &[Task]) -> Task {
             let stubs = |templates: &_| Ok(report::stubs(templates, reason));
             return book(inputs, Artifacts::new(), stubs);
         }
-        let mut solutions = solutions::all(inputs, &problems, &others)?;
-        let data = solutions.iter_mut().flat_map(|solution| take(&mut solution.files)).collect();
+        let (solutions, data) = solutions::all(inputs, &problems, &others)?;
         book(inputs, data, |templates| {
             let mut context = chapters::context(inputs, &problems, &others)?;
             context.insert("solutions", &solutions);
@@ -117,7 +114,7 @@ fn pictures<'a>(inputs: &'a Inputs) -> impl Iterator<Item = (&'a String, &'a Vec
 /// The versions of what shows in the book, as the build resolved them.
 ///
 /// Cargo writes one field to a line, so that a run with nothing to do need not parse it all.
-pub fn versions() -> Vec<(String, String)> {
+pub(crate) fn versions() -> Vec<(String, String)> {
     const SHOWN: [&str; 6] =
         ["mdbook-driver", "plotters", "polars", "pulldown-latex", "signorini", "tera"];
     let packages = include_str!("../../../Cargo.lock").split("[[package]]").skip(1);

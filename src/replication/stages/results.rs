@@ -3,23 +3,23 @@
 
 use super::from_json;
 use super::solve::{self, OUTCOMES, Outcomes};
-use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::replication::comparison::TableComparison;
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::replication::table::{csv, read_csv};
 use crate::saddle::{Outcome, StopRule, tolerance};
 use polars::prelude::*;
 use serde::Serialize;
+use serde_json::{Value, json};
+use std::io::Cursor;
 
-/// Id of the task.
-pub const ID: &str = "diff/results";
+pub(super) const ID: &str = "diff/results";
 /// Artifact, and file under `report/`: all results, as CSV.
-pub const FILE: &str = "results.csv";
+pub(super) const FILE: &str = "results.csv";
 
 /// The task that joins the results of all scenes that ask for a table; none if no scene does.
-pub fn task(project: &Project) -> Option<Task> {
+pub(super) fn task(project: &Project) -> Option<Task> {
     let scenes = project.scenes.iter().filter(|scene| scene.wants(Output::Table));
     let parts: Vec<(Scene, StopRule)> =
         scenes.flat_map(|scene| scene.stop.iter().map(|&rule| (scene.clone(), rule))).collect();
@@ -31,7 +31,7 @@ pub fn task(project: &Project) -> Option<Task> {
     let parameters =
         parameters(&serde_json::json!({ "r": paper.r, "tables": tables, "published": printed }));
     let join = move |inputs: &Inputs| {
-        let results = levels(inputs, &parts)?.left_join(&published(&parts, &paper)?, KEYS, KEYS)?;
+        let results = joined(&rows(inputs, &parts)?, &paper)?;
         Ok(Artifacts::from([(FILE.into(), csv(results)?)]))
     };
     let task = Task::new(ID, parameters, needs, join);
@@ -42,16 +42,16 @@ pub fn task(project: &Project) -> Option<Task> {
 ///
 /// `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` say what was
 /// solved. `published` and `published_delta_a` are what the paper prints, empty where it prints
-/// nothing. The other columns carry the names of the fields of [`Outcome`].
+/// nothing, of Delta a on all but the finest grid. The other columns carry the names of the fields of [`Outcome`].
 #[derive(Clone, Debug)]
 pub(super) struct Results(DataFrame);
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Summary {
-    pub(super) cases: usize,
-    pub(super) sum: f64,
-    pub(super) least: f64,
-    pub(super) greatest: f64,
+struct Summary {
+    cases: usize,
+    sum: f64,
+    least: f64,
+    greatest: f64,
 }
 
 const KEYS: [&str; 3] = ["problem", "r", "cells"];
@@ -65,8 +65,36 @@ impl Results {
         self.0.filter(&self.0.column("problem")?.str()?.equal(name)).map(Self)
     }
 
+    /// How these results agree with the paper's `tables`, and what the stopping rules leave and cost on the
+    /// finest grid.
+    pub(super) fn agreement(&self, tables: &[TableComparison]) -> PolarsResult<Value> {
+        let exact = self.exact(StopRule::Signed)?;
+        let signed = self.finest(StopRule::Signed)?;
+        let on_finest = |column: &str| summary(&floats(&signed, column)?);
+        let sum = |of: fn(&TableComparison) -> usize| tables.iter().map(of).sum::<usize>();
+        Ok(json!({
+            // Published counts; those that the signed rule gives, and (13) as printed.
+            "cells": exact.cases,
+            "exact": exact.sum as usize,
+            "printed_exact": self.exact(StopRule::Printed)?.sum as usize,
+            // Published values of Delta a; those to both digits, and within the declared tolerance.
+            "deltas": sum(|table| table.rows.len()),
+            "deltas_exact": sum(|table| table.delta_a_exact),
+            "deltas_within": sum(|table| table.delta_a_within),
+            // `max |dM/dy|` over the tolerance where the signed rule stops.
+            "excess": summary(&(&floats(&signed, "gradient_abs")? / &floats(&signed, "tolerance")?)?)?,
+            // Iterations under (13) as printed, and under the dual rule, over those under the signed rule.
+            "printed": self.factor(StopRule::Printed)?,
+            "dual": self.factor(StopRule::SignedDual)?,
+            // Iterations and Delta a under the signed rule, and Delta a as published.
+            "counts": on_finest("iterations")?,
+            "delta": on_finest("delta_a")?,
+            "paper_delta": on_finest("published_delta_a")?,
+        }))
+    }
+
     /// 1 for each published count that the rule gives and meets, else 0.
-    pub(super) fn agreement(&self, rule: StopRule) -> PolarsResult<Summary> {
+    fn exact(&self, rule: StopRule) -> PolarsResult<Summary> {
         let rows = self.under(rule)?;
         let rows = rows.filter(&rows.column("published")?.is_not_null())?;
         let same = floats(&rows, "iterations")?.equal(&floats(&rows, "published")?)?;
@@ -74,23 +102,12 @@ impl Results {
         summary(&exact.into_series())
     }
 
-    /// `max |dM/dy|` over the tolerance where the signed rule stops on the finest grid.
-    pub(super) fn excess(&self) -> PolarsResult<Summary> {
-        let rows = self.finest(StopRule::Signed)?;
-        summary(&(&floats(&rows, "gradient_abs")? / &floats(&rows, "tolerance")?)?)
-    }
-
     /// The iterations of a rule on the finest grid over those of the signed rule, for every r with
     /// which it is met.
-    pub(super) fn factor(&self, rule: StopRule) -> PolarsResult<Summary> {
+    fn factor(&self, rule: StopRule) -> PolarsResult<Summary> {
         let rows = self.finest(StopRule::Signed)?.left_join(&self.finest(rule)?, KEYS, KEYS)?;
         let rows = rows.filter(&rows.column("stop_right")?.str()?.equal("converged"))?;
         summary(&(&floats(&rows, "iterations_right")? / &floats(&rows, "iterations")?)?)
-    }
-
-    /// A column on the finest grid under the signed rule, over all r.
-    pub(super) fn on_finest(&self, column: &str) -> PolarsResult<Summary> {
-        summary(&floats(&self.finest(StopRule::Signed)?, column)?)
     }
 
     fn under(&self, rule: StopRule) -> PolarsResult<DataFrame> {
@@ -99,27 +116,38 @@ impl Results {
 
     /// Rows of problems of the paper on the finest grid.
     fn finest(&self, rule: StopRule) -> PolarsResult<DataFrame> {
-        let signed = self.under(StopRule::Signed)?;
-        let signed = signed.filter(&signed.column("published_delta_a")?.is_not_null())?;
-        let keys = signed.select(KEYS)?;
         let rows = self.under(rule)?;
-        keys.left_join(&rows, KEYS, KEYS)
+        rows.filter(&rows.column("published_delta_a")?.is_not_null())
     }
 }
 
-/// What was solved: one row per scene, rule, r and grid.
-fn levels(inputs: &Inputs, parts: &[(Scene, StopRule)]) -> Result<DataFrame, Failure> {
-    let mut rows: Vec<(&Scene, StopRule, f64, usize, Outcome)> = Vec::new();
+/// A scene under a rule with an r on a grid: the number of the grid from 1, and what was solved there.
+type Row<'a> = (&'a Scene, StopRule, f64, usize, Outcome);
+
+fn rows<'a>(inputs: &Inputs, parts: &'a [(Scene, StopRule)]) -> Result<Vec<Row<'a>>, String> {
+    let mut rows = Vec::new();
     for (scene, rule) in parts {
         for &r in &scene.r {
             let solved: Outcomes = from_json(inputs, &solve::id(scene, *rule, r), OUTCOMES)?;
             rows.extend((1..).zip(solved.levels).map(|(level, o)| (scene, *rule, r, level, o)));
         }
     }
+    Ok(rows)
+}
+
+/// The rows of [`Results`].
+fn joined(rows: &[Row], paper: &Paper) -> PolarsResult<DataFrame> {
     let float = |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.4)).collect::<Vec<_>>();
     let count =
         |of: fn(&Outcome) -> usize| rows.iter().map(|row| of(&row.4) as i64).collect::<Vec<_>>();
-    Ok(df!(
+    let published = rows.iter().map(|&(scene, _, r, level, _)| {
+        let table = paper.published(scene.paper_table?).ok()?;
+        let k = paper.r.iter().position(|&printed| printed == r)?;
+        let count = *table.counts[k].get(level - 1)? as i64;
+        Some((count, (level == scene.grids.len()).then_some(table.delta_a[k])))
+    });
+    let published: Vec<_> = published.collect();
+    df!(
         "problem" => rows.iter().map(|row| &*row.0.name).collect::<Vec<_>>(),
         "rule" => rows.iter().map(|row| row.1.name()).collect::<Vec<_>>(),
         "r" => rows.iter().map(|row| row.2).collect::<Vec<_>>(),
@@ -138,29 +166,8 @@ fn levels(inputs: &Inputs, parts: &[(Scene, StopRule)]) -> Result<DataFrame, Fai
         "kkt_complementarity" => float(|o| o.kkt.complementarity),
         "kkt_natural" => float(|o| o.kkt.natural),
         "kkt_relative" => float(|o| o.kkt.relative),
-    )?)
-}
-
-/// What the paper prints of the scenes, of Delta a only on the finest grid.
-fn published(parts: &[(Scene, StopRule)], paper: &Paper) -> PolarsResult<DataFrame> {
-    let mut rows = Vec::new();
-    for (scene, _) in parts.iter().filter(|(_, rule)| *rule == StopRule::Signed) {
-        let Some(Ok(table)) = scene.paper_table.map(|number| paper.published(number)) else {
-            continue;
-        };
-        for (k, &r) in paper.r.iter().enumerate() {
-            for (&grid, &count) in scene.grids.iter().zip(&table.counts[k]) {
-                let delta_a = (grid == scene.finest()).then_some(table.delta_a[k]);
-                rows.push((&*scene.name, r, grid.cells() as i64, count as i64, delta_a));
-            }
-        }
-    }
-    df!(
-        "problem" => rows.iter().map(|row| row.0).collect::<Vec<_>>(),
-        "r" => rows.iter().map(|row| row.1).collect::<Vec<_>>(),
-        "cells" => rows.iter().map(|row| row.2).collect::<Vec<_>>(),
-        "published" => rows.iter().map(|row| row.3).collect::<Vec<_>>(),
-        "published_delta_a" => rows.iter().map(|row| row.4).collect::<Vec<_>>(),
+        "published" => published.iter().map(|row| Some(row.as_ref()?.0)).collect::<Vec<_>>(),
+        "published_delta_a" => published.iter().map(|row| row.as_ref()?.1).collect::<Vec<_>>(),
     )
 }
 
@@ -176,4 +183,18 @@ fn summary(values: &Series) -> PolarsResult<Summary> {
         least: values.min::<f64>()?.unwrap_or(f64::NAN),
         greatest: values.max::<f64>()?.unwrap_or(f64::NAN),
     })
+}
+
+/// CSV with a header line.
+pub(super) fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    CsvWriter::new(&mut bytes).finish(&mut frame)?;
+    Ok(bytes)
+}
+
+/// Reads CSV with a header line.
+pub(super) fn read_csv(bytes: &[u8]) -> PolarsResult<DataFrame> {
+    // Types from all rows: a column may begin with whole numbers, or with nothing.
+    let options = CsvReadOptions::default().with_infer_schema_length(None);
+    CsvReader::new(Cursor::new(bytes)).with_options(options).finish()
 }

@@ -21,7 +21,7 @@ use std::ops::ControlFlow;
 
 /// Everything a cell depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Cell {
+pub(super) struct Cell {
     f: Source,
     load: LoadRule,
     prolongation: Prolongation,
@@ -37,45 +37,40 @@ pub struct Cell {
 
 /// `outcomes.json`.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Outcomes {
+pub(super) struct Outcomes {
     schema: u8,
-    /// Duality parameter.
-    pub r: f64,
+    pub(super) r: f64,
     /// Per grid, coarsest first.
-    pub levels: Vec<Outcome>,
+    pub(super) levels: Vec<Outcome>,
     /// Greatest nodal error per grid; empty if no exact solution is known.
-    pub errors: Vec<f64>,
+    pub(super) errors: Vec<f64>,
 }
 
 /// Artifact with an [`Outcomes`].
-pub const OUTCOMES: &str = "outcomes.json";
+pub(super) const OUTCOMES: &str = "outcomes.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
-pub const PAIR: &str = "pair.f64";
+pub(super) const PAIR: &str = "pair.f64";
 /// Artifact with every [`Iteration`], per grid.
-pub const HISTORY: &str = "history.json";
+pub(super) const HISTORY: &str = "history.json";
 
-/// Id of the task that solves a cell of a scene.
-pub fn id(scene: &Scene, stop: StopRule, r: f64) -> String {
+pub(super) fn id(scene: &Scene, stop: StopRule, r: f64) -> String {
     format!("solve/{}/{stop}/r={r}", scene.name)
 }
 
 /// Ids of the tasks that solve a scene under a rule, one per r.
-pub fn ids(scene: &Scene, stop: StopRule) -> impl Iterator<Item = String> {
+pub(super) fn ids(scene: &Scene, stop: StopRule) -> impl Iterator<Item = String> {
     scene.r.iter().map(move |&r| id(scene, stop, r))
 }
 
 /// The tasks that solve the cells of a scene under a rule, as far as a table or a figure asks for them.
-pub fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task> {
+pub(super) fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task> {
     let cells = scene.r.iter().map(move |&r| cell(scene, stop, r));
     let asked = |cell: &Cell| scene.wants(Output::Table) || cell.keep_pair || cell.keep_history;
     cells.filter(asked).map(|cell| task(scene, cell))
 }
 
 /// The discrete solution of a scene on its finest grid, with f integrated exactly; a is the flux.
-///
-/// # Errors
-/// What multigrid says if there is no solution.
-pub fn solution(scene: &Scene) -> Result<Pair, String> {
+pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
     let (y, _) = multigrid(grid.cells(), &load, None, &MultigridParams::default(), |_| ())
@@ -166,10 +161,7 @@ impl Monitor for Record {
 }
 
 /// The pair where a rule stops on the finest grid, with the r that is drawn.
-///
-/// # Errors
-/// If the artifact [`PAIR`] is missing, or is not for this grid.
-pub fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
+pub(super) fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
     let grid = scene.finest();
     let (chunks, _) = artifact(inputs, &id(scene, stop, scene.draw_r), PAIR)?.as_chunks();
     let values: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();

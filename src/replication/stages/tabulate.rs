@@ -1,28 +1,27 @@
 //! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table.
 
 use super::from_json;
+use super::results::csv;
 use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
-use crate::replication::table::table_csv;
 use crate::saddle::{StopReason, StopRule};
+use polars::prelude::{Column, DataFrame, PolarsResult};
 
 /// Artifact in the paper's layout.
-pub const TABLE: &str = "table.csv";
+pub(crate) const TABLE: &str = "table.csv";
 
-/// Id of the task that tabulates a scene under a stopping rule.
-pub fn id(scene: &Scene, stop: StopRule) -> String {
+pub(crate) fn id(scene: &Scene, stop: StopRule) -> String {
     format!("tabulate/{}/{stop}", scene.name)
 }
 
-/// The task that tabulates a scene under a stopping rule.
-pub fn task(scene: &Scene, stop: StopRule) -> Task {
+pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
     let needs: Vec<String> = solve::ids(scene, stop).collect();
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
     let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
-        Ok(Artifacts::from([(TABLE.into(), table_csv(&rows(inputs, &needs)?, &cells)?)]))
+        Ok(Artifacts::from([(TABLE.into(), csv(table(&rows(inputs, &needs)?, &cells)?)?)]))
     })
 }
 
@@ -39,4 +38,42 @@ fn row(inputs: &Inputs, need: &str) -> Result<Row, String> {
         capped: levels.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
         delta_a: levels.last().map_or(f64::NAN, |o| o.delta_a),
     })
+}
+
+/// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
+/// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which.
+fn table(rows: &[Row], cells: &[usize]) -> PolarsResult<DataFrame> {
+    let mut columns: Vec<Column> =
+        vec![Column::new("r".into(), rows.iter().map(|row| row.r).collect::<Vec<_>>())];
+    for (level, n) in cells.iter().enumerate() {
+        let counts: Vec<u64> = rows.iter().map(|row| row.counts[level] as u64).collect();
+        columns.push(Column::new(format!("1/{n}").into(), counts));
+    }
+    let delta_a: Vec<f64> = rows.iter().map(|row| row.delta_a).collect();
+    columns.push(Column::new("delta_a".into(), delta_a));
+    for (level, n) in cells.iter().enumerate() {
+        let capped: Vec<bool> = rows.iter().map(|row| row.capped[level]).collect();
+        if capped.contains(&true) {
+            columns.push(Column::new(format!("capped 1/{n}").into(), capped));
+        }
+    }
+    DataFrame::new(rows.len(), columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_has_all_digits_and_says_what_was_cut_off() {
+        let row = |r, counts, cut, delta_a| Row { r, counts, capped: vec![false, cut], delta_a };
+        let rows =
+            [row(1e6, vec![1, 149], false, 1e-4 / 3.0), row(0.5, vec![3, 55], true, 3.53e-4)];
+        expect_test::expect![[r#"
+            r,1/4,1/8,delta_a,capped 1/8
+            1000000.0,1,149,0.000033333333333333335,false
+            0.5,3,55,0.000353,true
+        "#]]
+        .assert_eq(std::str::from_utf8(&csv(table(&rows, &[4, 8]).unwrap()).unwrap()).unwrap());
+    }
 }

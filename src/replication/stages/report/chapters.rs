@@ -1,6 +1,5 @@
 //! What the templates of the chapters are given: plain data, everything computed, nothing formatted.
 
-use super::agreement::agreement;
 use super::search::{fixed, searched};
 use super::times::{targets as time_targets, times};
 use super::versions;
@@ -19,9 +18,8 @@ use crate::replication::stages::diff::{self, DIFF};
 use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
-use crate::replication::stages::{artifact, bench, from_json, timings};
+use crate::replication::stages::{artifact, bench, from_json};
 use crate::saddle::{Iteration, Pair, StopRule, tolerance};
-use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use tera::Context;
@@ -47,7 +45,7 @@ pub(super) fn context(
     let grids: Vec<usize> = problems[0].grids.iter().map(|grid| grid.cells()).collect();
 
     let mut context = Context::new();
-    context.insert("agreement", &agreement(&results, &tables)?);
+    context.insert("agreement", &results.agreement(&tables)?);
     context.insert("problems", &shown.collect::<Result<Vec<_>, _>>()?);
     context.insert("scenes", &others.collect::<Result<Vec<_>, _>>()?);
     context.insert("r", &tables[0].rows.iter().map(|row| row.r).collect::<Vec<_>>());
@@ -73,7 +71,7 @@ pub(super) fn context(
 fn times_and_targets(inputs: &Inputs, context: &mut Context) -> Result<(), Failure> {
     let accuracy = bench::result(inputs, "accuracy")?;
     let mut all = targets::of_accuracy(&accuracy);
-    if let Some(timings) = timings::read(inputs)? {
+    if let Some(timings) = bench::times(inputs)? {
         all.extend(time_targets(&timings));
         context.insert("cost", &times(&timings, &accuracy));
         context.insert("timings", &timings);
@@ -83,21 +81,19 @@ fn times_and_targets(inputs: &Inputs, context: &mut Context) -> Result<(), Failu
     Ok(())
 }
 
-#[derive(Serialize)]
-struct SceneData<'a> {
-    #[serde(flatten)]
-    scene: &'a Scene,
-    #[serde(flatten)]
-    more: Value,
+/// The fields of a scene, and more.
+fn extended(scene: &Scene, more: Value) -> BTreeMap<String, Value> {
+    let fields = [json!(scene), more].into_iter().filter_map(|value| value.as_object().cloned());
+    fields.flatten().collect()
 }
 
 /// One of the paper's problems: its scene, its solves under the [`RULES`], its table.
-fn problem<'a>(
+fn problem(
     inputs: &Inputs,
     results: &Results,
-    scene: &'a Scene,
+    scene: &Scene,
     table: &TableComparison,
-) -> Result<SceneData<'a>, Failure> {
+) -> Result<BTreeMap<String, Value>, Failure> {
     let columns = |rule: StopRule| -> Result<Vec<Outcomes>, String> {
         let column = |r: f64| from_json(inputs, &solve::id(scene, rule, r), OUTCOMES);
         table.rows.iter().map(|row| column(row.r)).collect()
@@ -129,7 +125,7 @@ fn problem<'a>(
         "solution": shape(&solve::solution(scene)?, scene),
         "fixed": fixed(&findings),
         "findings": findings,
-        "agreement": agreement(&results.of_problem(&scene.name)?, std::slice::from_ref(table))?,
+        "agreement": results.of_problem(&scene.name)?.agreement(std::slice::from_ref(table))?,
         // Of the load vector on each grid.
         "sums": signed[0].levels.iter().map(|outcome| outcome.sum_load).collect::<Vec<_>>(),
         // What the largest published Delta a leaves in the gradient, h Delta a, and over the tolerance.
@@ -141,7 +137,7 @@ fn problem<'a>(
         "printed": printed,
         "table": table,
     });
-    Ok(SceneData { scene, more })
+    Ok(extended(scene, more))
 }
 
 /// A surface in a few numbers.
@@ -177,7 +173,7 @@ fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec
 }
 
 /// A scene that is not the paper's, under its first rule and with the r that is drawn.
-fn other<'a>(inputs: &Inputs, scene: &'a Scene) -> Result<SceneData<'a>, Failure> {
+fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Failure> {
     let path = format!("pipeline/scenes/{}.toml", scene.name);
     let text = inputs.files.get(&path).ok_or_else(|| format!("{path} is missing"))?;
     let solved = solve::id(scene, scene.stop[0], scene.draw_r);
@@ -189,7 +185,7 @@ fn other<'a>(inputs: &Inputs, scene: &'a Scene) -> Result<SceneData<'a>, Failure
         "exact": scene.f.exact().map(|exact| exact.latex()),
         "outcomes": outcomes,
     });
-    Ok(SceneData { scene, more })
+    Ok(extended(scene, more))
 }
 
 /// All figures by their names: the file in the book's folder `figures`, and where in the book its data are, in
