@@ -19,7 +19,7 @@ impl Problem {
         rules: &Rules,
         shortest: f64,
     ) -> Option<(Vec<Place>, usize)> {
-        const STEPS: usize = 40;
+        const STEPS: usize = 20;
         if places.is_empty() {
             return Some((places, 0));
         }

@@ -40,8 +40,8 @@ fn search(
     const ROUNDS: usize = 5;
     let mut steps = 0;
     for _ in 0..ROUNDS {
-        let nearer = rough.and_then(|rough| problem.newton(places.clone(), rough, 1e-5));
-        if let Some((moved, rough_steps)) = nearer {
+        if let Some(rough) = rough {
+            let (moved, rough_steps) = problem.newton(places, rough, 1e-5)?;
             (places, steps) = (moved, steps + rough_steps);
         }
         let (moved, fine_steps) = problem.newton(places, &rules, 1e-7)?;

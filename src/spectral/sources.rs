@@ -130,7 +130,7 @@ impl Sources {
     fn sums(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
         /// Fractions that are brought to one denominator: divisions would take most of the time. Next to
         /// corners, where the angles are tiny, products of many more would underflow.
-        const JOINED: usize = 9;
+        const JOINED: usize = 6;
         let range = group.range.clone();
         let [cos, sin] = eighth_turns(targets.corner - group.corner);
         let Complex { re, im } = group.direction;
