@@ -167,22 +167,15 @@ impl<D: Weighting> Walk<'_, D> {
     }
 
     fn run(&self, block: &mut Block, slabs: &[Range<usize>; MAX_STAGES]) -> f64 {
-        self.wave(block, slabs, |block, stage, slabs, first, natural| {
-            vectorised(
-                #[inline(always)]
-                || self.step(block, stage, slabs, first, natural),
-            );
-        })
+        vectorised(
+            #[inline(always)]
+            || self.wave(block, slabs),
+        )
     }
 
-    /// Carries all stages through the block, each on its slabs; `step` is [`Walk::step`].
+    /// Carries all stages through the block, each on its slabs.
     #[inline(always)]
-    fn wave(
-        &self,
-        block: &mut Block,
-        slabs: &[Range<usize>; MAX_STAGES],
-        step: impl Fn(&mut Block, Stage, Range<usize>, usize, &mut Largest),
-    ) -> f64 {
+    fn wave(&self, block: &mut Block, slabs: &[Range<usize>; MAX_STAGES]) -> f64 {
         let stages = || self.stages.iter().zip(slabs).enumerate();
         let begin = stages().map(|(lag, (_, slabs))| slabs.start + lag).min();
         let end = stages().map(|(lag, (_, slabs))| slabs.end + lag).max();
@@ -193,7 +186,7 @@ impl<D: Weighting> Walk<'_, D> {
             for (lag, (stage, slabs)) in stages() {
                 let from = time.saturating_sub(lag).max(slabs.start);
                 let to = (time + chunk).saturating_sub(lag).min(slabs.end);
-                step(block, *stage, from..to, slabs.start, &mut natural);
+                self.step(block, *stage, from..to, slabs.start, &mut natural);
             }
         }
         natural.value()
@@ -329,12 +322,7 @@ pub(super) mod tests {
         let walk = Walk::<D> { n, stages, boundary, load, coarse_values, dimension };
         let coarse_load = &mut coarse.load;
         let mut target = Target { n, values, in_contact, coarse_load, buffers };
-        let natural = walk.wave(
-            &mut target.whole(),
-            &walk.slabs(|_| 0..n + 1),
-            #[inline(always)]
-            |block, stage, slabs, first, natural| walk.step(block, stage, slabs, first, natural),
-        );
+        let natural = walk.wave(&mut target.whole(), &walk.slabs(|_| 0..n + 1));
         let fields = level.values.iter().chain(&coarse.load).map(|half| half.to_vec());
         (fields.collect(), level.in_contact, natural)
     }
