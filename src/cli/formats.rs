@@ -30,7 +30,7 @@ impl Format {
 /// The picture of a solution on the square.
 pub(super) fn picture(grid: Grid, pair: &Pair, name: &str) -> Result<Vec<u8>> {
     let azimuth = uphill(grid, &pair.y);
-    let surface = Surface { title: name, grid, y: &pair.y, a: &pair.a, azimuth, range: None };
+    let surface = Surface { title: name, grid, pair, azimuth, range: None };
     let drawn = surfaces(2, &[surface]).svg(name, "Made by `signorini solve`.");
     drawn.map(String::into_bytes).map_err(Error::input)
 }

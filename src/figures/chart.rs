@@ -71,15 +71,12 @@ fn entries<'a>(labels: &[&'a str]) -> Vec<Entry<'a>> {
 }
 
 fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) {
-    let curves = panel.curves.iter().filter(|curve| !curve.points.is_empty());
-    let (references, measured): (Vec<&Curve>, Vec<&Curve>) =
-        curves.partition(|curve| curve.stroke == Stroke::Reference);
-    let measured: Vec<(&Curve, &Entry)> = measured
-        .into_iter()
-        .filter_map(|curve| Some((curve, entries.iter().find(|e| e.label == curve.label)?)))
-        .collect();
+    let curves = || panel.curves.iter().filter(|curve| !curve.points.is_empty());
+    let references = || curves().filter(|curve| curve.stroke == Stroke::Reference);
+    let entry = |curve: &Curve| entries.iter().find(|entry| entry.label == curve.label);
+    let measured = || curves().filter_map(|curve| Some((curve, entry(curve)?)));
     let line = |picture: &mut Picture, dashed: bool| {
-        for (curve, entry) in measured.iter().filter(|(_, entry)| entry.dashed == dashed) {
+        for (curve, entry) in measured().filter(|(_, entry)| entry.dashed == dashed) {
             if curve.points.len() > 1 {
                 picture.path(places(frame, curve), entry.color, 2.0);
             }
@@ -87,16 +84,16 @@ fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) 
     };
     ground(picture, panel, frame);
     picture.group("stroke-dasharray=\"16 12\"", |picture| {
-        for curve in &references {
+        for curve in references() {
             picture.path(places(frame, curve), MUTED, 1.0);
         }
     });
     picture.group("stroke-dasharray=\"28 16\"", |picture| line(picture, true));
-    for curve in &references {
+    for curve in references() {
         name_reference(picture, frame, curve);
     }
     line(picture, false);
-    for (curve, entry) in measured.iter().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
+    for (curve, entry) in measured().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
         // A point that no line leads to must be seen.
         let radius = if curve.points.len() > 1 { 3.5 } else { 6.0 };
         for at in places(frame, curve) {

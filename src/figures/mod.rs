@@ -40,10 +40,8 @@ use crate::saddle::{Iteration, Pair};
 pub(crate) struct Surface<'a> {
     pub(crate) title: &'a str,
     pub(crate) grid: Grid,
-    /// Nodal vector: the height v, dimensionless.
-    pub(crate) y: &'a [f64],
-    /// Boundary vector: where the multiplier is positive, the boundary is drawn as in contact.
-    pub(crate) a: &'a [f64],
+    /// The heights y, dimensionless, and the multiplier a: where it is positive, the boundary is drawn as in contact.
+    pub(crate) pair: &'a Pair,
     /// From where it is seen: degrees by which the viewer has walked counter-clockwise from the negative y axis;
     /// [`uphill`] hides least.
     pub(crate) azimuth: f64,

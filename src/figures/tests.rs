@@ -94,16 +94,14 @@ fn text_is_large_enough_and_inside_the_picture() {
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let grid = Grid::new(4).unwrap();
-    let (mut y, a) = (vec![0.0; 25], vec![0.0; 16]);
-    let surface = |y: &[f64]| {
-        surfaces(2, &[Surface { title: "t", grid, y, a: &a, azimuth: 0.0, range: None }])
-    };
-    svg(&surface(&y));
-    y[4] = f64::NAN;
+    let mut pair = Pair { y: vec![0.0; 25], a: vec![0.0; 16] };
+    let surface =
+        |pair: &Pair| surfaces(2, &[Surface { title: "t", grid, pair, azimuth: 0.0, range: None }]);
+    svg(&surface(&pair));
+    pair.y[4] = f64::NAN;
     let refusal = |picture: Picture| picture.svg("t", "d").unwrap_err();
-    assert!(refusal(surface(&y)).contains("not a finite number"));
-    let lines = vec![("l".into(), Pair { y, a: a.clone() })];
-    let panel = ContactPanel { title: "t", grid, lines };
+    assert!(refusal(surface(&pair)).contains("not a finite number"));
+    let panel = ContactPanel { title: "t", grid, lines: vec![("l".into(), pair)] };
     assert!(refusal(contact(&[panel])).contains("not a finite number"));
     let curve = |point| Curve::new(Stroke::Marked, "c", point);
     let chart = |point| charts(false, &[Chart::new("t", ["x", "y"], vec![curve(point)])]);

@@ -56,10 +56,7 @@ impl Paper {
     }
 
     /// The published table of this number.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if there is none.
-    pub fn published(&self, number: u8) -> Result<&PublishedTable> {
+    pub(crate) fn published(&self, number: u8) -> Result<&PublishedTable> {
         self.table.iter().find(|table| table.number == number).ok_or_else(|| {
             let known: Vec<_> = self.table.iter().map(|t| t.number.to_string()).collect();
             let known = if known.is_empty() { "none".into() } else { known.join(", ") };
@@ -68,10 +65,7 @@ impl Paper {
     }
 
     /// The published table of this number as a search takes it.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if there is no such table, or it holds what no run can give.
-    pub fn target(&self, number: u8) -> Result<Target> {
+    pub(crate) fn target(&self, number: u8) -> Result<Target> {
         let PublishedTable { counts, delta_a, .. } = self.published(number)?.clone();
         let target = Target { r: self.r.clone(), counts, delta_a };
         let wrong = |e| Error::input(format!("pipeline/paper.toml, table {number}: {e}"));

@@ -38,10 +38,7 @@ pub struct Project {
 
 impl Project {
     /// The nearest project folder at or above `from`.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if there is none.
-    pub fn find(from: &Path) -> Result<PathBuf> {
+    pub(crate) fn find(from: &Path) -> Result<PathBuf> {
         from.ancestors()
             .find(|folder| folder.join("pipeline").join("scenes").is_dir())
             .map(Path::to_path_buf)
@@ -78,10 +75,7 @@ impl Project {
 
     /// Refuses a broken record of times, and a book to be built elsewhere. Not part of [`Project::read`]:
     /// a run that has nothing to do need not parse what tasks of an earlier run have parsed.
-    ///
-    /// # Errors
-    /// [`Error::Input`] with the place of the mistake and the remedy.
-    pub fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         if let Some(text) = self.files.get(recorded::PATH) {
             Timings::parse(&String::from_utf8_lossy(text))?;
         }
@@ -93,23 +87,20 @@ impl Project {
     }
 
     /// The scenes with these names, each once, or all if no name is given.
-    ///
-    /// # Errors
-    /// [`Error::Input`] with the known names if one is unknown.
-    pub fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
+    pub(crate) fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
         names.iter().try_for_each(|name| self.scene(name).map(drop))?;
         let is_wanted = |scene: &&Scene| names.is_empty() || names.contains(&scene.name);
         Ok(self.scenes.iter().filter(is_wanted).collect())
     }
 
     /// The scenes of the paper's problems 1 and 2, as far as there are any; the chapters are about them.
-    pub fn problems(&self) -> Vec<&Scene> {
+    pub(crate) fn problems(&self) -> Vec<&Scene> {
         let of = |number| self.scenes.iter().find(|scene| scene.paper_table == Some(number));
         [1, 2].into_iter().filter_map(of).collect()
     }
 
     /// Whether a scene is one of the paper's problems.
-    pub fn is_problem(&self, scene: &Scene) -> bool {
+    pub(crate) fn is_problem(&self, scene: &Scene) -> bool {
         self.problems().iter().any(|problem| problem.name == scene.name)
     }
 

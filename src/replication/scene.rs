@@ -155,7 +155,7 @@ impl Scene {
     }
 
     /// Whether the scene asks for this output.
-    pub fn wants(&self, output: Output) -> bool {
+    pub(crate) fn wants(&self, output: Output) -> bool {
         self.outputs.contains(&output)
     }
 
@@ -188,10 +188,7 @@ fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
 
 /// The integral of f, beside that of |f|, if f is solvable by condition (2): the integral is negative, by more
 /// than rounding.
-///
-/// # Errors
-/// [`Error::Input`] with the integral.
-pub fn solvable(integral: f64, of_size: f64) -> Result<f64> {
+pub(crate) fn solvable(integral: f64, of_size: f64) -> Result<f64> {
     if integral < -ROUNDING * of_size.abs() {
         return Ok(integral);
     }
@@ -215,10 +212,7 @@ pub(crate) fn shown_integral(integral: f64) -> String {
 const ROUNDING: f64 = 1e-12;
 
 /// Checks that r is a positive number, and one that can be written out as the name of a cell.
-///
-/// # Errors
-/// [`Error::Input`] otherwise.
-pub fn positive_r(r: f64) -> Result<f64> {
+pub(crate) fn positive_r(r: f64) -> Result<f64> {
     if (1e-12..=1e12).contains(&r) {
         return Ok(r);
     }

@@ -52,10 +52,7 @@ pub fn build(
 }
 
 /// Reads `book.toml`.
-///
-/// # Errors
-/// [`ReportError`] if it cannot be read, or the book would not be built where ours is.
-pub fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
+pub(crate) fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
     let wrong = |message: String| ReportError::at("report/book.toml", message);
     let text = std::str::from_utf8(book_toml).map_err(|_| wrong("not UTF-8 text".into()))?;
     let config = Config::from_str(text).map_err(|error| wrong(format!("{error:#}")))?;

@@ -5,7 +5,7 @@ use crate::problem::source::Source;
 use crate::saddle::Pair;
 
 /// A solution on the square or the cube, x running fastest in every array.
-pub struct Fields<'a> {
+pub(crate) struct Fields<'a> {
     /// Cells along x, y and z; none along an axis that is not there.
     cells: [usize; 3],
     h: f64,
@@ -18,7 +18,7 @@ pub struct Fields<'a> {
 impl<'a> Fields<'a> {
     /// A solution on the square or, if `dimension` is 3, the cube with `n` cells per side: v, and its multiplier at
     /// the nodes `boundary`.
-    pub fn new(
+    pub(crate) fn new(
         dimension: u32,
         n: usize,
         f: impl Fn([f64; 3]) -> f64,
@@ -35,7 +35,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A solution on the square, with its multiplier at the boundary nodes.
-    pub fn square(grid: Grid, f: &Source, pair: &'a Pair) -> Self {
+    pub(crate) fn square(grid: Grid, f: &Source, pair: &'a Pair) -> Self {
         let boundary: Vec<usize> = grid.boundary().collect();
         Self::new(2, grid.cells(), |[x, y, _]| f.at([x, y]), &boundary, pair)
     }
@@ -46,14 +46,14 @@ impl<'a> Fields<'a> {
     }
 
     /// v alone, in NPY format.
-    pub fn npy(&self) -> Vec<u8> {
+    pub(crate) fn npy(&self) -> Vec<u8> {
         npy(&self.shape(1), self.v)
     }
 
     /// `v`, `multiplier` and `f` in NPZ format: NPY files in an archive that is not compressed.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
-    pub fn npz(&self) -> Option<Vec<u8>> {
+    pub(crate) fn npz(&self) -> Option<Vec<u8>> {
         let bytes = 8 * (self.v.len() + self.multiplier.len() + self.f.len());
         (bytes + 4096 <= u32::MAX as usize).then(|| {
             zip(&[
@@ -67,7 +67,7 @@ impl<'a> Fields<'a> {
     /// VTK XML image data: points with `v` and `multiplier`, cells with `f`; raw little-endian doubles.
     ///
     /// Axes without cells are at 0, the others centred there.
-    pub fn vti(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn vti(&self, name: &str) -> Vec<u8> {
         let along = |of_axis: &dyn Fn(usize) -> String| self.cells.map(of_axis).join(" ");
         let extent = along(&|n| format!("0 {n}"));
         let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });

@@ -8,10 +8,12 @@ mod mathml;
 mod pages;
 mod tables;
 
-pub use build::{build, settings};
-pub use fields::Fields;
-pub use pages::{pages, stubs};
-pub use tables::with_data;
+pub use build::build;
+pub(crate) use build::settings;
+pub(crate) use fields::Fields;
+pub use pages::pages;
+pub(crate) use pages::stubs;
+pub(crate) use tables::with_data;
 
 /// Why no book came out.
 #[derive(Debug, thiserror::Error)]

@@ -26,7 +26,10 @@ pub fn pages(
 }
 
 /// The same pages in a project without what the chapters tell about: each says why it was left out.
-pub fn stubs(templates: &BTreeMap<String, String>, reason: &str) -> BTreeMap<String, String> {
+pub(crate) fn stubs(
+    templates: &BTreeMap<String, String>,
+    reason: &str,
+) -> BTreeMap<String, String> {
     let stub = |_: &str, text: &str| {
         let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
         Ok(format!("{title}\n\nLeft out, as are all chapters on the paper: {reason}.\n"))

@@ -14,7 +14,7 @@ const RUN: &str = "signorini run";
 /// `data`, by name.
 ///
 /// `page` is Markdown; `name` is that of its file, without ending. Numbers keep the digits of the page.
-pub fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec<u8>>) {
+pub(crate) fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec<u8>>) {
     let (mut out, mut files) = (String::new(), BTreeMap::new());
     let (mut command, mut done) = (RUN.to_owned(), 0);
     let (mut csv, mut row, mut cell) = (String::new(), Vec::new(), String::new());

@@ -6,8 +6,11 @@ mod stability;
 
 use super::figures::drawing;
 use super::{cost, to_json};
+use crate::experiments::accuracy::Findings;
+use crate::experiments::claims::Claims;
 use crate::experiments::problems::Problem;
 use crate::experiments::rounding::{self, Rounding};
+use crate::experiments::stress::Stress;
 use crate::experiments::{self, accuracy, stress, strips, truth};
 use crate::figures::{self, Picture};
 use crate::pipeline::error::Failure;
@@ -17,6 +20,7 @@ use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use stability::{deficits, duality, precision, tolerances};
 use std::collections::BTreeMap;
 
 /// Artifact with what an experiment found.
@@ -43,24 +47,26 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     ]
 }
 
-/// The tasks that draw the pictures of the chapters on experiments.
+/// The tasks that draw the pictures of the chapters on experiments: each has a name, a title for readers who
+/// cannot see it, and what draws it.
 pub(super) fn pictures() -> Vec<Task> {
+    let accuracy = |name, title, draw| picture::<Findings>("accuracy", name, title, draw);
+    let claims = |name, title, draw| picture::<Claims>("claims", name, title, draw);
+    let stress = |name, title, draw| picture::<Stress>("stress", name, title, draw);
     vec![
-        picture(
-            "accuracy",
+        accuracy(
             "accuracy",
             "Errors against the width of the grid, problems with known solutions",
             cost::accuracy,
         ),
-        picture(
+        accuracy(
             "work",
-            "accuracy",
             "Residual, error and cost of three methods in sweeps and visits of unknowns",
             cost::work,
         ),
         picture(
-            "ends",
             "truth",
+            "ends",
             "Error of the ends of contact and of the energy against the width of the grid",
             cost::ends,
         ),
@@ -70,15 +76,13 @@ pub(super) fn pictures() -> Vec<Task> {
             "Contact along the boundary, iteration by iteration, for both problems and every r",
             |found: &Vec<strips::Strips>| figures::strips(found),
         ),
-        picture(
+        claims(
             "sweep",
-            "claims",
             "Iterations of both problems against the duality parameter, three ways of stopping",
             claims::sweep,
         ),
-        picture(
+        claims(
             "uzawa",
-            "claims",
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
             claims::uzawa,
         ),
@@ -88,37 +92,16 @@ pub(super) fn pictures() -> Vec<Task> {
             "The least relative disturbance that changes each published count",
             |found: &Rounding| figures::fragility(&found.sizes, &found.tables),
         ),
-        picture(
-            "duality",
-            "stress",
-            "KKT residual and iterations of the paper's method over r",
-            stability::duality,
-        ),
-        picture(
-            "tolerances",
-            "stress",
-            "KKT residual reached against the tolerance asked for",
-            stability::tolerances,
-        ),
-        picture(
-            "deficits",
-            "stress",
-            "Work and contact as the integral of f tends to zero",
-            stability::deficits,
-        ),
-        picture(
-            "precision",
-            "stress",
-            "KKT residual that rounding leaves, over the grids",
-            stability::precision,
-        ),
+        stress("duality", "KKT residual and iterations of the paper's method over r", duality),
+        stress("tolerances", "KKT residual reached against the tolerance asked for", tolerances),
+        stress("deficits", "Work and contact as the integral of f tends to zero", deficits),
+        stress("precision", "KKT residual that rounding leaves, over the grids", precision),
     ]
 }
 
-/// The task that draws what an experiment found; `title` is for readers who cannot see it.
 fn picture<T: DeserializeOwned + 'static>(
-    name: &str,
     experiment: &'static str,
+    name: &str,
     title: &str,
     draw: fn(&T) -> Picture,
 ) -> Task {

@@ -66,8 +66,8 @@ fn stops(scenes: &[&Scene]) -> Task {
         for (grid, titles, pairs) in &rows {
             let range = range_with_zero(pairs.iter().flat_map(|pair| &pair.y).copied());
             let (grid, azimuth) = (*grid, uphill(*grid, &pairs[1].y));
-            for (title, Pair { y, a }) in titles.iter().zip(pairs) {
-                shown.push(Surface { title, grid, y, a, azimuth, range: Some(range) });
+            for (title, pair) in titles.iter().zip(pairs) {
+                shown.push(Surface { title, grid, pair, azimuth, range: Some(range) });
             }
         }
         Ok(surfaces(3, &shown))
@@ -148,9 +148,9 @@ fn draw(kind: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Stri
         Output::Surface => {
             let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
             let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-            let shown = scenes.iter().zip(&pairs).map(|(scene, Pair { y, a })| {
+            let shown = scenes.iter().zip(&pairs).map(|(scene, pair)| {
                 let (title, grid) = (&scene.title, scene.finest());
-                Surface { title, grid, y, a, azimuth: uphill(grid, y), range: None }
+                Surface { title, grid, pair, azimuth: uphill(grid, &pair.y), range: None }
             });
             Ok(surfaces(2, &shown.collect::<Vec<_>>()))
         }
