@@ -2,6 +2,7 @@
 //! cell by cell.
 
 use super::moments::{Moments, difference, mean};
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 /// Cells whose sums are formed side by side.
@@ -62,14 +63,14 @@ impl Sums<Lanes> {
 
 /// A cell at the boundary, or where f is not constant around it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Special {
+pub(super) struct Special<T = f64> {
     /// Values on the lines of the two edges along x, and of those along y: at their ends, and one node further.
-    pub lines: [[[f64; 4]; 2]; 2],
+    pub lines: [[[T; 4]; 2]; 2],
     /// Coefficients of the bubbles on these edges.
-    pub bubbles: [[f64; 2]; 2],
+    pub bubbles: [[T; 2]; 2],
     /// Fluxes through the edges left, right, bottom, top that f needs.
-    pub flux: [f64; 4],
-    pub f: Moments,
+    pub flux: [T; 4],
+    pub f: Moments<T>,
 }
 
 /// Half the sum of the second differences at the ends of an edge: twice its bubble where f is constant around it.
@@ -84,14 +85,6 @@ impl Special {
     pub(super) fn corners(&self) -> [f64; 4] {
         let [[_, ll, lr, _], [_, ul, ur, _]] = self.lines[0];
         [ll, lr, ul, ur]
-    }
-
-    /// The mean of the residual times `h^2`.
-    #[inline(always)]
-    pub(super) fn residual(&self) -> f64 {
-        let [x, y] = self.lines.map(|lines| mean(lines.map(second)));
-        let [left, right, bottom, top] = self.flux;
-        self.f.one + (x + y) + (right - left) + (top - bottom)
     }
 
     #[inline(always)]
@@ -139,6 +132,19 @@ impl Special {
         let load = if k == 0 { 0.5 * both - turned } else { 0.5 * both + turned };
         let energy = (2.0 * opposite - bubble) / 60.0 - (bubble + opposite) / 18.0 - SIXTH * inward;
         bubble * (energy - load)
+    }
+}
+
+impl Special<Lanes> {
+    /// The cell in lane `k`.
+    #[inline(always)]
+    pub(super) fn lane(&self, k: usize) -> Special {
+        Special {
+            lines: from_fn(|a| from_fn(|b| from_fn(|c| self.lines[a][b][c][k]))),
+            bubbles: from_fn(|a| from_fn(|b| self.bubbles[a][b][k])),
+            flux: from_fn(|a| self.flux[a][k]),
+            f: self.f.lane(k),
+        }
     }
 }
 
@@ -204,37 +210,40 @@ const TWELFTH: f64 = 1.0 / 12.0;
 /// Special cells that wait until there are as many as lanes, and the sums over those before them.
 #[derive(Default)]
 pub(super) struct Batch {
+    /// How many cells wait.
     waiting: usize,
-    cells: [Special; LANES],
+    cells: Special<Lanes>,
     sums: Sums<Lanes>,
 }
 
 impl Batch {
-    /// Adds a cell.
+    /// Room for the next cell: the lanes, and which of them.
     #[inline(always)]
-    pub(super) fn add(&mut self, cell: &Special) {
-        self.cells[self.waiting] = *cell;
+    pub(super) fn next(&mut self) -> (&mut Special<Lanes>, usize) {
+        (&mut self.cells, self.waiting)
+    }
+
+    /// Lets that cell wait with the others.
+    #[inline(always)]
+    pub(super) fn push(&mut self) {
         self.waiting += 1;
         if self.waiting == LANES {
-            self.sum();
+            self.sum(LANES);
         }
     }
 
-    /// Sums over the cells that wait.
+    /// Sums over the first cells that wait, so many of them, and lets none wait.
     #[inline(always)]
-    fn sum(&mut self) {
-        for (k, cell) in self.cells.iter().enumerate() {
-            self.sums.each(&cell.sums(), |lanes, part| lanes[k] += part);
+    fn sum(&mut self, cells: usize) {
+        for k in 0..cells {
+            self.sums.each(&self.cells.lane(k).sums(), |lanes, part| lanes[k] += part);
         }
         self.waiting = 0;
     }
 
-    /// Sums over the cells that wait, together with cells of zeros.
-    #[inline(always)]
+    /// Sums over the cells that wait.
     pub(super) fn flush(&mut self) {
-        while self.waiting > 0 {
-            self.add(&Special::default());
-        }
+        self.sum(self.waiting);
     }
 
     /// The sums so far, which are zero afterwards.
@@ -249,7 +258,6 @@ mod tests {
     use super::super::regular::Regular;
     use super::*;
     use crate::discrete::simd::with_each;
-    use std::array::from_fn;
 
     #[test]
     fn blocks_of_regular_cells_sum_what_the_cells_have_one_by_one() {
@@ -267,7 +275,7 @@ mod tests {
                 let bubbles = lines.map(|lines| lines.map(|line| 0.5 * second(line)));
                 let (x, y) = (Axis::new(lines[0], bubbles[0]), Axis::new(lines[1], bubbles[1]));
                 let cell = Special { lines, bubbles, flux: [0.0; 4], f: Moments::constant(mass) };
-                let (mut sums, mean) = (cell.sums(), cell.residual());
+                let mut sums = cell.sums();
                 // Without the field that follows the residual inside the cell.
                 sums.distance = x.distance(y.bend(), [0.0; 2], 0.0, 0.0)
                     + y.distance(x.bend(), [0.0; 2], 0.0, 0.0);
@@ -280,7 +288,7 @@ mod tests {
                 let twist = at[0] + at[3] - at[1] - at[2];
                 sums.variance =
                     (slopes[0].powi(2) + slopes[1].powi(2)) / 48.0 + twist * twist / 144.0;
-                residuals[i] = mean;
+                residuals[i] = 0.25 * at.iter().sum::<f64>() + mass;
                 want.add(&sums);
             }
             let found = with_each(
@@ -319,7 +327,15 @@ mod tests {
                 flux: from_fn(|edge| number(30 + edge)),
                 f: Moments { one, x, y, xy, xx, yy, xxy, xyy, ridge, square: 1e3 },
             };
-            batch.add(&cell);
+            let (cells, lane) = batch.next();
+            for (axis, edge) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let line = cell.lines[axis][edge];
+                (0..4).for_each(|node| cells.lines[axis][edge][node][lane] = line[node]);
+                cells.bubbles[axis][edge][lane] = cell.bubbles[axis][edge];
+            }
+            (0..4).for_each(|edge| cells.flux[edge][lane] = cell.flux[edge]);
+            cells.f.each(&cell.f, |lanes, moment| lanes[lane] = moment);
+            batch.push();
             want.add(&cell.sums());
         }
         batch.flush();

@@ -51,6 +51,7 @@ mod moments;
 mod recovery;
 mod regular;
 mod residual;
+mod strip;
 mod walk;
 
 use crate::discrete::contact::ContactArc;

@@ -6,20 +6,56 @@ use crate::discrete::grid::Grid;
 /// Integrals over one cell of f times polynomials in X and Y, the coordinates that run from -1/2 to 1/2
 /// there.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moments {
-    pub one: f64,
-    pub x: f64,
-    pub y: f64,
-    pub xy: f64,
-    pub xx: f64,
-    pub yy: f64,
-    pub xxy: f64,
-    pub xyy: f64,
+pub(super) struct Moments<T = f64> {
+    pub one: T,
+    pub x: T,
+    pub y: T,
+    pub xy: T,
+    pub xx: T,
+    pub yy: T,
+    pub xxy: T,
+    pub xyy: T,
     /// Of `min(x, y) (1 - max(x, y))`, `x = X + 1/2`: the piecewise linear function on triangles less the
     /// bilinear one, where the second difference over the cell is 1.
-    pub ridge: f64,
+    pub ridge: T,
     /// Of f itself, times `h^2`.
-    pub square: f64,
+    pub square: T,
+}
+
+impl<T> Moments<T> {
+    /// Lets each moment take its part of `other` into account.
+    #[inline(always)]
+    pub(super) fn each<U: Copy>(&mut self, other: &Moments<U>, take: impl Fn(&mut T, U)) {
+        take(&mut self.one, other.one);
+        take(&mut self.x, other.x);
+        take(&mut self.y, other.y);
+        take(&mut self.xy, other.xy);
+        take(&mut self.xx, other.xx);
+        take(&mut self.yy, other.yy);
+        take(&mut self.xxy, other.xxy);
+        take(&mut self.xyy, other.xyy);
+        take(&mut self.ridge, other.ridge);
+        take(&mut self.square, other.square);
+    }
+}
+
+impl<const N: usize> Moments<[f64; N]> {
+    /// The moments in lane `k`.
+    #[inline(always)]
+    pub(super) fn lane(&self, k: usize) -> Moments {
+        Moments {
+            one: self.one[k],
+            x: self.x[k],
+            y: self.y[k],
+            xy: self.xy[k],
+            xx: self.xx[k],
+            yy: self.yy[k],
+            xxy: self.xxy[k],
+            xyy: self.xyy[k],
+            ridge: self.ridge[k],
+            square: self.square[k],
+        }
+    }
 }
 
 impl Moments {

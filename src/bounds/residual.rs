@@ -81,12 +81,11 @@ fn halve(below: &[f64], above: &[f64], sums: &mut Vec<f64>) -> f64 {
     let mut variances = [0.0; LANES];
     let mut halve = |sums: &mut [f64], below: &[f64], above: &[f64]| {
         for (k, (sum, variance)) in sums.iter_mut().zip(&mut variances).enumerate() {
-            let [[a, b], [c, d]] = [below, above].map(|row| [row[2 * k], row[2 * k + 1]]);
-            let (left, right) = (a + c, b + d);
+            let [left, right] = [2 * k, 2 * k + 1].map(|k| below[k] + above[k]);
+            let [p, q] = [2 * k, 2 * k + 1].map(|k| below[k] - above[k]);
             *sum = left + right;
             // Within the columns, and between them.
-            *variance += 0.5 * ((a - c) * (a - c) + (b - d) * (b - d))
-                + 0.25 * (left - right) * (left - right);
+            *variance += 0.5 * (p * p + q * q) + 0.25 * (left - right) * (left - right);
         }
     };
     sums.resize(below.len() / 2, 0.0);

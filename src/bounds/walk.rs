@@ -1,12 +1,13 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
-use super::cells::{Batch, LANES, Special, Sums, second};
+use super::cells::{Batch, Special, Sums};
 use super::data::{AllCells, Cursor, Run};
-use super::flux::{NodeFluxes, Reactions, through_edges};
+use super::flux::Reactions;
 use super::moments::Moments;
-use super::recovery::{Extended, admissible, values};
+use super::recovery::{Extended, values};
 use super::regular::Regular;
 use super::residual::Pyramid;
+use super::strip::Strip;
 use super::{NoBound, contact};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
@@ -62,11 +63,9 @@ const BLOCK: usize = 8;
 struct Walk<'a> {
     grid: Grid,
     data: &'a AllCells<'a>,
-    v: Extended<'a>,
+    strip: Strip<'a>,
     /// Rows j to j + 2 of cells, where j is the row at which the walk stands; empty beyond the boundary.
     cells: [Cow<'a, [Run]>; 3],
-    /// Fluxes around the nodes of rows j - 1 to j + 2.
-    fluxes: [NodeFluxes; 4],
     /// Cells of the row that need more than the regular formulas, as inclusive ranges.
     special: Vec<[usize; 2]>,
     /// The means of the residual in the row, times `h^2`, but for rounding errors.
@@ -92,9 +91,8 @@ impl<'a> Walk<'a> {
         Self {
             grid,
             data,
-            v,
+            strip: Strip::new(v),
             cells: Default::default(),
-            fluxes: [0; 4].map(|_| NodeFluxes::zero(n)),
             special: Vec::new(),
             means: vec![0.0; n],
             pyramid: Pyramid::new(n),
@@ -110,15 +108,14 @@ impl<'a> Walk<'a> {
     fn run(mut self) -> Total {
         let n = self.grid.cells();
         [self.cells[1], self.cells[2]] = [self.data.row(0), self.data.row(1)];
-        self.fluxes[2].set(&[], &self.cells[1]);
-        self.fluxes[3].set(&self.cells[1], &self.cells[2]);
-        self.total.largest = largest(self.v.row(0)).max(largest(self.v.row(1)));
+        self.strip.advance(&[], &self.cells[1]);
+        self.strip.advance(&self.cells[1], &self.cells[2]);
+        self.total.largest = largest(self.strip.v.row(0)).max(largest(self.strip.v.row(1)));
         for j in 0..n {
             self.cells.rotate_left(1);
             self.cells[2] = if j + 2 < n { self.data.row(j + 2) } else { Cow::default() };
-            self.fluxes.rotate_left(1);
-            self.fluxes[3].set(&self.cells[1], &self.cells[2]);
-            let ahead = largest(self.v.row(n.min(j + 2)));
+            self.strip.advance(&self.cells[1], &self.cells[2]);
+            let ahead = largest(self.strip.v.row(n.min(j + 2)));
             self.total.largest = self.total.largest.max(ahead);
             self.write_recovered(j);
             self.sum(j);
@@ -145,7 +142,7 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn sum(&mut self, j: usize) {
         let n = self.grid.cells();
-        self.find_special(j);
+        self.strip.find_special(j, &mut self.special);
         let (row, special) =
             (std::mem::take(&mut self.cells[0]), std::mem::take(&mut self.special));
         // Where a residual can only be a rounding error.
@@ -157,7 +154,7 @@ impl<'a> Walk<'a> {
                 let run = cursor.at(start);
                 let mass = run.constant().expect("cells that jumps of f cut are special");
                 let cells = start..run.end.min(from);
-                let rows = self.v.rows(j);
+                let rows = self.strip.v.rows(j);
                 let squares = self.regular.add(rows, cells.clone(), mass, &mut self.means);
                 self.total.mass += mass.abs() * cells.len() as f64;
                 start = cells.end;
@@ -184,44 +181,25 @@ impl<'a> Walk<'a> {
         self.pyramid.push(if residual { &self.means } else { &[] });
     }
 
-    /// Finds the cells of row `j` at the boundary, and those within two cells of a seam of f.
-    fn find_special(&mut self, j: usize) {
-        let n = self.grid.cells();
-        self.special.clear();
-        if j == 0 || j == n - 1 || n < LANES + 2 {
-            self.special.push([0, n - 1]);
-            return;
-        }
-        self.special.extend([[0, 0], [n - 1, n - 1]]);
-        let seams = self.fluxes.iter().flat_map(|row| &row.seams);
-        self.special.extend(seams.map(|&[from, to]| [from.saturating_sub(2), (to + 1).min(n - 1)]));
-        self.special.sort_unstable();
-        self.special.dedup_by(|next, last| {
-            let joined = next[0] <= last[1] + 1;
-            if joined {
-                last[1] = last[1].max(next[1]);
-            }
-            joined
-        });
-    }
-
     /// Adds cell (i, j), and what the reactions on its edges do, to the sums; returns the mean of the residual
     /// times `h^2`.
     #[inline(always)]
     fn add_special(&mut self, i: usize, j: usize, f: Moments) -> f64 {
-        let cell = Special { f, ..self.cell(i, j) };
-        self.batch.add(&cell);
+        let residual = self.strip.set(self.batch.next(), [i, j], f);
         self.total.mass += f.square.sqrt();
-        if self.outer(i, j).as_flattened().contains(&true) {
-            self.add_outer(i, j, &cell);
+        if self.strip.outer(i, j).as_flattened().contains(&true) {
+            self.add_outer(i, j);
         }
-        cell.residual()
+        self.batch.push();
+        residual
     }
 
     /// Adds what the reactions on the edges of cell (i, j) do to the sums.
-    fn add_outer(&mut self, i: usize, j: usize, cell: &Special) {
+    fn add_outer(&mut self, i: usize, j: usize) {
+        let (cells, lane) = self.batch.next();
+        let cell = cells.lane(lane);
         let (outer, Reactions { left, right, bottom, top, .. }) =
-            (self.outer(i, j), self.v.reactions);
+            (self.strip.outer(i, j), self.strip.v.reactions);
         let reactions = [[&bottom[i..], &top[i..]], [&left[j..], &right[j..]]];
         for (axis, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             if outer[axis][k] {
@@ -232,57 +210,14 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Which edges of cell (i, j) along x, and along y, are on the boundary.
-    #[inline(always)]
-    fn outer(&self, i: usize, j: usize) -> [[bool; 2]; 2] {
-        let last = self.grid.cells() - 1;
-        [[j == 0, j == last], [i == 0, i == last]]
-    }
-
-    /// Cell (i, j) with its bubbles, but for f.
-    #[inline(always)]
-    fn cell(&self, i: usize, j: usize) -> Special {
-        let (lines, outer) = (self.v.around(i, j), self.outer(i, j));
-        let (flux, bends) = match self.fluxes.iter().any(|row| !row.seams.is_empty()) {
-            true => (through_edges(&self.fluxes[1], &self.fluxes[2], i), self.bends(i, j)),
-            false => Default::default(),
-        };
-        let mut bubbles = [[0.0; 2]; 2];
-        for axis in 0..2 {
-            for k in 0..2 {
-                let (line, bend) = (lines[axis][k], bends[axis][k]);
-                let bubble = 0.5 * second(line) + bend;
-                bubbles[axis][k] = if outer[axis][k] { admissible(bubble, line) } else { bubble };
-            }
-        }
-        Special { lines, bubbles, flux, f: Moments::default() }
-    }
-
-    /// What the fluxes that f needs add to the bubbles of cell (i, j) along both axes: half their change over the
-    /// cells at the edge, in the mean.
-    #[inline(always)]
-    fn bends(&self, i: usize, j: usize) -> [[f64; 2]; 2] {
-        let n = self.grid.cells();
-        let changes = |i: usize, strip: usize| {
-            let [left, right, bottom, top] =
-                through_edges(&self.fluxes[strip], &self.fluxes[strip + 1], i);
-            [right - left, top - bottom]
-        };
-        let [x, y] = changes(i, 1);
-        // Beyond the boundary as here.
-        let below = if j > 0 { changes(i, 0)[0] } else { x };
-        let above = if j + 1 < n { changes(i, 2)[0] } else { x };
-        let left = if i > 0 { changes(i - 1, 1)[1] } else { y };
-        let right = if i + 1 < n { changes(i + 1, 1)[1] } else { y };
-        [[below, above].map(|near| 0.25 * (x + near)), [left, right].map(|near| 0.25 * (y + near))]
-    }
-
     /// Writes what the recovery is on row `j` of cells to its rows of the grid of half the width.
     fn write_recovered(&mut self, j: usize) {
         let Some(out) = self.recovered.take() else { return };
         let side = 2 * self.grid.cells() + 1;
+        let mut cells = Special::default();
         for i in 0..self.grid.cells() {
-            for (k, values) in values(&self.cell(i, j)).iter().enumerate() {
+            self.strip.set((&mut cells, 0), [i, j], Moments::default());
+            for (k, values) in values(&cells.lane(0)).iter().enumerate() {
                 let start = (2 * j + k) * side + 2 * i;
                 out[start..start + 3].copy_from_slice(values);
             }

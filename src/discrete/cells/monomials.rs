@@ -8,11 +8,39 @@ pub(super) fn half_chord(radius: f64, distance: f64) -> f64 {
 }
 
 /// Integrals of the monomials between the x axis and the chord over [a, b] with heights p and q.
-pub(super) fn below_chord([a, b]: [f64; 2], [p, q]: [f64; 2]) -> [f64; 8] {
-    let mut sums = [0.0; 8];
+pub(super) fn below_chord(ends: [f64; 2], [p, q]: [f64; 2]) -> [f64; 8] {
     // Exact, as the integrands are of degree 4 in x.
-    for (t, weight) in GAUSS_3 {
-        let (x, y) = (0.5 * (a + b) + t * (b - a), 0.5 * (p + q) + t * (q - p));
+    below(ends, GAUSS_3, |t, _| 0.5 * (p + q) + t * (q - p))
+}
+
+/// Integrals of the monomials between the x axis and the upper (`side` = 1) or lower (-1) half of a circle over
+/// [a, b]; none if the arc bends too much for few points.
+pub(super) fn below_arc(
+    [a, b]: [f64; 2],
+    centre: [f64; 2],
+    radius: f64,
+    side: f64,
+) -> Option<[f64; 8]> {
+    // The height is analytic up to the ends of the circle: with each degree in x its terms fall by half the interval
+    // over the distance from there. Five points leave terms of degree ten, six beyond those of a straight line.
+    let half = 0.5 * (b - a);
+    let to_end = radius - (0.5 * (a + b) - centre[0]).abs();
+    (to_end > 50.0 * half).then(|| {
+        below([a, b], GAUSS_5, |_, x| centre[1] + side * half_chord(radius, x - centre[0]))
+    })
+}
+
+/// Integrals of the monomials below a graph over [a, b], whose height is given for t in [-1/2, 1/2] and x there.
+#[inline(always)]
+fn below<const N: usize>(
+    [a, b]: [f64; 2],
+    rule: [(f64, f64); N],
+    height: impl Fn(f64, f64) -> f64,
+) -> [f64; 8] {
+    let mut sums = [0.0; 8];
+    for (t, weight) in rule {
+        let x = 0.5 * (a + b) + t * (b - a);
+        let y = height(t, x);
         let (area, square, cube) = (y, y * y / 2.0, y * y * y / 3.0);
         let terms =
             [area, x * area, square, x * square, x * x * area, cube, x * x * square, x * cube];
@@ -123,6 +151,15 @@ const GAUSS_3: [(f64, f64); 3] = [
     (0.387_298_334_620_741_7, 5.0 / 18.0),
 ];
 
+/// The same with five points.
+const GAUSS_5: [(f64, f64); 5] = [
+    (-0.453_089_922_969_332, 0.118_463_442_528_094_54),
+    (-0.269_234_655_052_841_55, 0.239_314_335_249_683_23),
+    (0.0, 64.0 / 225.0),
+    (0.269_234_655_052_841_55, 0.239_314_335_249_683_23),
+    (0.453_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
 /// Positive nodes and weights of Gauss' rule with eight points on [-1, 1].
 const GAUSS_8: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -130,3 +167,35 @@ const GAUSS_8: [(f64, f64); 4] = [
     (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_points_see_an_arc_as_its_chord_and_its_segment() {
+        let mut seen = 0;
+        for radius in [26.0, 60.0, 150.0, 2000.0] {
+            for k in 1..64 {
+                // The arc goes through the middle of the cell, and leaves it at the sides or below and above.
+                let (s, c) = libm::sincos(std::f64::consts::PI * f64::from(k) / 64.0);
+                let half = 0.5 * (s / c.abs()).min(1.0);
+                let (ends, centre) = ([-half, half], [-radius * c, -radius * s]);
+                for side in [1.0, -1.0] {
+                    let centre = [centre[0], side * centre[1]];
+                    let Some(found) = below_arc(ends, centre, radius, side) else { continue };
+                    let heights =
+                        ends.map(|x| centre[1] + side * half_chord(radius, x - centre[0]));
+                    let segment = beside_chord(ends, heights, centre, radius, side);
+                    let chord = below_chord(ends, heights);
+                    for ((found, chord), segment) in found.into_iter().zip(chord).zip(segment) {
+                        let apart = found - (chord + side * segment);
+                        assert!(apart.abs() < 4e-16 * radius, "{radius} {k}: {apart:e}");
+                    }
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 250, "{seen}");
+    }
+}

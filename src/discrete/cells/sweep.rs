@@ -5,7 +5,7 @@
 //! integral of f p is a sum over the graphs: the jump of f there times the integral of p below the graph.
 //! Below a straight graph that is a polynomial; a circular one adds the segment between chord and arc.
 
-use super::monomials::{below_chord, beside_chord, half_chord};
+use super::monomials::{below_arc, below_chord, beside_chord, half_chord};
 use crate::problem::region::Region;
 use crate::problem::shape::Shape;
 
@@ -39,14 +39,15 @@ enum Border {
     },
 }
 
-/// Part of a cell: the points between two lines, given by their heights at X = -1/2 and X = 1/2.
-#[derive(Clone, Copy)]
-struct Part {
-    bottom: [f64; 2],
-    top: [f64; 2],
+/// An edge of the cell or a diagonal, given by its heights at X = -1/2 and X = 1/2.
+struct Bound {
+    heights: [f64; 2],
+    /// What the integrals below it count in the parts of the cell.
+    signs: [f64; 2],
+    /// The value of f at it, from some abscissa on.
+    value: f64,
+    from: f64,
 }
-
-const WHOLE: Part = Part { bottom: [-0.5, -0.5], top: [0.5, 0.5] };
 
 /// The pieces that share one cell, with room for the work on them.
 #[derive(Default)]
@@ -83,15 +84,18 @@ impl Cut {
 
     /// Integrals over the cell.
     pub fn moments(&mut self) -> Moments {
-        self.integrate(WHOLE)
+        let bottom = Bound::new([-0.5, -0.5], [-1.0, 0.0]);
+        let top = Bound::new([0.5, 0.5], [1.0, 0.0]);
+        self.integrate(&mut [bottom, top])[0]
     }
 
     /// Integrals over the triangles below and above the diagonal that rises or falls.
     pub fn triangles(&mut self, rising: bool) -> [Moments; 2] {
-        let diagonal = if rising { [-0.5, 0.5] } else { [0.5, -0.5] };
-        let below = Part { top: diagonal, ..WHOLE };
-        let above = Part { bottom: diagonal, ..WHOLE };
-        [self.integrate(below), self.integrate(above)]
+        let heights = if rising { [-0.5, 0.5] } else { [0.5, -0.5] };
+        let bottom = Bound::new([-0.5, -0.5], [-1.0, 0.0]);
+        let diagonal = Bound::new(heights, [1.0, -1.0]);
+        let top = Bound::new([0.5, 0.5], [0.0, 1.0]);
+        self.integrate(&mut [bottom, diagonal, top])
     }
 
     /// The value of f, if borders of the pieces run along edges of the cell at most.
@@ -104,23 +108,23 @@ impl Cut {
         covering.map_or(self.background, |&(_, value)| value)
     }
 
-    fn integrate(&mut self, part: Part) -> Moments {
-        self.find_stops(part);
-        let mut total = Moments::default();
+    /// Integrals over the parts of the cell between neighbouring bounds, from below.
+    fn integrate(&mut self, bounds: &mut [Bound]) -> [Moments; 2] {
+        self.find_stops(bounds);
+        let mut parts = [Moments::default(); 2];
         for k in 1..self.stops.len() {
             let (left, right) = (self.stops[k - 1], self.stops[k]);
             if left < right {
-                self.interval(part, left, right, &mut total);
+                self.interval(bounds, left, right, &mut parts);
             }
         }
-        total
+        bounds.iter_mut().for_each(|bound| bound.meet(f64::NAN, 0.5, &mut parts));
+        parts
     }
 
     /// The abscissas between which no graph begins, ends or meets another one.
-    fn find_stops(&mut self, part: Part) {
+    fn find_stops(&mut self, bounds: &[Bound]) {
         self.stops.clear();
-        let bounds =
-            [part.bottom, part.top].map(|[l, r]| Line { a: l - r, b: 1.0, c: 0.5 * (l + r) });
         for (k, border) in self.borders.iter().enumerate() {
             match *border {
                 Border::Straight(_, span) => self.stops.extend(span),
@@ -128,8 +132,9 @@ impl Cut {
                     self.stops.extend([x - radius, x + radius]);
                 }
             }
-            for bound in bounds {
-                meet(border, &Border::Straight(bound, [-0.5, 0.5]), &mut self.stops);
+            for Bound { heights: [l, r], .. } in bounds {
+                let line = Line { a: l - r, b: 1.0, c: 0.5 * (l + r) };
+                meet(border, &Border::Straight(line, [-0.5, 0.5]), &mut self.stops);
             }
             for other in &self.borders[..k] {
                 meet(border, other, &mut self.stops);
@@ -140,16 +145,36 @@ impl Cut {
         self.stops.sort_unstable_by(f64::total_cmp);
     }
 
-    /// Adds the integrals over the part of the cell between two neighbouring stops.
-    fn interval(&mut self, part: Part, left: f64, right: f64, total: &mut Moments) {
+    /// Adds the integrals between two neighbouring stops, but for those below bounds at which f stays as it is.
+    fn interval(&mut self, bounds: &mut [Bound], left: f64, right: f64, parts: &mut [Moments; 2]) {
         let middle = 0.5 * (left + right);
-        let bounds = [part.bottom, part.top];
-        let on = |[l, r]: [f64; 2], x: f64| 0.5 * (l + r) + (r - l) * x;
-        let [floor, ceiling] = bounds.map(|bound| on(bound, middle));
+        self.find_graphs(middle);
+        let heights = |k: usize| self.graphs.get(k).map_or(0.5, |graph| graph.middle);
+        let mut value = self.value(middle, 0.5 * (heights(0) - 0.5));
+        bounds[0].meet(value, left, parts);
+        // The bound above.
+        let mut next = 1;
+        for (k, graph) in self.graphs.iter().enumerate() {
+            while bounds[next].height(middle) <= graph.middle {
+                bounds[next].meet(value, left, parts);
+                next += 1;
+            }
+            let above = self.value(middle, 0.5 * (graph.middle + heights(k + 1)));
+            if above != value {
+                let (jump, of_square) = (value - above, value * value - above * above);
+                parts[next - 1].add(jump, of_square, graph.below(left, right));
+                value = above;
+            }
+        }
+        bounds[next..].iter_mut().for_each(|bound| bound.meet(value, left, parts));
+    }
+
+    /// The graphs in the cell at the middle of an interval, from below.
+    fn find_graphs(&mut self, middle: f64) {
         self.graphs.clear();
         for &border in &self.borders {
             let mut add = |upper: bool, height: f64| {
-                if floor < height && height < ceiling {
+                if height.abs() < 0.5 {
                     self.graphs.push(Graph { border, upper, middle: height });
                 }
             };
@@ -166,19 +191,32 @@ impl Cut {
             }
         }
         self.graphs.sort_unstable_by(|p, q| p.middle.total_cmp(&q.middle));
-        let straight = |bound| below_chord([left, right], [on(bound, left), on(bound, right)]);
-        let above = self.graphs.first().map_or(ceiling, |graph| graph.middle);
-        let mut value = self.value(middle, 0.5 * (floor + above));
-        total.add(-value, -value * value, straight(bounds[0]));
-        for (k, graph) in self.graphs.iter().enumerate() {
-            let above = self.graphs.get(k + 1).map_or(ceiling, |graph| graph.middle);
-            let next = self.value(middle, 0.5 * (graph.middle + above));
-            if next != value {
-                total.add(value - next, value * value - next * next, graph.below(left, right));
-                value = next;
+    }
+}
+
+impl Bound {
+    fn new(heights: [f64; 2], signs: [f64; 2]) -> Self {
+        Self { heights, signs, value: f64::NAN, from: -0.5 }
+    }
+
+    fn height(&self, x: f64) -> f64 {
+        let [l, r] = self.heights;
+        0.5 * (l + r) + (r - l) * x
+    }
+
+    /// Lets f have this value from `x` on. Where it changes, adds the integrals below the bound up to there.
+    fn meet(&mut self, value: f64, x: f64, parts: &mut [Moments; 2]) {
+        if self.value == value {
+            return;
+        }
+        if self.from < x {
+            let ends = [self.from, x];
+            let below = below_chord(ends, ends.map(|x| self.height(x)));
+            for (part, sign) in parts.iter_mut().zip(self.signs).filter(|part| part.1 != 0.0) {
+                part.add(sign * self.value, sign * self.value * self.value, below);
             }
         }
-        total.add(value, value * value, straight(bounds[1]));
+        (self.value, self.from) = (value, x);
     }
 }
 
@@ -266,6 +304,9 @@ impl Graph {
             }
             Border::Circle { centre: [x, y], radius } => {
                 let side = if self.upper { 1.0 } else { -1.0 };
+                if let Some(sums) = below_arc([left, right], [x, y], radius, side) {
+                    return sums;
+                }
                 let on = |s: f64| y + side * half_chord(radius, s - x);
                 let (ends, heights) = ([left, right], [on(left), on(right)]);
                 let mut sums = below_chord(ends, heights);
