@@ -30,9 +30,12 @@ struct Piece {
 
 impl Border {
     pub(super) fn new(psi: &Potential, jumps: &Jumps, crossings: &[Place]) -> Self {
-        // cos(k pi / (2 TERMS)).
-        let cosines: Vec<f64> =
-            (0..4 * TERMS).map(|k| libm::cos(k as f64 * PI / (2 * TERMS) as f64)).collect();
+        // Of the Chebyshev polynomials at their nodes, node by node.
+        let circle: [f64; 4 * TERMS] =
+            std::array::from_fn(|k| libm::cos(k as f64 * PI / (2 * TERMS) as f64));
+        let cosines: [[f64; TERMS]; TERMS] = std::array::from_fn(|node| {
+            std::array::from_fn(|k| circle[k * (2 * node + 1) % (4 * TERMS)])
+        });
         let sides = [0, 1, 2, 3].map(|side| {
             let point = |t: f64| Place { corner: side, t }.point();
             let mut breaks = vec![0.0, 1.0];
@@ -53,9 +56,8 @@ impl Border {
                 {
                     left.extend([[middle, to], [from, middle]]);
                 } else if length > 0.0 {
-                    let nodes: [Complex; TERMS] = std::array::from_fn(|node| {
-                        point(middle + 0.5 * length * cosines[2 * node + 1])
-                    });
+                    let nodes: [Complex; TERMS] =
+                        std::array::from_fn(|node| point(middle + 0.5 * length * cosines[node][1]));
                     let gradients = psi.gradients(&nodes);
                     let piece = Piece::new(side, [from, to], &cosines, before, &gradients);
                     // At 1 all polynomials are 1.
@@ -114,19 +116,21 @@ impl Piece {
     fn new(
         side: i32,
         [from, to]: [f64; 2],
-        cosines: &[f64],
+        cosines: &[[f64; TERMS]; TERMS],
         before: f64,
         gradients: &[Complex],
     ) -> Self {
-        let mut series = [[0.0; 3]; TERMS];
-        for (node, &Complex { re, im }) in gradients.iter().enumerate() {
-            for (k, [_, x, y]) in series.iter_mut().enumerate() {
-                let share = if k == 0 { 1.0 } else { 2.0 } / TERMS as f64;
-                let weight = share * cosines[k * (2 * node + 1) % (4 * TERMS)];
-                *x += weight * re;
-                *y += weight * im;
+        let (mut x, mut y) = ([0.0; TERMS], [0.0; TERMS]);
+        for (&Complex { re, im }, cosines) in gradients.iter().zip(cosines) {
+            for k in 0..TERMS {
+                x[k] += cosines[k] * re;
+                y[k] += cosines[k] * im;
             }
         }
+        let mut series: [[f64; 3]; TERMS] = std::array::from_fn(|k| {
+            let share = if k == 0 { 1.0 } else { 2.0 } / TERMS as f64;
+            [0.0, share * x[k], share * y[k]]
+        });
         let slope = |k: usize| {
             let [_, x, y] = series.get(k).copied().unwrap_or_default();
             let along = tangent(side, 1.0).dot(Complex::new(x, y));

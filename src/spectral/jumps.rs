@@ -44,6 +44,8 @@ pub(super) struct Jumps {
     pub curves: Vec<Curve>,
     pub edges: Vec<Edge>,
     pub continued: Vec<Continued>,
+    /// The circles of edges.
+    circles: Vec<Curve>,
     /// Where edges meet, inside the square, and ends of continued arcs outside.
     pub vertices: Vec<Complex>,
     /// Where edges meet the border.
@@ -57,6 +59,7 @@ impl Jumps {
             curves: Vec::new(),
             edges: Vec::new(),
             continued: Vec::new(),
+            circles: Vec::new(),
             vertices: Vec::new(),
             crossings: Vec::new(),
         };
@@ -104,15 +107,15 @@ impl Jumps {
     fn add_circle(&mut self, circle: Curve) {
         let Curve::Circle { centre, radius } = circle else { return };
         let around = self.around(circle);
-        if around.iter().all(|(_, values)| values.is_none()) {
+        let jumps = |[left, right]: [f64; 2]| left != right;
+        if !around.iter().filter_map(|(_, values)| *values).any(jumps) {
             return;
         }
+        self.circles.push(circle);
         if let [(_, Some(values))] = around[..] {
             let (span, jump) = ([0.0, TAU], values[0] - values[1]);
-            if jump != 0.0 {
-                self.edges.push(Edge { curve: circle, span, values, ends: [None; 2] });
-                self.continued.push(Continued::Circle { centre, radius, jump });
-            }
+            self.edges.push(Edge { curve: circle, span, values, ends: [None; 2] });
+            self.continued.push(Continued::Circle { centre, radius, jump });
             return;
         }
         for &(span, values) in &around {
@@ -183,7 +186,7 @@ impl Jumps {
 
     /// The singular points of psi as it is near `z`: vertices, and centres of circles seen from outside.
     pub(super) fn singular(&self, z: Complex) -> impl Iterator<Item = Complex> {
-        let centres = self.edges.iter().filter_map(move |e| e.curve.singular_centre(z));
+        let centres = self.circles.iter().filter_map(move |circle| circle.singular_centre(z));
         self.vertices.iter().copied().chain(centres)
     }
 
