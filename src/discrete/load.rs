@@ -307,6 +307,14 @@ mod tests {
     fn disc_has_its_area() {
         let f: Source = "disc(0.05,-0.1,0.3)=1; else=0".parse().unwrap();
         assert!((integral(&f) - std::f64::consts::PI * 0.09).abs() < 1e-13);
+        // Grid lines are touched from within, but for rounding errors.
+        for (x, y) in [(0.28, 0.08), (-0.12, -0.42), (-0.1, 0.42), (-0.16, -0.08)] {
+            let f: Source = format!("disc({x},{y},0.08)=1; else=0").parse().unwrap();
+            for n in [2, 4, 16] {
+                let area = sum(&load(Grid::new(n).unwrap(), &f, LoadRule::Bilinear));
+                assert!((area - std::f64::consts::PI * 0.0064).abs() < 1e-15, "{x}, {y}, {n}");
+            }
+        }
     }
 
     #[test]

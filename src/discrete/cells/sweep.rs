@@ -287,7 +287,8 @@ fn meet_circle(normal: [f64; 2], away: f64, centre: [f64; 2], radius: f64, stops
     let [a, b] = normal;
     let length = (a * a + b * b).sqrt();
     let distance = away / length;
-    if distance.abs() <= radius {
+    // A circle that touches the line, as decimals often have it, may miss it by a rounding error.
+    if distance.abs() - radius <= 1e-12 * (1.0 + radius) {
         let foot = centre[0] + a / length * distance;
         let half = b / length * half_chord(radius, distance);
         stops.extend([foot - half, foot + half]);
