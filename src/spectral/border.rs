@@ -52,7 +52,9 @@ impl Border {
                 let (length, middle) = (to - from, 0.5 * (from + to));
                 let segment = [point(from), point(to)];
                 if length > SHORTEST
-                    && jumps.singular(point(middle)).any(|v| length > distance(segment, v))
+                    && jumps
+                        .singular([from, middle, to].map(point))
+                        .any(|v| length > distance(segment, v))
                 {
                     left.extend([[middle, to], [from, middle]]);
                 } else if length > 0.0 {

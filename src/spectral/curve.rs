@@ -42,11 +42,15 @@ impl Curve {
         }
     }
 
-    /// Whether the branch of psi that holds at `z` is singular in the centre.
-    pub(super) fn singular_centre(self, z: Complex) -> Option<Complex> {
+    /// The centre, if the branch of psi that holds along a piece of a curve, given by three points, is singular
+    /// there: that outside, which the piece may touch in one of them.
+    pub(super) fn singular_centre(self, along: [Complex; 3]) -> Option<Complex> {
         match self {
-            Self::Circle { centre, radius } if (z - centre).norm() > radius + SAME => Some(centre),
-            _ => None,
+            Self::Circle { centre, radius } => {
+                let outside = along.iter().any(|&z| (z - centre).norm() > radius + SAME);
+                outside.then_some(centre)
+            }
+            Self::Line { .. } => None,
         }
     }
 

@@ -181,9 +181,10 @@ fn pieces(jumps: &Jumps, edge: &Edge) -> Vec<Piece> {
         let Piece { span: [a, b], first, last } = piece;
         let length = (b - a) * curve.speed();
         let middle = 0.5 * (a + b);
-        let segment = [curve.at(a), curve.at(b)];
+        let along = [a, middle, b].map(|s| curve.at(s));
+        let segment = [along[0], along[2]];
         let near = jumps
-            .singular(curve.at(middle))
+            .singular(along)
             .filter(|&v| !own.contains(&Some(v)))
             .map(|v| distance(segment, v))
             .fold(f64::INFINITY, f64::min);

@@ -184,9 +184,10 @@ impl Jumps {
         pieces
     }
 
-    /// The singular points of psi as it is near `z`: vertices, and centres of circles seen from outside.
-    pub(super) fn singular(&self, z: Complex) -> impl Iterator<Item = Complex> {
-        let centres = self.circles.iter().filter_map(move |circle| circle.singular_centre(z));
+    /// The singular points of psi as it is along a piece of a curve, given by its ends and its middle: vertices,
+    /// and centres of circles seen from outside.
+    pub(super) fn singular(&self, along: [Complex; 3]) -> impl Iterator<Item = Complex> {
+        let centres = self.circles.iter().filter_map(move |circle| circle.singular_centre(along));
         self.vertices.iter().copied().chain(centres)
     }
 

@@ -303,11 +303,11 @@ impl Cutter<'_> {
                 cut = Some(if (0.0..0.5 * length).contains(&piece) { at } else { 0.5 * length });
             }
         }
-        let middle = (segment[0] + segment[1]).scaled(0.5);
+        let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
         // Nodes that are graded towards one end are sparse at the other.
         let longest = if special.iter().any(Option::is_some) { 1.0 } else { 2.0 };
         let is_near = |v: Complex| length > longest * distance(segment, v);
-        if cut.is_none() && self.jumps.singular(middle).any(is_near) {
+        if cut.is_none() && self.jumps.singular(along).any(is_near) {
             cut = Some(0.5 * length);
         }
         match cut {
