@@ -56,11 +56,11 @@ pub(super) struct SolveArgs {
     tolerance: Option<f64>,
     /// Guaranteed relative error in the energy norm; chooses the grid by itself
     #[arg(long, value_name = "REL", allow_negative_numbers = true,
-        conflicts_with_all = ["cube", "h", "solver", "tolerance"])]
+        conflicts_with_all = ["cube", "h", "tolerance"])]
     accuracy: Option<f64>,
     /// Guaranteed relative error of the energy; chooses the grid by itself
     #[arg(long, value_name = "REL", allow_negative_numbers = true,
-        conflicts_with_all = ["accuracy", "cube", "h", "solver", "tolerance"])]
+        conflicts_with_all = ["accuracy", "cube", "h", "tolerance"])]
     accuracy_energy: Option<f64>,
     /// Print JSON
     #[arg(long)]

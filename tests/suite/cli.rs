@@ -87,7 +87,7 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
         json["h"].as_f64() >= fixed["h"].as_f64()
             && fixed["bound"]["error"][1].as_f64() < Some(0.004)
     );
-    let json = solve(&["--accuracy-energy", "1e-7"]);
+    let json = solve(&["--accuracy-energy", "1e-7", "--solver", "multigrid"]);
     let [low, high] = [0, 1].map(|k| json["bound"]["energy"][k].as_f64().unwrap());
     assert!(low <= -0.016602302753503897 && -0.016602302753503897 <= high, "{json}");
     let reached = (high - low) / -high;
@@ -288,6 +288,10 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--tolerance", "1e-6"], "is for --solver multigrid"),
         (&["--cube", "else=-1", "--tolerance", "nan"], "must be a positive number"),
         (&["--f", "else=-1", "--accuracy", "2"], "must be between 0 and 1"),
+        (
+            &["--f", "else=-1", "--accuracy", "0.1", "--solver", "uzawa"],
+            "is for --solver multigrid",
+        ),
         (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
         (&["--f", "else=-1", "--accuracy-energy", "nan"], "must be between 0 and 1"),
         (&["--f", "else=-1", "--accuracy-energy", "1e-15"], "too fine for memory; 1/8192 reaches"),

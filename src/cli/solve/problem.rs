@@ -52,6 +52,9 @@ impl Problem {
             _ => Solver::Multigrid,
         };
         let solver = args.solver.unwrap_or(default);
+        if args.accuracy().is_some() && solver != Solver::Multigrid {
+            return Err(Error::input("an accuracy is for --solver multigrid; leave --solver out"));
+        }
         let given = args.h.as_deref().map(cells).transpose()?;
         let finest = choose
             .one("finest grid", given, scene.map(|s| s.finest().cells()), |n| format!("1/{n}"))
