@@ -1,6 +1,7 @@
 //! The contact set: from a grid at first, then corrected where a sign is wrong.
 
 use super::panels::{Ends, Place};
+use super::sources::Rules;
 use super::trace::{Point, Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
@@ -88,10 +89,10 @@ pub(super) enum Signs {
 }
 
 /// A better contact set where the multiplier is negative in contact or v elsewhere.
-pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Signs {
+pub(super) fn corrected(trace: &Trace, ends: &Ends, rules: &Rules) -> Signs {
     let points = &trace.points;
     let many = points.len();
-    let wrong = wrong(trace);
+    let wrong = wrong(trace, rules);
     if !wrong.contains(&true) {
         return Signs::Right;
     }
@@ -140,16 +141,25 @@ pub(super) fn corrected(trace: &Trace, ends: &Ends) -> Signs {
 }
 
 /// Where the multiplier is negative in contact or v elsewhere, point by point.
-fn wrong(trace: &Trace) -> Vec<bool> {
+fn wrong(trace: &Trace, rules: &Rules) -> Vec<bool> {
     let points = &trace.points;
     let many = points.len();
     let largest = trace.largest();
     let is_wrong = |(i, p): (usize, &Point)| {
-        if trace.in_contact(i) {
-            p.multiplier < -TOLERANCE[0] * largest[0] && p.place.t.abs() > UNRESOLVED
-        } else {
-            p.value < -TOLERANCE[1] * largest[1]
+        if !trace.in_contact(i) {
+            return p.value < -TOLERANCE[1] * largest[1];
         }
+        let Place { corner, t } = p.place;
+        let outwards = if t > 0.0 { i + 1 } else { i + many - 1 };
+        let multiplier = if t.abs() > UNRESOLVED {
+            p.multiplier
+        } else if points[outwards % many].place.t.abs() > UNRESOLVED {
+            // Between two points a gap that can be resolved may end.
+            trace.at(Place { corner, t: UNRESOLVED.copysign(t) }, rules)[1]
+        } else {
+            return false;
+        };
+        multiplier < -TOLERANCE[0] * largest[0]
     };
     let mut wrong: Vec<bool> = points.iter().enumerate().map(is_wrong).collect();
     if !wrong.contains(&true) {
@@ -234,7 +244,7 @@ fn widened(from: Place, to: Place, to_right: [f64; 2]) -> [Place; 2] {
     match corner {
         Some(corner) => {
             let (before, after) = (-a.distance_from(corner), b.distance_from(corner));
-            let least = 0.5 * before.max(after);
+            let least = (0.5 * before.max(after)).max(UNRESOLVED);
             [
                 Place::new(corner, -factor * before.max(least)),
                 Place::new(corner, factor * after.max(least)),

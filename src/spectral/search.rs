@@ -48,7 +48,7 @@ fn search(
         steps += fine_steps;
         let ends = Ends::new(without_short(moved, SHORTEST_ROUND_CORNER)?);
         let trace = Trace::new(problem, &ends, &rules);
-        match corrected(&trace, &ends) {
+        match corrected(&trace, &ends, &rules) {
             Signs::Right => return Some(Found { ends: ends.places, trace, rules, steps }),
             Signs::Better(better) => places = better,
             Signs::NothingLeft => return None,

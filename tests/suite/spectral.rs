@@ -140,6 +140,22 @@ fn an_end_of_contact_that_coarse_grids_put_before_a_corner_is_found_behind_it() 
 }
 
 #[test]
+fn gaps_round_a_corner_are_found_between_the_points_beside_it() {
+    for f in [
+        "disc(-0.5,-0.5,0.15)=0.234375",
+        "disc(-0.5,-0.5,0.387)=0.099609",
+        "disc(-0.5,-0.5,0.26)=0.158203",
+    ] {
+        let solution = solved(&format!("{f}; else=-1"), Params::default());
+        let [arc] = &solution.contact[..] else { panic!("{f}: {:?}", solution.contact) };
+        let ends = [arc.from[0] + 0.5, arc.to[1] + 0.5];
+        assert!(ends.iter().all(|end| (1e-4..3e-4).contains(end)), "{f}: {ends:?}");
+        // f is the same from both sides.
+        close(ends[0], ends[1], 1e-4 * ends[0]);
+    }
+}
+
+#[test]
 fn values_near_the_border_agree_between_resolutions() {
     let f = "rect(0.25,0.5,0.25,0.5)=2; else=-1";
     let [coarse, fine] = [Params::default(), Params::FINER].map(|params| solved(f, params));
