@@ -4,7 +4,8 @@
 //! known in closed form. What remains is a harmonic function on the disc whose boundary condition changes
 //! at the ends of the contact arcs; for given ends it has an explicit solution. So the only unknowns are
 //! these `2 m` numbers, found by Newton's method, and all errors are those of quadratures of analytic
-//! functions: twelve to sixteen digits, of the energy, the ends, v and the multiplier `l = dv/dn` alike.
+//! functions: twelve to sixteen digits of the energy and the ends. At single points of 400 random problems v
+//! has ten digits at least with [`Params::FINER`]; the multiplier `l = dv/dn`, like `s log s` at corners, eight.
 //!
 //! # Derivation
 //! *A particular solution.* Let psi solve `-Lap psi = f` without boundary conditions. With J the jump
