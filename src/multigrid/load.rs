@@ -94,6 +94,7 @@ pub(super) fn norm(level: &Level) -> f64 {
         )
     };
     let [red, black] = level.load.each_ref().map(|half| half.par_chunks(MIN_PLACES));
+    // Side by side: one after the other they would be split between threads however short they are.
     let sums: Vec<f64> = red.zip(black).map(|(red, black)| squares(red) + squares(black)).collect();
     sums.iter().sum::<f64>().sqrt()
 }

@@ -146,20 +146,11 @@ fn wrong(trace: &Trace, rules: &Rules) -> Vec<bool> {
     let many = points.len();
     let largest = trace.largest();
     let is_wrong = |(i, p): (usize, &Point)| {
-        if !trace.in_contact(i) {
-            return p.value < -TOLERANCE[1] * largest[1];
-        }
-        let Place { corner, t } = p.place;
-        let outwards = if t > 0.0 { i + 1 } else { i + many - 1 };
-        let multiplier = if t.abs() > UNRESOLVED {
-            p.multiplier
-        } else if points[outwards % many].place.t.abs() > UNRESOLVED {
-            // Between two points a gap that can be resolved may end.
-            trace.at(Place { corner, t: UNRESOLVED.copysign(t) }, rules)[1]
+        if trace.in_contact(i) {
+            trace.judged(i, rules).is_some_and(|l| l < -TOLERANCE[0] * largest[0])
         } else {
-            return false;
-        };
-        multiplier < -TOLERANCE[0] * largest[0]
+            p.value < -TOLERANCE[1] * largest[1]
+        }
     };
     let mut wrong: Vec<bool> = points.iter().enumerate().map(is_wrong).collect();
     if !wrong.contains(&true) {

@@ -250,7 +250,7 @@ impl Solution {
         let Found { ends, trace, rules, steps } = found;
         let Energies { energy, rellich, force } = Energies::of(&trace, problem, &rules);
         let integral = problem.integral;
-        let [least_multiplier, least_value] = trace.least();
+        let [least_multiplier, least_value] = trace.least(&rules);
         let checks = Checks {
             least_multiplier,
             least_value,

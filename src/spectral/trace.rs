@@ -85,14 +85,27 @@ impl Trace {
         self.points.iter().fold([0.0; 2], largest)
     }
 
+    /// The multiplier by which the contact at the `i`-th point is judged: none so near to a corner that gaps are
+    /// left out, but for the last such point. Between it and the next a gap may end that is not left out.
+    pub(super) fn judged(&self, i: usize, rules: &Rules) -> Option<f64> {
+        let Point { place: Place { corner, t }, multiplier, .. } = self.points[i];
+        let many = self.points.len();
+        let outwards = (if t > 0.0 { i + 1 } else { i + many - 1 }) % many;
+        match [i, outwards].map(|i| self.points[i].place.t.abs() <= UNRESOLVED) {
+            [false, _] => Some(multiplier),
+            [true, false] => Some(self.at(Place { corner, t: UNRESOLVED.copysign(t) }, rules)[1]),
+            [true, true] => None,
+        }
+    }
+
     /// The least multiplier in contact and the least v elsewhere, over the largest.
-    pub(super) fn least(&self) -> [f64; 2] {
+    pub(super) fn least(&self, rules: &Rules) -> [f64; 2] {
         let mut least = [f64::INFINITY; 2];
-        for p in &self.points {
-            if !self.panels[p.panel].contact {
+        for (i, p) in self.points.iter().enumerate() {
+            if !self.in_contact(i) {
                 least[1] = least[1].min(p.value);
-            } else if p.place.t.abs() > UNRESOLVED {
-                least[0] = least[0].min(p.multiplier);
+            } else if let Some(multiplier) = self.judged(i, rules) {
+                least[0] = least[0].min(multiplier);
             }
         }
         let [l, v] = self.largest();
