@@ -105,6 +105,7 @@ mod tests {
 
     #[test]
     fn vector_instructions_do_not_change_a_bit() {
+        compare::<super::square::Square>(32);
         compare::<super::square::Square>(36);
         compare::<super::square::Square>(128);
         compare::<super::cube::Cube>(12);

@@ -176,6 +176,18 @@ impl<D: Weighting> Walk<'_, D> {
     /// Carries all stages through the block, each on its slabs.
     #[inline(always)]
     fn wave(&self, block: &mut Block, slabs: &[Range<usize>; MAX_STAGES]) -> f64 {
+        // On short rows counting and checking take as long as the numbers, unless `n` is a constant.
+        match (D::AXES, self.n) {
+            (2, 8) => Self { n: 8, ..*self }.carry(block, slabs),
+            (2, 16) => Self { n: 16, ..*self }.carry(block, slabs),
+            (2, 32) => Self { n: 32, ..*self }.carry(block, slabs),
+            (2, 64) => Self { n: 64, ..*self }.carry(block, slabs),
+            _ => self.carry(block, slabs),
+        }
+    }
+
+    #[inline(always)]
+    fn carry(&self, block: &mut Block, slabs: &[Range<usize>; MAX_STAGES]) -> f64 {
         let stages = || self.stages.iter().zip(slabs).enumerate();
         let begin = stages().map(|(lag, (_, slabs))| slabs.start + lag).min();
         let end = stages().map(|(lag, (_, slabs))| slabs.end + lag).max();
