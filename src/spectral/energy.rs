@@ -1,9 +1,9 @@
 //! The energy of the solution, from integrals over the border and along the jumps of f.
 
+use super::along::Node;
 use super::complex::Complex;
-use super::curve::Curve;
 use super::jumps::{Edge, Jumps, PROBE};
-use super::panels::{Panel, distance};
+use super::panels::{Panel, Place};
 use super::potential::CORNERS;
 use super::problem::Problem;
 use super::sources::Rules;
@@ -85,43 +85,36 @@ impl Energies {
     }
 
     fn add_edges(&mut self, problem: &Problem, bilinear: &Bilinear, rules: &Rules) {
-        for edge in &problem.jumps.edges {
-            // psi at the start of the piece; along the edge it is an integral of its gradient.
-            let mut before = problem.psi.value(edge.curve.at(edge.span[0]));
-            for piece in pieces(&problem.jumps, edge) {
-                before = self.add_piece(problem, bilinear, rules, edge, &piece, before);
+        let Jumps { edges, vertices, .. } = &problem.jumps;
+        let mut at_vertices: Vec<Option<f64>> = vec![None; vertices.len()];
+        let mut waiting: Vec<&Edge> = edges.iter().collect();
+        while !waiting.is_empty() {
+            // First those with an end where psi is known or on the border.
+            let known = |end: &Option<usize>| end.is_none_or(|v| at_vertices[v].is_some());
+            let next = waiting.iter().position(|edge| edge.ends.iter().any(known));
+            let edge = waiting.swap_remove(next.unwrap_or(0));
+            let ([a, b], [first, last]) = (edge.span, edge.ends);
+            let (span, ends) = if known(&last) && !known(&first) {
+                ([b, a], [last, first])
+            } else {
+                ([a, b], [first, last])
+            };
+            let from = || problem.psi(edge.curve.at(span[0]), rules);
+            let start = ends[0].and_then(|v| at_vertices[v]).unwrap_or_else(from);
+            let [left, right] = edge.values;
+            let add = |&Node { point, normal, weight, gradient }: &Node, psi| {
+                let (psi, gradient) = bilinear.less(point, psi, gradient);
+                let (outward, square) = (point.dot(normal), 0.25 * point.norm2());
+                let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
+                    - square * gradient.dot(normal);
+                self.energy += weight * edge.jump() * moment;
+                self.rellich += weight * edge.jump() * outward * psi;
+            };
+            let end = problem.along(edge.curve, span, ends, start, rules, add);
+            for (vertex, psi) in ends.into_iter().zip([start, end]) {
+                vertex.into_iter().for_each(|v| at_vertices[v] = Some(psi));
             }
         }
-    }
-
-    /// Adds a piece of an edge, given psi at its start; returns psi at its end.
-    fn add_piece(
-        &mut self,
-        problem: &Problem,
-        bilinear: &Bilinear,
-        rules: &Rules,
-        edge: &Edge,
-        piece: &Piece,
-        before: f64,
-    ) -> f64 {
-        let nodes = piece.nodes(&edge.curve, rules);
-        let points: Vec<Complex> = nodes.iter().map(|&(z, ..)| z).collect();
-        let gradients = problem.psi.gradients(&points);
-        let changes = nodes
-            .iter()
-            .zip(&gradients)
-            .map(|(&(_, normal, weight), g)| weight * g.dot(normal.turned()));
-        let (values, end) = rules.integrate(before, piece.last, changes);
-        let [left, right] = edge.values;
-        for (((z, normal, weight), gradient), psi) in nodes.into_iter().zip(gradients).zip(values) {
-            let (psi, gradient) = bilinear.less(z, psi, gradient);
-            let (outward, square) = (z.dot(normal), 0.25 * z.norm2());
-            let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
-                - square * gradient.dot(normal);
-            self.energy += weight * edge.jump() * moment;
-            self.rellich += weight * edge.jump() * outward * psi;
-        }
-        end
     }
 }
 
@@ -132,7 +125,7 @@ impl Bilinear {
     fn new(problem: &Problem) -> Self {
         let mut c = [0.0; 4];
         for z in CORNERS {
-            let value = problem.psi.value(z);
+            let value = problem.border.value(Place::of(z));
             let basis = [0.25, z.re, z.im, 4.0 * z.re * z.im];
             c.iter_mut().zip(basis).for_each(|(c, b)| *c += b * value);
         }
@@ -144,58 +137,4 @@ impl Bilinear {
         let plane = c + x * z.re + y * z.im + xy * z.re * z.im;
         (value - plane, gradient - Complex::new(x + xy * z.im, y + xy * z.re))
     }
-}
-
-/// A piece of an edge, between parameters.
-struct Piece {
-    span: [f64; 2],
-    /// Whether there is a vertex at its start or at its end.
-    first: bool,
-    last: bool,
-}
-
-impl Piece {
-    /// Nodes, right normals and weights, counted from the vertex.
-    fn nodes(&self, curve: &Curve, rules: &Rules) -> Vec<(Complex, Complex, f64)> {
-        let [a, b] = self.span;
-        let node = |&[x, w]: &[f64; 2]| {
-            let (s, slope) =
-                if self.first || self.last { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
-            let s = if self.last { b - (b - a) * s } else { a + (b - a) * s };
-            (curve.at(s), curve.normal(s), (b - a) * curve.speed() * slope * w)
-        };
-        rules.targets.iter().map(node).collect()
-    }
-}
-
-/// The pieces of an edge in order, short where psi is singular.
-fn pieces(jumps: &Jumps, edge: &Edge) -> Vec<Piece> {
-    /// Longest piece of an arc, as an angle.
-    const WIDEST: f64 = 1.6;
-    let Edge { curve, span, ends, .. } = edge;
-    let own = ends.map(|end| end.map(|v| jumps.vertices[v]));
-    let [first, last] = own.map(|end| end.is_some());
-    let mut left = vec![Piece { span: *span, first, last }];
-    let mut pieces = Vec::new();
-    while let Some(piece) = left.pop() {
-        let Piece { span: [a, b], first, last } = piece;
-        let length = (b - a) * curve.speed();
-        let middle = 0.5 * (a + b);
-        let along = [a, middle, b].map(|s| curve.at(s));
-        let segment = [along[0], along[2]];
-        let near = jumps
-            .singular(along)
-            .filter(|&v| !own.contains(&Some(v)))
-            .map(|v| distance(segment, v))
-            .fold(f64::INFINITY, f64::min);
-        let wide = matches!(curve, Curve::Circle { .. }) && b - a > WIDEST;
-        let graded = if first || last { 2.0 } else { 1.0 };
-        if (first && last) || wide || (graded * length > near && length > 1e-9) {
-            left.push(Piece { span: [middle, b], first: false, last });
-            left.push(Piece { span: [a, middle], first, last: false });
-        } else {
-            pieces.push(piece);
-        }
-    }
-    pieces
 }

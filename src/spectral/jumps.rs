@@ -200,14 +200,23 @@ impl Jumps {
         None
     }
 
+    /// The vertex at a point, if there is one.
+    pub(super) fn vertex_at(&self, z: Complex) -> Option<usize> {
+        position(&self.vertices, z)
+    }
+
     fn vertex(&mut self, z: Complex) -> usize {
         index(&mut self.vertices, z)
     }
 }
 
+fn position(known: &[Complex], z: Complex) -> Option<usize> {
+    known.iter().position(|&v| (v - z).norm() < 10.0 * SAME)
+}
+
 /// The position of a point in a list, to which it is added if new.
 fn index(known: &mut Vec<Complex>, z: Complex) -> usize {
-    known.iter().position(|&v| (v - z).norm() < 10.0 * SAME).unwrap_or_else(|| {
+    position(known, z).unwrap_or_else(|| {
         known.push(z);
         known.len() - 1
     })

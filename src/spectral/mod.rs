@@ -6,7 +6,7 @@
 //! these `2 m` numbers, found by Newton's method, and all errors are those of quadratures of analytic
 //! functions: twelve to sixteen digits of the energy and the ends. At single points of 400 random problems v
 //! has ten digits at least with [`Params::FINER`]; the multiplier `l = dv/dn`, like `s log s` at corners, eight.
-//! Of discs with large radii R rounding leaves less: the energy is off by some `1e-14 R` of itself.
+//! Of discs with large radii R rounding leaves less: the energy is off by some `1e-15 R` of itself.
 //!
 //! # Derivation
 //! *A particular solution.* Let psi solve `-Lap psi = f` without boundary conditions. With J the jump
@@ -19,7 +19,7 @@
 //! contribute harmonic functions outside of the square, which are dropped: f is continued beyond each
 //! side, and psi is analytic up to the border but where a jump meets it. A harmonic polynomial is
 //! subtracted so that grad psi vanishes in the corners (`potential.rs`). On the border it is interpolated, once
-//! for all contact sets (`border.rs`).
+//! for all contact sets (`border.rs`); psi itself is an integral of it along curves (`along.rs`).
 //!
 //! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)`, K = 1.854.., takes the square to the unit disc, p along the
 //! border to the angle theta (`map.rs`). `h = v - psi` is harmonic there, so that `W = h_theta + i h_r`
@@ -62,11 +62,11 @@
 //! - F. Rellich, Darstellung der Eigenwerte von Lap u + lambda u = 0 durch ein Randintegral, Math. Z. 46
 //!   (1940).
 
+mod along;
 mod border;
 mod complex;
 mod contact;
 mod curve;
-mod dilogarithm;
 mod elementary;
 mod energy;
 mod jumps;
@@ -299,7 +299,7 @@ impl Solution {
     /// v at a point inside the square; at a distance d from a corner, to about 1e-16 / d^2.
     pub fn value(&self, x: f64, y: f64) -> f64 {
         let z = Complex::new(x, y);
-        self.problem.psi.value(z) + self.trace.harmonic(z, &self.rules)
+        self.problem.psi(z, &self.rules) + self.trace.harmonic(z, &self.rules)
     }
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.

@@ -1,8 +1,6 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the border but for its jumps.
 
 use super::complex::Complex;
-use super::dilogarithm::dilogarithm;
-use super::elementary::ln;
 use super::jumps::{Continued, Jumps};
 use crate::discrete::simd::vectorised;
 use std::f64::consts::{PI, TAU};
@@ -151,19 +149,6 @@ impl Potential {
         )
     }
 
-    /// psi at a point.
-    pub(super) fn value(&self, z: Complex) -> f64 {
-        let [c0, c1, c2, c3] = self.gauge;
-        let third = c2.scaled(1.0 / 3.0) + c3.scaled(0.25) * z;
-        let gauge = (((third * z + c1.scaled(0.5)) * z + c0) * z).re;
-        let mut logs = self.logs(&[z]);
-        let lines = self.lines.iter().map(|line| line.value(z, &self.vertices, &mut logs));
-        let lines = lines.sum::<f64>();
-        let arcs = self.arcs.iter().map(|arc| arc.value(z, &self.vertices, &mut logs)).sum::<f64>();
-        let circles = self.circles.iter().map(|circle| circle.value(z)).sum::<f64>();
-        lines + arcs + circles - 0.25 * self.background * z.norm2() - gauge
-    }
-
     /// log(v - z) for the vertices v, seen from points z.
     #[inline(always)]
     fn logs(&self, points: &[Complex]) -> Logs {
@@ -250,16 +235,6 @@ impl Line {
             *sum = *sum + (self.tangent * ratio.conj()).scaled(-self.jump * delta / TAU);
         }
     }
-
-    fn value(&self, z: Complex, vertices: &[Complex], logs: &mut Logs) -> f64 {
-        self.log_ratios(&[z], logs);
-        let delta = self.tangent.cross(self.origin - z);
-        let moment = |end: Option<usize>| {
-            end.map_or(0.0, |v| self.tangent.dot(vertices[v] - z) * (logs.of_vertices[v].re - 0.5))
-        };
-        let moments = moment(self.ends[1]) - moment(self.ends[0]);
-        self.jump * delta * (moments - delta * logs.ratios[0].im) / (2.0 * TAU)
-    }
 }
 
 impl Arc {
@@ -311,35 +286,6 @@ impl Arc {
         }
         sum
     }
-
-    /// All that is large of a large circle is formed from the distances of its ends, so that rounding errors
-    /// grow with the radius only, not with its square.
-    fn value(&self, z: Complex, vertices: &[Complex], logs: &mut Logs) -> f64 {
-        self.log_ratios(&[z], logs);
-        let ([a, b], radius2) = (self.from_centre, self.radius * self.radius);
-        let [to_a, to_b] = self.ends.map(|v| vertices[v] - z);
-        let from_centre = b - to_b;
-        // By how much the square of the distance from the centre exceeds that of the radius.
-        let excess = to_b.norm2() - 2.0 * b.dot(to_b);
-        let (ya, yb) = (a.cross(to_a), b.cross(to_b));
-        let [log_a, log_b] = self.ends.map(|v| logs.of_vertices[v].re);
-        let sweep = self.sweep;
-        let e = yb * log_b
-            - ya * log_a
-            - 0.25 * excess * (2.0 * logs.ratios[0].im + sweep)
-            - 0.25 * (2.0 * radius2 + excess) * sweep
-            - 0.5 * (yb - ya);
-        let lambda = if excess > 0.0 {
-            let inverse = -from_centre.inverse();
-            0.5 * sweep * ln(radius2 + excess)
-                - (dilogarithm(to_b * inverse).im - dilogarithm(to_a * inverse).im)
-        } else {
-            0.5 * sweep * ln(radius2)
-                + (dilogarithm(to_b * b.inverse()).im - dilogarithm(to_a * a.inverse()).im)
-        };
-        let sum = radius2 * lambda - e + 0.5 * (radius2 * sweep - (yb - ya));
-        -self.jump * sum / (2.0 * TAU)
-    }
 }
 
 impl Circle {
@@ -349,12 +295,6 @@ impl Circle {
         let radius2 = self.radius * self.radius;
         let ratio = radius2 / from_centre.norm2().max(radius2);
         from_centre.scaled(-0.5 * self.jump * ratio)
-    }
-
-    fn value(&self, z: Complex) -> f64 {
-        let (square, radius2) = ((z - self.centre).norm2(), self.radius * self.radius);
-        let outer = square.max(radius2);
-        -0.25 * self.jump * (radius2 * (ln(outer) + 1.0) + square.min(radius2))
     }
 }
 

@@ -1,0 +1,147 @@
+//! psi inside the square, by integrals of its gradient along curves from the border.
+
+use super::complex::Complex;
+use super::curve::{Curve, SAME};
+use super::jumps::Jumps;
+use super::panels::{Place, distance};
+use super::problem::Problem;
+use super::sources::Rules;
+
+/// A node of a quadrature on a curve.
+pub(super) struct Node {
+    pub point: Complex,
+    /// To the right of the curve.
+    pub normal: Complex,
+    /// With respect to the length of the curve.
+    pub weight: f64,
+    /// Of psi.
+    pub gradient: Complex,
+}
+
+impl Problem {
+    /// psi at a point, along a straight line from the nearest side.
+    pub(super) fn psi(&self, z: Complex, rules: &Rules) -> f64 {
+        let across = z.re.abs() > z.im.abs();
+        let normal = if across { Complex::new(0.0, 1.0) } else { Complex::new(1.0, 0.0) };
+        let line = Curve::Line { normal, offset: normal.dot(z) };
+        let to = normal.turned().dot(z);
+        let from = 0.5_f64.copysign(to);
+        let between =
+            |s: &f64| (s - from).abs().min((s - to).abs()) > SAME && (s - from) * (s - to) < 0.0;
+        let crossed = self.jumps.curves.iter().flat_map(|&curve| line.meets(curve));
+        let mut cuts: Vec<f64> = crossed.filter(between).chain([from, to]).collect();
+        cuts.sort_by(|a, b| (a - from).abs().total_cmp(&(b - from).abs()));
+        let mut psi = self.border.value(Place::of(line.at(from)));
+        for span in cuts.windows(2) {
+            let span = [span[0], span[1]];
+            let ends = span.map(|s| self.jumps.vertex_at(line.at(s)));
+            psi = self.along(line, span, ends, psi, rules, |_, _| ());
+        }
+        psi
+    }
+
+    /// Gives the nodes on a part of a curve, with psi there. Jumps of f meet it at its ends only, where vertices may
+    /// be. Returns psi at its end, from that at its start.
+    pub(super) fn along(
+        &self,
+        curve: Curve,
+        span: [f64; 2],
+        ends: [Option<usize>; 2],
+        start: f64,
+        rules: &Rules,
+        mut take: impl FnMut(&Node, f64),
+    ) -> f64 {
+        let pieces = pieces(&self.jumps, curve, span, ends);
+        let mut nodes: Vec<Node> =
+            pieces.iter().flat_map(|piece| piece.nodes(curve, rules)).collect();
+        let points: Vec<Complex> = nodes.iter().map(|node| node.point).collect();
+        for (node, gradient) in nodes.iter_mut().zip(self.psi.gradients(&points)) {
+            node.gradient = gradient;
+        }
+        let (mut before, way) = (start, (span[1] - span[0]).signum());
+        for (piece, nodes) in pieces.iter().zip(nodes.chunks_exact(rules.targets.len())) {
+            let changes = nodes.iter().map(|n| way * n.weight * n.gradient.dot(n.normal.turned()));
+            let (values, end) = rules.integrate(before, piece.last, changes);
+            before = end;
+            nodes.iter().zip(values).for_each(|(node, psi)| take(node, psi));
+        }
+        before
+    }
+}
+
+/// A piece of a curve, between parameters.
+struct Piece {
+    span: [f64; 2],
+    /// Whether there is a vertex at its start or at its end.
+    first: bool,
+    last: bool,
+}
+
+impl Piece {
+    /// Nodes, counted from the vertex, without gradients.
+    fn nodes(&self, curve: Curve, rules: &Rules) -> impl Iterator<Item = Node> {
+        let ([a, b], last, graded) = (self.span, self.last, self.first || self.last);
+        rules.targets.iter().map(move |&[x, w]| {
+            let (part, slope) = if graded { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
+            let s = if last { b - (b - a) * part } else { a + (b - a) * part };
+            Node {
+                point: curve.at(s),
+                normal: curve.normal(s),
+                weight: (b - a).abs() * curve.speed() * slope * w,
+                gradient: Complex::default(),
+            }
+        })
+    }
+}
+
+/// The pieces of a part of a curve in order, short where psi is singular.
+fn pieces(jumps: &Jumps, curve: Curve, span: [f64; 2], ends: [Option<usize>; 2]) -> Vec<Piece> {
+    /// Longest piece of an arc, as an angle.
+    const WIDEST: f64 = 1.6;
+    let own = ends.map(|end| end.map(|v| jumps.vertices[v]));
+    let [first, last] = own.map(|end| end.is_some());
+    let mut left = vec![Piece { span, first, last }];
+    let mut pieces = Vec::new();
+    while let Some(piece) = left.pop() {
+        let Piece { span: [a, b], first, last } = piece;
+        let length = (b - a).abs() * curve.speed();
+        let middle = 0.5 * (a + b);
+        let along = [a, middle, b].map(|s| curve.at(s));
+        let segment = [along[0], along[2]];
+        let near = jumps
+            .singular(along)
+            .filter(|&v| !own.contains(&Some(v)))
+            .map(|v| distance(segment, v))
+            .fold(f64::INFINITY, f64::min);
+        let wide = matches!(curve, Curve::Circle { .. }) && (b - a).abs() > WIDEST;
+        let graded = if first || last { 2.0 } else { 1.0 };
+        if (first && last) || wide || (graded * length > near && length > 1e-9) {
+            left.push(Piece { span: [middle, b], first: false, last });
+            left.push(Piece { span: [a, middle], first, last: false });
+        } else {
+            pieces.push(piece);
+        }
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectral::Params;
+
+    #[test]
+    fn psi_is_the_same_along_all_ways() {
+        let f = "rect(-0.7,0.3,-0.2,0.1)=-5; disc(0.3,0.35,0.1)=4; disc(0,-0.1,0.2)=1; else=-2";
+        let (problem, rules) = (Problem::new(&f.parse().unwrap()), Rules::new(Params::FINER));
+        // On either side of the diagonals the nearest sides are different ones.
+        for k in 1..50 {
+            let z = Complex::new(0.01 * f64::from(k), 0.01 * f64::from(k));
+            for z in [z, -z, z.turned(), -z.turned()] {
+                let [a, b] = [1.0 - 1e-15, 1.0 + 1e-15]
+                    .map(|factor| problem.psi(Complex::new(factor * z.re, z.im), &rules));
+                assert!((a - b).abs() < 2e-15, "{z:?}: {a} {b}");
+            }
+        }
+    }
+}
