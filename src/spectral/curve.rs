@@ -42,18 +42,6 @@ impl Curve {
         }
     }
 
-    /// The centre, if the branch of psi that holds along a piece of a curve, given by three points, is singular
-    /// there: that outside, which the piece may touch in one of them.
-    pub(super) fn singular_centre(self, along: [Complex; 3]) -> Option<Complex> {
-        match self {
-            Self::Circle { centre, radius } => {
-                let outside = along.iter().any(|&z| (z - centre).norm() > radius + SAME);
-                outside.then_some(centre)
-            }
-            Self::Line { .. } => None,
-        }
-    }
-
     /// Parameters at which it meets another curve.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {
         match (self, other) {

@@ -2,6 +2,7 @@
 
 use super::complex::Complex;
 use super::curve::{Curve, SAME, SIDES, borders, in_square};
+use super::potential::{Arc, Circle, Line};
 use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
@@ -27,25 +28,21 @@ impl Edge {
     }
 }
 
-/// A jump as psi sees it: beyond the border f is continued, so that a line goes on for ever (no vertex at
-/// that end) and an arc runs on to the middle of its way outside, or for a length of two.
-#[derive(Clone, Debug)]
-pub(super) enum Continued {
-    Line { origin: Complex, tangent: Complex, jump: f64, ends: [Option<usize>; 2] },
-    Arc { centre: Complex, radius: f64, span: [f64; 2], jump: f64, ends: [usize; 2] },
-    Circle { centre: Complex, radius: f64, jump: f64 },
-}
-
 /// All jumps of f inside the square.
+///
+/// As psi sees them, f is continued beyond the border: a line goes on for ever (no vertex at that end), an arc to
+/// the middle of its way outside, or for a length of two.
 #[derive(Clone, Debug)]
 pub(super) struct Jumps {
     f: Source,
     /// The borders of all regions, in full.
     pub curves: Vec<Curve>,
     pub edges: Vec<Edge>,
-    pub continued: Vec<Continued>,
-    /// The circles of edges.
-    circles: Vec<Curve>,
+    pub lines: Vec<Line>,
+    pub arcs: Vec<Arc>,
+    pub circles: Vec<Circle>,
+    /// Centres and radii of the circles of edges.
+    round: Vec<(Complex, f64)>,
     /// Where edges meet, inside the square, and ends of continued arcs outside.
     pub vertices: Vec<Complex>,
     /// Where edges meet the border.
@@ -58,8 +55,10 @@ impl Jumps {
             f: f.clone(),
             curves: Vec::new(),
             edges: Vec::new(),
-            continued: Vec::new(),
+            lines: Vec::new(),
+            arcs: Vec::new(),
             circles: Vec::new(),
+            round: Vec::new(),
             vertices: Vec::new(),
             crossings: Vec::new(),
         };
@@ -99,7 +98,7 @@ impl Jumps {
             let ends = span.map(|s| self.meet(line.at(s)));
             let tangent = line.normal(0.0).turned();
             let (origin, jump) = (line.at(span[0]), values[0] - values[1]);
-            self.continued.push(Continued::Line { origin, tangent, jump, ends });
+            self.lines.push(Line::new(origin, tangent, jump, ends));
             self.edges.push(Edge { curve: line, span, values, ends });
         }
     }
@@ -111,11 +110,11 @@ impl Jumps {
         if !around.iter().filter_map(|(_, values)| *values).any(jumps) {
             return;
         }
-        self.circles.push(circle);
+        self.round.push((centre, radius));
         if let [(_, Some(values))] = around[..] {
             let (span, jump) = ([0.0, TAU], values[0] - values[1]);
             self.edges.push(Edge { curve: circle, span, values, ends: [None; 2] });
-            self.continued.push(Continued::Circle { centre, radius, jump });
+            self.circles.push(Circle { centre, radius, jump });
             return;
         }
         for &(span, values) in &around {
@@ -127,7 +126,7 @@ impl Jumps {
         let joined = continued(&around, 2.0 / radius);
         if let [(_, jump)] = joined[..] {
             if jump != 0.0 {
-                self.continued.push(Continued::Circle { centre, radius, jump });
+                self.circles.push(Circle { centre, radius, jump });
             }
             return;
         }
@@ -137,15 +136,12 @@ impl Jumps {
             let next = joined[(k + 1) % joined.len()].1;
             if tip.re.abs().max(tip.im.abs()) > 0.5 - SAME && jump != next {
                 // What the arcs before and after do not share goes to infinity.
-                self.continued.push(Continued::Line {
-                    origin: tip,
-                    tangent: tip.scaled(1.0 / tip.norm()),
-                    jump: jump - next,
-                    ends: [Some(ends[1]), None],
-                });
+                let outwards = tip.scaled(1.0 / tip.norm());
+                self.lines.push(Line::new(tip, outwards, jump - next, [Some(ends[1]), None]));
             }
             if jump != 0.0 {
-                self.continued.push(Continued::Arc { centre, radius, span, jump, ends });
+                let circle = Circle { centre, radius, jump };
+                self.arcs.push(Arc::new(circle, span, ends, ends.map(|v| self.vertices[v])));
             }
         }
     }
@@ -185,9 +181,12 @@ impl Jumps {
     }
 
     /// The singular points of psi as it is along a piece of a curve, given by its ends and its middle: vertices,
-    /// and centres of circles seen from outside.
+    /// and centres of circles seen from outside, which the piece may touch in one of the three.
     pub(super) fn singular(&self, along: [Complex; 3]) -> impl Iterator<Item = Complex> {
-        let centres = self.circles.iter().filter_map(move |circle| circle.singular_centre(along));
+        let outside = move |&&(centre, radius): &&(Complex, f64)| {
+            along.iter().any(|&z| (z - centre).norm() > radius + SAME)
+        };
+        let centres = self.round.iter().filter(outside).map(|&(centre, _)| centre);
         self.vertices.iter().copied().chain(centres)
     }
 

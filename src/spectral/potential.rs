@@ -1,7 +1,7 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the border but for its jumps.
 
 use super::complex::Complex;
-use super::jumps::{Continued, Jumps};
+use super::jumps::Jumps;
 use crate::discrete::simd::vectorised;
 use std::f64::consts::{PI, TAU};
 
@@ -27,13 +27,13 @@ pub(super) struct Potential {
     circles: Vec<Circle>,
     /// f less what the jumps make of it.
     background: f64,
-    /// p' = c0 + c1 z + c2 z^2 + c3 z^3 of the polynomial Re p that is subtracted.
+    /// Coefficients of p', the polynomial Re p being subtracted.
     gauge: [Complex; 4],
 }
 
 /// A straight jump; ends that are no vertices are at infinity.
-#[derive(Clone)]
-struct Line {
+#[derive(Clone, Debug)]
+pub(super) struct Line {
     origin: Complex,
     tangent: Complex,
     angle: f64,
@@ -42,8 +42,8 @@ struct Line {
 }
 
 /// A part of a circle, anticlockwise.
-#[derive(Clone)]
-struct Arc {
+#[derive(Clone, Debug)]
+pub(super) struct Arc {
     centre: Complex,
     radius: f64,
     sweep: f64,
@@ -54,11 +54,12 @@ struct Arc {
     angles: [f64; 2],
 }
 
-#[derive(Clone)]
-struct Circle {
-    centre: Complex,
-    radius: f64,
-    jump: f64,
+/// A whole circle.
+#[derive(Clone, Debug)]
+pub(super) struct Circle {
+    pub centre: Complex,
+    pub radius: f64,
+    pub jump: f64,
 }
 
 /// Logarithms as seen from points.
@@ -73,43 +74,19 @@ struct Logs {
 
 impl Potential {
     pub(super) fn new(jumps: &Jumps) -> Self {
-        let mut psi = Self {
-            vertices: jumps.vertices.clone(),
-            lines: Vec::new(),
-            arcs: Vec::new(),
-            circles: Vec::new(),
-            background: 0.0,
-            gauge: [Complex::default(); 4],
-        };
-        for jump in &jumps.continued {
-            match *jump {
-                Continued::Line { origin, tangent, jump, ends } => {
-                    psi.lines.push(Line { origin, tangent, angle: tangent.arg(), jump, ends });
-                }
-                Continued::Circle { centre, radius, jump } => {
-                    psi.circles.push(Circle { centre, radius, jump });
-                }
-                Continued::Arc { centre, radius, span: [from, to], jump, ends } => {
-                    let [p, q] = ends.map(|v| psi.vertices[v]);
-                    // A short arc by its chord, which of a large circle has digits that the angles have lost.
-                    let half = 0.5 * (q - p).norm() / radius;
-                    let (middle, sweep) = if to - from < 1.0 {
-                        ((p - q).turned().arg(), 2.0 * libm::asin(half))
-                    } else {
-                        (0.5 * (from + to), to - from)
-                    };
-                    let from_centre =
-                        [-0.5, 0.5].map(|t| Complex::unit(middle + t * sweep).scaled(radius));
-                    let angles = from_centre.map(Complex::arg);
-                    psi.arcs.push(Arc { centre, radius, sweep, jump, ends, from_centre, angles });
-                }
-            }
-        }
-        // The same at all points but for rounding, which a small integral of f would feel.
-        let points = psi.far_from_jumps();
-        let jumps_give = psi.source_of_jumps(&points);
-        let background = points.iter().zip(jumps_give).map(|(&z, s)| jumps.value(z) - s);
-        psi.background = background.sum::<f64>() / points.len() as f64;
+        let Jumps { vertices, lines, arcs, circles, .. } = jumps.clone();
+        let gauge = [Complex::default(); 4];
+        let mut psi = Self { vertices, lines, arcs, circles, background: 0.0, gauge };
+        // The same at all points but for rounding, and those that are too near to a jump.
+        let fraction = |x: f64| 0.9 * (x - x.floor() - 0.5);
+        let point =
+            |k: f64| Complex::new(fraction(0.618_034 * k + 0.31), fraction(0.754_878 * k + 0.17));
+        let points: [Complex; 25] = std::array::from_fn(|k| point(k as f64));
+        let from_jumps = psi.source_of_jumps(&points);
+        let rest = points.iter().zip(from_jumps).map(|(&z, part)| jumps.value(z) - part);
+        let mut rest: Vec<f64> = rest.collect();
+        rest.sort_by(f64::total_cmp);
+        psi.background = rest[points.len() / 2];
         let corners = psi.gradients(&CORNERS);
         // Interpolation in the four corners is a discrete Fourier transform.
         let mut power = [Complex::new(0.25, 0.0); 4];
@@ -186,28 +163,18 @@ impl Potential {
         }
         sums
     }
-
-    /// Points inside the square where no jump nor its continuation is near.
-    fn far_from_jumps(&self) -> Vec<Complex> {
-        let distance = |z: Complex| {
-            let lines = self.lines.iter().map(|e| e.tangent.cross(e.origin - z).abs());
-            let arcs = self.arcs.iter().map(|e| ((z - e.centre).norm() - e.radius).abs());
-            let circles = self.circles.iter().map(|e| ((z - e.centre).norm() - e.radius).abs());
-            lines.chain(arcs).chain(circles).fold(f64::INFINITY, f64::min)
-        };
-        let candidate = |k: u32| {
-            let fraction = |x: f64| 0.9 * (x - x.floor() - 0.5);
-            let k = f64::from(k);
-            Complex::new(fraction(0.618_034 * k + 0.31), fraction(0.754_878 * k + 0.17))
-        };
-        let mut points: Vec<Complex> = (0..25).map(candidate).collect();
-        let farthest = points.iter().map(|&z| distance(z)).fold(0.0, f64::max);
-        points.retain(|&z| distance(z) >= 0.5 * farthest);
-        points
-    }
 }
 
 impl Line {
+    pub(super) fn new(
+        origin: Complex,
+        tangent: Complex,
+        jump: f64,
+        ends: [Option<usize>; 2],
+    ) -> Self {
+        Self { origin, tangent, angle: tangent.arg(), jump, ends }
+    }
+
     /// log(b/a), a and b the ends seen from z; what those at infinity contribute is dropped.
     #[inline(always)]
     fn log_ratios(&self, points: &[Complex], logs: &mut Logs) {
@@ -238,6 +205,25 @@ impl Line {
 }
 
 impl Arc {
+    /// That of a circle between two angles, at which the vertices `p` and `q` are.
+    pub(super) fn new(
+        Circle { centre, radius, jump }: Circle,
+        [from, to]: [f64; 2],
+        ends: [usize; 2],
+        [p, q]: [Complex; 2],
+    ) -> Self {
+        // A short arc by its chord, which of a large circle has digits that the angles have lost.
+        let half = 0.5 * (q - p).norm() / radius;
+        let (middle, sweep) = if to - from < 1.0 {
+            ((p - q).turned().arg(), 2.0 * libm::asin(half))
+        } else {
+            (0.5 * (from + to), to - from)
+        };
+        let from_centre = [-0.5, 0.5].map(|t| Complex::unit(middle + t * sweep).scaled(radius));
+        let angles = from_centre.map(Complex::arg);
+        Self { centre, radius, sweep, jump, ends, from_centre, angles }
+    }
+
     /// L - i sweep, L = int dw / (w - z) over the arc.
     #[inline(always)]
     fn log_ratios(&self, points: &[Complex], logs: &mut Logs) {
