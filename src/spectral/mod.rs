@@ -250,7 +250,11 @@ impl Solution {
         let Found { ends, trace, rules, steps } = found;
         let Energies { energy, rellich, force } = Energies::of(&trace, problem, &rules);
         let integral = problem.integral;
-        let [least_multiplier, least_value] = trace.least(&rules);
+        let signs = trace.signs(&rules);
+        let [least_multiplier, least_value] = [0, 1].map(|kind| {
+            let own = signs.iter().filter(|&&(own, _)| own == kind).map(|&(_, sign)| sign);
+            own.min_by(f64::total_cmp).unwrap_or(0.0)
+        });
         let checks = Checks {
             least_multiplier,
             least_value,

@@ -92,8 +92,7 @@ fn gaps(ends: &Ends) -> Vec<usize> {
     let arcs = ends.arcs();
     let length = |gap: usize| {
         let next = ends.places[2 * (gap % arcs)];
-        let length = next.after(ends.places[2 * gap - 1]);
-        if gap == arcs { length + 4.0 } else { length }
+        next.after(ends.places[2 * gap - 1]).rem_euclid(4.0)
     };
     let longest = (1..=arcs).max_by(|&a, &b| length(a).total_cmp(&length(b)));
     (1..=arcs).filter(|&gap| Some(gap) != longest).collect()
@@ -195,24 +194,15 @@ fn longest(places: &[Place], change: &[f64]) -> f64 {
 }
 
 fn moved(places: &[Place], change: &[f64], factor: f64) -> Vec<Place> {
-    let all: Vec<Place> = places
-        .iter()
-        .zip(change)
-        .enumerate()
-        .map(|(j, (&place, d))| {
-            let t = if relative(places, j) {
-                place.t * libm::exp(factor * d)
-            } else {
-                place.t + factor * d
-            };
-            Place::new(place.corner, t)
-        })
-        .collect();
-    let start = all[0];
-    all.into_iter()
-        .enumerate()
-        .map(|(j, place)| if j == 0 { place } else { place.following(start) })
-        .collect()
+    let moved = |(j, (place, d)): (usize, (&Place, &f64))| {
+        let t = if relative(places, j) {
+            place.t * libm::exp(factor * d)
+        } else {
+            place.t + factor * d
+        };
+        Place::new(place.corner, t)
+    };
+    places.iter().zip(change).enumerate().map(moved).collect()
 }
 
 /// The solution of a small linear system, the right-hand side being its last column, by Gauss and Jordan's

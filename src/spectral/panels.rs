@@ -190,7 +190,11 @@ pub(super) struct Ends {
 }
 
 impl Ends {
-    pub(super) fn new(places: Vec<Place>) -> Self {
+    /// Their corners are counted on from the first.
+    pub(super) fn new(mut places: Vec<Place>) -> Self {
+        if let Some(&first) = places.first() {
+            places[1..].iter_mut().for_each(|place| *place = place.following(first));
+        }
         let angles = places.iter().map(|place| Angle::from_corner(place.t)).collect();
         Self { places, angles }
     }

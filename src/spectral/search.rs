@@ -1,7 +1,7 @@
 //! The search for the contact set: Newton's method and corrections in turn, until all signs are right.
 
 use super::Params;
-use super::contact::{SHORTEST_ROUND_CORNER, Signs, corrected, without_short};
+use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
 use super::panels::{Ends, Place};
 use super::problem::Problem;
 use super::sources::Rules;
@@ -48,10 +48,9 @@ fn search(
         steps += fine_steps;
         let ends = Ends::new(without_short(moved, SHORTEST_ROUND_CORNER)?);
         let trace = Trace::new(problem, &ends, &rules);
-        match corrected(&trace, &ends, &rules) {
-            Signs::Right => return Some(Found { ends: ends.places, trace, rules, steps }),
-            Signs::Better(better) => places = better,
-            Signs::NothingLeft => return None,
+        places = corrected(&trace, &ends, &rules)?;
+        if places == ends.places {
+            return Some(Found { ends: places, trace, rules, steps });
         }
     }
     None

@@ -79,37 +79,34 @@ impl Trace {
     }
 
     /// The largest multiplier, and the size of v: in a short gap it is far smaller than inside.
-    pub(super) fn largest(&self) -> [f64; 2] {
+    fn largest(&self) -> [f64; 2] {
         let largest =
             |[l, v]: [f64; 2], p: &Point| [l.max(p.multiplier), v.max(p.value).max(p.psi.abs())];
         self.points.iter().fold([0.0; 2], largest)
     }
 
-    /// The multiplier by which the contact at the `i`-th point is judged: none so near to a corner that gaps are
+    /// The multiplier by which the contact at the `i`-th point is judged: infinite so near to a corner that gaps are
     /// left out, but for the last such point. Between it and the next a gap may end that is not left out.
-    pub(super) fn judged(&self, i: usize, rules: &Rules) -> Option<f64> {
+    fn judged(&self, i: usize, rules: &Rules) -> f64 {
         let Point { place: Place { corner, t }, multiplier, .. } = self.points[i];
         let many = self.points.len();
         let outwards = (if t > 0.0 { i + 1 } else { i + many - 1 }) % many;
         match [i, outwards].map(|i| self.points[i].place.t.abs() <= UNRESOLVED) {
-            [false, _] => Some(multiplier),
-            [true, false] => Some(self.at(Place { corner, t: UNRESOLVED.copysign(t) }, rules)[1]),
-            [true, true] => None,
+            [false, _] => multiplier,
+            [true, false] => self.at(Place { corner, t: UNRESOLVED.copysign(t) }, rules)[1],
+            [true, true] => f64::INFINITY,
         }
     }
 
-    /// The least multiplier in contact and the least v elsewhere, over the largest.
-    pub(super) fn least(&self, rules: &Rules) -> [f64; 2] {
-        let mut least = [f64::INFINITY; 2];
-        for (i, p) in self.points.iter().enumerate() {
-            if !self.in_contact(i) {
-                least[1] = least[1].min(p.value);
-            } else if let Some(multiplier) = self.judged(i, rules) {
-                least[0] = least[0].min(multiplier);
-            }
-        }
-        let [l, v] = self.largest();
-        [least[0] / l, if least[1].is_finite() { least[1] / v } else { 0.0 }]
+    /// Of each point what must not be negative: in contact (0) the multiplier over the largest, elsewhere (1) v over
+    /// its size.
+    pub(super) fn signs(&self, rules: &Rules) -> Vec<(usize, f64)> {
+        let [largest, size] = self.largest();
+        let sign = |(i, p): (usize, &Point)| match self.in_contact(i) {
+            true => (0, self.judged(i, rules) / largest),
+            false => (1, p.value / size),
+        };
+        self.points.iter().enumerate().map(sign).collect()
     }
 
     /// The harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
