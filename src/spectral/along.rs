@@ -5,6 +5,7 @@ use super::curve::{Curve, SAME};
 use super::jumps::Jumps;
 use super::panels::{Place, distance};
 use super::problem::Problem;
+use super::rule::halved;
 use super::sources::Rules;
 
 /// A node of a quadrature on a curve.
@@ -96,33 +97,30 @@ impl Piece {
 
 /// The pieces of a part of a curve in order, short where psi is singular.
 fn pieces(jumps: &Jumps, curve: Curve, span: [f64; 2], ends: [Option<usize>; 2]) -> Vec<Piece> {
+    /// Pieces shorter than this are not cut where psi is singular.
+    const SHORTEST: f64 = 1e-9;
     /// Longest piece of an arc, as an angle.
     const WIDEST: f64 = 1.6;
     let own = ends.map(|end| end.map(|v| jumps.vertices[v]));
-    let [first, last] = own.map(|end| end.is_some());
-    let mut left = vec![Piece { span, first, last }];
-    let mut pieces = Vec::new();
-    while let Some(piece) = left.pop() {
-        let Piece { span: [a, b], first, last } = piece;
+    let piece = |part: [f64; 2]| {
+        let vertex = |k: usize| ends[k].is_some() && part[k] == span[k];
+        Piece { span: part, first: vertex(0), last: vertex(1) }
+    };
+    let too_long = |part @ [a, b]: [f64; 2]| {
+        let Piece { first, last, .. } = piece(part);
         let length = (b - a).abs() * curve.speed();
-        let middle = 0.5 * (a + b);
-        let along = [a, middle, b].map(|s| curve.at(s));
-        let segment = [along[0], along[2]];
+        let along = [a, 0.5 * (a + b), b].map(|s| curve.at(s));
         let near = jumps
             .singular(along)
             .filter(|&v| !own.contains(&Some(v)))
-            .map(|v| distance(segment, v))
+            .map(|v| distance([along[0], along[2]], v))
             .fold(f64::INFINITY, f64::min);
         let wide = matches!(curve, Curve::Circle { .. }) && (b - a).abs() > WIDEST;
         let graded = if first || last { 2.0 } else { 1.0 };
-        if (first && last) || wide || (graded * length > near && length > 1e-9) {
-            left.push(Piece { span: [middle, b], first: false, last });
-            left.push(Piece { span: [a, middle], first, last: false });
-        } else {
-            pieces.push(piece);
-        }
-    }
-    pieces
+        let near = length > SHORTEST && graded * length > near;
+        length > SAME && (near || wide || (first && last))
+    };
+    halved(span, too_long).into_iter().map(piece).collect()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::complex::Complex;
 use super::jumps::Jumps;
 use super::panels::{LANES, Place, distance, tangent};
 use super::potential::Potential;
+use super::rule::halved;
 use std::f64::consts::PI;
 
 /// Terms of a series. No piece is longer than its distance from a singular point, so that the terms fall like
@@ -44,20 +45,17 @@ impl Border {
             let places = crossings.iter().map(|&place| on_side(place));
             breaks.extend(places.filter(|&(of, _)| of == side).map(|(_, t)| t));
             breaks.sort_by(f64::total_cmp);
-            // What is left to cut, the first on top.
-            let mut left: Vec<[f64; 2]> =
-                breaks.windows(2).rev().map(|ends| [ends[0], ends[1]]).collect();
-            let mut spans = Vec::new();
-            while let Some(span @ [from, to]) = left.pop() {
+            let too_long = |span @ [from, to]: [f64; 2]| {
                 let (length, middle) = (to - from, 0.5 * (from + to));
                 let segment = span.map(point);
                 let mut singular = jumps.singular([from, middle, to].map(point));
-                if length > SHORTEST && singular.any(|v| length > distance(segment, v)) {
-                    left.extend([[middle, to], [from, middle]]);
-                } else if length > 0.0 {
-                    spans.push(span);
-                }
-            }
+                length > SHORTEST && singular.any(|v| length > distance(segment, v))
+            };
+            let spans: Vec<[f64; 2]> = breaks
+                .windows(2)
+                .filter(|ends| ends[0] < ends[1])
+                .flat_map(|ends| halved([ends[0], ends[1]], too_long))
+                .collect();
             let node = |[from, to]: [f64; 2], x: f64| point(0.5 * ((from + to) + (to - from) * x));
             let nodes: Vec<Complex> = spans
                 .iter()

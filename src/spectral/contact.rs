@@ -18,54 +18,36 @@ pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
 pub(super) fn from_grid(grid: Grid, y: &[f64]) -> Vec<Place> {
     let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
     let (n, many) = (grid.cells(), values.len());
-    let at = |b: usize| values[b % many];
+
     // A corner with f > 0 may be free so near to it that one node says nothing; and a corner alone in
     // contact need not be.
     let mut free: Vec<bool> = values.iter().map(|&v| v > 0.0).collect();
-    for (state, most) in [(true, 1), (false, 2)] {
-        let before = free.clone();
-        for run in runs(&before, state) {
-            let corner = run.clone().any(|b| b % n == 0);
-            if corner && run.len() <= most {
-                run.for_each(|b| free[b % many] = !state);
-            }
-        }
-        if free.iter().all(|&free| free) {
-            free = before;
+    for corner in [0, n, 2 * n, 3 * n] {
+        let state = free[corner];
+        let alike =
+            |step: usize| (1..=2).take_while(|k| free[(corner + k * step) % many] == state).count();
+        let [before, after] = [many - 1, 1].map(alike);
+        if before + after < if state { 1 } else { 2 } {
+            (corner + many - before..=corner + many + after).for_each(|b| free[b % many] = !state);
         }
     }
-    let mut places = Vec::new();
-    for run in runs(&free, false) {
-        for (node, step) in [(run.start, many - 1), (run.end - 1, 1)] {
-            let corner = (0..=2).any(|k| (node + k * step) % n == 0);
-            let fraction = if corner {
-                0.5
-            } else {
-                reach([1, 2].map(|k| at(node + k * step))).clamp(-0.3, 0.9)
-            };
-            let fraction = fraction * grid.h();
-            let t = if step == 1 { fraction } else { -fraction };
-            places.push(Place::new(3, (node % many) as f64 * grid.h() + t));
-        }
+    if free.iter().all(|&free| free) {
+        free = values.iter().map(|&v| v > 0.0).collect();
+    }
+    let change = |b: usize| {
+        let (node, step) = if free[b] { (b + 1, many - 1) } else { (b, 1) };
+        let next = [1, 2].map(|k| (node + k * step) % many);
+        let corner = [node, next[0], next[1]].iter().any(|b| b % n == 0);
+        let part = if corner { 0.5 } else { reach(next.map(|b| values[b])).clamp(-0.3, 0.9) };
+        Place::new(3, (node as f64 + if free[b] { -part } else { part }) * grid.h())
+    };
+    let changes = (0..many).filter(|&b| free[b] != free[(b + 1) % many]);
+    let mut places: Vec<Place> = changes.map(change).collect();
+    if !free[0] && !places.is_empty() {
+        // Beginnings of contact come first.
+        places.rotate_left(1);
     }
     places
-}
-
-/// Maximal runs of entries equal to `state` in a cyclic list, as positions that may pass its length; none
-/// if all are equal.
-fn runs(list: &[bool], state: bool) -> Vec<std::ops::Range<usize>> {
-    let many = list.len();
-    let Some(start) = list.iter().position(|&entry| entry != state) else { return Vec::new() };
-    let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
-    for b in start..start + many {
-        if list[b % many] == state {
-            match runs.last_mut() {
-                Some(run) if run.end == b => run.end = b + 1,
-                _ => runs.push(b..b + 1),
-            }
-        }
-    }
-    runs
 }
 
 /// The contact set of a solution without the points where the multiplier is negative, and with those where v is:

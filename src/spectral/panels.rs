@@ -4,6 +4,7 @@ use super::complex::Complex;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
 use super::potential::CORNERS;
+use super::rule::cut;
 
 /// Panels shorter than this are not cut further.
 const SHORTEST: f64 = 1e-13;
@@ -83,8 +84,10 @@ pub(super) struct Panel {
     /// Ends as distances from that corner.
     pub from: f64,
     pub to: f64,
-    /// What is at its start and at its end.
-    pub special: [Option<Special>; 2],
+    /// What is at its start, or at its end.
+    pub special: Option<Special>,
+    /// Whether nodes are counted from the end of the panel, where something is, rather than from its start.
+    pub reversed: bool,
     /// Contact arcs begun before it.
     pub arcs: usize,
     pub contact: bool,
@@ -129,28 +132,23 @@ impl Panel {
         CORNERS[self.corner.rem_euclid(4) as usize] + self.tangent.scaled(t)
     }
 
-    /// Whether nodes are counted from the end of the panel rather than from its start.
-    pub(super) fn reversed(&self) -> bool {
-        self.special[1].is_some()
-    }
-
     /// The end of contact at one of its ends, if any.
     pub(super) fn end(&self) -> Option<usize> {
         match self.special {
-            [Some(Special::End(end)), _] | [_, Some(Special::End(end))] => Some(end),
+            Some(Special::End(end)) => Some(end),
             _ => None,
         }
     }
 
     /// Whether a corner or crossing is at one of its ends.
     pub(super) fn kink(&self) -> Option<Special> {
-        self.special[0].or(self.special[1]).filter(|s| !matches!(s, Special::End(_)))
+        self.special.filter(|s| !matches!(s, Special::End(_)))
     }
 
     /// Grading of targets: v and l behave like a power of the distance from an end of contact, and
     /// their series next to corners and crossings contain logarithms.
     pub(super) fn target_power(&self) -> i32 {
-        match self.special[0].or(self.special[1]) {
+        match self.special {
             None => 1,
             Some(Special::End(_)) => 2,
             Some(_) => 3,
@@ -161,7 +159,7 @@ impl Panel {
     #[inline(always)]
     pub(super) fn nodes(&self, rule: &[[f64; 2]], power: i32) -> Nodes {
         let length = self.to - self.from;
-        let (start, sign) = if self.reversed() { (self.to, -1.0) } else { (self.from, 1.0) };
+        let (start, sign) = if self.reversed { (self.to, -1.0) } else { (self.from, 1.0) };
         let mut nodes = Nodes::default();
         for k in 0..LANES {
             let [x, w] = rule[k.min(rule.len() - 1)];
@@ -217,7 +215,7 @@ impl Ends {
             if panel.end() == Some(j) {
                 // Relative to a distance that is not known from the angles.
                 let end = place.distance_from(panel.corner);
-                let reversed = panel.reversed();
+                let reversed = panel.reversed;
                 for (product, &offset) in product.iter_mut().zip(&nodes.offset) {
                     let t = if reversed { end } else { end + offset };
                     *product *= 2.0 * half_sine(t, offset);
@@ -254,12 +252,8 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Pan
         }
     }
     breaks.sort_by(|a, b| a.0.after(start).total_cmp(&b.0.after(start)));
-    let mut cutter = Cutter {
-        near: breaks.iter().map(|(place, _)| place.point()).collect(),
-        jumps,
-        panels: Vec::new(),
-    };
-    let (mut arcs, mut contact) = (0, ends.arcs() == 0);
+    let points: Vec<Complex> = breaks.iter().map(|(place, _)| place.point()).collect();
+    let (mut panels, mut arcs, mut contact) = (Vec::new(), 0, ends.arcs() == 0);
     for (k, &(from, special)) in breaks.iter().enumerate() {
         if let Special::End(j) = special {
             contact = j % 2 == 0;
@@ -267,78 +261,47 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Pan
         }
         let next = (k + 1) % breaks.len();
         let (mut to, other) = breaks[next];
-        if next == 0 {
-            to.corner += 4;
-        }
-        let first = cutter.panels.len();
-        cutter.cut([from, to], [Some((k, special)), Some((next, other))]);
-        for panel in &mut cutter.panels[first..] {
-            (panel.arcs, panel.contact) = (arcs, contact);
+        to.corner += if next == 0 { 4 } else { 0 };
+        let all = to.after(from);
+        let place = |s: f64| match s <= 0.5 * all {
+            true => Place::new(from.corner, from.t + s),
+            false => Place::new(to.corner, to.t - (all - s)),
+        };
+        // No panel has something at both ends, or is longer than twice its distance to a vertex, or to a point where
+        // something is and that is not an end of it; if it has something at an end, nodes are sparse at the other,
+        // and it must not be longer than its distance to a vertex.
+        let at = |[a, b]: [f64; 2]| {
+            let (length, middle, segment) =
+                (b - a, 0.5 * (a + b), [a, b].map(|s| place(s).point()));
+            let own = [(a == 0.0).then_some(k), (b == all).then_some(next)];
+            let both = own == [Some(k), Some(next)];
+            let is_near = |&(k, &z): &(usize, &Complex)| {
+                !own.contains(&Some(k)) && length > 2.0 * distance(segment, z)
+            };
+            if length <= SHORTEST {
+                return None;
+            }
+            if let Some((_, &z)) = points.iter().enumerate().find(is_near).filter(|_| !both) {
+                let [before, after] = segment.map(|end| (end - z).norm());
+                let piece = (2.0 * before.min(after)).max(SHORTEST);
+                let beside = if before < after { a + piece } else { b - piece };
+                return Some(if piece < 0.5 * length { beside } else { middle });
+            }
+            let longest = if own == [None; 2] { 2.0 } else { 1.0 };
+            let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
+            let mut singular = jumps.singular(along);
+            (both || singular.any(|v| length > longest * distance(segment, v))).then_some(middle)
+        };
+        for [a, b] in cut([0.0, all], at) {
+            let corner = place(0.5 * (a + b)).corner;
+            let [from, to] = [a, b].map(|s| place(s).distance_from(corner));
+            let tangent = tangent(corner, from + to);
+            let reversed = b == all;
+            let special = if a == 0.0 { Some(special) } else { reversed.then_some(other) };
+            panels.push(Panel { corner, from, to, special, reversed, arcs, contact, tangent });
         }
     }
-    cutter.panels
-}
-
-struct Cutter<'a> {
-    /// The points where panels must begin.
-    near: Vec<Complex>,
-    jumps: &'a Jumps,
-    panels: Vec<Panel>,
-}
-
-impl Cutter<'_> {
-    /// Cuts a piece of a side until no panel has something at both ends, or is longer than twice its distance to
-    /// a vertex, or to a point where something is and that is not an end of it; one that has something at an
-    /// end must not be longer than its distance to a vertex.
-    fn cut(&mut self, ends: [Place; 2], special: [Option<(usize, Special)>; 2]) {
-        let [from, to] = ends;
-        let length = to.after(from);
-        let segment = ends.map(Place::point);
-        let own = |k: usize| special.iter().flatten().any(|&(own, _)| own == k);
-        let mut cut = None;
-        if special.iter().all(Option::is_some) {
-            cut = Some(0.5 * length);
-        }
-        for point in self.near.iter().enumerate().filter(|&(k, _)| !own(k)).map(|(_, &z)| z) {
-            if cut.is_none() && length > 2.0 * distance(segment, point) {
-                let near = segment.map(|end| (end - point).norm());
-                let piece = (2.0 * near[0].min(near[1])).max(SHORTEST);
-                let at = if near[0] < near[1] { piece } else { length - piece };
-                cut = Some(if (0.0..0.5 * length).contains(&piece) { at } else { 0.5 * length });
-            }
-        }
-        let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
-        // Nodes that are graded towards one end are sparse at the other.
-        let longest = if special.iter().any(Option::is_some) { 1.0 } else { 2.0 };
-        let is_near = |v: Complex| length > longest * distance(segment, v);
-        if cut.is_none() && self.jumps.singular(along).any(is_near) {
-            cut = Some(0.5 * length);
-        }
-        match cut {
-            Some(at) if length > SHORTEST => {
-                let middle = if at <= 0.5 * length {
-                    Place::new(from.corner, from.t + at)
-                } else {
-                    Place::new(to.corner, to.t - (length - at))
-                };
-                self.cut([from, middle], [special[0], None]);
-                self.cut([middle, to], [None, special[1]]);
-            }
-            _ => {
-                let corner = Place::new(from.corner, from.t + 0.5 * length).corner;
-                let [from, to] = ends.map(|end| end.distance_from(corner));
-                self.panels.push(Panel {
-                    corner,
-                    from,
-                    to,
-                    special: special.map(|s| s.map(|(_, special)| special)),
-                    arcs: 0,
-                    contact: false,
-                    tangent: tangent(corner, from + to),
-                });
-            }
-        }
-    }
+    panels
 }
 
 /// Distance of a point from a segment.

@@ -1,4 +1,4 @@
-//! Gauss rules on (0, 1), interpolation and integration between their nodes.
+//! Gauss rules on (0, 1), interpolation and integration between their nodes, and where to apply them.
 
 use std::f64::consts::PI;
 
@@ -70,6 +70,23 @@ pub(super) fn integration(rule: &[[f64; 2]]) -> Vec<f64> {
         }));
     }
     matrix
+}
+
+/// The parts of a range, in order, cut where `at` says until it says nothing of any.
+pub(super) fn cut(range: [f64; 2], at: impl Fn([f64; 2]) -> Option<f64>) -> Vec<[f64; 2]> {
+    let (mut left, mut parts) = (vec![range], Vec::new());
+    while let Some(part @ [from, to]) = left.pop() {
+        match at(part) {
+            Some(middle) => left.extend([[middle, to], [from, middle]]),
+            None => parts.push(part),
+        }
+    }
+    parts
+}
+
+/// The same, halved until none is too long.
+pub(super) fn halved(range: [f64; 2], too_long: impl Fn([f64; 2]) -> bool) -> Vec<[f64; 2]> {
+    cut(range, |part| too_long(part).then_some(0.5 * (part[0] + part[1])))
 }
 
 #[cfg(test)]

@@ -254,7 +254,7 @@ impl<'a> Field<'a> {
     fn sums(&self, p: usize, targets: &Block) -> [f64; LANES] {
         let many = self.panels.len();
         let panel = &self.panels[p];
-        let across = if panel.reversed() { (p + 1) % many } else { (p + many - 1) % many };
+        let across = if panel.reversed { (p + 1) % many } else { (p + many - 1) % many };
         let replaced = match panel.kink() {
             None => [many; 2],
             Some(Special::Crossing) => [across, many],

@@ -1,10 +1,10 @@
 //! The solution on the border.
 
 use super::complex::Complex;
-use super::map::{corner_angle, to_disc};
-use super::panels::{Ends, LANES, Nodes, Panel, Place, Special, distance};
+use super::map::{Angle, corner_angle, to_disc};
+use super::panels::{Ends, LANES, Panel, Place, Special, distance};
 use super::problem::Problem;
-use super::rule::interpolation;
+use super::rule::{halved, interpolation};
 use super::sources::{AtNode, Field, Rules};
 use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
@@ -63,10 +63,10 @@ impl Trace {
             ));
             let points = &mut points[first..];
             let changes = points.iter().map(|p| p.along * p.weight);
-            let (values, end) = rules.integrate(before, panel.reversed(), changes);
+            let (values, end) = rules.integrate(before, panel.reversed, changes);
             points.iter_mut().zip(values).for_each(|(point, value)| point.value = value);
             before = if panel.contact { 0.0 } else { end };
-            if panel.reversed() {
+            if panel.reversed {
                 points.reverse();
             }
         }
@@ -117,35 +117,30 @@ impl Trace {
         let mut sum = 0.0;
         for (panel, points) in self.panels.iter().zip(self.points.chunks_exact(n)) {
             let mut values: Vec<f64> = points.iter().map(|p| p.value - p.psi).collect();
-            if panel.reversed() {
+            if panel.reversed {
                 values.reverse();
             }
-            let (sin, cos) = libm::sincos(corner_angle(panel.corner));
-            let mut parts = vec![[0.0, 1.0]];
-            while let Some([from, to]) = parts.pop() {
-                let inside: Vec<[f64; 2]> = rules
-                    .targets
-                    .iter()
-                    .map(|&[x, w]| [from + (to - from) * x, (to - from) * w])
-                    .collect();
-                let power = panel.target_power();
-                let nodes: Vec<Nodes> =
-                    inside.chunks(LANES).map(|rule| panel.nodes(rule, power)).collect();
-                let segment = [0, n - 1].map(|k| panel.point(nodes[k / LANES].t[k % LANES]));
-                if (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12) {
-                    let middle = 0.5 * (from + to);
-                    parts.extend([[from, middle], [middle, to]]);
-                    continue;
-                }
+            let corner = Complex::unit(corner_angle(panel.corner));
+            let power = panel.target_power();
+            let too_long = |part: [f64; 2]| {
+                let segment = part.map(|x| panel.point(panel.nodes(&[[x, 1.0]], power).t[0]));
+                (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12)
+            };
+            for [from, to] in halved([0.0, 1.0], too_long) {
+                let inside =
+                    rules.targets.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]);
+                let inside: Vec<[f64; 2]> = inside.collect();
                 let places: Vec<f64> = inside.iter().map(|&[x, _]| x).collect();
                 let matrix = interpolation(&rules.targets, &places);
-                for (k, row) in matrix.chunks_exact(n).enumerate() {
-                    let (nodes, k) = (&nodes[k / LANES], k % LANES);
-                    let h: f64 = row.iter().zip(&values).map(|(m, h)| m * h).sum();
-                    let angle = nodes.angle(k);
-                    let half = Complex::new(angle.cos, angle.sin);
-                    let to = Complex::new(cos, sin) * half * half - image;
-                    sum += nodes.weight[k] * angle.slope * h / to.norm2();
+                for (rule, rows) in inside.chunks(LANES).zip(matrix.chunks(LANES * n)) {
+                    let nodes = panel.nodes(rule, power);
+                    for (k, row) in rows.chunks_exact(n).enumerate() {
+                        let h: f64 = row.iter().zip(&values).map(|(m, h)| m * h).sum();
+                        let Angle { sin, cos, slope } = nodes.angle(k);
+                        let half = Complex::new(cos, sin);
+                        let to = corner * half * half - image;
+                        sum += nodes.weight[k] * slope * h / to.norm2();
+                    }
                 }
             }
         }
@@ -168,7 +163,7 @@ impl Trace {
         let (p, panel) =
             self.panels.iter().enumerate().min_by(nearest).expect("the border has panels");
         let t = seen_from(panel).clamp(panel.from, panel.to);
-        let offset = if panel.reversed() { panel.to - t } else { t - panel.from };
+        let offset = if panel.reversed { panel.to - t } else { t - panel.from };
         let scale = offset / (panel.to - panel.from);
         let x = match panel.target_power() {
             1 => scale,
@@ -177,7 +172,7 @@ impl Trace {
         };
         let n = rules.targets.len();
         let point = |k: usize| {
-            let k = if panel.reversed() { n - 1 - k } else { k };
+            let k = if panel.reversed { n - 1 - k } else { k };
             let Point { value, multiplier, .. } = self.points[p * n + k];
             [value, multiplier]
         };
@@ -215,7 +210,9 @@ impl Trace {
     /// v in a corner.
     pub(super) fn corner_value(&self, corner: i32) -> f64 {
         let begins = |panel: &Panel| {
-            panel.special[0] == Some(Special::Corner) && (panel.corner - corner).rem_euclid(4) == 0
+            !panel.reversed
+                && panel.special == Some(Special::Corner)
+                && (panel.corner - corner).rem_euclid(4) == 0
         };
         self.panels.iter().position(begins).map_or(0.0, |p| self.starts[p])
     }
