@@ -114,9 +114,12 @@ impl Trace {
     pub(super) fn harmonic(&self, z: Complex, rules: &Rules) -> f64 {
         let image = to_disc(z);
         let n = rules.targets.len();
+        let harmonic = |p: &Point| p.value - p.psi;
+        // Less a constant, so that errors of the quadrature are relative to what is left.
+        let mean = self.points.iter().map(harmonic).sum::<f64>() / self.points.len() as f64;
         let mut sum = 0.0;
         for (panel, points) in self.panels.iter().zip(self.points.chunks_exact(n)) {
-            let mut values: Vec<f64> = points.iter().map(|p| p.value - p.psi).collect();
+            let mut values: Vec<f64> = points.iter().map(|p| harmonic(p) - mean).collect();
             if panel.reversed {
                 values.reverse();
             }
@@ -144,7 +147,7 @@ impl Trace {
                 }
             }
         }
-        sum * (1.0 - image.norm2()) / TAU
+        mean + sum * (1.0 - image.norm2()) / TAU
     }
 
     /// v and dv/dn at a place on the border, interpolated between the points of its panel.
