@@ -116,7 +116,7 @@ impl Border {
 const SHORTEST: f64 = 1e-6;
 
 /// The side of a place, and the distance from the corner at which it begins.
-fn on_side(Place { corner, t }: Place) -> (i32, f64) {
+pub(super) fn on_side(Place { corner, t }: Place) -> (i32, f64) {
     let (side, t) = if t < 0.0 { (corner - 1, 1.0 + t) } else { (corner, t) };
     (side.rem_euclid(4), t)
 }

@@ -4,10 +4,9 @@ use super::complex::Complex;
 use crate::problem::region::Region;
 use std::f64::consts::TAU;
 
-/// Points closer than this count as one.
-pub(super) const SAME: f64 = 1e-12;
-/// Half chords shorter than the root of this are tangencies: with decimal input they are frequent.
-const TANGENT: f64 = 1e-15;
+/// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at
+/// the limit.
+pub(super) const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A line or circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,10 +54,10 @@ impl Curve {
             }
             (Self::Line { normal, offset }, Self::Circle { centre, radius }) => {
                 let (foot, off) = (normal.turned().dot(centre), offset - normal.dot(centre));
-                chord(radius * radius - off * off).map_or(Vec::new(), |h| vec![foot - h, foot + h])
+                half_chord(radius, off, radius).map_or(Vec::new(), |h| vec![foot - h, foot + h])
             }
             (Self::Circle { centre, radius }, Self::Line { normal, offset }) => {
-                self.cut(normal, offset - normal.dot(centre), radius)
+                self.cut(normal, offset - normal.dot(centre), [radius; 2])
             }
             (Self::Circle { centre, radius }, Self::Circle { centre: c, radius: r }) => {
                 let to = c - centre;
@@ -67,16 +66,31 @@ impl Curve {
                     return Vec::new();
                 }
                 let along = 0.5 * (distance + (radius - r) * (radius + r) / distance);
-                self.cut(to.scaled(1.0 / distance), along, radius)
+                self.cut(to.scaled(1.0 / distance), along, [radius, r])
             }
         }
     }
 
-    /// Angles at which a circle meets the line at `along` from its centre in a direction.
-    fn cut(self, direction: Complex, along: f64, radius: f64) -> Vec<f64> {
-        let Some(half) = chord(radius * radius - along * along) else { return Vec::new() };
+    /// Angles at which a circle meets the line at `along` from its centre in a direction; `radii` are its own and
+    /// that of the circle it meets there.
+    fn cut(self, direction: Complex, along: f64, [radius, other]: [f64; 2]) -> Vec<f64> {
+        let Some(half) = half_chord(radius, along, radius.min(other)) else { return Vec::new() };
         let (middle, spread) = (direction.arg(), libm::atan2(half, along));
         [middle - spread, middle + spread].map(|s| s - TAU * (s / TAU).floor()).to_vec()
+    }
+
+    /// How far its points may be off: those of a large circle by rounding errors of its radius.
+    pub(super) fn rounding(self) -> f64 {
+        SAME.max(1e-14 * self.speed())
+    }
+
+    /// Whether a point lies on it.
+    pub(super) fn holds(self, z: Complex) -> bool {
+        let distance = match self {
+            Self::Line { normal, offset } => normal.dot(z) - offset,
+            Self::Circle { centre, radius } => (z - centre).norm() - radius,
+        };
+        distance.abs() < self.rounding()
     }
 
     pub(super) fn same(self, other: Self) -> bool {
@@ -92,9 +106,11 @@ impl Curve {
     }
 }
 
-/// The root of a squared half chord, zero at a tangency; none without points in common.
-fn chord(square: f64) -> Option<f64> {
-    (square > -TANGENT).then(|| if square < TANGENT { 0.0 } else { square.sqrt() })
+/// Half a chord `along` from the centre, zero if it cuts off, or lacks, less than [`SAME`] of the smallest circle
+/// there: a tangency, frequent with decimal input. None without points in common.
+fn half_chord(radius: f64, along: f64, smallest: f64) -> Option<f64> {
+    let (square, tangent) = (radius * radius - along * along, smallest * SAME);
+    (square > -tangent).then(|| if square < tangent { 0.0 } else { square.sqrt() })
 }
 
 /// The lines of the sides.

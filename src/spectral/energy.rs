@@ -2,8 +2,8 @@
 
 use super::along::Node;
 use super::complex::Complex;
-use super::jumps::{Edge, Jumps, PROBE};
-use super::panels::{Panel, Place};
+use super::jumps::{Edge, Jumps};
+use super::panels::Place;
 use super::potential::CORNERS;
 use super::problem::Problem;
 use super::sources::Rules;
@@ -30,16 +30,7 @@ impl Energies {
     }
 
     fn add_border(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
-        let value = |panel: &Panel| {
-            // Where a circle touches the border from within, f beside it is that of the circle.
-            let inward = panel.tangent.turned().scaled(PROBE);
-            let [a, b, c] = [0.25, 0.5, 0.75].map(|part| {
-                let t = panel.from + part * (panel.to - panel.from);
-                problem.jumps.value(panel.point(t) + inward)
-            });
-            if a == b { a } else { c }
-        };
-        let values: Vec<f64> = trace.panels.iter().map(value).collect();
+        let values: Vec<f64> = trace.panels.iter().map(|panel| problem.beside(panel)).collect();
         for point in &trace.points {
             let panel = &trace.panels[point.panel];
             let z = point.place.point();

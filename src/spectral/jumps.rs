@@ -6,9 +6,6 @@ use super::potential::{Arc, Circle, Line};
 use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
-/// Distance from a jump at which f is read on either side of it.
-pub(super) const PROBE: f64 = 0.5 * SAME;
-
 /// A piece of a jump inside the square, between vertices or points of the border.
 #[derive(Clone, Debug)]
 pub(super) struct Edge {
@@ -95,7 +92,7 @@ impl Jumps {
         );
         for (span, values) in self.pieces(line, cuts) {
             let Some(values) = values.filter(|[left, right]| left != right) else { continue };
-            let ends = span.map(|s| self.meet(line.at(s)));
+            let ends = span.map(|s| self.meet(line, s));
             let tangent = line.normal(0.0).turned();
             let (origin, jump) = (line.at(span[0]), values[0] - values[1]);
             self.lines.push(Line::new(origin, tangent, jump, ends));
@@ -119,7 +116,7 @@ impl Jumps {
         }
         for &(span, values) in &around {
             if let Some(values) = values.filter(|[left, right]| left != right) {
-                let ends = span.map(|s| self.meet(circle.at(s)));
+                let ends = span.map(|s| self.meet(circle, s));
                 self.edges.push(Edge { curve: circle, span, values, ends });
             }
         }
@@ -134,7 +131,7 @@ impl Jumps {
             let ends = span.map(|s| self.vertex(circle.at(s)));
             let tip = self.vertices[ends[1]];
             let next = joined[(k + 1) % joined.len()].1;
-            if tip.re.abs().max(tip.im.abs()) > 0.5 - SAME && jump != next {
+            if depth(tip) < SAME && jump != next {
                 // What the arcs before and after do not share goes to infinity.
                 let outwards = tip.scaled(1.0 / tip.norm());
                 self.lines.push(Line::new(tip, outwards, jump - next, [Some(ends[1]), None]));
@@ -167,11 +164,15 @@ impl Jumps {
         let mut pieces: Vec<Piece> = Vec::new();
         for cut in cuts.windows(2) {
             let s = 0.5 * (cut[0] + cut[1]);
-            // Points of a large circle are off by rounding errors of its radius.
-            let step = PROBE.max(1e-14 * curve.speed());
-            let (z, step) = (curve.at(s), curve.normal(s).scaled(step));
-            let inside = z.re.abs().max(z.im.abs()) < 0.5 - SAME;
-            let values = inside.then(|| [z - step, z + step].map(|z| self.value(z)));
+            let rounding = curve.rounding();
+            let (z, step) = (curve.at(s), curve.normal(s).scaled(rounding));
+            let along = [cut[0], s, cut[1]].map(|s| curve.at(s));
+            let inside = along.into_iter().any(|z| depth(z) > rounding);
+            // Where two curves touch, the jump is that of the first.
+            let mut before = self.curves.iter().take_while(|&&other| other != curve);
+            let known = before.any(|other| along.into_iter().all(|z| other.holds(z)));
+            let sides = if known { [z; 2] } else { [z - step, z + step] };
+            let values = inside.then(|| sides.map(|z| self.value(z)));
             match pieces.last_mut() {
                 Some((span, last)) if *last == values => span[1] = cut[1],
                 _ => pieces.push(([cut[0], cut[1]], values)),
@@ -191,8 +192,9 @@ impl Jumps {
     }
 
     /// Notes where an edge ends: the vertex there, or none on the border.
-    fn meet(&mut self, z: Complex) -> Option<usize> {
-        if z.re.abs().max(z.im.abs()) < 0.5 - SAME {
+    fn meet(&mut self, curve: Curve, s: f64) -> Option<usize> {
+        let z = curve.at(s);
+        if depth(z) > curve.rounding() {
             return Some(self.vertex(z));
         }
         index(&mut self.crossings, z);
@@ -211,6 +213,11 @@ impl Jumps {
 
 fn position(known: &[Complex], z: Complex) -> Option<usize> {
     known.iter().position(|&v| (v - z).norm() < 10.0 * SAME)
+}
+
+/// Distance of a point from the nearest side, negative beyond it.
+fn depth(z: Complex) -> f64 {
+    0.5 - z.re.abs().max(z.im.abs())
 }
 
 /// The position of a point in a list, to which it is added if new.

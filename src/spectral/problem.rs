@@ -1,11 +1,13 @@
 //! What a right-hand side is to the solver, whatever the ends of contact are.
 
-use super::border::Border;
+use super::border::{Border, on_side};
+use super::curve::SAME;
 use super::jumps::Jumps;
-use super::panels::{Ends, Panel, Place, panels};
+use super::panels::{Ends, Panel, Place, panels, tangent};
 use super::potential::Potential;
 use crate::discrete::load::integral;
 use crate::problem::source::Source;
+use std::f64::consts::FRAC_1_PI;
 
 /// What does not change with the ends of contact.
 #[derive(Clone)]
@@ -30,5 +32,21 @@ impl Problem {
 
     pub(super) fn panels(&self, ends: &Ends) -> Vec<Panel> {
         panels(ends, &self.crossings, &self.jumps)
+    }
+
+    /// f beside a panel of the border, read far from where jumps meet the side, since a circle may leave it slowly,
+    /// and at no round fraction, where f may be one of its own.
+    pub(super) fn beside(&self, panel: &Panel) -> f64 {
+        let (side, middle) = on_side(panel.place(0.5 * (panel.from + panel.to)));
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for (of, t) in self.crossings.iter().map(|&place| on_side(place)) {
+            match of == side {
+                true if t <= middle => low = low.max(t),
+                true => high = high.min(t),
+                false => {}
+            }
+        }
+        let place = Place { corner: side, t: low + FRAC_1_PI * (high - low) };
+        self.jumps.value(place.point() + tangent(side, 1.0).turned().scaled(SAME))
     }
 }

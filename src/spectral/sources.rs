@@ -160,6 +160,23 @@ impl Sources {
         }
         sums
     }
+
+    /// The same one by one, without sources that coincide with the target.
+    fn sums_apart(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
+        let [cos, sin] = eighth_turns(targets.corner - group.corner);
+        std::array::from_fn(|k| {
+            let (s, c) = (targets.sin[k], targets.cos[k]);
+            let (s, c) = (s * cos + c * sin, c * cos - s * sin);
+            let gradient = Complex::new(targets.gradient[0][k], targets.gradient[1][k]);
+            let term = |i: usize| {
+                let (a, t) =
+                    (self.moment[i] - gradient.dot(group.direction) * self.weight[i], self.tan[i]);
+                let (a, b) = (if odd { a } else { a * (c + s * t) }, s - c * t);
+                if b == 0.0 { 0.0 } else { a / b }
+            };
+            group.range.clone().map(term).sum()
+        })
+    }
 }
 
 /// Targets of one panel for which sums are made at once.
@@ -252,6 +269,30 @@ impl<'a> Field<'a> {
     /// The sums over all sources.
     #[inline(always)]
     fn sums(&self, p: usize, targets: &Block) -> [f64; LANES] {
+        let mut sums = self.sums_by(
+            p,
+            #[inline(always)]
+            |sources, group, odd| sources.sums(group, targets, odd),
+        );
+        if !sums.iter().sum::<f64>().is_finite() {
+            self.sums_apart(p, targets, &mut sums);
+        }
+        sums
+    }
+
+    /// The sums where sources coincide with targets, on a panel of a few rounding errors: they count for nothing.
+    #[cold]
+    #[inline(never)]
+    fn sums_apart(&self, p: usize, targets: &Block, sums: &mut [f64; LANES]) {
+        *sums = self.sums_by(p, |sources, group, odd| sources.sums_apart(group, targets, odd));
+    }
+
+    #[inline(always)]
+    fn sums_by(
+        &self,
+        p: usize,
+        of_group: impl Fn(&Sources, &Group, bool) -> [f64; LANES],
+    ) -> [f64; LANES] {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed { (p + 1) % many } else { (p + many - 1) % many };
@@ -267,13 +308,13 @@ impl<'a> Field<'a> {
             } else {
                 (&self.plain, group)
             };
-            let of_group = if self.ends.arcs() % 2 == 1 {
-                sources.sums(group, targets, true)
+            let part = if self.ends.arcs() % 2 == 1 {
+                of_group(sources, group, true)
             } else {
-                sources.sums(group, targets, false)
+                of_group(sources, group, false)
             };
             for k in 0..LANES {
-                sums[k] += of_group[k];
+                sums[k] += part[k];
             }
         }
         sums

@@ -205,6 +205,32 @@ fn jumps_that_nearly_coincide_are_told_apart() {
 }
 
 #[test]
+fn what_nearly_touches_is_as_good_as_touching() {
+    let energy = |f: &str| {
+        let solution = solved(f, Params::default());
+        let fine = solution.at_resolution(Params::FINER).unwrap_or_else(|e| panic!("{f}: {e}"));
+        close(fine.energy, solution.energy, 1e-11);
+        fine.energy
+    };
+    // By how much a number may be off, and how f depends on it. A disc at a side from within and from without, an
+    // edge along a side, a sliver there, a centre on a side with a tangent beside it, two discs.
+    let families: [fn(f64) -> String; 6] = [
+        |d| format!("disc(0.25,0,{})=5; else=-2", 0.25 + d),
+        |d| format!("disc(0.375,{},0.25)=5; else=-1", -0.75 + d),
+        |d| format!("rect(-0.1,0.25,{},-0.25)=-3; else=-1", -0.5 + d),
+        |d| format!("rect({},0.6,-0.1,0.25)=-8; else=-2", 0.5 - d),
+        |d| format!("rect(-0.24,0,0.125,0.3)=2; disc(-0.125,{},0.125)=30; else=-2", 0.5 - d),
+        |d| format!("disc(-0.2,0.1,0.2)=3; disc(0.1,0.1,{})=4; else=-3", 0.1 + d),
+    ];
+    for family in families {
+        let touching = energy(&family(0.0));
+        for d in [1e-15, 1e-13, 1e-10, 1e-8, 1e-6] {
+            close(energy(&family(d)), touching, 1e-11 + 4.0 * d);
+        }
+    }
+}
+
+#[test]
 fn what_is_not_solved_is_refused() {
     let refused = |f: &str| spectral(&f.parse().unwrap(), Params::default()).err();
     assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
