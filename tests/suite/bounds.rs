@@ -6,7 +6,7 @@ use crate::common::{Dice, random_source};
 use rayon::prelude::*;
 use signorini::bounds::{Bounds, NoBound, bounds};
 use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, load};
+use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini::discrete::stiffness::energy as discrete_energy;
 use signorini::multigrid::square::multigrid;
 use signorini::multigrid::{Goal, MultigridParams};
@@ -159,6 +159,50 @@ fn brackets_hold_the_true_energies_of_a_thousand_random_problems() {
     let margins = problems.par_iter().map(|(f, cells)| least_margin(f, *cells));
     let least = margins.reduce(|| f64::INFINITY, f64::min);
     println!("least margin over the width of the bracket: {least:.1e}");
+}
+
+/// Shapes whose sides and vertices coincide, or miss each other by up to a hundredth, with a negative integral.
+fn nearly_touching(dice: &mut Dice) -> Source {
+    let mut one_of = |list: &[f64]| list[dice.below(list.len() as u64) as usize];
+    loop {
+        let mut text = String::new();
+        for _ in 0..one_of(&[1.0, 2.0, 3.0, 4.0]) as usize {
+            let mut near = |list: &[f64]| {
+                let off = one_of(&[1e-16, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2]);
+                one_of(list) + one_of(&[0.0, 0.0, -1.0, 1.0]) * off
+            };
+            let [x, y, u, v] = [(); 4].map(|()| near(&[-0.75, -0.5, -0.25, 0.0, 0.125, 0.3, 0.5]));
+            let shape = match near(&[0.0, 1.0, 2.0]).round() as usize {
+                0 if x < u && y < v => format!("rect({x},{u},{y},{v})"),
+                1 => format!("disc({x},{y},{})", near(&[0.125, 0.25, 0.5, 0.75, 1.0])),
+                2 => format!("halfplane({},1,{x})", near(&[-1.0, 0.0, 0.5])),
+                _ => "quadrant(ul)".into(),
+            };
+            text += &format!("{shape}={}; ", one_of(&[-8.0, -1.0, 0.0, 0.001, 2.0, 30.0]));
+        }
+        let f: Source = (text + &format!("else={}", one_of(&[-5.0, -1.0, 1.0]))).parse().unwrap();
+        if integral(&f) < -0.02 {
+            return f;
+        }
+    }
+}
+
+#[test]
+fn what_nearly_touches_is_answered_rightly_or_refused() {
+    let mut dice = Dice(9);
+    let problems: Vec<_> = (0..1000).map(|_| nearly_touching(&mut dice)).collect();
+    let answered = |f: &&Source| {
+        let Ok(solution) = spectral(f, spectral::Params::default()) else { return false };
+        let (grid, y) = solved(64, f, EXACT, Goal::RoundingFloor);
+        let [low, high] = bounds(grid, f, &y).unwrap().energy;
+        let slack = 1e-9 * low.abs();
+        let inside = (low - slack..=high + slack).contains(&solution.energy);
+        assert!(inside, "{f}: {} not in {low}..{high}", solution.energy);
+        true
+    };
+    let answered = problems.par_iter().filter(answered).count();
+    println!("answered: {answered} of {}", problems.len());
+    assert!(answered >= 980, "{answered}");
 }
 
 #[test]
