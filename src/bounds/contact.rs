@@ -6,30 +6,22 @@ use crate::discrete::grid::Grid;
 /// The arcs of boundary nodes with reactions `a`, for the boundary values `v`, both in boundary order.
 pub(super) fn arcs(grid: Grid, v: &[f64], a: &[f64]) -> Vec<ContactArc> {
     let nodes = a.len();
-    let Some(free) = a.iter().position(|&a| a <= 0.0) else {
+    let carries = |b: usize| a[if b < nodes { b } else { b - nodes }] > 0.0;
+    if (0..nodes).all(carries) {
         let corner = point(grid, 0.0);
         return vec![ContactArc { from: corner, to: corner, force: a.iter().sum() }];
-    };
-    let at = |b: usize| b % nodes;
-    let (mut arcs, mut first) = (Vec::new(), None);
-    for b in free + 1..=free + nodes {
-        match (a[at(b)] > 0.0, first) {
-            (true, None) => first = Some(b),
-            (false, Some(start)) => {
-                let last = b - 1;
-                let before = [at(start + nodes - 1), at(start + nodes - 2)].map(|b| v[b]);
-                let after = [at(b), at(b + 1)].map(|b| v[b]);
-                arcs.push(ContactArc {
-                    from: point(grid, start as f64 - reach(before).clamp(0.0, 1.0)),
-                    to: point(grid, last as f64 + reach(after).clamp(0.0, 1.0)),
-                    force: (start..=last).map(|b| a[at(b)]).sum(),
-                });
-                first = None;
-            }
-            _ => {}
-        }
     }
-    arcs
+    let arc = |start: usize| {
+        let end = (start..).find(|&b| !carries(b)).expect("not all carry");
+        let before = [nodes - 1, nodes - 2].map(|k| v[(start + k) % nodes]);
+        let after = [0, 1].map(|k| v[(end + k) % nodes]);
+        ContactArc {
+            from: point(grid, start as f64 - reach(before).clamp(0.0, 1.0)),
+            to: point(grid, (end - 1) as f64 + reach(after).clamp(0.0, 1.0)),
+            force: (start..end).map(|b| a[b % nodes]).sum(),
+        }
+    };
+    (1..=nodes).filter(|&b| carries(b) && !carries(b - 1)).map(arc).collect()
 }
 
 /// The point of the boundary at the distance `p h` from the lower left corner, anticlockwise.

@@ -13,42 +13,24 @@ use std::ops::Range;
 pub(super) struct Run {
     /// The cell after the last one.
     pub end: usize,
-    pub f: Data,
-}
-
-/// What is known of f on a run.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Data {
-    /// Constant, with this integral over each cell.
-    Constant(f64),
-    /// A single cell with these moments.
-    Cut(Moments),
+    /// Whether f is constant there; else it is a single cell.
+    uniform: bool,
+    /// Of f over each cell.
+    pub f: Moments,
 }
 
 impl Run {
+    fn constant(end: usize, mass: f64) -> Self {
+        Self { end, uniform: true, f: Moments::constant(mass) }
+    }
+
+    fn cut(cell: usize, f: Moments) -> Self {
+        Self { end: cell + 1, uniform: false, f }
+    }
+
     /// The integral over each cell of the run where f is constant.
-    pub(super) fn constant(&self) -> Option<f64> {
-        match self.f {
-            Data::Constant(mass) => Some(mass),
-            Data::Cut(_) => None,
-        }
-    }
-
-    /// The moments over each cell.
-    #[inline(always)]
-    pub(super) fn moments(&self) -> Moments {
-        match self.f {
-            Data::Constant(mass) => Moments::constant(mass),
-            Data::Cut(moments) => moments,
-        }
-    }
-
-    /// The integrals of f times the bilinear hat functions of the corners over each cell.
-    pub(super) fn masses(&self) -> [f64; 4] {
-        match self.f {
-            Data::Constant(mass) => [0.25 * mass; 4],
-            Data::Cut(moments) => moments.masses(),
-        }
+    pub(super) fn mass(&self) -> Option<f64> {
+        self.uniform.then_some(self.f.one)
     }
 }
 
@@ -92,12 +74,10 @@ impl<'a> AllCells<'a> {
                 let first = all.runs.len();
                 cells.runs(j, |Range { end, .. }, shown| match shown {
                     Ok(value) => match all.runs[first..].last_mut() {
-                        Some(last) if last.constant() == Some(value * h2) => last.end = end,
-                        _ => all.runs.push(Run { end, f: Data::Constant(value * h2) }),
+                        Some(last) if last.mass() == Some(value * h2) => last.end = end,
+                        _ => all.runs.push(Run::constant(end, value * h2)),
                     },
-                    Err(cell) => {
-                        all.runs.push(Run { end, f: Data::Cut(Moments::of_cut(grid, cell)) })
-                    }
+                    Err(cell) => all.runs.push(Run::cut(end - 1, Moments::of_cut(grid, cell))),
                 });
                 all.ends.push(all.runs.len());
             }
@@ -117,7 +97,7 @@ impl<'a> AllCells<'a> {
             let start = if j > 0 { self.ends[j - 1] } else { 0 };
             return Cow::Borrowed(&self.runs[start..end]);
         }
-        let cell = |i| Run { end: i + 1, f: Data::Cut(self.integrated(i, j)) };
+        let cell = |i| Run::cut(i, self.integrated(i, j));
         Cow::Owned((0..self.grid.cells()).map(cell).collect())
     }
 
@@ -148,32 +128,29 @@ fn quadrature([p, q, r]: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
 /// The integral of f over a row of cells.
 fn integral(row: &[Run]) -> f64 {
     let mut start = 0;
-    let of_run = |&Run { end, f }: &Run| {
-        let cells = end - std::mem::replace(&mut start, end);
-        match f {
-            Data::Constant(mass) => mass * cells as f64,
-            Data::Cut(moments) => moments.one,
-        }
+    let of_run = |run: &Run| {
+        let cells = run.end - std::mem::replace(&mut start, run.end);
+        run.f.one * cells as f64
     };
     row.iter().map(of_run).sum()
 }
 
 /// Adds the part of row `j` to the integrals of f times the hat functions of the boundary nodes.
 fn add_outer(n: usize, j: usize, row: &[Run], outer: &mut [f64]) {
-    let [ll, _, ul, _] = row[0].masses();
+    let [ll, _, ul, _] = row[0].f.masses();
     outer[(4 * n - j) % (4 * n)] += ll;
     outer[4 * n - j - 1] += ul;
-    let [_, lr, _, ur] = row[row.len() - 1].masses();
+    let [_, lr, _, ur] = row[row.len() - 1].f.masses();
     outer[n + j] += lr;
     outer[n + j + 1] += ur;
     // Corners are done.
     let mut cursor = Cursor(row);
     for i in (1..n).take_while(|_| j == 0) {
-        outer[i] += cursor.at(i - 1).masses()[1] + cursor.at(i).masses()[0];
+        outer[i] += cursor.at(i - 1).f.masses()[1] + cursor.at(i).f.masses()[0];
     }
     let mut cursor = Cursor(row);
     for i in (1..n).take_while(|_| j + 1 == n) {
-        outer[3 * n - i] += cursor.at(i - 1).masses()[3] + cursor.at(i).masses()[2];
+        outer[3 * n - i] += cursor.at(i - 1).f.masses()[3] + cursor.at(i).f.masses()[2];
     }
 }
 
@@ -191,7 +168,7 @@ pub(super) fn seams(mut below: &[Run], mut above: &[Run], seams: &mut Vec<[usize
         let Some(end) = [lower, upper].into_iter().flatten().map(|run| run.end).min() else {
             return;
         };
-        let uniform = match [lower, upper].map(|run| run.map(Run::constant)) {
+        let uniform = match [lower, upper].map(|run| run.map(Run::mass)) {
             [Some(p), Some(q)] if p == q => p,
             [Some(p), None] | [None, Some(p)] => p,
             _ => None,

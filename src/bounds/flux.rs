@@ -64,24 +64,17 @@ pub(super) struct Around {
 
 impl Around {
     /// The fluxes of least norm that move what the cells ne, nw, sw, se have too much of; none flows along a straight
-    /// seam.
-    fn balancing(masses: [Option<f64>; 4]) -> Self {
-        let zero = Self::default();
-        match masses {
-            [Some(ne), Some(nw), Some(sw), Some(se)] => {
-                let flow = |near: f64, far: f64| 0.125 * (3.0 * near + far);
-                Self {
-                    east: flow(ne - se, nw - sw),
-                    north: flow(nw - ne, sw - se),
-                    west: flow(sw - nw, se - ne),
-                    south: flow(se - sw, ne - nw),
-                }
-            }
-            [Some(ne), None, None, Some(se)] => Self { east: 0.5 * (ne - se), ..zero },
-            [None, Some(nw), Some(sw), None] => Self { west: 0.5 * (sw - nw), ..zero },
-            [Some(ne), Some(nw), None, None] => Self { north: 0.5 * (nw - ne), ..zero },
-            [None, None, Some(sw), Some(se)] => Self { south: 0.5 * (se - sw), ..zero },
-            _ => zero,
+    /// seam. Beyond the boundary f is reflected.
+    fn balancing([ne, nw, sw, se]: [Option<f64>; 4]) -> Self {
+        let [ne, nw, sw, se] = [ne.or(se), nw.or(sw), sw.or(nw), se.or(ne)];
+        let all = [ne.or(nw), nw.or(ne), sw.or(se), se.or(sw)];
+        let [ne, nw, sw, se] = all.map(|mass| mass.expect("a node has cells"));
+        let flow = |near: f64, far: f64| 0.125 * (3.0 * near + far);
+        Self {
+            east: flow(ne - se, nw - sw),
+            north: flow(nw - ne, sw - se),
+            west: flow(sw - nw, se - ne),
+            south: flow(se - sw, ne - nw),
         }
     }
 }
@@ -109,7 +102,7 @@ impl NodeFluxes {
         let mut column = |cell: Option<usize>| {
             let cell = cell.filter(|&cell| cell < n);
             rows.each_mut()
-                .map(|row| cell.filter(|_| !row.0.is_empty()).map(|cell| row.at(cell).masses()))
+                .map(|row| cell.filter(|_| !row.0.is_empty()).map(|cell| row.at(cell).f.masses()))
         };
         for &[from, to] in &self.seams {
             let mut west = column(from.checked_sub(1));

@@ -152,7 +152,7 @@ impl<'a> Walk<'a> {
             let [from, to] = special.get(k).copied().unwrap_or([n, n]);
             while start < from {
                 let run = cursor.at(start);
-                let mass = run.constant().expect("cells that jumps of f cut are special");
+                let mass = run.mass().expect("cells that jumps of f cut are special");
                 let cells = start..run.end.min(from);
                 let rows = self.strip.v.rows(j);
                 let squares = self.regular.add(rows, cells.clone(), mass, &mut self.means);
@@ -166,7 +166,7 @@ impl<'a> Walk<'a> {
                 }
             }
             for i in from..n.min(to + 1) {
-                let mean = self.add_special(i, j, cursor.at(i).moments());
+                let mean = self.add_special(i, j, cursor.at(i).f);
                 if mean.abs() > floor {
                     residual = true;
                     self.means[i] = mean;
