@@ -222,7 +222,8 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
     for n in [64, 256, 1024] {
         let grid = Grid::new(n).expect("not below the least");
         let Some(y) = coarse(grid, f) else { continue };
-        let Some(found) = search::from_grid(&problem, contact::from_grid(grid, &y), params) else {
+        let Some(found) = search::search(&problem, contact::from_grid(grid, &y), params, true)
+        else {
             continue;
         };
         match Solution::checked(&problem, found, None) {
@@ -276,7 +277,7 @@ impl Solution {
     /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight
     /// digits.
     pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
-        let found = search::refined(&self.problem, self.ends.clone(), params)
+        let found = search::search(&self.problem, self.ends.clone(), params, false)
             .ok_or(SpectralError::NoContactSet)?;
         Self::checked(&self.problem, found, Some(self.energy))
     }

@@ -16,31 +16,22 @@ pub(super) struct Found {
     pub steps: usize,
 }
 
-/// The solution with all signs right, from a contact set of a grid.
-pub(super) fn from_grid(problem: &Problem, start: Vec<Place>, params: Params) -> Option<Found> {
-    /// Six digits, at a small part of the cost of fourteen.
-    const ROUGH: Params = Params { nodes: 8, levels: 3 };
-    let rough = (params.nodes > ROUGH.nodes).then(|| Rules::new(ROUGH));
-    search(problem, start, Rules::new(params), rough.as_ref())
-}
-
-/// The solution, from its own contact set at another resolution.
-pub(super) fn refined(problem: &Problem, start: Vec<Place>, params: Params) -> Option<Found> {
-    search(problem, start, Rules::new(params), None)
-}
-
-/// After Newton's method with the `rough` rules a single step is left to that with the others.
-fn search(
+/// The solution with all signs right, from a contact set. With `rough` that may be one of a grid: Newton's method finds
+/// six digits first, at a small part of the cost of fourteen, and a single step is left to that with all.
+pub(super) fn search(
     problem: &Problem,
     mut places: Vec<Place>,
-    rules: Rules,
-    rough: Option<&Rules>,
+    params: Params,
+    rough: bool,
 ) -> Option<Found> {
+    const ROUGH: Params = Params { nodes: 8, levels: 3 };
+    let rough = (rough && params.nodes > ROUGH.nodes).then(|| Rules::new(ROUGH));
+    let rules = Rules::new(params);
     // If a few do not do, a contact set of a finer grid is the better start.
     const ROUNDS: usize = 5;
     let mut steps = 0;
     for _ in 0..ROUNDS {
-        if let Some(rough) = rough {
+        if let Some(rough) = &rough {
             let (moved, rough_steps) = problem.newton(places, rough, 1e-5)?;
             (places, steps) = (moved, steps + rough_steps);
         }
