@@ -1,6 +1,7 @@
 //! Panels of the border: between ends of contact, corners and jumps, short where something is near.
 
 use super::complex::Complex;
+use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
 use super::potential::CORNERS;
@@ -8,6 +9,8 @@ use super::rule::cut;
 
 /// Panels shorter than this are not cut further.
 const SHORTEST: f64 = 1e-13;
+/// The same for those at a vertex on the border.
+const SHORTEST_AT_VERTEX: f64 = 1e-3;
 
 /// A point of the border: a corner, counted anticlockwise from the lower right one and on after a full
 /// turn, and the distance from it, negative before it.
@@ -232,8 +235,8 @@ impl Ends {
     }
 }
 
-/// The panels, in order from the first end of contact on.
-pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Panel> {
+/// The ends of contact with corners and crossings that are none of them, in order.
+fn breaks(ends: &Ends, crossings: &[Place]) -> Vec<(Place, Special)> {
     let start = ends.start();
     let mut breaks: Vec<(Place, Special)> =
         ends.places.iter().enumerate().map(|(j, &place)| (place, Special::End(j))).collect();
@@ -252,6 +255,12 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Pan
         }
     }
     breaks.sort_by(|a, b| a.0.after(start).total_cmp(&b.0.after(start)));
+    breaks
+}
+
+/// The panels, in order from the first end of contact on.
+pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Panel> {
+    let breaks = breaks(ends, crossings);
     let points: Vec<Complex> = breaks.iter().map(|(place, _)| place.point()).collect();
     let (mut panels, mut arcs, mut contact) = (Vec::new(), 0, ends.arcs() == 0);
     for (k, &(from, special)) in breaks.iter().enumerate() {
@@ -289,8 +298,15 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Pan
             }
             let longest = if own == [None; 2] { 2.0 } else { 1.0 };
             let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
-            let mut singular = jumps.singular(along);
-            (both || singular.any(|v| length > longest * distance(segment, v))).then_some(middle)
+            // A vertex at such an end, where two jumps meet on the border, is left to the grading of nodes.
+            let at_end = |v: Complex| {
+                (0..2).any(|k| own[k].is_some() && (segment[k] - v).norm() < 10.0 * SAME)
+            };
+            let near = |v| {
+                length > longest * distance(segment, v)
+                    && (length > SHORTEST_AT_VERTEX || !at_end(v))
+            };
+            (both || jumps.singular(along).any(near)).then_some(middle)
         };
         for [a, b] in cut([0.0, all], at) {
             let corner = place(0.5 * (a + b)).corner;

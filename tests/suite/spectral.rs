@@ -179,6 +179,13 @@ fn discs_that_touch_the_border_from_within_are_solved() {
 }
 
 #[test]
+fn a_disc_may_touch_a_side_where_a_rectangle_ends() {
+    let f =
+        "disc(0.4,0.32,0.1)=-7.05; rect(0.35,0.51,-0.38,0.32)=-1.3; quadrant(ll)=2.69; else=-2.78";
+    assert!(compare(&f.parse().unwrap()).abs() < 0.15);
+}
+
+#[test]
 fn large_discs_come_close_to_half_planes() {
     let energy = |region: &str| {
         let f = format!("quadrant(ul)=-3.4; {region}=-2.9; else=1.26");
