@@ -6,6 +6,7 @@ mod blocks;
 mod buffers;
 mod coarsest;
 pub mod cube;
+mod cycle;
 mod hierarchy;
 mod input;
 mod layout;
