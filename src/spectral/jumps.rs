@@ -2,7 +2,7 @@
 
 use super::complex::Complex;
 use super::curve::{Curve, SAME, SIDES, borders, in_square};
-use super::potential::{Arc, Circle, Line};
+use super::potential::{Arc, Circle, Line, Potential};
 use crate::problem::source::Source;
 use std::f64::consts::TAU;
 
@@ -74,6 +74,11 @@ impl Jumps {
             }
         }
         jumps
+    }
+
+    pub(super) fn potential(&self) -> Potential {
+        let Self { vertices, lines, arcs, circles, .. } = self.clone();
+        Potential::new(vertices, lines, arcs, circles, |z| self.value(z))
     }
 
     /// f at a point.

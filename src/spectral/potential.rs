@@ -1,7 +1,6 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the border but for its jumps.
 
 use super::complex::Complex;
-use super::jumps::Jumps;
 use crate::discrete::simd::vectorised;
 use std::f64::consts::{PI, TAU};
 
@@ -73,8 +72,14 @@ struct Logs {
 }
 
 impl Potential {
-    pub(super) fn new(jumps: &Jumps) -> Self {
-        let Jumps { vertices, lines, arcs, circles, .. } = jumps.clone();
+    /// From the jumps, and f.
+    pub(super) fn new(
+        vertices: Vec<Complex>,
+        lines: Vec<Line>,
+        arcs: Vec<Arc>,
+        circles: Vec<Circle>,
+        f: impl Fn(Complex) -> f64,
+    ) -> Self {
         let gauge = [Complex::default(); 4];
         let mut psi = Self { vertices, lines, arcs, circles, background: 0.0, gauge };
         // The same at all points but for rounding, and those that are too near to a jump.
@@ -83,7 +88,7 @@ impl Potential {
             |k: f64| Complex::new(fraction(0.618_034 * k + 0.31), fraction(0.754_878 * k + 0.17));
         let points: [Complex; 25] = std::array::from_fn(|k| point(k as f64));
         let from_jumps = psi.source_of_jumps(&points);
-        let rest = points.iter().zip(from_jumps).map(|(&z, part)| jumps.value(z) - part);
+        let rest = points.iter().zip(from_jumps).map(|(&z, part)| f(z) - part);
         let mut rest: Vec<f64> = rest.collect();
         rest.sort_by(f64::total_cmp);
         psi.background = rest[points.len() / 2];

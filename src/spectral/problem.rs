@@ -24,7 +24,7 @@ pub(super) struct Problem {
 impl Problem {
     pub(super) fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
-        let psi = Potential::new(&jumps);
+        let psi = jumps.potential();
         let crossings: Vec<Place> = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
         let border = Border::new(&psi, &jumps, &crossings);
         Self { jumps, psi, border, integral: integral(f), crossings }
