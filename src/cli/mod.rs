@@ -215,9 +215,9 @@ fn dispatch(cli: Cli) -> Result<u8> {
     let Some(command) = cli.command else {
         return run::run(&cli.run).map_err(|error| match (error, &cli.run.scenes[..]) {
             // What is no scene may be a command.
-            (Error::Input(text), [word, ..]) if text.starts_with("no scene ") => {
+            (Error::Unknown(text), [word, ..]) => {
                 let meant = similar(word).map(|name| format!("; did you mean `signorini {name}`?"));
-                Error::Input(text + &meant.unwrap_or_default())
+                Error::Unknown(text + &meant.unwrap_or_default())
             }
             (error, _) => error,
         });

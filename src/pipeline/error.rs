@@ -10,6 +10,9 @@ pub enum Error {
     /// Wrong input or configuration; the text names the remedy.
     #[error("{0}")]
     Input(String),
+    /// A name that nothing has; the text says which there are.
+    #[error("{0}")]
+    Unknown(String),
     /// The system refused to read or write.
     #[error("cannot {verb} {}: {source}; {remedy}", path.display())]
     Io {
@@ -45,7 +48,7 @@ impl Error {
     /// Exit code of the process: 2 for input and I/O, 3 for a failed stage, 130 when interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Input(_) | Self::Io { .. } => 2,
+            Self::Input(_) | Self::Unknown(_) | Self::Io { .. } => 2,
             Self::Stage(_) => 3,
             Self::Interrupted => 130,
         }

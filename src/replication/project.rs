@@ -107,11 +107,11 @@ impl Project {
     /// The scene with this name.
     ///
     /// # Errors
-    /// [`Error::Input`] with the known names if there is none.
+    /// [`Error::Unknown`] with the known names if there is none.
     pub fn scene(&self, name: &str) -> Result<&Scene> {
         self.scenes.iter().find(|scene| scene.name == name).ok_or_else(|| {
             let known: Vec<_> = self.scenes.iter().map(|scene| scene.name.as_str()).collect();
-            Error::input(format!("no scene `{name}`; there are: {}", known.join(", ")))
+            Error::Unknown(format!("no scene `{name}`; there are: {}", known.join(", ")))
         })
     }
 }
