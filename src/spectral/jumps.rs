@@ -77,8 +77,9 @@ impl Jumps {
     }
 
     pub(super) fn potential(&self) -> Potential {
-        let Self { vertices, lines, arcs, circles, .. } = self.clone();
-        Potential::new(vertices, lines, arcs, circles, |z| self.value(z))
+        let Self { vertices, lines, arcs, circles, .. } = self;
+        let (vertices, circles) = (vertices.clone(), circles.clone());
+        Potential::new(vertices, lines.clone(), arcs.clone(), circles, |z| self.value(z))
     }
 
     /// f at a point.
@@ -166,10 +167,9 @@ impl Jumps {
     fn pieces(&self, curve: Curve, mut cuts: Vec<f64>) -> Vec<Piece> {
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|b, a| *b - *a < SAME);
-        let mut pieces: Vec<Piece> = Vec::new();
+        let (mut pieces, rounding): (Vec<Piece>, _) = (Vec::new(), curve.rounding());
         for cut in cuts.windows(2) {
             let s = 0.5 * (cut[0] + cut[1]);
-            let rounding = curve.rounding();
             let (z, step) = (curve.at(s), curve.normal(s).scaled(rounding));
             let along = [cut[0], s, cut[1]].map(|s| curve.at(s));
             let inside = along.into_iter().any(|z| depth(z) > rounding);
@@ -216,13 +216,13 @@ impl Jumps {
     }
 }
 
-fn position(known: &[Complex], z: Complex) -> Option<usize> {
-    known.iter().position(|&v| (v - z).norm() < 10.0 * SAME)
-}
-
 /// Distance of a point from the nearest side, negative beyond it.
 fn depth(z: Complex) -> f64 {
     0.5 - z.re.abs().max(z.im.abs())
+}
+
+fn position(known: &[Complex], z: Complex) -> Option<usize> {
+    known.iter().position(|&v| (v - z).norm() < 10.0 * SAME)
 }
 
 /// The position of a point in a list, to which it is added if new.

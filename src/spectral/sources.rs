@@ -131,15 +131,7 @@ impl Sources {
         /// Fractions that are brought to one denominator: divisions would take most of the time. Next to
         /// corners, where the angles are tiny, products of many more would underflow.
         const JOINED: usize = 6;
-        let range = group.range.clone();
-        let [cos, sin] = eighth_turns(targets.corner - group.corner);
-        let Complex { re, im } = group.direction;
-        let (mut ts, mut tc, mut g) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for k in 0..LANES {
-            ts[k] = targets.sin[k] * cos + targets.cos[k] * sin;
-            tc[k] = targets.cos[k] * cos - targets.sin[k] * sin;
-            g[k] = targets.gradient[0][k] * re + targets.gradient[1][k] * im;
-        }
+        let (range, [ts, tc, g]) = (group.range.clone(), targets.seen_from(group));
         let mut sums = [0.0; LANES];
         let weights = self.weight[range.clone()].chunks(JOINED);
         let moments = self.moment[range.clone()].chunks(JOINED);
@@ -163,15 +155,11 @@ impl Sources {
 
     /// The same one by one, without sources that coincide with the target.
     fn sums_apart(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
-        let [cos, sin] = eighth_turns(targets.corner - group.corner);
+        let [ts, tc, g] = targets.seen_from(group);
         std::array::from_fn(|k| {
-            let (s, c) = (targets.sin[k], targets.cos[k]);
-            let (s, c) = (s * cos + c * sin, c * cos - s * sin);
-            let gradient = Complex::new(targets.gradient[0][k], targets.gradient[1][k]);
             let term = |i: usize| {
-                let (a, t) =
-                    (self.moment[i] - gradient.dot(group.direction) * self.weight[i], self.tan[i]);
-                let (a, b) = (if odd { a } else { a * (c + s * t) }, s - c * t);
+                let (a, t) = (self.moment[i] - g[k] * self.weight[i], self.tan[i]);
+                let (a, b) = (if odd { a } else { a * (tc[k] + ts[k] * t) }, ts[k] - tc[k] * t);
                 if b == 0.0 { 0.0 } else { a / b }
             };
             group.range.clone().map(term).sum()
@@ -185,6 +173,22 @@ struct Block {
     sin: [f64; LANES],
     cos: [f64; LANES],
     gradient: [[f64; LANES]; 2],
+}
+
+impl Block {
+    /// Sines and cosines of half the angles from the corner of a group, and psi's derivatives in its direction.
+    #[inline(always)]
+    fn seen_from(&self, group: &Group) -> [[f64; LANES]; 3] {
+        let [cos, sin] = eighth_turns(self.corner - group.corner);
+        let Complex { re, im } = group.direction;
+        let (mut s, mut c, mut g) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            s[k] = self.sin[k] * cos + self.cos[k] * sin;
+            c[k] = self.cos[k] * cos - self.sin[k] * sin;
+            g[k] = self.gradient[0][k] * re + self.gradient[1][k] * im;
+        }
+        [s, c, g]
+    }
 }
 
 /// All sources: plain ones and, where they do not serve, graded ones.
