@@ -2,13 +2,13 @@
 
 use super::current_folder;
 use super::output::{OutputFile, columns, say, say_json, talk};
+use crate::experiments::solver::Solver;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
-use crate::timing::measure::{Plan, SOLVERS, SPECTRAL, TIMED, measure};
-use crate::timing::recorded::{self, Goal, Peer, Timings};
-use clap::Args;
-use clap::builder::PossibleValuesParser;
+use crate::timing::measure::{Plan, TIMED, measure};
+use crate::timing::recorded::{self, Peer, Timings};
+use clap::{Args, ValueEnum};
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
@@ -25,16 +25,11 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
     /// Only these solvers [default: all]
-    #[arg(long, value_parser = PossibleValuesParser::new(all()))]
-    solver: Vec<String>,
+    #[arg(long, value_enum)]
+    solver: Vec<Solver>,
     /// Cells per side of the finest grid, a power of two [default: 4096, with --quick 128]
     #[arg(long, value_name = "N")]
     finest: Option<usize>,
-}
-
-/// Every solver by its name.
-fn all() -> impl Iterator<Item = &'static str> {
-    SOLVERS.into_iter().chain([SPECTRAL])
 }
 
 /// Finest grid of a run: 2 GB for the load vector and multigrid.
@@ -51,9 +46,8 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
             "--finest {finest}: give a power of two from 16 to {FINEST}, such as 1024"
         )));
     }
-    let wanted = |name: &&str| args.solver.is_empty() || args.solver.iter().any(|s| s == name);
-    let solvers = all().filter(wanted);
-    let plan = Plan { repeats, quick: args.quick, solvers: solvers.collect(), finest };
+    let solvers = if args.solver.is_empty() { Solver::value_variants() } else { &args.solver };
+    let plan = Plan { repeats, quick: args.quick, solvers: solvers.into(), finest };
     // Before anything is measured: a project that is missing or spoilt would waste minutes.
     let record = args.record.then(open_record).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
@@ -113,17 +107,12 @@ fn percent(share: f64) -> String {
 
 fn multigrid(timings: &Timings) -> String {
     let rows = timings.multigrid.iter().map(|line| {
-        let unknowns = (line.cells + 1) * (line.cells + 1);
-        let ns = 1e9 * line.seconds / unknowns as f64;
-        let goal = match line.goal {
-            Goal::Discretisation => "discretisation",
-            Goal::Floor => "rounding floor",
-        };
+        let ns = line.ns();
         vec![
             format!("1/{}", line.cells),
-            unknowns.to_string(),
+            line.unknowns().to_string(),
             line.threads.to_string(),
-            goal.to_owned(),
+            line.goal.in_words().to_owned(),
             format!("{:.1}", line.work_units),
             format!("{ns:.1}"),
             format!("{:.2}", ns / line.work_units),
@@ -140,7 +129,7 @@ fn multigrid(timings: &Timings) -> String {
 fn solvers(timings: &Timings) -> String {
     let rows = timings.solver.iter().map(|line| {
         vec![
-            line.solver.clone(),
+            line.solver.to_string(),
             line.problem.clone(),
             format!("1/{}", line.cells),
             line.goal.clone(),

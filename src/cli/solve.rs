@@ -11,6 +11,7 @@ mod spectral;
 use super::formats::Format;
 use super::output::{OutputFile, say, say_json};
 use crate::discrete::load::{Diagonal, LoadRule};
+use crate::experiments::solver::Solver;
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Tie;
 use crate::saddle::Method;
@@ -112,22 +113,6 @@ impl SolveArgs {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Solver {
-    /// The paper's method on nested grids
-    ArrowHurwicz,
-    /// A full minimisation before each step of the multiplier, on nested grids
-    Uzawa,
-    /// The same with iterative proximal regularisation
-    UzawaProximal,
-    /// Full multigrid to the rounding floor: the fastest on a grid
-    Multigrid,
-    /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
-    ActiveSet,
-    /// The true solution to rounding, for piecewise constant f
-    Spectral,
-}
-
 impl Solver {
     /// Memory for a nodal vector's entry, all vectors and factors together, rounded up from measured peaks.
     fn bytes_per_node(self, dimension: u8, n: u64) -> u64 {
@@ -181,9 +166,9 @@ impl ValueEnum for LoadRule {
     }
 }
 
-/// The name of a value among those that an option may have.
-fn name(value: &impl ValueEnum) -> String {
-    value.to_possible_value().expect("no value is hidden").get_name().into()
+/// The name of a rule among those that `--load` takes.
+fn rule_name(rule: &LoadRule) -> String {
+    rule.to_possible_value().expect("no rule is hidden").get_name().into()
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {

@@ -5,20 +5,17 @@ use crate::discrete::kkt::judge;
 use crate::discrete::simd::{Largest, vectorised};
 use crate::problem::exact::{Exact, Sample};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// Errors of values and multiplier.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Errors of a discrete solution `v_h`: piecewise linear on the square, trilinear on the cube.
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Errors {
-    /// L2 norm of `v - v_h`, `v_h` piecewise linear.
+    /// L2 norm of `v - v_h`.
     pub l2: f64,
     /// L2 norm of `grad (v - v_h)`.
     pub h1: f64,
     /// Largest error at a node.
     pub max: f64,
-    /// L2 norm on the boundary of `dv/dn - (A y - F) / h`, by the trapezoidal rule without the corners,
-    /// where the normal derivative is not defined.
-    pub multiplier_l2: f64,
 }
 
 /// Barycentric coordinates (one number, then twice the other) and weights of a rule on a triangle,
@@ -79,13 +76,13 @@ pub fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// Errors of the nodal vector `y` on triangles cut by rising diagonals; `load` gives the multiplier.
+/// Errors of the nodal vector `y` on triangles cut by rising diagonals.
 ///
 /// The sums are taken row by row, in the same order on any number of threads.
 ///
 /// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn errors(grid: Grid, problem: Exact, y: &[f64], load: &[f64]) -> Errors {
+/// If `y.len() != grid.nodes()`.
+pub fn errors(grid: Grid, problem: Exact, y: &[f64]) -> Errors {
     let (n, h) = (grid.cells(), grid.h());
     let at = |i: f64| i * h - 0.5;
     // The points of the rule in a row of cells, place by place.
@@ -142,13 +139,11 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64], load: &[f64]) -> Errors {
             },
         );
     }
-    let multiplier_l2 =
-        multiplier_error(grid, y, load, |[x, y], normal| problem.multiplier(x, y, normal));
-    Errors { l2: h * l2.sqrt(), h1: h * h1.sqrt(), max: max.value(), multiplier_l2 }
+    Errors { l2: h * l2.sqrt(), h1: h * h1.sqrt(), max: max.value() }
 }
 
-/// The error of `(A y - F) / h` as in [`Errors::multiplier_l2`]; `exact` gives `dv/dn` at a point of the
-/// side with an outer normal.
+/// L2 norm on the boundary of `dv/dn - (A y - F) / h`, by the trapezoidal rule without the corners, where
+/// the normal derivative is not defined; `exact` gives `dv/dn` at a point of the side with an outer normal.
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
@@ -218,8 +213,7 @@ mod tests {
     #[test]
     fn the_error_of_zero_is_the_norm_of_the_solution() {
         let zero = vec![0.0; 17 * 17];
-        let Errors { l2, h1, max, .. } =
-            errors(Grid::new(16).unwrap(), Exact::FullContact, &zero, &zero);
+        let Errors { l2, h1, max } = errors(Grid::new(16).unwrap(), Exact::FullContact, &zero);
         // Integrals of cos^2 cos^2 and 2 pi^2 sin^2 cos^2 over the square.
         assert!((l2 - 0.5).abs() < 1e-5, "{l2}");
         assert!((h1 - PI / SQRT_2).abs() < 1e-4, "{h1}");

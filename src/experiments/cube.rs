@@ -1,7 +1,8 @@
 //! Errors and work units on the unit cube.
 
 use super::accuracy::{Cost, Known, cost};
-use crate::discrete::cube::{Errors, Grid, errors, load};
+use crate::discrete::cube::{Grid, errors, load};
+use crate::discrete::norms::Errors;
 use crate::multigrid::cube::Cube;
 use crate::problem::cube::Exact;
 use rayon::prelude::*;

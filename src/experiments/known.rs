@@ -40,7 +40,7 @@ pub struct Errors {
     /// Largest error at a node; of the spectral solver's solutions, at the nodes of the grid with
     /// [`SAMPLED`] cells per side.
     pub max: f64,
-    /// L2 norm on the boundary of the error of the multiplier, as in [`norms::Errors`].
+    /// L2 norm on the boundary of the error of the multiplier, by [`multiplier_error`].
     pub multiplier_l2: f64,
 }
 
@@ -103,7 +103,7 @@ impl KnownSolution {
     /// If a slice is not of length `grid.nodes()`.
     pub fn h1_error(&self, grid: Grid, y: &[f64], load: &[f64]) -> f64 {
         match self {
-            Self::Formula(exact) => norms::errors(grid, *exact, y, load).h1,
+            Self::Formula(exact) => norms::errors(grid, *exact, y).h1,
             Self::Spectral(known) => known.h1_error(grid, y, load),
         }
     }
@@ -115,8 +115,9 @@ impl KnownSolution {
     pub fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> Errors {
         match self {
             Self::Formula(exact) => {
-                let norms::Errors { l2, h1, max, multiplier_l2 } =
-                    norms::errors(grid, *exact, y, load);
+                let norms::Errors { l2, h1, max } = norms::errors(grid, *exact, y);
+                let multiplier = |point, normal| exact.multiplier(point, normal);
+                let multiplier_l2 = multiplier_error(grid, y, load, multiplier);
                 Errors { l2: Some(l2), h1, max, multiplier_l2 }
             }
             Self::Spectral(known) => Errors {

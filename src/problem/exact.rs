@@ -115,7 +115,7 @@ impl Exact {
     }
 
     /// Multiplier `dv/dn` on the side whose outer normal is `normal`, at a point of it.
-    pub fn multiplier(self, x: f64, y: f64, normal: [f64; 2]) -> f64 {
+    pub fn multiplier(self, [x, y]: [f64; 2], normal: [f64; 2]) -> f64 {
         let [gx, gy] = self.at(x, y).gradient;
         gx * normal[0] + gy * normal[1]
     }
@@ -308,7 +308,8 @@ mod tests {
                     (-0.5, s, [-1.0, 0.0]),
                 ];
                 for (x, y, normal) in sides {
-                    let (value, slope) = (problem.at(x, y).value, problem.multiplier(x, y, normal));
+                    let (value, slope) =
+                        (problem.at(x, y).value, problem.multiplier([x, y], normal));
                     assert!(
                         value >= -1e-12 && slope >= -1e-4,
                         "{problem:?} {x} {y} {value} {slope}"

@@ -13,9 +13,10 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::known::KnownSolution;
 use crate::experiments::problems::{CONTACT, PAPER};
+use crate::experiments::solver::Solver;
 use crate::experiments::work::{OnGrid, R};
+use crate::multigrid::MultigridParams;
 use crate::multigrid::square::Multigrid;
-use crate::multigrid::{self, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
@@ -34,17 +35,12 @@ pub struct Plan {
     pub repeats: usize,
     /// Coarse grids and little data: to see that it works, not to record.
     pub quick: bool,
-    /// Solvers by their names in `solve --solver`; [`SOLVERS`] and [`SPECTRAL`] are all.
-    pub solvers: Vec<&'static str>,
+    /// The solvers to time.
+    pub solvers: Vec<Solver>,
     /// Cells per side of the finest grid: a power of two.
     pub finest: usize,
 }
 
-/// The names of all solvers that use a grid.
-pub const SOLVERS: [&str; 5] =
-    ["arrow-hurwicz", "uzawa", "uzawa-proximal", "active-set", "multigrid"];
-/// The name of the one that does not.
-pub const SPECTRAL: &str = "spectral";
 /// The problem on which multigrid is timed.
 pub const TIMED: Exact = Exact::FreeCorner;
 /// The problems with a formula for the solution that have a part of the boundary to find.
@@ -67,28 +63,28 @@ pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String
     let machine = Machine::here(plan.repeats);
     say("memory bandwidth");
     let bandwidth = bandwidth::bandwidth(if plan.quick { 1 << 20 } else { 1 << 25 }, 5);
-    let wanted = |solver: &str| plan.solvers.contains(&solver);
-    let sweep = wanted("arrow-hurwicz").then(|| {
+    let wanted = |solver| plan.solvers.contains(&solver);
+    let sweep = wanted(Solver::ArrowHurwicz).then(|| {
         say("sweep of Arrow-Hurwicz");
         sweep(plan)
     });
-    let multigrid = match wanted("multigrid") {
+    let multigrid = match wanted(Solver::Multigrid) {
         true => scaling(plan, &mut say)?,
         false => Vec::new(),
     };
     let mut solver = Vec::new();
     for Case { name: problem, levels, paper } in cases(plan)? {
-        for name in plan.solvers.iter().filter(|name| **name != SPECTRAL) {
-            solver.extend(reached(name, &problem, &levels, plan, &mut say)?);
+        for one in Solver::ON_GRIDS.into_iter().filter(|&one| wanted(one)) {
+            solver.extend(reached(one, &problem, &levels, plan, &mut say)?);
         }
-        if let Some(f) = paper.filter(|_| wanted("arrow-hurwicz")) {
-            say(&format!("arrow-hurwicz, {problem}, {PUBLISHED}"));
+        if let Some(f) = paper.filter(|_| wanted(Solver::ArrowHurwicz)) {
+            say(&format!("{}, {problem}, {PUBLISHED}", Solver::ArrowHurwicz));
             solver.push(published(&problem, f, &levels, plan)?);
         }
     }
     let mut spectral = Vec::new();
-    for (name, f) in PAPER.into_iter().chain(CONTACT).filter(|_| wanted(SPECTRAL)) {
-        say(&format!("{SPECTRAL}, {name}"));
+    for (name, f) in PAPER.into_iter().chain(CONTACT).filter(|_| wanted(Solver::Spectral)) {
+        say(&format!("{}, {name}", Solver::Spectral));
         spectral.extend(resolved(name, f, plan)?);
     }
     let peer = Vec::new();
@@ -143,11 +139,8 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
-            for (goal, asked) in [
-                (Goal::Discretisation, multigrid::Goal::DiscretisationError),
-                (Goal::Floor, multigrid::Goal::RoundingFloor),
-            ] {
-                let params = MultigridParams { goal: asked, ..MultigridParams::default() };
+            for goal in Goal::ALL {
+                let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
                 // What a caller waits for: the solution in the order of the load.
                 let mut solve = || {
                     let outcome = workspace.solve(&load, None, &params, |_| ());
@@ -244,59 +237,62 @@ fn published(problem: &str, f: &str, levels: &[OnGrid], plan: &Plan) -> Result<R
     let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };
     let solve = || solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ()).1;
     let y = solve().y;
-    let (seconds, spread) = time(plan.repeats, || {
+    let median = time(plan.repeats, || {
         solve();
     });
-    Ok(Reached {
-        solver: "arrow-hurwicz".into(),
-        problem: problem.into(),
-        cells: level.grid.cells(),
-        goal: PUBLISHED.into(),
-        error: level.error(&y),
-        discretisation: level.discretisation,
-        kkt: kkt(level.grid, &y, &level.load).relative,
-        seconds,
-        spread,
-    })
+    Ok(Reached::new([problem, PUBLISHED], Solver::ArrowHurwicz, level, &y, median))
+}
+
+impl Reached {
+    /// What this solver made of a problem on a grid, up to a goal, and its median time with the spread.
+    fn new(
+        [problem, goal]: [&str; 2],
+        solver: Solver,
+        level: &OnGrid,
+        y: &[f64],
+        (seconds, spread): (f64, f64),
+    ) -> Self {
+        Self {
+            solver,
+            problem: problem.into(),
+            cells: level.grid.cells(),
+            goal: goal.into(),
+            error: level.error(y),
+            discretisation: level.discretisation,
+            kkt: kkt(level.grid, y, &level.load).relative,
+            seconds,
+            spread,
+        }
+    }
 }
 
 /// One solver on all grids from 1/16 on, for all its goals.
 fn reached(
-    name: &str,
+    solver: Solver,
     problem: &str,
     levels: &[OnGrid],
     plan: &Plan,
     say: &mut impl FnMut(&str),
 ) -> Result<Vec<Reached>, String> {
-    let goals = goals(name);
+    let goals = goals(solver);
     let mut before: BTreeMap<usize, f64> = BTreeMap::new();
     let mut measured = Vec::new();
     for k in 2..=levels.len() {
         let level = &levels[k - 1];
         let cells = level.grid.cells();
-        say(&format!("{name}, {problem}, h = 1/{cells}"));
+        say(&format!("{solver}, {problem}, h = 1/{cells}"));
         for (g, (goal, growth, solve)) in goals.iter().enumerate() {
             if before.get(&g).is_some_and(|seconds| growth * seconds > LONGEST) {
                 continue;
             }
             let y = solve(&levels[..k]).ok_or_else(|| {
-                format!("{name} does not reach {goal} on {problem}, h = 1/{cells}")
+                format!("{solver} does not reach {goal} on {problem}, h = 1/{cells}")
             })?;
-            let (seconds, spread) = time(plan.repeats, || {
+            let median = time(plan.repeats, || {
                 solve(&levels[..k]);
             });
-            before.insert(g, seconds);
-            measured.push(Reached {
-                solver: name.into(),
-                problem: problem.into(),
-                cells,
-                goal: goal.clone(),
-                error: level.error(&y),
-                discretisation: level.discretisation,
-                kkt: kkt(level.grid, &y, &level.load).relative,
-                seconds,
-                spread,
-            });
+            before.insert(g, median.0);
+            measured.push(Reached::new([problem, goal], solver, level, &y, median));
         }
     }
     Ok(measured)

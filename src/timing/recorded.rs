@@ -1,6 +1,8 @@
 //! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
 
+use crate::experiments::solver::Solver;
 use crate::experiments::work::REACHED;
+use crate::multigrid;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -109,6 +111,18 @@ pub struct Scaling {
     pub spread: f64,
 }
 
+impl Scaling {
+    /// Nodes of the grid.
+    pub fn unknowns(&self) -> usize {
+        (self.cells + 1) * (self.cells + 1)
+    }
+
+    /// Nanoseconds per unknown.
+    pub fn ns(&self) -> f64 {
+        1e9 * self.seconds / self.unknowns() as f64
+    }
+}
+
 /// Goals of multigrid that are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -119,12 +133,33 @@ pub enum Goal {
     Floor,
 }
 
+impl Goal {
+    /// Both, the nearer first.
+    pub const ALL: [Self; 2] = [Self::Discretisation, Self::Floor];
+
+    /// Its name in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Discretisation => "discretisation error",
+            Self::Floor => "rounding floor",
+        }
+    }
+
+    /// What multigrid is told.
+    pub fn asked(self) -> multigrid::Goal {
+        match self {
+            Self::Discretisation => multigrid::Goal::DiscretisationError,
+            Self::Floor => multigrid::Goal::RoundingFloor,
+        }
+    }
+}
+
 /// One solver on one problem, grid and goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reached {
-    /// Its name, as in `solve --solver`.
-    pub solver: String,
+    /// The solver.
+    pub solver: Solver,
     /// Name of the problem, as in `exact(name)` where its solution has a formula.
     pub problem: String,
     /// Cells per side.

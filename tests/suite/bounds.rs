@@ -251,7 +251,7 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
             let grid = Grid::new(n).unwrap();
             let load = load(grid, &f, EXACT);
             let y = multigrid(n, &load, None, &MultigridParams::default(), |_| ()).unwrap().0;
-            let error = errors(grid, problem, &y, &load).h1;
+            let error = errors(grid, problem, &y).h1;
             let [least, most] = bounds(grid, &f, &y).unwrap().error;
             // The quadrature of the error is good to about 1e-4 of it.
             assert!(

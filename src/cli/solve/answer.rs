@@ -1,12 +1,11 @@
 //! What came out and what it is worth: judged apart from the solvers, as JSON and as text.
 
 use super::bound;
-use super::domain::Errors;
-use super::name;
 use super::problem::Problem;
 use crate::bounds::Bounds;
 use crate::cli::output::columns;
 use crate::discrete::kkt::Kkt;
+use crate::discrete::norms::Errors;
 use crate::replication::scene::shown_integral;
 use crate::saddle::{Pair, tolerance};
 use serde::Serialize;
@@ -59,7 +58,8 @@ pub(super) struct Answer {
     complementarity: f64,
     /// Boundary nodes with v < r, and all.
     contact: [usize; 2],
-    errors: Option<Errors>,
+    /// Of values, and of the multiplier in L2 where it has a formula too.
+    errors: Option<(Errors, Option<f64>)>,
     /// Guaranteed bounds, or why there are none.
     pub bounds: Result<Bounds, String>,
     /// For grids and load vectors, and for the solver.
@@ -198,7 +198,7 @@ impl Answer {
             "scene": problem.name(),
             "f": problem.domain.f(),
             "dimension": problem.domain.dimension(),
-            "solver": name(&problem.solver),
+            "solver": problem.solver,
             "settings": problem.settings().into_iter().collect::<BTreeMap<_, _>>(),
             "not_as_in_scene": problem.overridden,
             "h": 1.0 / n as f64,
@@ -234,8 +234,11 @@ impl Answer {
         if let Some(work_units) = self.solved.work_units {
             json["work_units"] = work_units.into();
         }
-        if let Some(errors) = &self.errors {
+        if let Some((errors, multiplier)) = &self.errors {
             json["errors"] = json!(errors);
+            if let Some(multiplier) = multiplier {
+                json["errors"]["multiplier_l2"] = (*multiplier).into();
+            }
         }
         if let Err(reason) = &self.bounds {
             json["bound_reason"] = reason.as_str().into();
@@ -262,9 +265,9 @@ impl Answer {
         }
         let [nodes, all] = self.contact;
         text += &format!("\ncontact in {nodes} of {all} boundary nodes\n");
-        if let Some(e) = &self.errors {
+        if let Some((e, multiplier)) = &self.errors {
             text += &format!("errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}", e.l2, e.h1, e.max);
-            if let Some(multiplier) = e.multiplier_l2 {
+            if let Some(multiplier) = multiplier {
                 text += &format!("; multiplier L2 {multiplier:.2e}");
             }
             text.push('\n');

@@ -1,13 +1,13 @@
 //! The square and the cube under one interface: load vector, judgement, errors, files.
 
-use super::{Solver, name};
+use super::Solver;
 use crate::bounds::{Bounds, bounds, recovery};
 use crate::cli::formats::{Format, picture};
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::load::{self, LoadRule, load};
-use crate::discrete::norms::errors;
+use crate::discrete::norms::{Errors, errors, multiplier_error};
 use crate::discrete::transfer::prolong_boundary;
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
@@ -16,21 +16,11 @@ use crate::replication::scene::MAX_CELLS;
 use crate::report::Fields;
 use crate::saddle::Pair;
 use crate::timing::machine;
-use serde::Serialize;
 
 /// The square or the cube, with f and its quadrature.
 pub(super) enum Domain {
     Square { f: Source, rule: LoadRule },
     Cube { f: problem::cube::Source },
-}
-
-#[derive(Serialize)]
-pub(super) struct Errors {
-    pub l2: f64,
-    pub h1: f64,
-    pub max: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub multiplier_l2: Option<f64>,
 }
 
 impl Domain {
@@ -44,15 +34,13 @@ impl Domain {
             (Self::Cube { .. }, Solver::ActiveSet) => 32,
             (Self::Cube { .. }, _) => {
                 return Err(Error::input(format!(
-                    "--solver {}: the cube has only multigrid and active-set",
-                    name(&solver)
+                    "--solver {solver}: the cube has only multigrid and active-set"
                 )));
             }
         };
         if finest > most {
-            let name = name(&solver);
             return Err(Error::input(format!(
-                "--h 1/{finest} needs too much memory; 1/{most} is the finest for {name}"
+                "--h 1/{finest} needs too much memory; 1/{most} is the finest for {solver}"
             )));
         }
         let bytes = |n: usize| {
@@ -131,17 +119,21 @@ impl Domain {
         }
     }
 
-    pub(super) fn errors(&self, n: usize, y: &[f64], load: &[f64]) -> Option<Errors> {
+    /// Errors of values, and on the square that of the multiplier in L2, if the solution has a formula.
+    pub(super) fn errors(
+        &self,
+        n: usize,
+        y: &[f64],
+        load: &[f64],
+    ) -> Option<(Errors, Option<f64>)> {
         match self {
             Self::Square { f, .. } => {
-                let e = errors(square(n), f.exact()?, y, load);
-                let multiplier_l2 = Some(e.multiplier_l2);
-                Some(Errors { l2: e.l2, h1: e.h1, max: e.max, multiplier_l2 })
+                let (grid, exact) = (square(n), f.exact()?);
+                let multiplier = |point, normal| exact.multiplier(point, normal);
+                let multiplier_l2 = multiplier_error(grid, y, load, multiplier);
+                Some((errors(grid, exact, y), Some(multiplier_l2)))
             }
-            Self::Cube { f } => {
-                let e = cube::errors(cube(n), f.exact()?, y);
-                Some(Errors { l2: e.l2, h1: e.h1, max: e.max, multiplier_l2: None })
-            }
+            Self::Cube { f } => Some((cube::errors(cube(n), f.exact()?, y), None)),
         }
     }
 

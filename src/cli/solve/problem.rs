@@ -2,7 +2,7 @@
 
 use super::accuracy::Accuracy;
 use super::domain::Domain;
-use super::{SolveArgs, Solver, cells, name};
+use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
 use crate::discrete::grid::nested;
 use crate::discrete::load::{Diagonal, LoadRule};
@@ -88,7 +88,7 @@ impl Problem {
     pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
         if let Domain::Square { rule, .. } = &self.domain {
-            settings.push(("load", name(rule).into()));
+            settings.push(("load", rule_name(rule).into()));
         }
         if self.solver.is_nested() {
             let Params { r, rule, max_iterations, .. } = self.params;
@@ -126,7 +126,8 @@ impl Choice {
                 // An accuracy is asked of the solution for f, whatever load vector a scene takes.
                 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
                 let given = args.load.or(args.accuracy().map(|_| EXACT));
-                let rule = self.one("load", given, scene.map(|s| s.load), name).unwrap_or(EXACT);
+                let rule =
+                    self.one("load", given, scene.map(|s| s.load), rule_name).unwrap_or(EXACT);
                 Ok(Domain::Square { f, rule })
             }
         }

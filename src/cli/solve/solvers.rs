@@ -1,10 +1,10 @@
 //! Every solver brought to the same shape of answer.
 
+use super::Solver;
 use super::accuracy::{Accuracy, FIRST};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
-use super::{Solver, name};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::norms::largest;
 use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
@@ -69,7 +69,7 @@ impl Problem {
             return Err(Error::Stage(vec![format!(
                 "{}: {} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
                 self.name(),
-                name(&self.solver),
+                self.solver,
                 end.cells,
                 end.iterations
             )]));

@@ -7,7 +7,7 @@ mod load;
 mod norms;
 
 pub use load::{exact_load, integral};
-pub use norms::{Errors, errors};
+pub use norms::errors;
 
 use crate::discrete::grid::{GridError, MIN_CELLS};
 use crate::discrete::kkt::{Judge, Judgement};

@@ -3,20 +3,10 @@
 use rayon::prelude::*;
 
 use super::Grid;
+use crate::discrete::norms::Errors;
 use crate::discrete::simd::{Largest, vectorised};
 use crate::problem::cube::{Exact, Sample};
 use std::array::from_fn;
-
-/// Errors of values and gradients.
-#[derive(Clone, Copy, Debug)]
-pub struct Errors {
-    /// L2 norm of `v - v_h`, `v_h` trilinear.
-    pub l2: f64,
-    /// L2 norm of `grad (v - v_h)`.
-    pub h1: f64,
-    /// Largest error at a node.
-    pub max: f64,
-}
 
 /// Points in the cell (-1, 1)^3 and weights, of its volume, of a rule exact for polynomials of degree 5
 /// (Hammer and Stroud 1958): degree 3 would get the constants of L2 wrong.

@@ -1,12 +1,12 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
 use crate::experiments::accuracy::{self, Findings};
+use crate::experiments::solver::Solver;
 use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Run};
 use crate::figures::Stroke::{Line, Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::problem::exact::Exact;
-use crate::timing::measure::SOLVERS;
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
 use std::collections::BTreeSet;
 
@@ -111,16 +111,6 @@ fn law_line(law: &CostLaw) -> Curve {
     Curve::new(Marked, format!("{f}, {start}"), points)
 }
 
-fn in_words(solver: &str) -> &str {
-    match solver {
-        "arrow-hurwicz" => "Arrow-Hurwicz",
-        "uzawa" => "Uzawa",
-        "uzawa-proximal" => "proximal Uzawa",
-        "active-set" => "active set",
-        other => other,
-    }
-}
-
 /// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
 ///
 /// The proximal method would lie upon Uzawa's.
@@ -138,10 +128,12 @@ pub(super) fn cost(timings: &Timings) -> Picture {
         })
     };
     let problem = timings.solver.last().map(|line| &line.problem);
-    let solvers = ["multigrid", "active-set", "arrow-hurwicz", "uzawa"].map(|solver| {
+    const COMPARED: [Solver; 4] =
+        [Solver::Multigrid, Solver::ActiveSet, Solver::ArrowHurwicz, Solver::Uzawa];
+    let solvers = COMPARED.map(|solver| {
         let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        Curve::new(Marked, in_words(solver), to_discretisation(&mine).map(per_unknown))
+        Curve::new(Marked, solver.in_words(), to_discretisation(&mine).map(per_unknown))
     });
     let axes = ["unknowns", "nanoseconds per unknown"];
     let panels = [
@@ -166,10 +158,10 @@ pub(super) fn race(timings: &Timings) -> Picture {
             let point = |line: &Reached| (line.seconds, line.error);
             let spectral = timings.spectral.iter().filter(|line| line.problem == problem);
             let spectral = front(spectral.map(|line| (line.seconds, line.error)));
-            let mut curves = vec![Curve::new(Marked, "spectral", spectral)];
-            for solver in SOLVERS.iter().rev() {
-                let mine = lines().filter(|line| line.solver == *solver && !stop(line));
-                curves.push(Curve::new(Marked, in_words(solver), front(mine.map(point))));
+            let mut curves = vec![Curve::new(Marked, Solver::Spectral.in_words(), spectral)];
+            for solver in Solver::ON_GRIDS.into_iter().rev() {
+                let mine = lines().filter(|line| line.solver == solver && !stop(line));
+                curves.push(Curve::new(Marked, solver.in_words(), front(mine.map(point))));
             }
             let published = lines().filter(stop).map(point);
             curves.push(Curve::new(Marked, "Arrow-Hurwicz, published stop", published));

@@ -3,11 +3,13 @@
 use crate::discrete::kkt::kkt;
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
+use crate::experiments::solver::Solver;
 use crate::experiments::work::{OnGrid, R};
+use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::{ActiveSetParams, active_set};
 use crate::multigrid::square::multigrid;
-use crate::multigrid::{Goal, MultigridParams};
 use crate::saddle::{Method, Pair};
+use crate::timing::recorded::Goal;
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -17,8 +19,8 @@ const CHECKS: Checks = Checks { share: 8, cap: 1_000_000_000 };
 /// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
 pub(super) type Solve = Box<dyn Fn(&[OnGrid]) -> Option<Vec<f64>>>;
 
-/// The goals of a solver: name, growth of the time from grid to grid, and how to get there.
-pub(super) fn goals(name: &str) -> Vec<(String, f64, Solve)> {
+/// The goals of a solver on grids: name, growth of the time from grid to grid, and how to get there.
+pub(super) fn goals(solver: Solver) -> Vec<(String, f64, Solve)> {
     let saddle = |method: Method| {
         let to = |target: f64| -> (String, f64, Solve) {
             let solve = move |levels: &[OnGrid]| over_grids(method, target, levels);
@@ -26,11 +28,11 @@ pub(super) fn goals(name: &str) -> Vec<(String, f64, Solve)> {
         };
         TARGETS.map(to).into_iter().collect()
     };
-    match name {
-        "arrow-hurwicz" => saddle(Method::ArrowHurwicz),
-        "uzawa" => saddle(loose_uzawa(0.0)),
-        "uzawa-proximal" => saddle(loose_uzawa(1.0)),
-        "active-set" => vec![(
+    match solver {
+        Solver::ArrowHurwicz => saddle(Method::ArrowHurwicz),
+        Solver::Uzawa => saddle(loose_uzawa(0.0)),
+        Solver::UzawaProximal => saddle(loose_uzawa(1.0)),
+        Solver::ActiveSet => vec![(
             "contact set at rest".into(),
             8.0,
             Box::new(|levels: &[OnGrid]| {
@@ -39,19 +41,19 @@ pub(super) fn goals(name: &str) -> Vec<(String, f64, Solve)> {
                 Some(active_set(grid.cells(), load, None, &params, |_| ()).ok()?.0)
             }),
         )],
-        _ => {
-            let to = |(words, goal): (&str, Goal)| -> (String, f64, Solve) {
+        Solver::Multigrid => {
+            let to = |goal: Goal| -> (String, f64, Solve) {
                 let solve = move |levels: &[OnGrid]| {
                     let OnGrid { grid, load, .. } = levels.last()?;
-                    let params = MultigridParams { goal, ..MultigridParams::default() };
+                    let params =
+                        MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
                     Some(multigrid(grid.cells(), load, None, &params, |_| ()).ok()?.0)
                 };
-                (words.into(), 4.0, Box::new(solve))
+                (goal.in_words().into(), 4.0, Box::new(solve))
             };
-            let goals = [Goal::DiscretisationError, Goal::RoundingFloor];
-            let words = ["discretisation error", "rounding floor"];
-            words.into_iter().zip(goals).map(to).collect()
+            Goal::ALL.map(to).into()
         }
+        Solver::Spectral => Vec::new(),
     }
 }
 
