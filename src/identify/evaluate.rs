@@ -117,6 +117,11 @@ impl<'a> Evaluator<'a> {
         Self { halt: Some(halt), ..self }
     }
 
+    /// The table that runs are compared with.
+    pub(super) fn target(&self) -> &'a Target {
+        self.target
+    }
+
     fn is_halted(&self) -> bool {
         self.halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
     }

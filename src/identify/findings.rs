@@ -100,22 +100,22 @@ pub fn findings(
         }
         let candidate = Candidate { geometry: 0, ticks, places };
         let values = candidate.values();
+        let found = explain(&mut evaluator, quadrants, &candidate);
         let source = quadrants.source(&values);
-        let integral = quadrants.areas().iter().zip(&values).map(|(a, v)| a * v).sum();
-        let found = explain(target, &mut evaluator, &candidate, source.to_string(), integral)?;
         let sum = |level: usize| load(grid(level), &source, variant.load).iter().sum();
         let sums = (0..target.levels()).map(sum).collect();
         Ok(Alternative { chosen: values == on_quadrants, values, found, sums })
     };
+    let alternatives = alternatives.iter().map(alternative).collect::<Result<_, _>>()?;
+    let on_own_pieces = Evaluator::new(target, variant, &[own])?;
+    let first_and_last = [0, values.len() - 1];
+    let Questions { reach, points, .. } = *questions;
     Ok(Findings {
         schema: 1,
         target: target.clone(),
-        alternatives: alternatives.iter().map(alternative).collect::<Result<_, _>>()?,
-        identifiability: identifiability(target, variant, quadrants, &on_quadrants)?,
-        slice: {
-            let pieces = [0, values.len() - 1];
-            slice(target, variant, &own, &values, pieces, questions.reach, questions.points)?
-        },
+        alternatives,
+        identifiability: identifiability(&evaluator, &on_quadrants),
+        slice: slice(&on_own_pieces, &values, first_and_last, reach, points),
         search: {
             let budget = Budget { threads: Some(threads), ..Budget::default() };
             search(&blind, target, budget, None, &AtomicBool::new(false), &mut |_, _| ())?

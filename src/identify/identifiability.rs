@@ -1,10 +1,6 @@
 //! How sharply a table fixes f: how far each value moves before a count changes, and which one does.
 
-use super::IdentifyError;
-use super::Target;
 use super::evaluate::Evaluator;
-use super::space::Geometry;
-use super::variant::Variant;
 use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
 
@@ -60,27 +56,18 @@ pub struct Slice {
     pub exact: Vec<Vec<usize>>,
 }
 
-/// Maps the neighbourhood of the f with these `values` on the pieces of `geometry`.
-///
-/// # Errors
-/// [`IdentifyError`] if the target is not a table.
+/// Maps the neighbourhood of the f with these `values` on the pieces of the evaluator's first geometry.
 ///
 /// # Panics
 /// If there is not one value per piece.
-pub fn identifiability(
-    target: &Target,
-    variant: &Variant,
-    geometry: &Geometry,
-    values: &[f64],
-) -> Result<Identifiability, IdentifyError> {
-    let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
+pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64]) -> Identifiability {
     let held = |all: &[Vec<f64>]| evaluator.held(0, all);
     let here = held(&[values.to_vec()]).remove(0);
     let size = largest(values);
     let pieces = (0..values.len()).map(Some).chain([None]);
     let directions = pieces.map(|piece| Direction { piece, values, size }).collect::<Vec<_>>();
     let directions = along(&directions, &here, &held);
-    Ok(Identifiability { values: values.to_vec(), exact: count(&here), directions })
+    Identifiability { values: values.to_vec(), exact: count(&here), directions }
 }
 
 /// One value, or the factor of all, that moves.
@@ -218,38 +205,32 @@ fn along(directions: &[Direction], here: &[Vec<bool>], held: Tried) -> Vec<Break
     breaks
 }
 
-/// Counts that come out when the values of two pieces vary by up to `reach`, each its own, either way.
-///
-/// # Errors
-/// [`IdentifyError`] if the target is not a table.
+/// Counts that come out when the values of two pieces of the evaluator's first geometry vary by up to `reach`,
+/// each its own, either way.
 ///
 /// # Panics
 /// If a piece does not exist.
 pub fn slice(
-    target: &Target,
-    variant: &Variant,
-    geometry: &Geometry,
+    evaluator: &Evaluator<'_>,
     values: &[f64],
     pieces: [usize; 2],
     reach: [f64; 2],
     points: usize,
-) -> Result<Slice, IdentifyError> {
-    let evaluator = Evaluator::new(target, variant, std::slice::from_ref(geometry))?;
+) -> Slice {
     let axis = |k: usize| -> Vec<f64> {
         let (middle, reach) = (values[pieces[k]], reach[k]);
         let step = 2.0 * reach / points.saturating_sub(1).max(1) as f64;
         (0..points).map(|i| middle - reach + step * i as f64).collect()
     };
     let (x, y) = (axis(0), axis(1));
-    let moved = |v: f64, u: f64| {
+    let moved = |(v, u): (f64, f64)| {
         let mut moved = values.to_vec();
         moved[pieces[1]] = v;
         moved[pieces[0]] = u;
         moved
     };
-    let all: Vec<_> = y.iter().flat_map(|&v| x.iter().map(move |&u| (v, u))).collect();
-    let all: Vec<_> = all.into_iter().map(|(v, u)| moved(v, u)).collect();
+    let all: Vec<_> = y.iter().flat_map(|&v| x.iter().map(move |&u| (v, u))).map(moved).collect();
     let counts: Vec<usize> = evaluator.held(0, &all).iter().map(|held| count(held)).collect();
     let exact = counts.chunks(points.max(1)).map(<[usize]>::to_vec).collect();
-    Ok(Slice { pieces, x, y, exact })
+    Slice { pieces, x, y, exact }
 }

@@ -44,7 +44,7 @@ pub fn merge(parts: &[Checkpoint]) -> Result<(Target, Report), IdentifyError> {
             "part {missing}/{of} is missing; make it with --part {missing}/{of}"
         ));
     }
-    let found = Plan::new(&request, &target)?.explain(&all.best)?;
+    let found = Plan::new(&request, &target)?.explain(&all.best);
     let Checkpoint { tried, entered, .. } = all;
     Ok((target.clone(), Report { schema: 1, request, complete: true, tried, entered, found }))
 }

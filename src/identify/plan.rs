@@ -52,7 +52,6 @@ impl<'a> Live<'a> {
 /// A request made ready.
 pub(super) struct Plan<'a> {
     request: &'a Request,
-    target: &'a Target,
     geometries: Vec<Geometry>,
     areas: Vec<Vec<f64>>,
     pub(super) evaluator: Evaluator<'a>,
@@ -109,7 +108,6 @@ impl<'a> Plan<'a> {
         };
         Ok(Self {
             request,
-            target,
             areas: geometries.iter().map(Geometry::areas).collect(),
             geometries,
             evaluator,
@@ -214,7 +212,7 @@ impl<'a> Plan<'a> {
                 return (tried, false);
             }
             tried += 1;
-            if let Some(objective) = evaluate(self.target, evaluator, &candidate, best.bar()) {
+            if let Some(objective) = evaluate(evaluator, &candidate, best.bar()) {
                 live.note(objective);
                 best.offer(Ranked { objective, candidate });
             }
@@ -258,7 +256,7 @@ impl<'a> Plan<'a> {
             // Metropolis's rule, turned round: the draw comes first, and bounds what is worth running.
             let bar = here - temperature * libm::log(random.unit());
             let bar = if here.is_finite() { bar } else { f64::MAX };
-            if let Some(objective) = evaluate(self.target, evaluator, &candidate, bar) {
+            if let Some(objective) = evaluate(evaluator, &candidate, bar) {
                 live.note(objective);
                 if objective <= bar {
                     (at, here) = (next, objective);
@@ -282,20 +280,16 @@ impl<'a> Plan<'a> {
     }
 
     /// Scores in full, by counts that come out first, what was kept.
-    pub(super) fn explain(mut self, best: &Best) -> Result<Vec<Found>, IdentifyError> {
-        let mut found = Vec::new();
-        for Ranked { candidate, .. } in best.list() {
-            let geometry = candidate.geometry;
-            let values = candidate.values();
-            let f = self.geometries[geometry].source(&values).to_string();
-            let integral = self.areas[geometry].iter().zip(&values).map(|(a, v)| a * v).sum();
-            found.push(explain(self.target, &mut self.evaluator, candidate, f, integral)?);
-        }
+    pub(super) fn explain(mut self, best: &Best) -> Vec<Found> {
+        let explained = |Ranked { candidate, .. }: &Ranked| {
+            explain(&mut self.evaluator, &self.geometries[candidate.geometry], candidate)
+        };
+        let mut found: Vec<_> = best.list().iter().map(explained).collect();
         // Counts come before everything else, however slightly one is missed.
         found.sort_by(|a, b| {
             b.score.exact.cmp(&a.score.exact).then(a.score.total().total_cmp(&b.score.total()))
         });
-        Ok(found)
+        found
     }
 }
 

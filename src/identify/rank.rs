@@ -1,8 +1,8 @@
 //! The explained score of a candidate, and the order in which candidates are preferred.
 
 use super::evaluate::{Evaluator, Forced};
-use super::space::Candidate;
-use super::{IdentifyError, Target, agrees};
+use super::space::{Candidate, Geometry};
+use super::{Target, agrees};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
@@ -144,7 +144,6 @@ pub(super) fn delta_a_misfit(target: &Target, delta_a: &[f64]) -> f64 {
 
 /// The objective of a candidate, or `None` if its count misfit alone passes `bar`.
 pub(super) fn evaluate(
-    target: &Target,
     evaluator: &mut Evaluator<'_>,
     candidate: &Candidate,
     bar: f64,
@@ -155,28 +154,23 @@ pub(super) fn evaluate(
     if delta_a.is_empty() || total > limit {
         return None;
     }
-    Some(objective(total, delta_a_misfit(target, &delta_a), candidate.complexity()))
+    let misfit = delta_a_misfit(evaluator.target(), &delta_a);
+    Some(objective(total, misfit, candidate.complexity()))
 }
 
-/// The full score of a candidate, with a free run.
-///
-/// # Errors
-/// [`IdentifyError`] if the target is not a table.
+/// The full score of a candidate, with a free run; `geometry` is its own.
 pub(super) fn explain(
-    target: &Target,
     evaluator: &mut Evaluator<'_>,
+    geometry: &Geometry,
     candidate: &Candidate,
-    f: String,
-    integral: f64,
-) -> Result<Found, IdentifyError> {
-    target.validate()?;
-    let values = candidate.values();
+) -> Found {
+    let (target, values) = (evaluator.target(), candidate.values());
     let forced = evaluator.forced(candidate.geometry, &values, f64::INFINITY);
     let table = evaluator.free(candidate.geometry, &values);
     let pairs = table.counts.iter().flatten().zip(target.counts.iter().flatten());
     let same = |(ours, published): &(&f64, &f64)| agrees(**ours, **published);
-    Ok(Found {
-        f,
+    Found {
+        f: geometry.source(&values).to_string(),
         score: Score {
             exact: pairs.filter(|(ours, published)| **ours == Some(**published)).count(),
             cells: target.cells(),
@@ -188,6 +182,6 @@ pub(super) fn explain(
         candidate: candidate.clone(),
         counts: table.counts,
         delta_a: table.delta_a,
-        integral,
-    })
+        integral: geometry.areas().iter().zip(&values).map(|(area, value)| area * value).sum(),
+    }
 }

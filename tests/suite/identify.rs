@@ -309,12 +309,10 @@ fn neighbours_are_distinct_and_described() {
 #[test]
 fn room_ends_where_a_count_changes() {
     let target = published(2);
-    let geometry = &Space::Quadrants.geometries()[0];
     let values = [-6.0, 2.0, 2.0, 2.0];
-    let variant = Variant::default();
-    let map = identifiability(&target, &variant, geometry, &values).unwrap();
+    let mut evaluator = evaluator(&target, &Variant::default());
+    let map = identifiability(&evaluator, &values);
     assert_eq!((map.exact, map.directions.len()), (25, 5));
-    let mut evaluator = evaluator(&target, &variant);
     for breaks in &map.directions {
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let moved = |by: f64| -> Vec<f64> {
@@ -332,7 +330,7 @@ fn room_ends_where_a_count_changes() {
             assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
         }
     }
-    let plane = slice(&target, &variant, geometry, &values, [0, 3], [0.1; 2], 5).unwrap();
+    let plane = slice(&evaluator, &values, [0, 3], [0.1; 2], 5);
     assert_eq!(plane.exact[2][2], 25);
     assert!(plane.exact[0][0] < 25);
 }
