@@ -1,9 +1,9 @@
 //! psi inside the square, by integrals of its gradient along curves from the border.
 
-use super::complex::Complex;
+use super::complex::{Complex, distance};
 use super::curve::{Curve, SAME};
-use super::jumps::Jumps;
-use super::panels::{Place, distance};
+use super::place::{Place, tangent};
+use super::potential::Potential;
 use super::problem::Problem;
 use super::rule::halved;
 use super::sources::Rules;
@@ -22,20 +22,19 @@ pub(super) struct Node {
 impl Problem {
     /// psi at a point, along a straight line from the nearest side.
     pub(super) fn psi(&self, z: Complex, rules: &Rules) -> f64 {
-        let across = z.re.abs() > z.im.abs();
-        let normal = if across { Complex::new(0.0, 1.0) } else { Complex::new(1.0, 0.0) };
-        let line = Curve::Line { normal, offset: normal.dot(z) };
-        let to = normal.turned().dot(z);
-        let from = 0.5_f64.copysign(to);
-        let between =
-            |s: &f64| (s - from).abs().min((s - to).abs()) > SAME && (s - from) * (s - to) < 0.0;
+        let place = Place::of(z);
+        let inwards = tangent(place.corner, place.t).turned();
+        let line = Curve::line(place.point(), inwards);
+        let to = line.local(z).re;
         let crossed = self.jumps.curves.iter().flat_map(|&curve| line.meets(curve));
-        let mut cuts: Vec<f64> = crossed.filter(between).chain([from, to]).collect();
-        cuts.sort_by(|a, b| (a - from).abs().total_cmp(&(b - from).abs()));
-        let mut psi = self.border.value(Place::of(line.at(from)));
+        let mut cuts: Vec<f64> = crossed.filter(|s| (SAME..to - SAME).contains(s)).collect();
+        cuts.sort_by(f64::total_cmp);
+        cuts.insert(0, 0.0);
+        cuts.push(to);
+        let mut psi = self.border.value(place);
         for span in cuts.windows(2) {
             let span = [span[0], span[1]];
-            let ends = span.map(|s| self.jumps.vertex_at(line.at(s)));
+            let ends = span.map(|s| self.jumps.psi.vertex_at(line.at(s)));
             psi = self.along(line, span, ends, psi, rules, |_, _| ());
         }
         psi
@@ -52,11 +51,11 @@ impl Problem {
         rules: &Rules,
         mut take: impl FnMut(&Node, f64),
     ) -> f64 {
-        let pieces = pieces(&self.jumps, curve, span, ends);
+        let pieces = pieces(&self.jumps.psi, curve, span, ends);
         let mut nodes: Vec<Node> =
             pieces.iter().flat_map(|piece| piece.nodes(curve, rules)).collect();
         let points: Vec<Complex> = nodes.iter().map(|node| node.point).collect();
-        for (node, gradient) in nodes.iter_mut().zip(self.psi.gradients(&points)) {
+        for (node, gradient) in nodes.iter_mut().zip(self.jumps.psi.gradients(&points)) {
             node.gradient = gradient;
         }
         let (mut before, way) = (start, (span[1] - span[0]).signum());
@@ -87,8 +86,8 @@ impl Piece {
             let s = if last { b - (b - a) * part } else { a + (b - a) * part };
             Node {
                 point: curve.at(s),
-                normal: curve.normal(s),
-                weight: (b - a).abs() * curve.speed() * slope * w,
+                normal: -curve.direction(s).turned(),
+                weight: (b - a).abs() * slope * w,
                 gradient: Complex::default(),
             }
         })
@@ -96,26 +95,26 @@ impl Piece {
 }
 
 /// The pieces of a part of a curve in order, short where psi is singular.
-fn pieces(jumps: &Jumps, curve: Curve, span: [f64; 2], ends: [Option<usize>; 2]) -> Vec<Piece> {
+fn pieces(psi: &Potential, curve: Curve, span: [f64; 2], ends: [Option<usize>; 2]) -> Vec<Piece> {
     /// Pieces shorter than this are not cut where psi is singular.
     const SHORTEST: f64 = 1e-9;
     /// Longest piece of an arc, as an angle.
     const WIDEST: f64 = 1.6;
-    let own = ends.map(|end| end.map(|v| jumps.vertices[v]));
+    let own = ends.map(|end| end.map(|v| psi.vertices[v]));
     let piece = |part: [f64; 2]| {
         let vertex = |k: usize| ends[k].is_some() && part[k] == span[k];
         Piece { span: part, first: vertex(0), last: vertex(1) }
     };
     let too_long = |part @ [a, b]: [f64; 2]| {
         let Piece { first, last, .. } = piece(part);
-        let length = (b - a).abs() * curve.speed();
+        let length = (b - a).abs();
         let along = [a, 0.5 * (a + b), b].map(|s| curve.at(s));
-        let near = jumps
+        let near = psi
             .singular(along)
             .filter(|&v| !own.contains(&Some(v)))
             .map(|v| distance([along[0], along[2]], v))
             .fold(f64::INFINITY, f64::min);
-        let wide = matches!(curve, Curve::Circle { .. }) && (b - a).abs() > WIDEST;
+        let wide = length * curve.curvature > WIDEST;
         let graded = if first || last { 2.0 } else { 1.0 };
         let near = length > SHORTEST && graded * length > near;
         length > SAME && (near || wide || (first && last))

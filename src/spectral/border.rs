@@ -1,9 +1,9 @@
 //! psi on the border, interpolated: its gradient, a sum of logarithms, is wanted at thousands of points.
 
-use super::complex::Complex;
+use super::complex::{Complex, distance};
 use super::jumps::Jumps;
-use super::panels::{LANES, Place, distance, tangent};
-use super::potential::Potential;
+use super::panels::LANES;
+use super::place::{Place, tangent};
 use super::rule::halved;
 use std::f64::consts::PI;
 
@@ -30,7 +30,7 @@ struct Piece {
 }
 
 impl Border {
-    pub(super) fn new(psi: &Potential, jumps: &Jumps, crossings: &[Place]) -> Self {
+    pub(super) fn new(Jumps { psi, crossings, .. }: &Jumps) -> Self {
         // Of the Chebyshev polynomials at their nodes, node by node.
         let circle: [f64; 4 * TERMS] =
             std::array::from_fn(|k| libm::cos(k as f64 * PI / (2 * TERMS) as f64));
@@ -42,13 +42,13 @@ impl Border {
         let sides = [0, 1, 2, 3].map(|side| {
             let point = |t: f64| Place { corner: side, t }.point();
             let mut breaks = vec![0.0, 1.0];
-            let places = crossings.iter().map(|&place| on_side(place));
+            let places = crossings.iter().map(|place| place.on_side());
             breaks.extend(places.filter(|&(of, _)| of == side).map(|(_, t)| t));
             breaks.sort_by(f64::total_cmp);
             let too_long = |span @ [from, to]: [f64; 2]| {
                 let (length, middle) = (to - from, 0.5 * (from + to));
                 let segment = span.map(point);
-                let mut singular = jumps.singular([from, middle, to].map(point));
+                let mut singular = psi.singular([from, middle, to].map(point));
                 length > SHORTEST && singular.any(|v| length > distance(segment, v))
             };
             let spans: Vec<[f64; 2]> = breaks
@@ -106,7 +106,7 @@ impl Border {
 
     /// The piece with a place.
     fn piece(&self, place: Place) -> &Piece {
-        let (side, t) = on_side(place);
+        let (side, t) = place.on_side();
         let pieces = &self.sides[side as usize];
         &pieces[pieces.partition_point(|piece| piece.to < t).min(pieces.len() - 1)]
     }
@@ -114,12 +114,6 @@ impl Border {
 
 /// Pieces shorter than this are not cut further.
 const SHORTEST: f64 = 1e-6;
-
-/// The side of a place, and the distance from the corner at which it begins.
-pub(super) fn on_side(Place { corner, t }: Place) -> (i32, f64) {
-    let (side, t) = if t < 0.0 { (corner - 1, 1.0 + t) } else { (corner, t) };
-    (side.rem_euclid(4), t)
-}
 
 impl Piece {
     fn new(
@@ -162,7 +156,7 @@ impl Piece {
     /// Where a place of its side is on the piece, from -1 to 1.
     #[inline(always)]
     fn local(&self, place: Place) -> f64 {
-        let (_, t) = on_side(place);
+        let (_, t) = place.on_side();
         ((t - self.from) - (self.to - t)) * self.scale
     }
 
@@ -199,7 +193,7 @@ mod tests {
             "rect(-0.7,0.493,-0.2,0.1)=-5; disc(0.3,0.45,0.049)=4; halfplane(1,0.3,0.2)=2; else=-2",
             "disc(0.5,0.5,0.3)=4; disc(-0.1,0.4,0.099)=-3; else=-1",
         ] {
-            let Problem { psi, border, .. } = Problem::new(&text.parse().unwrap());
+            let Problem { jumps, border, .. } = Problem::new(&text.parse().unwrap());
             let end = border.sides[3].last().unwrap();
             let around: f64 = end.series.iter().map(|c| c[0]).sum();
             assert!(around.abs() < 4e-15, "{text}: once around the border {around}");
@@ -207,7 +201,7 @@ mod tests {
                 (0..4000).map(|k| Place::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5));
             for place in places {
                 let [x, y] = border.at(place.corner, &[place.t; LANES], [1, 2]).map(|s| s[0]);
-                let slope = psi.gradients(&[place.point()])[0];
+                let slope = jumps.psi.gradients(&[place.point()])[0];
                 let error = (Complex::new(x, y) - slope).norm();
                 assert!(error < 2e-14, "{text}, {place:?}: {error}");
             }

@@ -52,10 +52,6 @@ impl Complex {
         self.norm2().sqrt()
     }
 
-    pub(super) fn inverse(self) -> Self {
-        self.conj().scaled(1.0 / self.norm2())
-    }
-
     /// The principal logarithm; finite at zero.
     #[inline(always)]
     pub(super) fn ln(self) -> Self {
@@ -66,6 +62,13 @@ impl Complex {
     pub(super) fn arg(self) -> f64 {
         atan2(self.im, self.re)
     }
+}
+
+/// Distance of a point from a segment.
+pub(super) fn distance([a, b]: [Complex; 2], point: Complex) -> f64 {
+    let along = b - a;
+    let t = along.dot(point - a) / along.norm2();
+    (a + along.scaled(t.clamp(0.0, 1.0)) - point).norm()
 }
 
 impl Add for Complex {

@@ -1,6 +1,7 @@
 //! The contact set: from a grid at first, then corrected where a sign is wrong.
 
-use super::panels::{Ends, Place};
+use super::panels::Ends;
+use super::place::Place;
 use super::sources::Rules;
 use super::trace::{Trace, UNRESOLVED};
 use crate::discrete::contact::reach;

@@ -2,152 +2,151 @@
 
 use super::complex::Complex;
 use crate::problem::region::Region;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at
 /// the limit.
 pub(super) const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// A line or circle.
+/// A line, or a circle anticlockwise, whose points are known by their distance from the origin along it.
+///
+/// Centres and radii would lose digits to cancellation where a large circle is nearly straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Curve {
-    /// The points z with Re(conj(normal) z) = offset, by distance along the normal turned left.
-    Line { normal: Complex, offset: f64 },
-    /// By angle, anticlockwise.
-    Circle { centre: Complex, radius: f64 },
+pub(super) struct Curve {
+    /// A point of it; of a large circle the one nearest to the square.
+    pub origin: Complex,
+    /// The unit tangent at the origin.
+    pub tangent: Complex,
+    /// One over the radius, zero for a line.
+    pub curvature: f64,
 }
 
 impl Curve {
+    pub(super) const fn line(origin: Complex, tangent: Complex) -> Self {
+        Self { origin, tangent, curvature: 0.0 }
+    }
+
     pub(super) fn at(self, s: f64) -> Complex {
-        match self {
-            Self::Line { normal, offset } => normal.scaled(offset) + normal.turned().scaled(s),
-            Self::Circle { centre, radius } => centre + Complex::unit(s).scaled(radius),
-        }
+        let half = Complex::unit(0.5 * self.curvature * s);
+        let chord = if self.curvature == 0.0 { s } else { 2.0 * half.im / self.curvature };
+        self.origin + self.tangent * half.scaled(chord)
     }
 
-    /// The unit normal to the right of the curve.
-    pub(super) fn normal(self, s: f64) -> Complex {
-        match self {
-            Self::Line { normal, .. } => normal,
-            Self::Circle { .. } => Complex::unit(s),
-        }
+    /// The unit tangent.
+    pub(super) fn direction(self, s: f64) -> Complex {
+        self.tangent * Complex::unit(self.curvature * s)
     }
 
-    /// Length per parameter.
-    pub(super) fn speed(self) -> f64 {
-        match self {
-            Self::Line { .. } => 1.0,
-            Self::Circle { radius, .. } => radius,
-        }
+    /// A point in the frame of the origin and the tangent there.
+    #[inline(always)]
+    pub(super) fn local(self, z: Complex) -> Complex {
+        self.tangent.conj() * (z - self.origin)
     }
 
-    /// Parameters at which it meets another curve.
+    /// A point relative to the centre, turned and in radii, which is 1 for a line; and 1 less the square of its size,
+    /// over the curvature: positive to the left of the curve, near it twice the distance.
+    #[inline(always)]
+    pub(super) fn polar(self, z: Complex) -> (Complex, f64) {
+        let local = self.local(z);
+        let polar = Complex::new(1.0 - self.curvature * local.im, self.curvature * local.re);
+        (polar, 2.0 * local.im - self.curvature * local.norm2())
+    }
+
+    /// Distance of a point from the curve, negative to its left.
+    pub(super) fn distance(self, z: Complex) -> f64 {
+        let (polar, power) = self.polar(z);
+        -power / (1.0 + polar.norm())
+    }
+
+    /// Length of a circle.
+    pub(super) fn period(self) -> Option<f64> {
+        (self.curvature > 0.0).then(|| TAU / self.curvature)
+    }
+
+    /// Centre of a circle.
+    pub(super) fn centre(self) -> Option<Complex> {
+        let normal = self.tangent.turned();
+        (self.curvature > 0.0).then(|| self.origin + normal.scaled(1.0 / self.curvature))
+    }
+
+    /// Where it meets another curve. If they overlap by, or lack, less than half of [`SAME`] they touch, as is frequent
+    /// with decimal input.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {
-        match (self, other) {
-            (Self::Line { normal, offset }, Self::Line { normal: n, offset: o }) => {
-                let slope = n.dot(normal.turned());
-                if slope.abs() < 1e-9 {
-                    Vec::new()
-                } else {
-                    vec![(o - offset * n.dot(normal)) / slope]
-                }
-            }
-            (Self::Line { normal, offset }, Self::Circle { centre, radius }) => {
-                let (foot, off) = (normal.turned().dot(centre), offset - normal.dot(centre));
-                half_chord(radius, off, radius).map_or(Vec::new(), |h| vec![foot - h, foot + h])
-            }
-            (Self::Circle { centre, radius }, Self::Line { normal, offset }) => {
-                self.cut(normal, offset - normal.dot(centre), [radius; 2])
-            }
-            (Self::Circle { centre, radius }, Self::Circle { centre: c, radius: r }) => {
-                let to = c - centre;
-                let distance = to.norm();
-                if distance < SAME {
-                    return Vec::new();
-                }
-                let along = 0.5 * (distance + (radius - r) * (radius + r) / distance);
-                self.cut(to.scaled(1.0 / distance), along, [radius, r])
-            }
+        let sign = 1.0_f64.copysign(self.tangent.dot(other.tangent));
+        let (k, l, tangent) = (self.curvature, sign * other.curvature, other.tangent.scaled(sign));
+        // In the frame of this curve the other, in the same direction, is l |w|^2 + 2 Re(conj(b) w) + c = 0. Here
+        // w = u / (1 - i k u / 2) with u = tan(k s / 2) / (k / 2), and a u^2 + 2 Re(b) u + c = 0.
+        let (from, turn) = (other.local(self.origin).scaled(sign), tangent.conj() * self.tangent);
+        let b = turn.conj() * Complex::new(l * from.re, l * from.im - 1.0);
+        let c = l * from.norm2() - 2.0 * from.im;
+        let a = l + k * (b.im + 0.25 * k * c);
+        // The discriminant is the square of the sine of the angle between the curves, this 1 less its cosine, without
+        // cancellation where they are nearly parallel.
+        let versine = turn.im * turn.im / (1.0 + turn.re) + l * turn.cross(from) + 0.5 * k * c;
+        let square = versine * (2.0 - versine);
+        // The difference of the curvatures where curves touch, zero for lines and circles with one centre.
+        let bend = (other.origin - self.origin).scaled(k * l)
+            + (tangent.scaled(k) - self.tangent.scaled(l)).turned();
+        let (bend, parallel) = (bend.norm(), k == l && square < SAME * SAME);
+        if square < -SAME * bend || bend < SAME * (k * l).abs() || parallel {
+            return Vec::new();
         }
-    }
-
-    /// Angles at which a circle meets the line at `along` from its centre in a direction; `radii` are its own and
-    /// that of the circle it meets there.
-    fn cut(self, direction: Complex, along: f64, [radius, other]: [f64; 2]) -> Vec<f64> {
-        let Some(half) = half_chord(radius, along, radius.min(other)) else { return Vec::new() };
-        let (middle, spread) = (direction.arg(), libm::atan2(half, along));
-        [middle - spread, middle + spread].map(|s| s - TAU * (s / TAU).floor()).to_vec()
-    }
-
-    /// How far its points may be off: those of a large circle by rounding errors of its radius.
-    pub(super) fn rounding(self) -> f64 {
-        SAME.max(1e-14 * self.speed())
-    }
-
-    /// Whether a point lies on it.
-    pub(super) fn holds(self, z: Complex) -> bool {
-        let distance = match self {
-            Self::Line { normal, offset } => normal.dot(z) - offset,
-            Self::Circle { centre, radius } => (z - centre).norm() - radius,
+        let touch = square < SAME * bend;
+        let q = -b.re - if touch { 0.0 } else { square.sqrt().copysign(b.re) };
+        let roots = match touch {
+            true if a.abs() > c.abs() => vec![[q, a]],
+            true => vec![[c, q]],
+            false => vec![[q, a], [c, q]],
         };
-        distance.abs() < self.rounding()
+        let parameter = |[top, bottom]: [f64; 2]| match self.period() {
+            None => top / bottom,
+            Some(period) => {
+                let turns = libm::atan2(0.5 * k * top, bottom) / PI;
+                period * (turns - turns.round())
+            }
+        };
+        roots.into_iter().map(parameter).filter(|s| s.is_finite()).collect()
+    }
+
+    /// How far its points may be off: those of a large circle by rounding errors of its radius, as f knows it.
+    pub(super) fn rounding(self) -> f64 {
+        SAME.max(2e-15 * self.period().unwrap_or_default())
+    }
+
+    /// Whether points lie on it.
+    pub(super) fn holds(self, points: [Complex; 3]) -> bool {
+        points.into_iter().all(|z| self.distance(z).abs() < self.rounding())
     }
 
     pub(super) fn same(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::Line { normal, offset }, Self::Line { normal: n, offset: o }) => {
-                (normal - n).norm() < SAME && (offset - o).abs() < SAME
-            }
-            (Self::Circle { centre, radius }, Self::Circle { centre: c, radius: r }) => {
-                (centre - c).norm() < SAME && (radius - r).abs() < SAME
-            }
-            _ => false,
-        }
+        let s = 1.0_f64.min(1.0 / self.curvature);
+        other.holds([-s, 0.0, s].map(|s| self.at(s)))
     }
-}
-
-/// Half a chord `along` from the centre, zero if it cuts off, or lacks, less than [`SAME`] of the smallest circle
-/// there: a tangency, frequent with decimal input. None without points in common.
-fn half_chord(radius: f64, along: f64, smallest: f64) -> Option<f64> {
-    let (square, tangent) = (radius * radius - along * along, smallest * SAME);
-    (square > -tangent).then(|| if square < tangent { 0.0 } else { square.sqrt() })
 }
 
 /// The lines of the sides.
 pub(super) const SIDES: [Curve; 4] = [
-    Curve::Line { normal: Complex::new(1.0, 0.0), offset: -0.5 },
-    Curve::Line { normal: Complex::new(1.0, 0.0), offset: 0.5 },
-    Curve::Line { normal: Complex::new(0.0, 1.0), offset: -0.5 },
-    Curve::Line { normal: Complex::new(0.0, 1.0), offset: 0.5 },
+    Curve::line(Complex::new(-0.5, 0.0), Complex::new(0.0, 1.0)),
+    Curve::line(Complex::new(0.5, 0.0), Complex::new(0.0, 1.0)),
+    Curve::line(Complex::new(0.0, -0.5), Complex::new(1.0, 0.0)),
+    Curve::line(Complex::new(0.0, 0.5), Complex::new(1.0, 0.0)),
 ];
-
-/// The parameters of the points of a line in the closed square, if it meets the inside.
-pub(super) fn in_square(line: Curve) -> Option<[f64; 2]> {
-    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    let (origin, tangent) = (line.at(0.0), line.normal(0.0).turned());
-    for (o, t) in [(origin.re, tangent.re), (origin.im, tangent.im)] {
-        if t.abs() < 1e-15 {
-            if o.abs() >= 0.5 - SAME {
-                return None;
-            }
-            continue;
-        }
-        let (a, b) = ((-0.5 - o) / t, (0.5 - o) / t);
-        (low, high) = (low.max(a.min(b)), high.min(a.max(b)));
-    }
-    (high - low > SAME).then_some([low, high])
-}
 
 /// The curves that bound a region.
 pub(super) fn borders(region: &Region) -> Vec<Curve> {
     if let Region::Disc { centre: [x, y], radius } = *region {
-        return vec![Curve::Circle { centre: Complex::new(x, y), radius }];
+        let centre = Complex::new(x, y);
+        let away = centre.norm();
+        // Into the disc at the point nearest to the square, which matters if the disc is large.
+        let normal =
+            if away > 0.5 * radius { centre.scaled(1.0 / away) } else { Complex::new(1.0, 0.0) };
+        let origin = centre - normal.scaled(radius);
+        return vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }];
     }
-    let line = |[a, b, c]: [f64; 3]| {
-        // One orientation for each line, so that common borders are found to be one.
-        let flip = if a < 0.0 || (a == 0.0 && b < 0.0) { -1.0 } else { 1.0 };
-        let scale = flip / (a * a + b * b).sqrt();
-        Curve::Line { normal: Complex::new(a, b).scaled(scale), offset: c * scale }
+    let side = |[a, b, c]: [f64; 3]| {
+        let normal = Complex::new(a, b);
+        let scale = 1.0 / normal.norm();
+        Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))
     };
-    region.half_planes().into_iter().map(line).collect()
+    region.half_planes().into_iter().map(side).collect()
 }

@@ -3,8 +3,7 @@
 use super::along::Node;
 use super::complex::Complex;
 use super::jumps::{Edge, Jumps};
-use super::panels::Place;
-use super::potential::CORNERS;
+use super::place::{CORNERS, Place, tangent};
 use super::problem::Problem;
 use super::sources::Rules;
 use super::trace::{Point, Trace};
@@ -60,12 +59,12 @@ impl Energies {
     /// What partial integration along the sides leaves at the corners, where psi vanishes but its gradient
     /// does not.
     fn add_corners(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
-        let gradients = problem.psi.gradients(&CORNERS);
+        let gradients = problem.jumps.psi.gradients(&CORNERS);
         for ((k, &z), gradient) in (0..).zip(&CORNERS).zip(gradients) {
             let value = trace.corner_value(k);
             let (_, gradient) = bilinear.less(z, 0.0, gradient);
             for (t, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
-                let tangent = super::panels::tangent(k, t);
+                let tangent = tangent(k, t);
                 let normal = -tangent.turned();
                 self.rellich += sign
                     * value
@@ -76,8 +75,8 @@ impl Energies {
     }
 
     fn add_edges(&mut self, problem: &Problem, bilinear: &Bilinear, rules: &Rules) {
-        let Jumps { edges, vertices, .. } = &problem.jumps;
-        let mut at_vertices: Vec<Option<f64>> = vec![None; vertices.len()];
+        let Jumps { edges, psi, .. } = &problem.jumps;
+        let mut at_vertices: Vec<Option<f64>> = vec![None; psi.vertices.len()];
         let mut waiting: Vec<&Edge> = edges.iter().collect();
         while !waiting.is_empty() {
             // First those with an end where psi is known or on the border.
@@ -98,8 +97,8 @@ impl Energies {
                 let (outward, square) = (point.dot(normal), 0.25 * point.norm2());
                 let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
                     - square * gradient.dot(normal);
-                self.energy += weight * edge.jump() * moment;
-                self.rellich += weight * edge.jump() * outward * psi;
+                self.energy += weight * (left - right) * moment;
+                self.rellich += weight * (left - right) * outward * psi;
             };
             let end = problem.along(edge.curve, span, ends, start, rules, add);
             for (vertex, psi) in ends.into_iter().zip([start, end]) {

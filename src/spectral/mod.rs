@@ -6,19 +6,18 @@
 //! these `2 m` numbers, found by Newton's method, and all errors are those of quadratures of analytic
 //! functions: twelve to sixteen digits of the energy and the ends. At single points of 400 random problems v
 //! has ten digits at least with [`Params::FINER`]; the multiplier `l = dv/dn`, like `s log s` at corners, eight.
-//! Of discs with large radii R rounding leaves less: the energy is off by some `1e-15 R` of itself.
 //!
 //! # Derivation
 //! *A particular solution.* Let psi solve `-Lap psi = f` without boundary conditions. With J the jump
-//! from right to left across an edge with unit tangent t, and a, b its ends seen from z (complex numbers),
+//! from right to left across a straight edge with unit tangent t, and a, b its ends seen from z (complex numbers),
 //! `d = Im(conj(t) a)`,
 //! ```text
 //! grad psi = -(1 / 2 pi) sum over edges of J d t conj(log(b / a)) - beta z / 2,
 //! ```
-//! where beta makes f right at one point. At each vertex the jumps sum to zero, so the ends of edges
+//! where beta makes f right at one point; an arc has two terms more (`potential.rs`). At each vertex the jumps sum to zero, so the ends of edges
 //! contribute harmonic functions outside of the square, which are dropped: f is continued beyond each
 //! side, and psi is analytic up to the border but where a jump meets it. A harmonic polynomial is
-//! subtracted so that grad psi vanishes in the corners (`potential.rs`). On the border it is interpolated, once
+//! subtracted so that grad psi vanishes in the corners. On the border it is interpolated, once
 //! for all contact sets (`border.rs`); psi itself is an integral of it along curves (`along.rs`).
 //!
 //! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)`, K = 1.854.., takes the square to the unit disc, p along the
@@ -73,6 +72,7 @@ mod jumps;
 mod map;
 mod newton;
 mod panels;
+mod place;
 mod potential;
 mod problem;
 mod rule;
@@ -89,7 +89,7 @@ use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::source::Source;
 use complex::Complex;
 use energy::Energies;
-use panels::Place;
+use place::Place;
 use problem::Problem;
 use rayon::prelude::*;
 use search::Found;

@@ -3,7 +3,8 @@
 use super::complex::Complex;
 use super::contact::{SHORTEST, without_short};
 use super::map::Angle;
-use super::panels::{Ends, LANES, Panel, Place};
+use super::panels::{Ends, LANES, Panel};
+use super::place::Place;
 use super::problem::Problem;
 use super::sources::{AtNode, Field, Rules, Sources, Target};
 use crate::discrete::norms::largest;

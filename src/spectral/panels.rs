@@ -1,73 +1,16 @@
 //! Panels of the border: between ends of contact, corners and jumps, short where something is near.
 
-use super::complex::Complex;
+use super::complex::{Complex, distance};
 use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
-use super::potential::CORNERS;
+use super::place::{Place, tangent};
 use super::rule::cut;
 
 /// Panels shorter than this are not cut further.
 const SHORTEST: f64 = 1e-13;
 /// The same for those at a vertex on the border.
 const SHORTEST_AT_VERTEX: f64 = 1e-3;
-
-/// A point of the border: a corner, counted anticlockwise from the lower right one and on after a full
-/// turn, and the distance from it, negative before it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
-    pub corner: i32,
-    pub t: f64,
-}
-
-impl Place {
-    /// The same point seen from its nearest corner.
-    pub(super) fn new(corner: i32, t: f64) -> Self {
-        let corners = (t - 0.5).ceil();
-        Self { corner: corner + corners as i32, t: t - corners }
-    }
-
-    /// The point of the border nearest to `z`, which is on it but for rounding.
-    pub(super) fn of(z: Complex) -> Self {
-        let corner = (0..4)
-            .min_by(|&j, &k| (CORNERS[j] - z).norm2().total_cmp(&(CORNERS[k] - z).norm2()))
-            .expect("a square has corners");
-        let to = z - CORNERS[corner];
-        let (after, before) = (tangent(corner as i32, 1.0), tangent(corner as i32, -1.0));
-        let t = [after.dot(to), before.dot(to)];
-        Self { corner: corner as i32, t: if t[0] > -t[1] { t[0] } else { t[1] } }
-    }
-
-    pub(super) fn distance_from(self, corner: i32) -> f64 {
-        self.t + f64::from(self.corner - corner)
-    }
-
-    /// Length of the border from `other` to here.
-    pub(super) fn after(self, other: Self) -> f64 {
-        self.distance_from(other.corner) - other.t
-    }
-
-    /// The same point, at most one turn after `start`.
-    pub(super) fn following(self, start: Self) -> Self {
-        let turns = (self.after(start) / 4.0).floor() as i32;
-        Self { corner: self.corner - 4 * turns, t: self.t }
-    }
-
-    pub(super) fn point(self) -> Complex {
-        CORNERS[self.corner.rem_euclid(4) as usize] + tangent(self.corner, self.t).scaled(self.t)
-    }
-}
-
-/// Direction of the border, anticlockwise, after a corner (`t` positive) or before it.
-pub(super) fn tangent(corner: i32, t: f64) -> Complex {
-    const TANGENTS: [Complex; 4] = [
-        Complex::new(0.0, 1.0),
-        Complex::new(-1.0, 0.0),
-        Complex::new(0.0, -1.0),
-        Complex::new(1.0, 0.0),
-    ];
-    TANGENTS[(corner - i32::from(t < 0.0)).rem_euclid(4) as usize]
-}
 
 /// What is particular about a point of the border.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,10 +72,6 @@ impl Panel {
 
     pub(super) fn place(&self, t: f64) -> Place {
         Place { corner: self.corner, t }
-    }
-
-    pub(super) fn point(&self, t: f64) -> Complex {
-        CORNERS[self.corner.rem_euclid(4) as usize] + self.tangent.scaled(t)
     }
 
     /// The end of contact at one of its ends, if any.
@@ -259,7 +198,7 @@ fn breaks(ends: &Ends, crossings: &[Place]) -> Vec<(Place, Special)> {
 }
 
 /// The panels, in order from the first end of contact on.
-pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Panel> {
+pub(super) fn panels(ends: &Ends, Jumps { crossings, psi, .. }: &Jumps) -> Vec<Panel> {
     let breaks = breaks(ends, crossings);
     let points: Vec<Complex> = breaks.iter().map(|(place, _)| place.point()).collect();
     let (mut panels, mut arcs, mut contact) = (Vec::new(), 0, ends.arcs() == 0);
@@ -306,7 +245,7 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Pan
                 length > longest * distance(segment, v)
                     && (length > SHORTEST_AT_VERTEX || !at_end(v))
             };
-            (both || jumps.singular(along).any(near)).then_some(middle)
+            (both || psi.singular(along).any(near)).then_some(middle)
         };
         for [a, b] in cut([0.0, all], at) {
             let corner = place(0.5 * (a + b)).corner;
@@ -318,11 +257,4 @@ pub(super) fn panels(ends: &Ends, crossings: &[Place], jumps: &Jumps) -> Vec<Pan
         }
     }
     panels
-}
-
-/// Distance of a point from a segment.
-pub(super) fn distance([a, b]: [Complex; 2], point: Complex) -> f64 {
-    let along = b - a;
-    let t = along.dot(point - a) / along.norm2();
-    (a + along.scaled(t.clamp(0.0, 1.0)) - point).norm()
 }

@@ -1,10 +1,10 @@
 //! What a right-hand side is to the solver, whatever the ends of contact are.
 
-use super::border::{Border, on_side};
+use super::border::Border;
 use super::curve::SAME;
 use super::jumps::Jumps;
-use super::panels::{Ends, Panel, Place, panels, tangent};
-use super::potential::Potential;
+use super::panels::{Ends, Panel, panels};
+use super::place::{Place, tangent};
 use crate::discrete::load::integral;
 use crate::problem::source::Source;
 use std::f64::consts::FRAC_1_PI;
@@ -13,33 +13,27 @@ use std::f64::consts::FRAC_1_PI;
 #[derive(Clone)]
 pub(super) struct Problem {
     pub jumps: Jumps,
-    pub psi: Potential,
     pub border: Border,
     /// Integral of f over the square.
     pub integral: f64,
-    /// Where jumps of f meet the border.
-    crossings: Vec<Place>,
 }
 
 impl Problem {
     pub(super) fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
-        let psi = jumps.potential();
-        let crossings: Vec<Place> = jumps.crossings.iter().map(|&z| Place::of(z)).collect();
-        let border = Border::new(&psi, &jumps, &crossings);
-        Self { jumps, psi, border, integral: integral(f), crossings }
+        Self { border: Border::new(&jumps), integral: integral(f), jumps }
     }
 
     pub(super) fn panels(&self, ends: &Ends) -> Vec<Panel> {
-        panels(ends, &self.crossings, &self.jumps)
+        panels(ends, &self.jumps)
     }
 
     /// f beside a panel of the border, read far from where jumps meet the side, since a circle may leave it slowly,
     /// and at no round fraction, where f may be one of its own.
     pub(super) fn beside(&self, panel: &Panel) -> f64 {
-        let (side, middle) = on_side(panel.place(0.5 * (panel.from + panel.to)));
+        let (side, middle) = panel.place(0.5 * (panel.from + panel.to)).on_side();
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
-        for (of, t) in self.crossings.iter().map(|&place| on_side(place)) {
+        for (of, t) in self.jumps.crossings.iter().map(|place| place.on_side()) {
             match of == side {
                 true if t <= middle => low = low.max(t),
                 true => high = high.min(t),

@@ -2,7 +2,8 @@
 
 use super::Params;
 use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
-use super::panels::{Ends, Place};
+use super::panels::Ends;
+use super::place::Place;
 use super::problem::Problem;
 use super::sources::Rules;
 use super::trace::Trace;

@@ -1,8 +1,9 @@
 //! The solution on the border.
 
-use super::complex::Complex;
+use super::complex::{Complex, distance};
 use super::map::{Angle, corner_angle, to_disc};
-use super::panels::{Ends, LANES, Panel, Place, Special, distance};
+use super::panels::{Ends, LANES, Panel, Special};
+use super::place::Place;
 use super::problem::Problem;
 use super::rule::{halved, interpolation};
 use super::sources::{AtNode, Field, Rules};
@@ -126,7 +127,8 @@ impl Trace {
             let corner = Complex::unit(corner_angle(panel.corner));
             let power = panel.target_power();
             let too_long = |part: [f64; 2]| {
-                let segment = part.map(|x| panel.point(panel.nodes(&[[x, 1.0]], power).t[0]));
+                let segment =
+                    part.map(|x| panel.place(panel.nodes(&[[x, 1.0]], power).t[0]).point());
                 (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12)
             };
             for [from, to] in halved([0.0, 1.0], too_long) {
