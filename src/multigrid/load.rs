@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::buffers::Sums;
 use super::input::Extent;
 use super::layout::{At, rows_per_slab, slab};
 use super::level::Level;
@@ -33,7 +32,7 @@ pub(super) fn take_and_weigh<D: Weighting>(
     let parts = pieces.map(|(piece, ((red, black), (coarse_red, coarse_black)))| {
         let first = 2 * slabs * piece;
         let own = first..first + red.len() / slab;
-        let mut sums = Sums::new(n / 2);
+        let mut row = vec![0.0; n / 2 + 1];
         // The slab before, which the first of the coarser grid needs too.
         let mut before =
             if first > 0 { [vec![0.0; slab], vec![0.0; slab]] } else { [vec![], vec![]] };
@@ -50,7 +49,7 @@ pub(super) fn take_and_weigh<D: Weighting>(
                     None => &before[colour as usize],
                 };
                 let coarse = [coarse_red, coarse_black];
-                let largest = weigh_slabs::<D>(n / 2, of_slab, first / 2, coarse, &mut sums);
+                let largest = weigh_slabs::<D>(n / 2, of_slab, first / 2, coarse, &mut row);
                 let natural = &natural[own.start * per_slab..own.end * per_slab];
                 (Extent::of(natural), largest)
             },
@@ -69,10 +68,10 @@ pub(super) fn weigh<D: Weighting>(fine: &Level, coarse: &mut Level) {
     let n = coarse.n;
     let pieces = pieces(&mut coarse.load, slabs * slab).enumerate();
     let largest = pieces.map(|(piece, (red, black))| {
-        let mut sums = Sums::new(n);
+        let mut row = vec![0.0; n + 1];
         vectorised(
             #[inline(always)]
-            || weigh_slabs::<D>(n, of_slab, piece * slabs, [red, black], &mut sums),
+            || weigh_slabs::<D>(n, of_slab, piece * slabs, [red, black], &mut row),
         )
     });
     coarse.load_scale = largest.reduce(|| 0.0, worse);
@@ -140,22 +139,22 @@ fn take_slabs<D: Weighting>(
 }
 
 /// Slabs of the load of a grid with `n` cells per side, from `first` on: full weighting of that of the finer one,
-/// `finer(colour, s)` its slabs. Returns the largest entry before the division by couplings.
+/// `finer(colour, s)` its slabs; `row` is room for a row. Returns the largest entry before the division by couplings.
 #[inline(always)]
 fn weigh_slabs<'a, D: Weighting>(
     n: usize,
     finer: impl Fn(Colour, usize) -> &'a [f64] + Copy,
     first: usize,
     [red, black]: [&mut [f64]; 2],
-    sums: &mut Sums,
+    row: &mut [f64],
 ) -> f64 {
     let slab = slab::<D>(n);
     let mut largest = Largest::default();
     let slabs = red.chunks_exact_mut(slab).zip(black.chunks_exact_mut(slab));
     for (s, (red, black)) in (first..).zip(slabs) {
         for at in At::of_slab::<D>(n, s) {
-            D::weigh_load(at, finer, sums);
-            let (row, factor) = (&sums.row, coupling::<D>(n) * at.share::<D>());
+            D::weigh_load(at, finer, row);
+            let factor = coupling::<D>(n) * at.share::<D>();
             largest.see(factor, &row[1..n]);
             largest.see(0.5 * factor, &[row[0], row[n]]);
             let halves = [&mut red[at.in_slab()], &mut black[at.in_slab()]];

@@ -4,19 +4,19 @@
 //! follows replaces all red ones; only red residuals are restricted, since black ones vanish after a
 //! half-sweep over the black nodes.
 
-use super::buffers::{Buffers, Sums};
+use super::buffers::Buffers;
 use super::layout::{At, Dimension, mirrored, rows_per_slab, slab};
 use super::rows::{Colour, deinterleave, long_and_short, stride};
 use super::stencil::{Boundary, edges};
 
 /// Full weighting of one slab: what differs between the square and the cube.
 pub trait Weighting: Dimension {
-    /// Full weighting of red residuals into the row `at` of the coarser grid, in natural order. `residuals`
+    /// Full weighting of red residuals into `row`, that `at` of the coarser grid, in natural order. `residuals`
     /// are the slabs below, at and above the coarse one, mirrored at the boundary.
-    fn weigh_residuals(at: At, residuals: [&[f64]; 3], sums: &mut Sums);
+    fn weigh_residuals(at: At, residuals: [&[f64]; 3], row: &mut [f64]);
 
     /// The same of the load of both colours; `load(colour, s)` is a slab of the finer grid.
-    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], sums: &mut Sums);
+    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], row: &mut [f64]);
 }
 
 impl Buffers {
@@ -36,7 +36,7 @@ impl Buffers {
         let beside = |i: usize| [i / 2, i.div_ceil(2)];
         let ([south, north], [below, above]) = (beside(at.r), beside(at.s));
         let [mut even, mut odd] = coarse_row(south, below);
-        let Sums { even: even_sum, odd: odd_sum, .. } = &mut self.sums;
+        let Self { even: even_sum, odd: odd_sum, .. } = self;
         let rest = [(north, below), (south, above), (north, above)];
         let rest = match (south < north, below < above) {
             (false, false) => &rest[..0],
@@ -132,10 +132,10 @@ impl Buffers {
         let own = (emitted - first_coarse) * slab..(emitted - first_coarse + 1) * slab;
         let (red, black) = (&mut red[own.clone()], &mut black[own]);
         for at in At::of_slab::<D>(n / 2, emitted) {
-            D::weigh_residuals(at, residuals, &mut self.sums);
+            D::weigh_residuals(at, residuals, &mut self.row);
             let halves = [&mut red[at.in_slab()], &mut black[at.in_slab()]];
             let [long, short] = long_and_short(at.r + at.s, halves);
-            deinterleave(&self.sums.row, long, short);
+            deinterleave(&self.row, long, short);
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Full weighting on the cube, row by row.
 
 use super::Cube;
-use crate::multigrid::buffers::Sums;
 use crate::multigrid::layout::{At, mirrored};
 use crate::multigrid::rows::Colour;
 use crate::multigrid::transfer::Weighting;
@@ -10,14 +9,14 @@ use crate::multigrid::transfer::Weighting;
 /// distance. The half is the ratio of the couplings on both grids.
 impl Weighting for Cube {
     #[inline(always)]
-    fn weigh_residuals(at: At, residuals: [&[f64]; 3], sums: &mut Sums) {
+    fn weigh_residuals(at: At, residuals: [&[f64]; 3], row: &mut [f64]) {
         let residual = |slab: usize, fine: At| &residuals[slab][fine.in_slab()];
-        weigh_red(&mut sums.row[..at.n + 1], Around::new(at, residual));
+        weigh_red(&mut row[..at.n + 1], Around::new(at, residual));
     }
 
     #[inline(always)]
-    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], sums: &mut Sums) {
-        let row = &mut sums.row[..at.n + 1];
+    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], row: &mut [f64]) {
+        let row = &mut row[..at.n + 1];
         weigh_red(row, Around::new(at, |_, fine| &load(Colour::Red, fine.s)[fine.in_slab()]));
         weigh_black(row, Around::new(at, |_, fine| &load(Colour::Black, fine.s)[fine.in_slab()]));
     }

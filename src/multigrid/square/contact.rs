@@ -67,10 +67,11 @@ struct Interval {
 pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
     let around: Vec<_> = (0..4 * n).map(|p| in_contact[number(n, p)]).collect();
     let intervals = intervals(n, &around);
-    let mut work = in_contact.len() as f64;
+    let (mut work, mut springs) = (in_contact.len() as f64, vec![0.0; 4 * n]);
     for level in levels {
         let cells = level.n;
-        let springs = springs(n, &around, &intervals, cells);
+        let springs = &mut springs[..4 * cells];
+        find_springs(n, &around, &intervals, springs);
         for (p, spring) in springs.iter().enumerate() {
             level.inverse_diagonal[number(cells, p)] = match *spring {
                 0.0 => 0.25,
@@ -83,18 +84,16 @@ pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -
     work
 }
 
-/// Springs of the mirrored stencil on a grid with `cells` cells per side, counter-clockwise.
-fn springs(n: usize, around: &[bool], intervals: &[Interval], cells: usize) -> Vec<f64> {
-    let mut springs = vec![0.0; 4 * cells];
-    if intervals.is_empty() && around[0] {
-        // Without a free node there are no ends.
-        springs.fill(f64::INFINITY);
-    }
+/// Finds the springs of the mirrored stencil on the boundary nodes of a coarser grid, counter-clockwise.
+fn find_springs(n: usize, around: &[bool], intervals: &[Interval], springs: &mut [f64]) {
+    // Without a free node there are no ends.
+    let all_held = intervals.is_empty() && around[0];
+    springs.fill(if all_held { f64::INFINITY } else { 0.0 });
+    let cells = springs.len() / 4;
     let cell = n as f64 / cells as f64;
     for interval in intervals {
-        add_springs(interval.scaled(1.0 / cell), cells, &mut springs);
+        add_springs(interval.scaled(1.0 / cell), cells, springs);
     }
-    springs
 }
 
 /// Number of the boundary node that is the `p`-th counter-clockwise from the corner (0, 0).

@@ -1,31 +1,29 @@
 //! Full weighting on the square, row by row.
 
 use super::Square;
-use crate::multigrid::buffers::Sums;
 use crate::multigrid::layout::{At, mirrored};
 use crate::multigrid::rows::Colour;
 use crate::multigrid::transfer::Weighting;
 
 impl Weighting for Square {
     #[inline(always)]
-    fn weigh_residuals(_: At, [below, middle, above]: [&[f64]; 3], sums: &mut Sums) {
-        weigh_red(&mut sums.row, middle, below, above);
+    fn weigh_residuals(_: At, [below, middle, above]: [&[f64]; 3], row: &mut [f64]) {
+        weigh_red(row, [middle, below, above]);
     }
 
     #[inline(always)]
-    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], sums: &mut Sums) {
+    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], row: &mut [f64]) {
         let middle = 2 * at.s;
         let [below, above] = mirrored(2 * at.n, middle);
-        let [red, black] = [Colour::Red, Colour::Black]
-            .map(|colour| [load(colour, middle), load(colour, below), load(colour, above)]);
-        weigh_red(&mut sums.row, red[0], red[1], red[2]);
-        weigh_black(&mut sums.row, black[0], black[1], black[2]);
+        let rows = |colour: Colour| [middle, below, above].map(|s| load(colour, s));
+        weigh_red(row, rows(Colour::Red));
+        weigh_black(row, rows(Colour::Black));
     }
 }
 
 /// The red part of full weighting: the node itself and a quarter of its four diagonal neighbours.
 #[inline(always)]
-fn weigh_red(coarse: &mut [f64], middle: &[f64], lower: &[f64], upper: &[f64]) {
+fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {
     let half = coarse.len() - 1;
     coarse[0] = middle[0] + 0.5 * (lower[0] + upper[0]);
     coarse[half] = middle[half] + 0.5 * (lower[half - 1] + upper[half - 1]);
@@ -40,7 +38,7 @@ fn weigh_red(coarse: &mut [f64], middle: &[f64], lower: &[f64], upper: &[f64]) {
 
 /// The black part of full weighting: half of the four nearest neighbours.
 #[inline(always)]
-fn weigh_black(coarse: &mut [f64], along: &[f64], below: &[f64], above: &[f64]) {
+fn weigh_black(coarse: &mut [f64], [along, below, above]: [&[f64]; 3]) {
     let half = coarse.len() - 1;
     coarse[0] += 0.5 * (2.0 * along[0] + (below[0] + above[0]));
     coarse[half] += 0.5 * (2.0 * along[half - 1] + (below[half] + above[half]));

@@ -14,7 +14,8 @@ fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> Vec<bool> {
 
 /// `1 / (4 + spring)` counter-clockwise.
 fn inverse_diagonal(n: usize, set: &[bool], cells: usize) -> Vec<f64> {
-    let springs = springs(n, set, &intervals(n, set), cells);
+    let mut springs = vec![0.0; 4 * cells];
+    find_springs(n, set, &intervals(n, set), &mut springs);
     springs.iter().map(|s| if *s < STIFFEST { 1.0 / (4.0 + s) } else { 0.0 }).collect()
 }
 
