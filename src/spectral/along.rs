@@ -5,8 +5,8 @@ use super::curve::{Curve, SAME};
 use super::place::{Place, tangent};
 use super::potential::Potential;
 use super::problem::Problem;
+use super::rule::Rules;
 use super::rule::halved;
-use super::sources::Rules;
 
 /// A node of a quadrature on a curve.
 pub(super) struct Node {

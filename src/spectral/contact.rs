@@ -2,10 +2,15 @@
 
 use super::panels::Ends;
 use super::place::Place;
-use super::sources::Rules;
+use super::rule::Rules;
 use super::trace::{Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
+use crate::discrete::load::{Diagonal, LoadRule, load};
+use crate::discrete::norms::largest;
+use crate::multigrid::square::multigrid;
+use crate::multigrid::{Goal, MultigridParams};
+use crate::problem::source::Source;
 
 /// Arcs and gaps shorter than this are left out.
 pub(super) const SHORTEST: f64 = 2e-6;
@@ -14,11 +19,16 @@ pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
 /// Negative multipliers and values that count, relative to the largest.
 pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
 
-/// The ends of contact of nodal values `y` on a grid: beginnings and ends in turn, none where all of the
-/// border is in contact.
-pub(super) fn from_grid(grid: Grid, y: &[f64]) -> Vec<Place> {
+/// The ends of contact to a cell or so of the grid with `n` cells per side: beginnings and ends in turn, none where all
+/// of the border is in contact; `None` if the load has no negative sum.
+pub(super) fn on_grid(n: usize, f: &Source) -> Option<Vec<Place>> {
+    let grid = Grid::new(n).expect("not below the least");
+    let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
+    // At the ends of contact single nodes have large residuals, which the discretisation error does not feel.
+    let params = MultigridParams { goal: Goal::Kkt(0.05 * largest(&load)), ..Default::default() };
+    let (y, _) = multigrid(n, &load, None, &params, |_| ()).ok()?;
     let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
-    let (n, many) = (grid.cells(), values.len());
+    let many = values.len();
 
     // A corner with f > 0 may be free so near to it that one node says nothing; and a corner alone in
     // contact need not be.
@@ -48,7 +58,7 @@ pub(super) fn from_grid(grid: Grid, y: &[f64]) -> Vec<Place> {
         // Beginnings of contact come first.
         places.rotate_left(1);
     }
-    places
+    Some(places)
 }
 
 /// The contact set of a solution without the points where the multiplier is negative, and with those where v is:

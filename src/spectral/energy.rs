@@ -3,9 +3,9 @@
 use super::along::Node;
 use super::complex::Complex;
 use super::jumps::{Edge, Jumps};
-use super::place::{CORNERS, Place, tangent};
+use super::place::{CORNERS, Place};
 use super::problem::Problem;
-use super::sources::Rules;
+use super::rule::Rules;
 use super::trace::{Point, Trace};
 
 /// Integrals over the border and over the square.
@@ -23,7 +23,6 @@ impl Energies {
     pub(super) fn of(trace: &Trace, problem: &Problem, rules: &Rules) -> Self {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
         energies.add_border(trace, problem, &bilinear);
-        energies.add_corners(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, rules);
         Self { energy: -0.5 * energies.energy, rellich: -0.25 * energies.rellich, ..energies }
     }
@@ -56,24 +55,6 @@ impl Energies {
         }
     }
 
-    /// What partial integration along the sides leaves at the corners, where psi vanishes but its gradient
-    /// does not.
-    fn add_corners(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
-        let gradients = problem.jumps.psi.gradients(&CORNERS);
-        for ((k, &z), gradient) in (0..).zip(&CORNERS).zip(gradients) {
-            let value = trace.corner_value(k);
-            let (_, gradient) = bilinear.less(z, 0.0, gradient);
-            for (t, sign) in [(1.0, -1.0), (-1.0, 1.0)] {
-                let tangent = tangent(k, t);
-                let normal = -tangent.turned();
-                self.rellich += sign
-                    * value
-                    * (z.dot(tangent) * gradient.dot(normal)
-                        - z.dot(normal) * gradient.dot(tangent));
-            }
-        }
-    }
-
     fn add_edges(&mut self, problem: &Problem, bilinear: &Bilinear, rules: &Rules) {
         let Jumps { edges, psi, .. } = &problem.jumps;
         let mut at_vertices: Vec<Option<f64>> = vec![None; psi.vertices.len()];
@@ -83,12 +64,11 @@ impl Energies {
             let known = |end: &Option<usize>| end.is_none_or(|v| at_vertices[v].is_some());
             let next = waiting.iter().position(|edge| edge.ends.iter().any(known));
             let edge = waiting.swap_remove(next.unwrap_or(0));
-            let ([a, b], [first, last]) = (edge.span, edge.ends);
-            let (span, ends) = if known(&last) && !known(&first) {
-                ([b, a], [last, first])
-            } else {
-                ([a, b], [first, last])
-            };
+            let (mut span, mut ends) = (edge.span, edge.ends);
+            if known(&ends[1]) && !known(&ends[0]) {
+                span.reverse();
+                ends.reverse();
+            }
             let from = || problem.psi(edge.curve.at(span[0]), rules);
             let start = ends[0].and_then(|v| at_vertices[v]).unwrap_or_else(from);
             let [left, right] = edge.values;

@@ -81,11 +81,6 @@ mod sources;
 mod trace;
 
 use crate::discrete::contact::ContactArc;
-use crate::discrete::grid::Grid;
-use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::discrete::norms::largest;
-use crate::multigrid::square::multigrid;
-use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::source::Source;
 use complex::Complex;
 use energy::Energies;
@@ -93,8 +88,6 @@ use place::Place;
 use problem::Problem;
 use rayon::prelude::*;
 use search::Found;
-use sources::Rules;
-use trace::Trace;
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,9 +180,7 @@ pub struct Solution {
     /// Newton steps.
     pub steps: usize,
     problem: Problem,
-    ends: Vec<Place>,
-    trace: Trace,
-    rules: Rules,
+    found: Found,
 }
 
 /// v and the multiplier dv/dn at a point of the border.
@@ -220,12 +211,8 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
     }
     let mut error = SpectralError::NoContactSet;
     for n in [64, 256, 1024] {
-        let grid = Grid::new(n).expect("not below the least");
-        let Some(y) = coarse(grid, f) else { continue };
-        let Some(found) = search::search(&problem, contact::from_grid(grid, &y), params, true)
-        else {
-            continue;
-        };
+        let Some(places) = contact::on_grid(n, f) else { continue };
+        let Some(found) = search::search(&problem, places, params, true) else { continue };
         match Solution::checked(&problem, found, None) {
             Err(failed) => error = failed,
             solved => return solved,
@@ -234,24 +221,16 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
     Err(error)
 }
 
-/// Nodal values with contact to a cell or so; `None` if the load has no negative sum.
-fn coarse(grid: Grid, f: &Source) -> Option<Vec<f64>> {
-    let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
-    // At the ends of contact single nodes have large residuals, which the discretisation error does not feel.
-    let params = MultigridParams { goal: Goal::Kkt(0.05 * largest(&load)), ..Default::default() };
-    multigrid(grid.cells(), &load, None, &params, |_| ()).ok().map(|(y, _)| y)
-}
-
 impl Solution {
     fn checked(
         problem: &Problem,
         found: Found,
         before: Option<f64>,
     ) -> Result<Self, SpectralError> {
-        let Found { ends, trace, rules, steps } = found;
-        let Energies { energy, rellich, force } = Energies::of(&trace, problem, &rules);
+        let Found { ends, trace, rules, steps } = &found;
+        let Energies { energy, rellich, force } = Energies::of(trace, problem, rules);
         let integral = problem.integral;
-        let signs = trace.signs(&rules);
+        let signs = trace.signs(rules);
         let [least_multiplier, least_value] = [0, 1].map(|kind| {
             let own = signs.iter().filter(|&&(own, _)| own == kind).map(|&(_, sign)| sign);
             own.min_by(f64::total_cmp).unwrap_or(0.0)
@@ -266,9 +245,8 @@ impl Solution {
         if !checks.pass() {
             return Err(SpectralError::Unchecked(checks));
         }
-        let contact = trace.arcs(&ends, force);
-        let problem = problem.clone();
-        Ok(Self { energy, contact, checks, integral, steps, problem, ends, trace, rules })
+        let (contact, steps, problem) = (trace.arcs(ends, force), *steps, problem.clone());
+        Ok(Self { energy, contact, checks, integral, steps, problem, found })
     }
 
     /// The same problem at another resolution, from the contact set of this solution.
@@ -277,14 +255,14 @@ impl Solution {
     /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight
     /// digits.
     pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
-        let found = search::search(&self.problem, self.ends.clone(), params, false)
+        let found = search::search(&self.problem, self.found.ends.clone(), params, false)
             .ok_or(SpectralError::NoContactSet)?;
         Self::checked(&self.problem, found, Some(self.energy))
     }
 
     /// v and dv/dn at the quadrature nodes of the border, anticlockwise.
     pub fn border(&self) -> impl Iterator<Item = BorderPoint> {
-        self.trace.points.iter().map(|p| {
+        self.found.trace.points.iter().map(|p| {
             let Complex { re, im } = p.place.point();
             let trace::Point { value, multiplier, weight, .. } = *p;
             BorderPoint { point: [re, im], value, multiplier, weight }
@@ -293,18 +271,18 @@ impl Solution {
 
     /// v and dv/dn at a point of the border; dv/dn in a corner is that on one of its sides.
     pub fn on_border(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        self.trace.at(Place::of(Complex::new(x, y)), &self.rules)
+        self.found.trace.at(Place::of(Complex::new(x, y)), &self.found.rules)
     }
 
     /// v in the corners: lower right, upper right, upper left, lower left.
     pub fn corners(&self) -> [f64; 4] {
-        [0, 1, 2, 3].map(|corner| self.trace.corner_value(corner))
+        [0, 1, 2, 3].map(|corner| self.found.trace.corner_value(corner))
     }
 
     /// v at a point inside the square; at a distance d from a corner, to about 1e-16 / d^2.
     pub fn value(&self, x: f64, y: f64) -> f64 {
-        let z = Complex::new(x, y);
-        self.problem.psi(z, &self.rules) + self.trace.harmonic(z, &self.rules)
+        let (z, Found { trace, rules, .. }) = (Complex::new(x, y), &self.found);
+        self.problem.psi(z, rules) + trace.harmonic(z, rules)
     }
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.

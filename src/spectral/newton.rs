@@ -6,7 +6,8 @@ use super::map::Angle;
 use super::panels::{Ends, LANES, Panel};
 use super::place::Place;
 use super::problem::Problem;
-use super::sources::{AtNode, Field, Rules, Sources, Target};
+use super::rule::Rules;
+use super::sources::{AtNode, Field, Sources};
 use crate::discrete::norms::largest;
 use crate::discrete::simd::vectorised;
 
@@ -56,26 +57,22 @@ impl Problem {
             row[many] = -dot(&sources.moment, trig);
         }
         let numbered = field.panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
-        let nodes: Vec<(usize, AtNode)> = numbered
-            .flat_map(|(p, panel)| field.on_panel(p).into_iter().map(|at| (panel.arcs, at)))
+        let nodes: Vec<(&Panel, AtNode)> = numbered
+            .flat_map(|(p, panel)| field.on_panel(p).into_iter().map(move |at| (panel, at)))
             .collect();
-        let of = |gap| nodes.iter().filter(move |(own, _)| *own == gap).map(|(_, at)| at);
+        let of = |gap| nodes.iter().filter(move |(panel, _)| panel.arcs == gap);
         for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-            row[many] = -of(gap).map(|at| at.derivative * at.weight).sum::<f64>();
+            row[many] = -of(gap).map(|(_, at)| at.derivative * at.weight).sum::<f64>();
         }
         for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
-            let [psi, x, y] =
-                self.border.at(place.corner, &[place.t; LANES], [0, 1, 2]).map(|s| s[0]);
-            let gradient = Complex::new(x, y);
-            let target = Target { corner: place.corner, angle: *angle, psi, gradient };
-            let (column, y) = derivatives(sources, &target, &trig, arcs % 2 == 1);
+            let (column, y) = self.derivatives(sources, ends, j, &trig);
             let scale = angle.slope * if relative(&ends.places, j) { place.t } else { 1.0 };
             for (row, d) in system.iter_mut().zip(&column) {
                 row[j] = d * scale;
             }
             for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-                let kernel = |at: &AtNode| {
-                    let [ts, tc] = at.target.angle.seen_from(at.target.corner - place.corner);
+                let kernel = |(panel, at): &(&Panel, AtNode)| {
+                    let [ts, tc] = at.angle.seen_from(panel.corner - place.corner);
                     let (sine, cosine) =
                         (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
                     at.root * at.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
@@ -85,6 +82,32 @@ impl Problem {
             }
         }
         solution(system)
+    }
+
+    /// Derivatives of the moments with respect to the `j`-th end of contact, and Y there.
+    fn derivatives(
+        &self,
+        sources: &Sources,
+        ends: &Ends,
+        j: usize,
+        trig: &[Vec<f64>],
+    ) -> (Vec<f64>, f64) {
+        let (Place { corner, t }, angle) = (ends.places[j], ends.angles[j]);
+        let [x, y] = self.border.at(corner, &[t; LANES], [1, 2]).map(|s| s[0]);
+        let (mut sum, mut cotangents) = (0.0, Vec::with_capacity(sources.tan.len()));
+        for group in &sources.groups {
+            let [es, ec] = angle.seen_from(corner - group.corner);
+            let g = Complex::new(x, y).dot(group.direction);
+            for i in group.range.clone() {
+                let t = sources.tan[i];
+                let local = (sources.moment[i] - g * sources.weight[i]) / (t * ec - es);
+                let cotangent = local * (ec + t * es);
+                sum += if ends.arcs() % 2 == 1 { local } else { cotangent };
+                cotangents.push(cotangent);
+            }
+        }
+        let column = trig.iter().map(|row| 0.25 * dot(&cotangents, row)).collect();
+        (column, sum / std::f64::consts::TAU)
     }
 }
 
@@ -144,25 +167,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
             sums.iter().sum::<f64>() + rest
         },
     )
-}
-
-/// Derivatives of the moments with respect to an end of contact, and Y there.
-fn derivatives(sources: &Sources, end: &Target, trig: &[Vec<f64>], odd: bool) -> (Vec<f64>, f64) {
-    let mut y = 0.0;
-    let mut cotangents = Vec::with_capacity(sources.tan.len());
-    for group in &sources.groups {
-        let [es, ec] = end.angle.seen_from(end.corner - group.corner);
-        let g = end.gradient.dot(group.direction);
-        for i in group.range.clone() {
-            let t = sources.tan[i];
-            let local = (sources.moment[i] - g * sources.weight[i]) / (t * ec - es);
-            let cotangent = local * (ec + t * es);
-            y += if odd { local } else { cotangent };
-            cotangents.push(cotangent);
-        }
-    }
-    let column = trig.iter().map(|row| 0.25 * dot(&cotangents, row)).collect();
-    (column, y / std::f64::consts::TAU)
 }
 
 /// Whether an end is that of a short gap round a corner, which may be exponentially small. A long gap may

@@ -179,17 +179,14 @@ fn breaks(ends: &Ends, crossings: &[Place]) -> Vec<(Place, Special)> {
     let start = ends.start();
     let mut breaks: Vec<(Place, Special)> =
         ends.places.iter().enumerate().map(|(j, &place)| (place, Special::End(j))).collect();
-    let apart = |breaks: &[(Place, Special)], place: Place| {
-        breaks.iter().all(|(other, _)| {
-            let distance = place.after(*other);
-            distance.abs().min((distance - 4.0).abs()).min((distance + 4.0).abs()) > SHORTEST
-        })
+    let apart = |breaks: &[(Place, Special)], z: Complex| {
+        breaks.iter().all(|(other, _)| (other.point() - z).norm() > SHORTEST)
     };
     let corners = (0..4).map(|corner| (Place { corner, t: 0.0 }, Special::Corner));
     let crossings = crossings.iter().map(|&place| (place, Special::Crossing));
     for (place, special) in corners.chain(crossings) {
         let place = place.following(start);
-        if apart(&breaks, place) {
+        if apart(&breaks, place.point()) {
             breaks.push((place, special));
         }
     }

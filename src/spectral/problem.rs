@@ -3,7 +3,7 @@
 use super::border::Border;
 use super::curve::SAME;
 use super::jumps::Jumps;
-use super::panels::{Ends, Panel, panels};
+use super::panels::Panel;
 use super::place::{Place, tangent};
 use crate::discrete::load::integral;
 use crate::problem::source::Source;
@@ -22,10 +22,6 @@ impl Problem {
     pub(super) fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
         Self { border: Border::new(&jumps), integral: integral(f), jumps }
-    }
-
-    pub(super) fn panels(&self, ends: &Ends) -> Vec<Panel> {
-        panels(ends, &self.jumps)
     }
 
     /// f beside a panel of the border, read far from where jumps meet the side, since a circle may leave it slowly,

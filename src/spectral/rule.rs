@@ -1,9 +1,58 @@
 //! Gauss rules on (0, 1), interpolation and integration between their nodes, and where to apply them.
 
+use super::Params;
 use std::f64::consts::PI;
 
+/// Ratio of neighbouring panels towards corners and crossings.
+const RATIO: f64 = 8.0;
+
+/// The rules of one resolution.
+#[derive(Clone)]
+pub(super) struct Rules {
+    /// Nodes of the sources: one more than targets, so that they interlace.
+    pub plain: Vec<[f64; 2]>,
+    /// Nodes of the targets.
+    pub targets: Vec<[f64; 2]>,
+    /// From values at the targets to integrals from the start of the panel to each of them.
+    pub integrals: Vec<f64>,
+    /// Nodes of a graded panel, as fractions of its length from the corner.
+    pub near: Vec<[f64; 2]>,
+}
+
+impl Rules {
+    pub(super) fn new(Params { nodes, levels }: Params) -> Self {
+        let plain = gauss(nodes + 1);
+        let mut near = Vec::with_capacity(plain.len() * (levels as usize + 1));
+        let mut to = 1.0;
+        for level in 0..=levels {
+            let from = if level == levels { 0.0 } else { to / RATIO };
+            near.extend(plain.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]));
+            to = from;
+        }
+        let targets = gauss(nodes);
+        Self { integrals: integration(&targets), targets, plain, near }
+    }
+
+    /// Values at the targets of a piece, by `weights` times their derivatives there, and at its end, from that
+    /// at its start; a reversed piece has its targets counted from its end.
+    pub(super) fn integrate(
+        &self,
+        start: f64,
+        reversed: bool,
+        changes: impl Iterator<Item = f64>,
+    ) -> (Vec<f64>, f64) {
+        let rates: Vec<f64> = changes.zip(&self.targets).map(|(c, &[_, w])| c / w).collect();
+        let total: f64 = rates.iter().zip(&self.targets).map(|(r, &[_, w])| r * w).sum();
+        let value = |row: &[f64]| {
+            let part: f64 = row.iter().zip(&rates).map(|(m, r)| m * r).sum();
+            start + if reversed { total - part } else { part }
+        };
+        (self.integrals.chunks_exact(rates.len()).map(value).collect(), start + total)
+    }
+}
+
 /// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), ascending.
-pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
+fn gauss(n: usize) -> Vec<[f64; 2]> {
     let mut rule = vec![[0.5, 1.0]; n];
     for i in 0..n.div_ceil(2) {
         let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
@@ -57,7 +106,7 @@ pub(super) fn interpolation(rule: &[[f64; 2]], x: &[f64]) -> Vec<f64> {
 }
 
 /// Row by row: the matrix that takes values at Gauss nodes to integrals from 0 to each node.
-pub(super) fn integration(rule: &[[f64; 2]]) -> Vec<f64> {
+fn integration(rule: &[[f64; 2]]) -> Vec<f64> {
     let n = rule.len();
     // A polynomial is its Legendre series, whose coefficients the rule gives exactly.
     let values: Vec<Vec<f64>> = rule.iter().map(|&[x, _]| legendre(n, 2.0 * x - 1.0)).collect();

@@ -5,7 +5,7 @@ use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
 use super::panels::Ends;
 use super::place::Place;
 use super::problem::Problem;
-use super::sources::Rules;
+use super::rule::Rules;
 use super::trace::Trace;
 
 /// A solution at one resolution.

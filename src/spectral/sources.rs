@@ -1,62 +1,13 @@
 //! Quadrature nodes on the border and the Cauchy sums over them.
 
-use super::Params;
 use super::border::Border;
 use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
-use super::panels::{Ends, LANES, Panel, Special};
+use super::panels::{Ends, LANES, Panel, Special, panels};
 use super::problem::Problem;
-use super::rule::{gauss, integration};
+use super::rule::Rules;
 use crate::discrete::simd::vectorised;
 use std::ops::Range;
-
-/// Ratio of neighbouring panels towards corners and crossings.
-const RATIO: f64 = 8.0;
-
-/// The rules of one resolution.
-#[derive(Clone)]
-pub(super) struct Rules {
-    /// Nodes of the sources: one more than targets, so that they interlace.
-    pub plain: Vec<[f64; 2]>,
-    /// Nodes of the targets.
-    pub targets: Vec<[f64; 2]>,
-    /// From values at the targets to integrals from the start of the panel to each of them.
-    pub integrals: Vec<f64>,
-    /// Nodes of a graded panel, as fractions of its length from the corner.
-    near: Vec<[f64; 2]>,
-}
-
-impl Rules {
-    pub(super) fn new(Params { nodes, levels }: Params) -> Self {
-        let plain = gauss(nodes + 1);
-        let mut near = Vec::with_capacity(plain.len() * (levels as usize + 1));
-        let mut to = 1.0;
-        for level in 0..=levels {
-            let from = if level == levels { 0.0 } else { to / RATIO };
-            near.extend(plain.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]));
-            to = from;
-        }
-        let targets = gauss(nodes);
-        Self { integrals: integration(&targets), targets, plain, near }
-    }
-
-    /// Values at the targets of a piece, by `weights` times their derivatives there, and at its end, from that
-    /// at its start; a reversed piece has its targets counted from its end.
-    pub(super) fn integrate(
-        &self,
-        start: f64,
-        reversed: bool,
-        changes: impl Iterator<Item = f64>,
-    ) -> (Vec<f64>, f64) {
-        let rates: Vec<f64> = changes.zip(&self.targets).map(|(c, &[_, w])| c / w).collect();
-        let total: f64 = rates.iter().zip(&self.targets).map(|(r, &[_, w])| r * w).sum();
-        let value = |row: &[f64]| {
-            let part: f64 = row.iter().zip(&rates).map(|(m, r)| m * r).sum();
-            start + if reversed { total - part } else { part }
-        };
-        (self.integrals.chunks_exact(rates.len()).map(value).collect(), start + total)
-    }
-}
 
 /// Sources on consecutive panels.
 #[derive(Default)]
@@ -77,15 +28,6 @@ pub(super) struct Group {
     pub corner: i32,
     pub direction: Complex,
     pub range: Range<usize>,
-}
-
-/// A point of the border with psi and its gradient there.
-#[derive(Clone, Copy)]
-pub(super) struct Target {
-    pub corner: i32,
-    pub angle: Angle,
-    pub psi: f64,
-    pub gradient: Complex,
 }
 
 impl Sources {
@@ -125,12 +67,11 @@ impl Sources {
         });
     }
 
-    /// For each target the sum over a group of weight (grad psi' - grad psi) . e kappa(theta - theta').
+    /// For each target the sum over a group of weight (grad psi' - grad psi) . e kappa(theta - theta'). Fractions are
+    /// brought to one denominator, `JOINED` of them: divisions would take most of the time. One by one, sources that
+    /// coincide with the target are left out.
     #[inline(always)]
-    fn sums(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
-        /// Fractions that are brought to one denominator: divisions would take most of the time. Next to
-        /// corners, where the angles are tiny, products of many more would underflow.
-        const JOINED: usize = 6;
+    fn sums<const JOINED: usize>(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
         let (range, [ts, tc, g]) = (group.range.clone(), targets.seen_from(group));
         let mut sums = [0.0; LANES];
         let weights = self.weight[range.clone()].chunks(JOINED);
@@ -147,23 +88,10 @@ impl Sources {
                 }
             }
             for k in 0..LANES {
-                sums[k] += top[k] / bottom[k];
+                sums[k] += if JOINED == 1 && bottom[k] == 0.0 { 0.0 } else { top[k] / bottom[k] };
             }
         }
         sums
-    }
-
-    /// The same one by one, without sources that coincide with the target.
-    fn sums_apart(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
-        let [ts, tc, g] = targets.seen_from(group);
-        std::array::from_fn(|k| {
-            let term = |i: usize| {
-                let (a, t) = (self.moment[i] - g[k] * self.weight[i], self.tan[i]);
-                let (a, b) = (if odd { a } else { a * (tc[k] + ts[k] * t) }, ts[k] - tc[k] * t);
-                if b == 0.0 { 0.0 } else { a / b }
-            };
-            group.range.clone().map(term).sum()
-        })
     }
 }
 
@@ -210,7 +138,9 @@ pub(super) struct AtNode {
     pub t: f64,
     /// Quadrature weight with respect to the length of the border.
     pub weight: f64,
-    pub target: Target,
+    pub angle: Angle,
+    pub psi: f64,
+    pub gradient: Complex,
     /// (-1)^k |P|^{1/2} times the derivative of the angle along the border.
     pub root: f64,
     /// dv/dn in contact, the derivative of v along the border elsewhere.
@@ -225,7 +155,7 @@ impl<'a> Field<'a> {
         rules: &'a Rules,
         wanted: impl Fn(&Panel) -> bool,
     ) -> Self {
-        let (psi, panels) = (&problem.border, problem.panels(ends));
+        let (psi, panels) = (&problem.border, panels(ends, &problem.jumps));
         let (mut plain, mut graded) = (Sources::default(), Sources::default());
         let mut graded_of = vec![usize::MAX; panels.len()];
         for (panel, of) in panels.iter().zip(&mut graded_of) {
@@ -260,9 +190,9 @@ impl<'a> Field<'a> {
                         let angle = nodes.angle(k);
                         let root = roots[k] * angle.slope;
                         let gradient = Complex::new(x[k], y[k]);
-                        let target = Target { corner: panel.corner, angle, psi: psi[k], gradient };
                         let derivative = -root * sums[k] / std::f64::consts::TAU;
-                        AtNode { t: nodes.t[k], weight: nodes.weight[k], target, root, derivative }
+                        let (t, weight, psi) = (nodes.t[k], nodes.weight[k], psi[k]);
+                        AtNode { t, weight, angle, psi, gradient, root, derivative }
                     }));
                 }
             },
@@ -273,30 +203,21 @@ impl<'a> Field<'a> {
     /// The sums over all sources.
     #[inline(always)]
     fn sums(&self, p: usize, targets: &Block) -> [f64; LANES] {
-        let mut sums = self.sums_by(
-            p,
-            #[inline(always)]
-            |sources, group, odd| sources.sums(group, targets, odd),
-        );
-        if !sums.iter().sum::<f64>().is_finite() {
-            self.sums_apart(p, targets, &mut sums);
-        }
-        sums
+        /// Next to corners, where the angles are tiny, products of many more would underflow.
+        const JOINED: usize = 6;
+        let sums = self.sums_joined::<JOINED>(p, targets);
+        if sums.iter().sum::<f64>().is_finite() { sums } else { self.sums_apart(p, targets) }
     }
 
     /// The sums where sources coincide with targets, on a panel of a few rounding errors: they count for nothing.
     #[cold]
     #[inline(never)]
-    fn sums_apart(&self, p: usize, targets: &Block, sums: &mut [f64; LANES]) {
-        *sums = self.sums_by(p, |sources, group, odd| sources.sums_apart(group, targets, odd));
+    fn sums_apart(&self, p: usize, targets: &Block) -> [f64; LANES] {
+        self.sums_joined::<1>(p, targets)
     }
 
     #[inline(always)]
-    fn sums_by(
-        &self,
-        p: usize,
-        of_group: impl Fn(&Sources, &Group, bool) -> [f64; LANES],
-    ) -> [f64; LANES] {
+    fn sums_joined<const JOINED: usize>(&self, p: usize, targets: &Block) -> [f64; LANES] {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed { (p + 1) % many } else { (p + many - 1) % many };
@@ -313,9 +234,9 @@ impl<'a> Field<'a> {
                 (&self.plain, group)
             };
             let part = if self.ends.arcs() % 2 == 1 {
-                of_group(sources, group, true)
+                sources.sums::<JOINED>(group, targets, true)
             } else {
-                of_group(sources, group, false)
+                sources.sums::<JOINED>(group, targets, false)
             };
             for k in 0..LANES {
                 sums[k] += part[k];

@@ -5,8 +5,8 @@ use super::map::{Angle, corner_angle, to_disc};
 use super::panels::{Ends, LANES, Panel, Special};
 use super::place::Place;
 use super::problem::Problem;
-use super::rule::{halved, interpolation};
-use super::sources::{AtNode, Field, Rules};
+use super::rule::{Rules, halved, interpolation};
+use super::sources::{AtNode, Field};
 use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
 
@@ -51,15 +51,15 @@ impl Trace {
             let first = points.len();
             starts.push(before);
             points.extend(field.on_panel(p).into_iter().map(
-                |AtNode { t, weight, target, derivative, .. }| Point {
+                |AtNode { t, weight, psi, gradient, derivative, .. }| Point {
                     place: panel.place(t),
                     panel: p,
                     weight,
                     value: 0.0,
                     multiplier: if panel.contact { derivative } else { 0.0 },
                     along: if panel.contact { 0.0 } else { derivative },
-                    psi: target.psi,
-                    gradient: target.gradient,
+                    psi,
+                    gradient,
                 },
             ));
             let points = &mut points[first..];
@@ -79,13 +79,6 @@ impl Trace {
         self.panels[self.points[i % self.points.len()].panel].contact
     }
 
-    /// The largest multiplier, and the size of v: in a short gap it is far smaller than inside.
-    fn largest(&self) -> [f64; 2] {
-        let largest =
-            |[l, v]: [f64; 2], p: &Point| [l.max(p.multiplier), v.max(p.value).max(p.psi.abs())];
-        self.points.iter().fold([0.0; 2], largest)
-    }
-
     /// The multiplier by which the contact at the `i`-th point is judged: infinite so near to a corner that gaps are
     /// left out, but for the last such point. Between it and the next a gap may end that is not left out.
     fn judged(&self, i: usize, rules: &Rules) -> f64 {
@@ -100,9 +93,10 @@ impl Trace {
     }
 
     /// Of each point what must not be negative: in contact (0) the multiplier over the largest, elsewhere (1) v over
-    /// its size.
+    /// its size, which is also that of psi: in a short gap v is far smaller than inside.
     pub(super) fn signs(&self, rules: &Rules) -> Vec<(usize, f64)> {
-        let [largest, size] = self.largest();
+        let largest = self.points.iter().map(|p| p.multiplier).fold(0.0, f64::max);
+        let size = self.points.iter().map(|p| p.value.max(p.psi.abs())).fold(0.0, f64::max);
         let sign = |(i, p): (usize, &Point)| match self.in_contact(i) {
             true => (0, self.judged(i, rules) / largest),
             false => (1, p.value / size),
