@@ -1,8 +1,8 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{hash_if_there, is_plain, leftovers, write_atomically};
+use super::files::{hash_if_there, is_plain, leftovers, remove_from, write_atomically};
 use super::{Hashes, Lock, Manifest, Plan, Store, Task, hash};
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -144,10 +144,7 @@ impl Exports {
         written.save(project)?;
         for path in &self.remove {
             let path = project.join(path);
-            fs::remove_file(&path).context("remove", &path)?;
-            // Fails, as it should, at the first folder that still holds something.
-            let folders = path.ancestors().skip(1).take_while(|folder| *folder != project);
-            folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
+            remove_from(project, &path)?;
             written.0.retain(|known, _| project.join(known) != path);
         }
         for (path, hash) in &self.write {

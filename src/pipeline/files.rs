@@ -68,6 +68,15 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
     }
 }
 
+/// Removes a file, and the folders up to `top` that it leaves empty.
+pub(super) fn remove_from(top: &Path, file: &Path) -> Result<()> {
+    fs::remove_file(file).context("remove", file)?;
+    // Fails, as it should, at the first folder that still holds something.
+    let folders = file.ancestors().skip(1).take_while(|folder| *folder != top);
+    folders.map(fs::remove_dir).take_while(io::Result::is_ok).for_each(drop);
+    Ok(())
+}
+
 /// The contents of a file, or of what a link to a file points to; what is neither file nor folder, such as a
 /// pipe, is refused: it may never end.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {

@@ -1,6 +1,6 @@
 //! What the cache holds and nothing refers to.
 
-use super::files::{is_temporary, read_if_there};
+use super::files::{is_temporary, read_if_there, remove_from};
 use super::manifest::{Manifest, is_hash, is_stamp};
 use super::store::{LOCKS, RUNS, STAMPS, Store, believable, list};
 use crate::pipeline::error::{IoContext, Result};
@@ -76,10 +76,7 @@ impl Store {
             garbage.files += 1;
             garbage.bytes += bytes;
             if !dry {
-                fs::remove_file(&path).context("remove", &path)?;
-                // Fails, as it should, at the first folder that still holds something.
-                let folders = path.ancestors().skip(1).take_while(|folder| *folder != self.cache);
-                folders.map(fs::remove_dir).take_while(std::result::Result::is_ok).for_each(drop);
+                remove_from(&self.cache, &path)?;
             }
         }
         garbage.bytes += superseded;
