@@ -6,7 +6,8 @@ use super::jumps::{Edge, Jumps};
 use super::place::{CORNERS, Place};
 use super::problem::Problem;
 use super::rule::Rules;
-use super::trace::{Point, Trace};
+use super::sources::Point;
+use super::trace::Trace;
 
 /// Integrals over the border and over the square.
 #[derive(Clone, Copy, Debug, Default)]

@@ -264,7 +264,7 @@ impl Solution {
     pub fn border(&self) -> impl Iterator<Item = BorderPoint> {
         self.found.trace.points.iter().map(|p| {
             let Complex { re, im } = p.place.point();
-            let trace::Point { value, multiplier, weight, .. } = *p;
+            let (value, multiplier, weight) = (p.value, p.multiplier, p.weight);
             BorderPoint { point: [re, im], value, multiplier, weight }
         })
     }

@@ -7,7 +7,7 @@ use super::panels::{Ends, LANES, Panel};
 use super::place::Place;
 use super::problem::Problem;
 use super::rule::Rules;
-use super::sources::{AtNode, Field, Sources};
+use super::sources::{Field, Point, Sources};
 use crate::discrete::norms::largest;
 use crate::discrete::simd::vectorised;
 
@@ -49,20 +49,18 @@ impl Problem {
         let gaps = gaps(ends);
         let in_gap = |panel: &Panel| !panel.contact && gaps.contains(&panel.arcs);
         let field = Field::new(self, ends, rules, in_gap);
-        let sources = &field.plain;
+        let (sources, panels) = (&field.plain, &field.panels);
         let trig = trigonometric(ends, sources);
         // One row for each equation; the last column is the right-hand side.
         let mut system = vec![vec![0.0; many + 1]; many];
         for (row, trig) in system.iter_mut().zip(&trig) {
             row[many] = -dot(&sources.moment, trig);
         }
-        let numbered = field.panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
-        let nodes: Vec<(&Panel, AtNode)> = numbered
-            .flat_map(|(p, panel)| field.on_panel(p).into_iter().map(move |at| (panel, at)))
-            .collect();
-        let of = |gap| nodes.iter().filter(move |(panel, _)| panel.arcs == gap);
+        let numbered = panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
+        let points: Vec<Point> = numbered.flat_map(|(p, _)| field.on_panel(p)).collect();
+        let of = |gap| points.iter().filter(move |point| panels[point.panel].arcs == gap);
         for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-            row[many] = -of(gap).map(|(_, at)| at.derivative * at.weight).sum::<f64>();
+            row[many] = -of(gap).map(|at| at.along * at.weight).sum::<f64>();
         }
         for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
             let (column, y) = self.derivatives(sources, ends, j, &trig);
@@ -71,8 +69,8 @@ impl Problem {
                 row[j] = d * scale;
             }
             for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-                let kernel = |(panel, at): &(&Panel, AtNode)| {
-                    let [ts, tc] = at.angle.seen_from(panel.corner - place.corner);
+                let kernel = |at: &Point| {
+                    let [ts, tc] = at.angle.seen_from(at.place.corner - place.corner);
                     let (sine, cosine) =
                         (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
                     at.root * at.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine

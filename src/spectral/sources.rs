@@ -4,6 +4,7 @@ use super::border::Border;
 use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
 use super::panels::{Ends, LANES, Panel, Special, panels};
+use super::place::Place;
 use super::problem::Problem;
 use super::rule::Rules;
 use crate::discrete::simd::vectorised;
@@ -132,19 +133,25 @@ pub(super) struct Field<'a> {
     graded_of: Vec<usize>,
 }
 
-/// The solution at a target.
-pub(super) struct AtNode {
-    /// Distance from the panel's corner.
-    pub t: f64,
+/// The solution at a point of the border.
+#[derive(Clone, Copy)]
+pub(super) struct Point {
+    pub place: Place,
+    /// Number of its panel.
+    pub panel: usize,
+    pub angle: Angle,
     /// Quadrature weight with respect to the length of the border.
     pub weight: f64,
-    pub angle: Angle,
     pub psi: f64,
     pub gradient: Complex,
     /// (-1)^k |P|^{1/2} times the derivative of the angle along the border.
     pub root: f64,
-    /// dv/dn in contact, the derivative of v along the border elsewhere.
-    pub derivative: f64,
+    /// v, zero until its derivative is integrated.
+    pub value: f64,
+    /// dv/dn.
+    pub multiplier: f64,
+    /// Derivative of v along the border.
+    pub along: f64,
 }
 
 impl<'a> Field<'a> {
@@ -170,7 +177,7 @@ impl<'a> Field<'a> {
     }
 
     /// The solution at the targets of panel `p`.
-    pub(super) fn on_panel(&self, p: usize) -> Vec<AtNode> {
+    pub(super) fn on_panel(&self, p: usize) -> Vec<Point> {
         let panel = &self.panels[p];
         let mut found = Vec::with_capacity(self.rules.targets.len());
         vectorised(
@@ -189,10 +196,21 @@ impl<'a> Field<'a> {
                     found.extend((0..rule.len()).map(|k| {
                         let angle = nodes.angle(k);
                         let root = roots[k] * angle.slope;
-                        let gradient = Complex::new(x[k], y[k]);
                         let derivative = -root * sums[k] / std::f64::consts::TAU;
-                        let (t, weight, psi) = (nodes.t[k], nodes.weight[k], psi[k]);
-                        AtNode { t, weight, angle, psi, gradient, root, derivative }
+                        let (multiplier, along) =
+                            if panel.contact { (derivative, 0.0) } else { (0.0, derivative) };
+                        Point {
+                            place: panel.place(nodes.t[k]),
+                            panel: p,
+                            angle,
+                            weight: nodes.weight[k],
+                            psi: psi[k],
+                            gradient: Complex::new(x[k], y[k]),
+                            root,
+                            value: 0.0,
+                            multiplier,
+                            along,
+                        }
                     }));
                 }
             },

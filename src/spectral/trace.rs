@@ -6,29 +6,12 @@ use super::panels::{Ends, LANES, Panel, Special};
 use super::place::Place;
 use super::problem::Problem;
 use super::rule::{Rules, halved, interpolation};
-use super::sources::{AtNode, Field};
+use super::sources::{Field, Point};
 use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
 
 /// Gaps that reach no further from a corner are left out: the energy feels the fourth power of that.
 pub(super) const UNRESOLVED: f64 = 1e-4;
-
-/// The solution at a point of the border.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub place: Place,
-    /// Number of its panel.
-    pub panel: usize,
-    /// Quadrature weight with respect to the length of the border.
-    pub weight: f64,
-    pub value: f64,
-    /// dv/dn.
-    pub multiplier: f64,
-    /// Derivative of v along the border.
-    pub along: f64,
-    pub psi: f64,
-    pub gradient: Complex,
-}
 
 /// The solution on the whole border.
 pub(super) struct Trace {
@@ -50,18 +33,7 @@ impl Trace {
         for (p, panel) in panels.iter().enumerate() {
             let first = points.len();
             starts.push(before);
-            points.extend(field.on_panel(p).into_iter().map(
-                |AtNode { t, weight, psi, gradient, derivative, .. }| Point {
-                    place: panel.place(t),
-                    panel: p,
-                    weight,
-                    value: 0.0,
-                    multiplier: if panel.contact { derivative } else { 0.0 },
-                    along: if panel.contact { 0.0 } else { derivative },
-                    psi,
-                    gradient,
-                },
-            ));
+            points.extend(field.on_panel(p));
             let points = &mut points[first..];
             let changes = points.iter().map(|p| p.along * p.weight);
             let (values, end) = rules.integrate(before, panel.reversed, changes);
