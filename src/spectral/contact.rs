@@ -1,8 +1,6 @@
 //! The contact set: from a grid at first, then corrected where a sign is wrong.
 
-use super::panels::Ends;
 use super::place::Place;
-use super::rule::Rules;
 use super::trace::{Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
@@ -63,11 +61,11 @@ pub(super) fn on_grid(n: usize, f: &Source) -> Option<Vec<Place>> {
 
 /// The contact set of a solution without the points where the multiplier is negative, and with those where v is:
 /// the same ends if all signs are right, `None` if no contact is left.
-pub(super) fn corrected(trace: &Trace, ends: &Ends, rules: &Rules) -> Option<Vec<Place>> {
-    let signs = trace.signs(rules);
+pub(super) fn corrected(trace: &Trace) -> Option<Vec<Place>> {
+    let signs = trace.signs();
     let mut wrong: Vec<bool> = signs.iter().map(|&(kind, sign)| sign < -TOLERANCE[kind]).collect();
     if !wrong.contains(&true) {
-        return Some(ends.places.clone());
+        return Some(trace.ends.places.clone());
     }
     let many = wrong.len();
     // Points that are too near to a corner to be judged go with those beside them.
@@ -80,7 +78,7 @@ pub(super) fn corrected(trace: &Trace, ends: &Ends, rules: &Rules) -> Option<Vec
     if !(0..many).any(is) {
         return None;
     }
-    let (mut places, mut known) = (Vec::new(), ends.places.iter());
+    let (mut places, mut known) = (Vec::new(), trace.ends.places.iter());
     for i in 0..many {
         let last = (i + many - 1) % many;
         let end = if was(last) != was(i) { known.next() } else { None };

@@ -21,10 +21,10 @@ pub(super) struct Energies {
 }
 
 impl Energies {
-    pub(super) fn of(trace: &Trace, problem: &Problem, rules: &Rules) -> Self {
+    pub(super) fn of(trace: &Trace, problem: &Problem) -> Self {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
         energies.add_border(trace, problem, &bilinear);
-        energies.add_edges(problem, &bilinear, rules);
+        energies.add_edges(problem, &bilinear, &trace.rules);
         Self { energy: -0.5 * energies.energy, rellich: -0.25 * energies.rellich, ..energies }
     }
 

@@ -87,7 +87,7 @@ use energy::Energies;
 use place::Place;
 use problem::Problem;
 use rayon::prelude::*;
-use search::Found;
+use trace::Trace;
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,7 +180,7 @@ pub struct Solution {
     /// Newton steps.
     pub steps: usize,
     problem: Problem,
-    found: Found,
+    trace: Trace,
 }
 
 /// v and the multiplier dv/dn at a point of the border.
@@ -224,13 +224,12 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
 impl Solution {
     fn checked(
         problem: &Problem,
-        found: Found,
+        (trace, steps): (Trace, usize),
         before: Option<f64>,
     ) -> Result<Self, SpectralError> {
-        let Found { ends, trace, rules, steps } = &found;
-        let Energies { energy, rellich, force } = Energies::of(trace, problem, rules);
+        let Energies { energy, rellich, force } = Energies::of(&trace, problem);
         let integral = problem.integral;
-        let signs = trace.signs(rules);
+        let signs = trace.signs();
         let [least_multiplier, least_value] = [0, 1].map(|kind| {
             let own = signs.iter().filter(|&&(own, _)| own == kind).map(|&(_, sign)| sign);
             own.min_by(f64::total_cmp).unwrap_or(0.0)
@@ -245,8 +244,8 @@ impl Solution {
         if !checks.pass() {
             return Err(SpectralError::Unchecked(checks));
         }
-        let (contact, steps, problem) = (trace.arcs(ends, force), *steps, problem.clone());
-        Ok(Self { energy, contact, checks, integral, steps, problem, found })
+        let (contact, problem) = (trace.arcs(force), problem.clone());
+        Ok(Self { energy, contact, checks, integral, steps, problem, trace })
     }
 
     /// The same problem at another resolution, from the contact set of this solution.
@@ -255,14 +254,14 @@ impl Solution {
     /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight
     /// digits.
     pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
-        let found = search::search(&self.problem, self.found.ends.clone(), params, false)
+        let found = search::search(&self.problem, self.trace.ends.places.clone(), params, false)
             .ok_or(SpectralError::NoContactSet)?;
         Self::checked(&self.problem, found, Some(self.energy))
     }
 
     /// v and dv/dn at the quadrature nodes of the border, anticlockwise.
     pub fn border(&self) -> impl Iterator<Item = BorderPoint> {
-        self.found.trace.points.iter().map(|p| {
+        self.trace.points.iter().map(|p| {
             let Complex { re, im } = p.place.point();
             let (value, multiplier, weight) = (p.value, p.multiplier, p.weight);
             BorderPoint { point: [re, im], value, multiplier, weight }
@@ -271,18 +270,18 @@ impl Solution {
 
     /// v and dv/dn at a point of the border; dv/dn in a corner is that on one of its sides.
     pub fn on_border(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        self.found.trace.at(Place::of(Complex::new(x, y)), &self.found.rules)
+        self.trace.at(Place::of(Complex::new(x, y)))
     }
 
     /// v in the corners: lower right, upper right, upper left, lower left.
     pub fn corners(&self) -> [f64; 4] {
-        [0, 1, 2, 3].map(|corner| self.found.trace.corner_value(corner))
+        [0, 1, 2, 3].map(|corner| self.trace.corner_value(corner))
     }
 
     /// v at a point inside the square; at a distance d from a corner, to about 1e-16 / d^2.
     pub fn value(&self, x: f64, y: f64) -> f64 {
-        let (z, Found { trace, rules, .. }) = (Complex::new(x, y), &self.found);
-        self.problem.psi(z, rules) + trace.harmonic(z, rules)
+        let z = Complex::new(x, y);
+        self.problem.psi(z, &self.trace.rules) + self.trace.harmonic(z)
     }
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.

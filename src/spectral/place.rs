@@ -25,7 +25,7 @@ impl Place {
         Self { corner: corner + corners as i32, t: t - corners }
     }
 
-    /// The point of the border nearest to `z`, which is on it but for rounding.
+    /// The point of the border nearest to `z`.
     pub(super) fn of(z: Complex) -> Self {
         let corner = (0..4)
             .min_by(|&j, &k| (CORNERS[j] - z).norm2().total_cmp(&(CORNERS[k] - z).norm2()))

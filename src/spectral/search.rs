@@ -8,23 +8,15 @@ use super::problem::Problem;
 use super::rule::Rules;
 use super::trace::Trace;
 
-/// A solution at one resolution.
-pub(super) struct Found {
-    pub ends: Vec<Place>,
-    pub trace: Trace,
-    pub rules: Rules,
-    /// Newton steps.
-    pub steps: usize,
-}
-
-/// The solution with all signs right, from a contact set. With `rough` that may be one of a grid: Newton's method finds
-/// six digits first, at a small part of the cost of fourteen, and a single step is left to that with all.
+/// The solution with all signs right, and how many Newton steps it took from a contact set. With `rough` that may be
+/// one of a grid: Newton's method finds six digits first, at a small part of the cost of fourteen, and a single step is
+/// left to that with all.
 pub(super) fn search(
     problem: &Problem,
     mut places: Vec<Place>,
     params: Params,
     rough: bool,
-) -> Option<Found> {
+) -> Option<(Trace, usize)> {
     const ROUGH: Params = Params { nodes: 8, levels: 3 };
     let rough = (rough && params.nodes > ROUGH.nodes).then(|| Rules::new(ROUGH));
     let rules = Rules::new(params);
@@ -32,17 +24,15 @@ pub(super) fn search(
     const ROUNDS: usize = 5;
     let mut steps = 0;
     for _ in 0..ROUNDS {
-        if let Some(rough) = &rough {
-            let (moved, rough_steps) = problem.newton(places, rough, 1e-5)?;
-            (places, steps) = (moved, steps + rough_steps);
+        for (rules, shortest) in rough.iter().map(|rough| (rough, 1e-5)).chain([(&rules, 1e-7)]) {
+            let (moved, more) = problem.newton(places, rules, shortest)?;
+            (places, steps) = (moved, steps + more);
         }
-        let (moved, fine_steps) = problem.newton(places, &rules, 1e-7)?;
-        steps += fine_steps;
-        let ends = Ends::new(without_short(moved, SHORTEST_ROUND_CORNER)?);
-        let trace = Trace::new(problem, &ends, &rules);
-        places = corrected(&trace, &ends, &rules)?;
-        if places == ends.places {
-            return Some(Found { ends: places, trace, rules, steps });
+        let ends = Ends::new(without_short(places, SHORTEST_ROUND_CORNER)?);
+        let trace = Trace::new(problem, ends, &rules);
+        places = corrected(&trace)?;
+        if places == trace.ends.places {
+            return Some((trace, steps));
         }
     }
     None

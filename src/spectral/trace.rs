@@ -15,6 +15,8 @@ pub(super) const UNRESOLVED: f64 = 1e-4;
 
 /// The solution on the whole border.
 pub(super) struct Trace {
+    pub ends: Ends,
+    pub rules: Rules,
     pub panels: Vec<Panel>,
     pub points: Vec<Point>,
     /// v at the starts of the panels.
@@ -22,8 +24,8 @@ pub(super) struct Trace {
 }
 
 impl Trace {
-    pub(super) fn new(problem: &Problem, ends: &Ends, rules: &Rules) -> Self {
-        let field = Field::new(problem, ends, rules, |_| true);
+    pub(super) fn new(problem: &Problem, ends: Ends, rules: &Rules) -> Self {
+        let field = Field::new(problem, &ends, rules, |_| true);
         let panels = &field.panels;
         let n = rules.targets.len();
         let mut points: Vec<Point> = Vec::with_capacity(n * panels.len());
@@ -43,7 +45,7 @@ impl Trace {
                 points.reverse();
             }
         }
-        Self { panels: field.panels, points, starts }
+        Self { panels: field.panels, rules: rules.clone(), ends, points, starts }
     }
 
     /// Whether its `i`-th point, counted around and around, is in contact.
@@ -53,24 +55,24 @@ impl Trace {
 
     /// The multiplier by which the contact at the `i`-th point is judged: infinite so near to a corner that gaps are
     /// left out, but for the last such point. Between it and the next a gap may end that is not left out.
-    fn judged(&self, i: usize, rules: &Rules) -> f64 {
+    fn judged(&self, i: usize) -> f64 {
         let Point { place: Place { corner, t }, multiplier, .. } = self.points[i];
         let many = self.points.len();
         let outwards = (if t > 0.0 { i + 1 } else { i + many - 1 }) % many;
         match [i, outwards].map(|i| self.points[i].place.t.abs() <= UNRESOLVED) {
             [false, _] => multiplier,
-            [true, false] => self.at(Place { corner, t: UNRESOLVED.copysign(t) }, rules)[1],
+            [true, false] => self.at(Place { corner, t: UNRESOLVED.copysign(t) })[1],
             [true, true] => f64::INFINITY,
         }
     }
 
     /// Of each point what must not be negative: in contact (0) the multiplier over the largest, elsewhere (1) v over
     /// its size, which is also that of psi: in a short gap v is far smaller than inside.
-    pub(super) fn signs(&self, rules: &Rules) -> Vec<(usize, f64)> {
+    pub(super) fn signs(&self) -> Vec<(usize, f64)> {
         let largest = self.points.iter().map(|p| p.multiplier).fold(0.0, f64::max);
         let size = self.points.iter().map(|p| p.value.max(p.psi.abs())).fold(0.0, f64::max);
         let sign = |(i, p): (usize, &Point)| match self.in_contact(i) {
-            true => (0, self.judged(i, rules) / largest),
+            true => (0, self.judged(i) / largest),
             false => (1, p.value / size),
         };
         self.points.iter().enumerate().map(sign).collect()
@@ -78,9 +80,9 @@ impl Trace {
 
     /// The harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
     /// are interpolated to parts that are no longer than their distance from `z`.
-    pub(super) fn harmonic(&self, z: Complex, rules: &Rules) -> f64 {
-        let image = to_disc(z);
-        let n = rules.targets.len();
+    pub(super) fn harmonic(&self, z: Complex) -> f64 {
+        let (image, targets) = (to_disc(z), &self.rules.targets);
+        let n = targets.len();
         let harmonic = |p: &Point| p.value - p.psi;
         // Less a constant, so that errors of the quadrature are relative to what is left.
         let mean = self.points.iter().map(harmonic).sum::<f64>() / self.points.len() as f64;
@@ -99,10 +101,10 @@ impl Trace {
             };
             for [from, to] in halved([0.0, 1.0], too_long) {
                 let inside =
-                    rules.targets.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]);
+                    targets.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]);
                 let inside: Vec<[f64; 2]> = inside.collect();
                 let places: Vec<f64> = inside.iter().map(|&[x, _]| x).collect();
-                let matrix = interpolation(&rules.targets, &places);
+                let matrix = interpolation(targets, &places);
                 for (rule, rows) in inside.chunks(LANES).zip(matrix.chunks(LANES * n)) {
                     let nodes = panel.nodes(rule, power);
                     for (k, row) in rows.chunks_exact(n).enumerate() {
@@ -119,7 +121,7 @@ impl Trace {
     }
 
     /// v and dv/dn at a place on the border, interpolated between the points of its panel.
-    pub(super) fn at(&self, place: Place, rules: &Rules) -> [f64; 2] {
+    pub(super) fn at(&self, place: Place) -> [f64; 2] {
         // As seen from the corner of a panel, at most two sides away.
         let seen_from = |panel: &Panel| {
             let corners = (place.corner - panel.corner + 1).rem_euclid(4) - 1;
@@ -141,13 +143,13 @@ impl Trace {
             2 => scale.sqrt(),
             _ => libm::cbrt(scale),
         };
-        let n = rules.targets.len();
+        let n = self.rules.targets.len();
         let point = |k: usize| {
             let k = if panel.reversed { n - 1 - k } else { k };
             let Point { value, multiplier, .. } = self.points[p * n + k];
             [value, multiplier]
         };
-        let row = interpolation(&rules.targets, &[x]);
+        let row = interpolation(&self.rules.targets, &[x]);
         let [value, multiplier] =
             [0, 1].map(|which| row.iter().enumerate().map(|(k, m)| m * point(k)[which]).sum());
         // Better known by integration.
@@ -156,12 +158,12 @@ impl Trace {
     }
 
     /// The contact arcs with their forces; `total` is that on the whole border.
-    pub(super) fn arcs(&self, ends: &[Place], total: f64) -> Vec<ContactArc> {
+    pub(super) fn arcs(&self, total: f64) -> Vec<ContactArc> {
         let point = |place: Place| {
             let Complex { re, im } = place.point();
             [re, im]
         };
-        if ends.is_empty() {
+        if self.ends.places.is_empty() {
             let corner = point(Place { corner: 3, t: 0.0 });
             return vec![ContactArc { from: corner, to: corner, force: total }];
         }
@@ -175,7 +177,7 @@ impl Trace {
             to: point(pair[1]),
             force: force(k + 1),
         };
-        ends.chunks_exact(2).enumerate().map(arc).collect()
+        self.ends.places.chunks_exact(2).enumerate().map(arc).collect()
     }
 
     /// v in a corner.
