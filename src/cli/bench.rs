@@ -66,7 +66,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
 fn open_record() -> Result<(OutputFile, Vec<Peer>)> {
     let path = Project::find(&current_folder()?)?.join(recorded::PATH);
     let peers = match read_if_there(&path)? {
-        Some(text) => Timings::parse(&String::from_utf8_lossy(&text))?.peer,
+        Some(text) => Timings::parse(text)?.peer,
         None => Vec::new(),
     };
     Ok((OutputFile::check(&path)?, peers))

@@ -58,8 +58,10 @@ impl Error {
 /// Reads TOML; `what` names it in messages.
 ///
 /// # Errors
-/// [`Error::Input`] with the line of the mistake.
-pub fn from_toml<T: DeserializeOwned>(what: &str, text: &str) -> Result<T> {
+/// [`Error::Input`] with the line of the mistake, or if the text is not UTF-8.
+pub fn from_toml<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
+    let text = std::str::from_utf8(text.as_ref())
+        .map_err(|_| Error::input(format!("{what} is not UTF-8; save it as UTF-8")))?;
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
         let message = error.message().replace('\n', " ");

@@ -77,10 +77,10 @@ impl Project {
     /// a run that has nothing to do need not parse what tasks of an earlier run have parsed.
     pub(crate) fn check(&self) -> Result<()> {
         if let Some(text) = self.files.get(recorded::PATH) {
-            Timings::parse(&String::from_utf8_lossy(text))?;
+            Timings::parse(text)?;
         }
         if let Some(text) = self.templates.get("book.toml") {
-            from_toml::<toml::Table>("report/book.toml", &String::from_utf8_lossy(text))?;
+            from_toml::<toml::Table>("report/book.toml", text)?;
             report::settings(text).map_err(|error| Error::input(error.to_string()))?;
         }
         Ok(())

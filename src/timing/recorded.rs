@@ -262,7 +262,7 @@ impl Timings {
     ///
     /// # Errors
     /// [`Error::Input`] with the line of the mistake and the remedy.
-    pub fn parse(text: &str) -> Result<Self> {
+    pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
         const REMEDY: &str =
             "correct it, or move the file away; `signorini bench --record` writes a new one";
         let timings: Self =

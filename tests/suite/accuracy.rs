@@ -118,7 +118,7 @@ fn a_quick_bench_has_all_fields_and_its_record_reads_back() {
         assert!(mine.iter().any(close), "{name}");
     }
     let timings: Timings = serde_json::from_value(json).unwrap();
-    assert_eq!(Timings::parse(&timings.to_toml()).unwrap(), timings);
+    assert_eq!(Timings::parse(timings.to_toml()).unwrap(), timings);
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn a_record_keeps_what_was_entered_by_hand() {
     assert!(Timings::parse(&before).unwrap().peer.is_empty());
     project.write(PATH, format!("{before}\n{PEER}"));
     record();
-    let after = Timings::parse(&read()).unwrap();
+    let after = Timings::parse(read()).unwrap();
     assert_eq!((after.peer.len(), &after.peer[0].solver[..]), (1, "other"));
     project.write(PATH, "schema = 1");
     let said = project.run(&["bench", "--record"]);
@@ -150,19 +150,21 @@ fn a_spoilt_record_is_refused_with_line_and_remedy() {
     let good = "schema = 1\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
         load = 0.1\nrepeats = 9\n[bandwidth]\nmegabytes = 8\ntriad = 10\nupdate = 20\n";
     assert!(Timings::parse(good).is_ok());
-    assert_eq!(Timings::parse(&format!("{good}{PEER}")).unwrap().peer.len(), 1);
+    assert_eq!(Timings::parse(format!("{good}{PEER}")).unwrap().peer.len(), 1);
     for (old, new, line, what) in [
         ("triad = 10", "triad = -1", 12, "not a positive number"),
         ("triad = 10", "triad = nan", 12, "not a positive number"),
         ("cores = 2", "cores = \"two\"", 4, "invalid type"),
         ("load = 0.1", "lord = 0.1", 8, "unknown field"),
     ] {
-        let message = Timings::parse(&good.replace(old, new)).unwrap_err().to_string();
+        let message = Timings::parse(good.replace(old, new)).unwrap_err().to_string();
         assert!(message.starts_with(&format!("{PATH}: line {line}: ")), "{message}");
         assert!(message.contains(what) && message.contains("bench --record"), "{message}");
     }
-    let message = Timings::parse(&good.replace("schema = 1", "schema = 2")).unwrap_err();
+    let message = Timings::parse(good.replace("schema = 1", "schema = 2")).unwrap_err();
     assert!(message.to_string().contains("schema 2"), "{message}");
+    let message = Timings::parse(b"schema = 1 # \xff").unwrap_err();
+    assert!(message.to_string().contains("save it as UTF-8"), "{message}");
 }
 
 #[test]

@@ -127,8 +127,7 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
 
 /// The record of times among the files of a task, if it is there.
 pub(super) fn times(inputs: &Inputs) -> Result<Option<Timings>, Failure> {
-    let Some(text) = inputs.files.get(PATH) else { return Ok(None) };
-    Ok(Some(Timings::parse(&String::from_utf8_lossy(text))?))
+    Ok(inputs.files.get(PATH).map(Timings::parse).transpose()?)
 }
 
 fn id(experiment: &str) -> String {

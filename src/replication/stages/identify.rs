@@ -21,7 +21,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     let mut asking = sharing(project, scenes, Output::Identify);
     asking.extend(scenes.iter().copied().filter(own));
     let text = project.files.get(IDENTIFIED).filter(|_| !asking.is_empty());
-    let record = text.map(|text| from_toml(IDENTIFIED, &String::from_utf8_lossy(text)));
+    let record = text.map(|text| from_toml(IDENTIFIED, text));
     let record: Option<Record> = record.transpose()?;
     asking.into_iter().map(|scene| task(project, scene, record.as_ref())).collect()
 }

@@ -39,9 +39,8 @@ pub(super) fn context(
     let shown = problems.iter().zip(&tables);
     let shown = shown.map(|(scene, table)| problem(inputs, &results, scene, table));
     let others = others.iter().map(|scene| other(inputs, scene));
-    let text =
-        String::from_utf8_lossy(inputs.files.get(IDENTIFIED).ok_or("no record of the search")?);
-    let record: Record = from_toml(IDENTIFIED, &text)?;
+    let text = inputs.files.get(IDENTIFIED).ok_or("no record of the search")?;
+    let record: Record = from_toml(IDENTIFIED, text)?;
     let grids: Vec<usize> = problems[0].grids.iter().map(|grid| grid.cells()).collect();
 
     let mut context = Context::new();
