@@ -1,7 +1,7 @@
 //! psi inside the square, by integrals of its gradient along curves from the border.
 
 use super::complex::{Complex, distance};
-use super::curve::{Curve, SAME};
+use super::curve::{Arc, Curve, SAME};
 use super::place::{Place, tangent};
 use super::potential::Potential;
 use super::problem::Problem;
@@ -35,33 +35,30 @@ impl Problem {
         for span in cuts.windows(2) {
             let span = [span[0], span[1]];
             let ends = span.map(|s| self.jumps.psi.vertex_at(line.at(s)));
-            psi = self.along(line, span, ends, psi, rules, |_, _| ());
+            psi = self.along(Arc { curve: line, span, ends }, psi, rules, |_, _| ());
         }
         psi
     }
 
-    /// Gives the nodes on a part of a curve, with psi there. Jumps of f meet it at its ends only, where vertices may
-    /// be. Returns psi at its end, from that at its start.
+    /// Gives the nodes on an arc, with psi there. Jumps of f meet it at its ends only. Returns psi at its end, from that
+    /// at its start.
     pub(super) fn along(
         &self,
-        curve: Curve,
-        span: [f64; 2],
-        ends: [Option<usize>; 2],
+        arc: Arc,
         start: f64,
         rules: &Rules,
         mut take: impl FnMut(&Node, f64),
     ) -> f64 {
-        let pieces = pieces(&self.jumps.psi, curve, span, ends);
-        let mut nodes: Vec<Node> =
-            pieces.iter().flat_map(|piece| piece.nodes(curve, rules)).collect();
+        let pieces = pieces(&self.jumps.psi, arc);
+        let mut nodes: Vec<Node> = pieces.iter().flat_map(|&piece| nodes(piece, rules)).collect();
         let points: Vec<Complex> = nodes.iter().map(|node| node.point).collect();
         for (node, gradient) in nodes.iter_mut().zip(self.jumps.psi.gradients(&points)) {
             node.gradient = gradient;
         }
-        let (mut before, way) = (start, (span[1] - span[0]).signum());
+        let (mut before, way) = (start, (arc.span[1] - arc.span[0]).signum());
         for (piece, nodes) in pieces.iter().zip(nodes.chunks_exact(rules.targets.len())) {
             let changes = nodes.iter().map(|n| way * n.weight * n.gradient.dot(n.normal.turned()));
-            let (values, end) = rules.integrate(before, piece.last, changes);
+            let (values, end) = rules.integrate(before, piece.ends[1].is_some(), changes);
             before = end;
             nodes.iter().zip(values).for_each(|(node, psi)| take(node, psi));
         }
@@ -69,44 +66,30 @@ impl Problem {
     }
 }
 
-/// A piece of a curve, between parameters.
-struct Piece {
-    span: [f64; 2],
-    /// Whether there is a vertex at its start or at its end.
-    first: bool,
-    last: bool,
+/// Nodes on a piece, counted from the vertex at one of its ends, without gradients.
+fn nodes(Arc { curve, span: [a, b], ends }: Arc, rules: &Rules) -> impl Iterator<Item = Node> {
+    let [first, last] = ends.map(|end| end.is_some());
+    rules.targets.iter().map(move |&[x, w]| {
+        let (part, slope) = if first || last { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
+        let s = if last { b - (b - a) * part } else { a + (b - a) * part };
+        Node {
+            point: curve.at(s),
+            normal: -curve.direction(s).turned(),
+            weight: (b - a).abs() * slope * w,
+            gradient: Complex::default(),
+        }
+    })
 }
 
-impl Piece {
-    /// Nodes, counted from the vertex, without gradients.
-    fn nodes(&self, curve: Curve, rules: &Rules) -> impl Iterator<Item = Node> {
-        let ([a, b], last, graded) = (self.span, self.last, self.first || self.last);
-        rules.targets.iter().map(move |&[x, w]| {
-            let (part, slope) = if graded { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
-            let s = if last { b - (b - a) * part } else { a + (b - a) * part };
-            Node {
-                point: curve.at(s),
-                normal: -curve.direction(s).turned(),
-                weight: (b - a).abs() * slope * w,
-                gradient: Complex::default(),
-            }
-        })
-    }
-}
-
-/// The pieces of a part of a curve in order, short where psi is singular.
-fn pieces(psi: &Potential, curve: Curve, span: [f64; 2], ends: [Option<usize>; 2]) -> Vec<Piece> {
+/// The pieces of an arc in order, short where psi is singular, each with one vertex at most.
+fn pieces(psi: &Potential, Arc { curve, span, ends }: Arc) -> Vec<Arc> {
     /// Pieces shorter than this are not cut where psi is singular.
     const SHORTEST: f64 = 1e-9;
     /// Longest piece of an arc, as an angle.
     const WIDEST: f64 = 1.6;
     let own = ends.map(|end| end.map(|v| psi.vertices[v]));
-    let piece = |part: [f64; 2]| {
-        let vertex = |k: usize| ends[k].is_some() && part[k] == span[k];
-        Piece { span: part, first: vertex(0), last: vertex(1) }
-    };
+    let ends_of = |part: [f64; 2]| [0, 1].map(|k| ends[k].filter(|_| part[k] == span[k]));
     let too_long = |part @ [a, b]: [f64; 2]| {
-        let Piece { first, last, .. } = piece(part);
         let length = (b - a).abs();
         let along = [a, 0.5 * (a + b), b].map(|s| curve.at(s));
         let near = psi
@@ -115,10 +98,12 @@ fn pieces(psi: &Potential, curve: Curve, span: [f64; 2], ends: [Option<usize>; 2
             .map(|v| distance([along[0], along[2]], v))
             .fold(f64::INFINITY, f64::min);
         let wide = length * curve.curvature > WIDEST;
-        let graded = if first || last { 2.0 } else { 1.0 };
+        let vertices = ends_of(part).iter().flatten().count();
+        let graded = if vertices > 0 { 2.0 } else { 1.0 };
         let near = length > SHORTEST && graded * length > near;
-        length > SAME && (near || wide || (first && last))
+        length > SAME && (near || wide || vertices == 2)
     };
+    let piece = |span: [f64; 2]| Arc { curve, span, ends: ends_of(span) };
     halved(span, too_long).into_iter().map(piece).collect()
 }
 

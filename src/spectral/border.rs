@@ -30,7 +30,8 @@ struct Piece {
 }
 
 impl Border {
-    pub(super) fn new(Jumps { psi, crossings, .. }: &Jumps) -> Self {
+    pub(super) fn new(jumps: &Jumps) -> Self {
+        let psi = &jumps.psi;
         // Of the Chebyshev polynomials at their nodes, node by node.
         let circle: [f64; 4 * TERMS] =
             std::array::from_fn(|k| libm::cos(k as f64 * PI / (2 * TERMS) as f64));
@@ -41,9 +42,7 @@ impl Border {
         let mut before = 0.0;
         let sides = [0, 1, 2, 3].map(|side| {
             let point = |t: f64| Place { corner: side, t }.point();
-            let mut breaks = vec![0.0, 1.0];
-            let places = crossings.iter().map(|place| place.on_side());
-            breaks.extend(places.filter(|&(of, _)| of == side).map(|(_, t)| t));
+            let mut breaks: Vec<f64> = jumps.crossings_on(side).chain([0.0, 1.0]).collect();
             breaks.sort_by(f64::total_cmp);
             let too_long = |span @ [from, to]: [f64; 2]| {
                 let (length, middle) = (to - from, 0.5 * (from + to));

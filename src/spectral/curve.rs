@@ -2,7 +2,7 @@
 
 use super::complex::Complex;
 use crate::problem::region::Region;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at
 /// the limit.
@@ -94,18 +94,12 @@ impl Curve {
         let touch = square < SAME * bend;
         let q = -b.re - if touch { 0.0 } else { square.sqrt().copysign(b.re) };
         let roots = match touch {
-            true if a.abs() > c.abs() => vec![[q, a]],
-            true => vec![[c, q]],
-            false => vec![[q, a], [c, q]],
+            true if a.abs() > c.abs() => vec![q / a],
+            true => vec![c / q],
+            false => vec![q / a, c / q],
         };
-        let parameter = |[top, bottom]: [f64; 2]| match self.period() {
-            None => top / bottom,
-            Some(period) => {
-                let turns = libm::atan2(0.5 * k * top, bottom) / PI;
-                period * (turns - turns.round())
-            }
-        };
-        roots.into_iter().map(parameter).filter(|s| s.is_finite()).collect()
+        let length = |u: f64| if k == 0.0 { u } else { 2.0 / k * libm::atan(0.5 * k * u) };
+        roots.into_iter().map(length).filter(|s| s.is_finite()).collect()
     }
 
     /// How far its points may be off: those of a large circle by rounding errors of its radius, as f knows it.
@@ -121,6 +115,23 @@ impl Curve {
     pub(super) fn same(self, other: Self) -> bool {
         let s = 1.0_f64.min(1.0 / self.curvature);
         other.holds([-s, 0.0, s].map(|s| self.at(s)))
+    }
+}
+
+/// A part of a curve.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arc {
+    pub curve: Curve,
+    /// Where it begins and ends along the curve; it may go backwards.
+    pub span: [f64; 2],
+    /// Vertices at its ends, if any.
+    pub ends: [Option<usize>; 2],
+}
+
+impl Arc {
+    pub(super) fn reversed(self) -> Self {
+        let ([a, b], [first, last]) = (self.span, self.ends);
+        Self { span: [b, a], ends: [last, first], ..self }
     }
 }
 
@@ -149,4 +160,41 @@ pub(super) fn borders(region: &Region) -> Vec<Curve> {
         Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))
     };
     region.half_planes().into_iter().map(side).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_meet_at_points_of_both() {
+        let disc = |x, y, radius| Region::Disc { centre: [x, y], radius };
+        let regions = [
+            Region::HalfPlane { a: 0.3, b: 0.7, c: 0.1 },
+            Region::HalfPlane { a: -0.7, b: 0.3, c: 0.05 },
+            disc(0.1, -0.2, 0.3),
+            disc(-0.1, 0.1, 0.25),
+            disc(6e4, -8e4, 1e5),
+            disc(0.2, 1e5, 1e5),
+        ];
+        let curves = regions.map(|region| borders(&region)[0]);
+        for (k, l) in (0..36).map(|pair| (pair / 6, pair % 6)).filter(|(k, l)| k != l) {
+            let [found, again] = [[k, l], [l, k]].map(|pair| {
+                let [a, b] = pair.map(|k| curves[k]);
+                let met = a.meets(b);
+                assert_eq!(met.len(), if k.max(l) < 2 { 1 } else { 2 }, "{k} {l}");
+                // Large circles meet far away, too.
+                let points = met.into_iter().map(|s| a.at(s)).filter(|z| z.norm() < 1.0);
+                points.collect::<Vec<Complex>>()
+            });
+            assert!(!found.is_empty() && found.len() == again.len(), "{k} {l}");
+            for z in found {
+                assert!(curves[l].distance(z).abs() < 1e-15, "{k} {l}: {z:?}");
+                assert!(again.iter().any(|&w| (w - z).norm() < 2e-15), "{k} {l}: {z:?}");
+            }
+        }
+        let circle = borders(&disc(0.25, 0.125, 0.25))[0];
+        let [touch] = circle.meets(SIDES[1])[..] else { panic!("one point") };
+        assert!((circle.at(touch) - Complex::new(0.5, 0.125)).norm() < 1e-15);
+    }
 }

@@ -63,16 +63,12 @@ impl Energies {
         while !waiting.is_empty() {
             // First those with an end where psi is known or on the border.
             let known = |end: &Option<usize>| end.is_none_or(|v| at_vertices[v].is_some());
-            let next = waiting.iter().position(|edge| edge.ends.iter().any(known));
-            let edge = waiting.swap_remove(next.unwrap_or(0));
-            let (mut span, mut ends) = (edge.span, edge.ends);
-            if known(&ends[1]) && !known(&ends[0]) {
-                span.reverse();
-                ends.reverse();
-            }
-            let from = || problem.psi(edge.curve.at(span[0]), rules);
-            let start = ends[0].and_then(|v| at_vertices[v]).unwrap_or_else(from);
-            let [left, right] = edge.values;
+            let next = waiting.iter().position(|edge| edge.arc.ends.iter().any(known));
+            let &Edge { arc, values: [left, right] } = waiting.swap_remove(next.unwrap_or(0));
+            let backwards = known(&arc.ends[1]) && !known(&arc.ends[0]);
+            let arc = if backwards { arc.reversed() } else { arc };
+            let from = || problem.psi(arc.curve.at(arc.span[0]), rules);
+            let start = arc.ends[0].and_then(|v| at_vertices[v]).unwrap_or_else(from);
             let add = |&Node { point, normal, weight, gradient }: &Node, psi| {
                 let (psi, gradient) = bilinear.less(point, psi, gradient);
                 let (outward, square) = (point.dot(normal), 0.25 * point.norm2());
@@ -81,8 +77,8 @@ impl Energies {
                 self.energy += weight * (left - right) * moment;
                 self.rellich += weight * (left - right) * outward * psi;
             };
-            let end = problem.along(edge.curve, span, ends, start, rules, add);
-            for (vertex, psi) in ends.into_iter().zip([start, end]) {
+            let end = problem.along(arc, start, rules, add);
+            for (vertex, psi) in arc.ends.into_iter().zip([start, end]) {
                 vertex.into_iter().for_each(|v| at_vertices[v] = Some(psi));
             }
         }

@@ -1,7 +1,7 @@
 //! The curves inside the square across which f jumps.
 
 use super::complex::Complex;
-use super::curve::{Curve, SAME, SIDES, borders};
+use super::curve::{Arc, Curve, SAME, SIDES, borders};
 use super::place::Place;
 use super::potential::Potential;
 use crate::problem::source::Source;
@@ -9,13 +9,9 @@ use crate::problem::source::Source;
 /// A piece of a jump inside the square, between vertices or points of the border.
 #[derive(Clone, Debug)]
 pub(super) struct Edge {
-    pub curve: Curve,
-    /// Where it begins and ends along the curve.
-    pub span: [f64; 2],
+    pub arc: Arc,
     /// f on the left and on the right.
     pub values: [f64; 2],
-    /// Vertices at its ends, none on the border.
-    pub ends: [Option<usize>; 2],
 }
 
 /// All jumps of f inside the square.
@@ -62,15 +58,25 @@ impl Jumps {
         self.f.at([z.re, z.im])
     }
 
+    /// Where edges meet a side, as distances from its beginning.
+    pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
+        let places = self.crossings.iter().map(|place| place.on_side());
+        places.filter(move |&(of, _)| of == side).map(|(_, t)| t)
+    }
+
     fn add(&mut self, curve: Curve) {
         let pieces = self.pieces(curve);
         let closed = pieces.len() == 1 && curve.period().is_some();
         for &(span, values) in &pieces {
-            let Some(values) = values.filter(|[left, right]| left != right) else { continue };
+            let Some(values @ [left, right]) = values else { continue };
+            if left == right {
+                continue;
+            }
             let ends = if closed { [None; 2] } else { span.map(|s| self.meet(curve, s)) };
-            self.edges.push(Edge { curve, span, values, ends });
+            let arc = Arc { curve, span, ends };
+            self.edges.push(Edge { arc, values });
             if curve.period().is_none() {
-                self.psi.add(curve, span, ends, values[0] - values[1]);
+                self.psi.add(arc, left - right);
             }
         }
         if let Some(period) = curve.period() {
@@ -96,16 +102,16 @@ impl Jumps {
         close(&mut arcs, period);
         for (span, jump) in arcs.into_iter().filter(|&(_, jump)| jump != 0.0) {
             if span[1] - span[0] > period - SAME {
-                self.psi.add(circle, span, [None; 2], jump);
+                self.psi.add(Arc { curve: circle, span, ends: [None; 2] }, jump);
                 continue;
             }
             let ends = span.map(|s| self.psi.vertex(circle.at(s)));
-            self.psi.add(circle, span, ends.map(Some), jump);
+            self.psi.add(Arc { curve: circle, span, ends: ends.map(Some) }, jump);
             for (tip, jump) in ends.into_iter().zip([-jump, jump]) {
                 let z = self.psi.vertices[tip];
                 if depth(z) < SAME {
-                    let outwards = Curve::line(z, z.scaled(1.0 / z.norm()));
-                    self.psi.add(outwards, [0.0, 1.0], [Some(tip), None], jump);
+                    let curve = Curve::line(z, z.scaled(1.0 / z.norm()));
+                    self.psi.add(Arc { curve, span: [0.0, 1.0], ends: [Some(tip), None] }, jump);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the border but for its jumps.
 
 use super::complex::Complex;
-use super::curve::{Curve, SAME};
+use super::curve::{Arc, SAME};
 use super::place::CORNERS;
 use crate::discrete::simd::vectorised;
 use std::f64::consts::{PI, TAU};
@@ -19,24 +19,21 @@ use std::f64::consts::{PI, TAU};
 /// is taken less its value `i k s` at the centre, where nu vanishes.
 #[derive(Clone, Default)]
 pub(super) struct Potential {
-    /// Ends of arcs.
+    /// Ends of jumps.
     pub vertices: Vec<Complex>,
-    arcs: Vec<Arc>,
+    jumps: Vec<Jump>,
     /// f less what the jumps make of it.
     background: f64,
     /// Coefficients of p', the polynomial Re p being subtracted.
     gauge: [Complex; 4],
 }
 
-/// A part of a line or circle across which f jumps.
+/// A jump of f along an arc, whose ends are vertices or at infinity, or that is a whole circle.
 #[derive(Clone)]
-struct Arc {
-    curve: Curve,
-    span: [f64; 2],
+struct Jump {
+    arc: Arc,
     /// f on the left less f on the right.
-    jump: f64,
-    /// Vertices at its ends; none at infinity, or if it is a whole circle.
-    ends: [Option<usize>; 2],
+    size: f64,
     /// What ends at infinity contribute to the angle from one end to the other.
     far: f64,
 }
@@ -58,28 +55,23 @@ impl Potential {
     /// The singular points of psi as it is along a piece of a curve, given by its ends and its middle: vertices,
     /// and centres of circles seen from outside, which the piece may touch in one of the three.
     pub(super) fn singular(&self, along: [Complex; 3]) -> impl Iterator<Item = Complex> {
-        let centre = move |arc: &Arc| {
-            let centre = arc.curve.centre()?;
-            along.iter().any(|&z| arc.curve.distance(z) > SAME).then_some(centre)
+        let centre = move |Jump { arc: Arc { curve, .. }, .. }: &Jump| {
+            let centre = curve.centre()?;
+            along.iter().any(|&z| curve.distance(z) > SAME).then_some(centre)
         };
-        let centres = self.arcs.iter().filter_map(centre);
-        self.vertices.iter().copied().chain(centres)
+        self.vertices.iter().copied().chain(self.jumps.iter().filter_map(centre))
     }
 
-    /// Adds a jump along a part of a curve, from and to vertices or infinity, or along a whole circle.
-    pub(super) fn add(
-        &mut self,
-        curve: Curve,
-        span: [f64; 2],
-        ends: [Option<usize>; 2],
-        jump: f64,
-    ) {
-        let (backward, forward) = ((-curve.tangent).arg(), curve.tangent.arg());
-        let far = match ends {
-            _ if curve.curvature > 0.0 => 0.0,
-            [from, to] => to.map_or(forward, |_| 0.0) - from.map_or(backward, |_| 0.0),
+    /// Adds a jump, of the given size.
+    pub(super) fn add(&mut self, arc: Arc, size: f64) {
+        let tangent = arc.curve.tangent;
+        let far = match arc.ends {
+            _ if arc.curve.curvature > 0.0 => 0.0,
+            [from, to] => {
+                to.map_or(tangent.arg(), |_| 0.0) - from.map_or((-tangent).arg(), |_| 0.0)
+            }
         };
-        self.arcs.push(Arc { curve, span, jump, ends, far });
+        self.jumps.push(Jump { arc, size, far });
     }
 
     /// Finds what the jumps leave of f, and the polynomial.
@@ -91,12 +83,12 @@ impl Potential {
         let points: [Complex; 25] = std::array::from_fn(|k| point(k as f64));
         let (logs, mut ratios) = (self.logs(&points), points);
         let mut rest = points.map(f);
-        for arc in &self.arcs {
-            arc.log_ratios(&logs, &mut ratios);
+        for jump in &self.jumps {
+            jump.log_ratios(&logs, &mut ratios);
             for ((rest, z), &ratio) in rest.iter_mut().zip(points).zip(&ratios) {
-                let (_, power) = arc.curve.polar(z);
-                let inside = if power > 0.0 { arc.sweep() } else { 0.0 };
-                *rest -= arc.jump / TAU * (arc.logarithm(ratio, power).im + inside);
+                let (_, power) = jump.arc.curve.polar(z);
+                let inside = if power > 0.0 { jump.sweep() } else { 0.0 };
+                *rest -= jump.size / TAU * (jump.logarithm(ratio, power).im + inside);
             }
         }
         rest.sort_by(f64::total_cmp);
@@ -123,9 +115,9 @@ impl Potential {
                 let mut sums: Vec<Complex> =
                     points.iter().map(|&z| z.scaled(-0.5 * self.background) - gauge(z)).collect();
                 let (logs, mut ratios) = (self.logs(points), points.to_vec());
-                for arc in &self.arcs {
-                    arc.log_ratios(&logs, &mut ratios);
-                    arc.add_gradients(points, &ratios, &mut sums);
+                for jump in &self.jumps {
+                    jump.log_ratios(&logs, &mut ratios);
+                    jump.add_gradients(points, &ratios, &mut sums);
                 }
                 sums
             },
@@ -146,14 +138,14 @@ impl Potential {
     }
 }
 
-impl Arc {
+impl Jump {
     fn length(&self) -> f64 {
-        self.span[1] - self.span[0]
+        self.arc.span[1] - self.arc.span[0]
     }
 
     /// The angle by which the tangent turns.
     fn sweep(&self) -> f64 {
-        self.curve.curvature * self.length()
+        self.arc.curve.curvature * self.length()
     }
 
     /// log(b - z) - log(a - z) for the ends a and b, seen from points z.
@@ -161,7 +153,7 @@ impl Arc {
     fn log_ratios(&self, logs: &[Complex], ratios: &mut [Complex]) {
         let many = ratios.len();
         ratios.fill(Complex::new(0.0, self.far));
-        for (end, sign) in self.ends.into_iter().zip([-1.0, 1.0]) {
+        for (end, sign) in self.arc.ends.into_iter().zip([-1.0, 1.0]) {
             let Some(v) = end else { continue };
             for (ratio, log) in ratios.iter_mut().zip(&logs[v * many..]) {
                 *ratio = *ratio + log.scaled(sign);
@@ -184,7 +176,7 @@ impl Arc {
     fn add_gradients(&self, points: &[Complex], ratios: &[Complex], sums: &mut [Complex]) {
         /// Square of the distance from the centre, in radii, within which the logarithm is a difference of near numbers.
         const NEAR: f64 = 1e-4;
-        let (curve, factor) = (self.curve, self.jump / (2.0 * TAU));
+        let (curve, factor) = (self.arc.curve, self.size / (2.0 * TAU));
         for ((sum, &z), &ratio) in sums.iter_mut().zip(points).zip(ratios) {
             let (nu, power) = curve.polar(z);
             let square = nu.norm2();
@@ -206,7 +198,7 @@ impl Arc {
 
     /// (log(1 - nu/b) - log(1 - nu/a)) / nu, b and a the ends seen like nu.
     fn quotient_near_centre(&self, nu: Complex) -> Complex {
-        let [a, b] = self.span.map(|s| Complex::unit(-self.curve.curvature * s));
+        let [a, b] = self.arc.span.map(|s| Complex::unit(-self.arc.curve.curvature * s));
         let (mut sum, mut pa, mut pb) = (Complex::default(), a, b);
         for k in 1..=9 {
             sum = sum + (pa - pb).scaled(1.0 / f64::from(k));

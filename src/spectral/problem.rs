@@ -28,14 +28,9 @@ impl Problem {
     /// and at no round fraction, where f may be one of its own.
     pub(super) fn beside(&self, panel: &Panel) -> f64 {
         let (side, middle) = panel.place(0.5 * (panel.from + panel.to)).on_side();
-        let (mut low, mut high) = (0.0_f64, 1.0_f64);
-        for (of, t) in self.jumps.crossings.iter().map(|place| place.on_side()) {
-            match of == side {
-                true if t <= middle => low = low.max(t),
-                true => high = high.min(t),
-                false => {}
-            }
-        }
+        let crossings = || self.jumps.crossings_on(side);
+        let low = crossings().filter(|&t| t <= middle).fold(0.0, f64::max);
+        let high = crossings().filter(|&t| t > middle).fold(1.0, f64::min);
         let place = Place { corner: side, t: low + FRAC_1_PI * (high - low) };
         self.jumps.value(place.point() + tangent(side, 1.0).turned().scaled(SAME))
     }

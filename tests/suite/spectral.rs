@@ -187,15 +187,17 @@ fn a_disc_may_touch_a_side_where_a_rectangle_ends() {
 
 #[test]
 fn large_discs_come_close_to_half_planes() {
-    let energy = |region: &str| {
-        let f = format!("quadrant(ul)=-3.4; {region}=-2.9; else=1.26");
+    let energy = |quadrant: &str, region: &str| {
+        let f = format!("quadrant({quadrant})=-3.4; {region}=-2.9; else=1.26");
         solved(&f, Params::default()).energy
     };
-    let (limit, change) = (energy("halfplane(0,1,0)"), 0.014966);
+    let (limit, change) = (energy("ul", "halfplane(0,1,0)"), 0.014966);
     for radius in [1e3, 1e4, 1e5] {
-        let disc = energy(&format!("disc(0.1,-{radius},{radius})"));
+        let disc = energy("ul", &format!("disc(0.1,-{radius},{radius})"));
         // First order in one over the radius; the guaranteed bracket on 1/2048 gives 0.014966 at 1000.
         close(radius * (disc - limit), change, 1e-5);
+        // Turned by a right angle, it has all digits again.
+        close(energy("ll", &format!("disc({radius},0.1,{radius})")), disc, 1e-15);
     }
 }
 
