@@ -5,8 +5,7 @@ use super::curve::{Arc, Curve, SAME};
 use super::place::{Place, tangent};
 use super::potential::Potential;
 use super::problem::Problem;
-use super::rule::Rules;
-use super::rule::halved;
+use super::rule::{Rules, halved};
 
 /// A node of a quadrature on a curve.
 pub(super) struct Node {

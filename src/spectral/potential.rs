@@ -139,13 +139,9 @@ impl Potential {
 }
 
 impl Jump {
-    fn length(&self) -> f64 {
-        self.arc.span[1] - self.arc.span[0]
-    }
-
     /// The angle by which the tangent turns.
     fn sweep(&self) -> f64 {
-        self.arc.curve.curvature * self.length()
+        self.arc.curve.curvature * (self.arc.span[1] - self.arc.span[0])
     }
 
     /// log(b - z) - log(a - z) for the ends a and b, seen from points z.
@@ -176,13 +172,13 @@ impl Jump {
     fn add_gradients(&self, points: &[Complex], ratios: &[Complex], sums: &mut [Complex]) {
         /// Square of the distance from the centre, in radii, within which the logarithm is a difference of near numbers.
         const NEAR: f64 = 1e-4;
-        let (curve, factor) = (self.arc.curve, self.size / (2.0 * TAU));
+        let (Arc { curve, span, .. }, factor) = (self.arc, self.size / (2.0 * TAU));
         for ((sum, &z), &ratio) in sums.iter_mut().zip(points).zip(ratios) {
             let (nu, power) = curve.polar(z);
             let square = nu.norm2();
             let inverse = if square < NEAR { 0.0 } else { power / square };
             let quotient = (self.logarithm(ratio, power) * nu.conj()).scaled(inverse);
-            let rest = nu.turned().scaled(self.length() / square.max(1.0));
+            let rest = nu.turned().scaled((span[1] - span[0]) / square.max(1.0));
             *sum = *sum + curve.tangent * (rest + quotient.conj()).scaled(factor);
         }
         if curve.curvature > 0.0 {
