@@ -38,8 +38,9 @@ impl Jumps {
         let mut curves: Vec<Curve> = Vec::new();
         if let Source::Pieces { pieces, .. } = f {
             for curve in pieces.iter().flat_map(|(region, _)| borders(region)) {
-                // Common borders of two regions are one curve.
-                if !curves.iter().any(|&other| other.same(curve)) {
+                // Common borders of two regions are one curve; that of a disc so small is a point.
+                let is_point = curve.curvature * SAME > 1.0;
+                if !is_point && !curves.iter().any(|&other| other.same(curve)) {
                     curves.push(curve);
                 }
             }
