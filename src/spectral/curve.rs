@@ -146,12 +146,16 @@ pub(super) const SIDES: [Curve; 4] = [
 /// The curves that bound a region.
 pub(super) fn borders(region: &Region) -> Vec<Curve> {
     if let Region::Disc { centre: [x, y], radius } = *region {
-        let centre = Complex::new(x, y);
+        let (centre, small, large) =
+            (Complex::new(x, y), x.abs().min(y.abs()), x.abs().max(y.abs()));
         let away = centre.norm();
-        // Into the disc at the point nearest to the square, which matters if the disc is large.
-        let normal =
-            if away > 0.5 * radius { centre.scaled(1.0 / away) } else { Complex::new(1.0, 0.0) };
-        let origin = centre - normal.scaled(radius);
+        // Of a large disc the point nearest to the square, without cancellation.
+        let nearest = ((large - radius) * (large + radius) + small * small) / (away + radius);
+        let (normal, origin) = if away > 0.5 * radius {
+            (centre.scaled(1.0 / away), centre.scaled(nearest / away))
+        } else {
+            (Complex::new(1.0, 0.0), Complex::new(x - radius, y))
+        };
         return vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }];
     }
     let side = |[a, b, c]: [f64; 3]| {
