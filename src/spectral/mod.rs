@@ -14,11 +14,12 @@
 //! ```text
 //! grad psi = -(1 / 2 pi) sum over edges of J d t conj(log(b / a)) - beta z / 2,
 //! ```
-//! where beta makes f right at one point; an arc has two terms more (`potential.rs`). At each vertex the jumps sum to zero, so the ends of edges
-//! contribute harmonic functions outside of the square, which are dropped: f is continued beyond each
-//! side, and psi is analytic up to the border but where a jump meets it. A harmonic polynomial is
-//! subtracted so that grad psi vanishes in the corners. On the border it is interpolated, once
-//! for all contact sets (`border.rs`); psi itself is an integral of it along curves (`along.rs`).
+//! where beta makes f right at one point; an arc has two terms more (`potential.rs`). At each vertex the
+//! jumps sum to zero, so the ends of edges contribute harmonic functions outside of the square, which are
+//! dropped: f is continued beyond each side, and psi is analytic up to the border but where a jump meets
+//! it. A harmonic polynomial is subtracted so that grad psi vanishes in the corners. On the border it is
+//! interpolated, once for all contact sets (`border.rs`); psi itself is an integral of it along curves
+//! (`along.rs`).
 //!
 //! *The map.* `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)`, K = 1.854.., takes the square to the unit disc, p along the
 //! border to the angle theta (`map.rs`). `h = v - psi` is harmonic there, so that `W = h_theta + i h_r`
