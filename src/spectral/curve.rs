@@ -143,9 +143,12 @@ pub(super) const SIDES: [Curve; 4] = [
     Curve::line(Complex::new(0.0, 0.5), Complex::new(1.0, 0.0)),
 ];
 
-/// The curves that bound a region.
+/// The curves that bound a region; none bounds a disc that is hardly wider than a point.
 pub(super) fn borders(region: &Region) -> Vec<Curve> {
     if let Region::Disc { centre: [x, y], radius } = *region {
+        if radius < 2.0 * SAME {
+            return Vec::new();
+        }
         let (centre, small, large) =
             (Complex::new(x, y), x.abs().min(y.abs()), x.abs().max(y.abs()));
         let away = centre.norm();

@@ -38,9 +38,8 @@ impl Jumps {
         let mut curves: Vec<Curve> = Vec::new();
         if let Source::Pieces { pieces, .. } = f {
             for curve in pieces.iter().flat_map(|(region, _)| borders(region)) {
-                // Common borders of two regions are one curve; that of a disc hardly wider than a point is none.
-                let is_point = 2.0 * SAME * curve.curvature > 1.0;
-                if !is_point && !curves.iter().any(|&other| other.same(curve)) {
+                // Common borders of two regions are one curve.
+                if !curves.iter().any(|&other| other.same(curve)) {
                     curves.push(curve);
                 }
             }

@@ -123,7 +123,7 @@ pub(super) fn cost(timings: &Timings) -> Picture {
         [("multigrid", 1), ("multigrid, two threads", 2)].map(|(label, threads)| {
             let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
             let lines = timings.multigrid.iter().filter(wanted);
-            let points = lines.map(|line| per_unknown((line.cells, line.seconds)));
+            let points = lines.map(|line| (line.unknowns() as f64, line.ns()));
             Curve::new(Marked, label, points)
         })
     };
