@@ -32,44 +32,43 @@ fn avx2<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Numbers that are compared side by side.
-const LANES: usize = 8;
+/// Numbers that are compared side by side: too many for the compiler to write out one by one, after which it would
+/// gather those of several blocks in one vector.
+const LANES: usize = 64;
 
 /// The largest absolute value of many rows, NaN if a number is; kept in independent lanes so that it vectorises.
 ///
 /// As integers the bits of absolute values have the order of the numbers, and those of NaN come last.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Largest([u64; LANES]);
+#[derive(Clone, Copy)]
+pub(crate) struct Largest([i64; LANES]);
+
+impl Default for Largest {
+    fn default() -> Self {
+        Self([0; LANES])
+    }
+}
 
 impl Largest {
     /// Takes `factor` times each number into account.
     #[inline(always)]
     pub(crate) fn see(&mut self, factor: f64, x: &[f64]) {
-        let (chunks, rest) = x.as_chunks::<LANES>();
-        let mut lanes = [0; LANES];
-        for chunk in chunks {
-            for lane in 0..LANES {
-                lanes[lane] = lanes[lane].max((factor * chunk[lane]).abs().to_bits());
+        for block in x.chunks(LANES) {
+            for (largest, value) in self.0.iter_mut().zip(block) {
+                *largest = ((factor * value).abs().to_bits() as i64).max(*largest);
             }
-        }
-        for (lane, value) in rest.iter().enumerate() {
-            lanes[lane] = lanes[lane].max((factor * value).abs().to_bits());
-        }
-        for (largest, lane) in self.0.iter_mut().zip(lanes) {
-            *largest = lane.max(*largest);
         }
     }
 
     /// Takes a number into account.
     #[inline(always)]
     pub(crate) fn put(&mut self, value: f64) {
-        self.0[0] = self.0[0].max(value.abs().to_bits());
+        self.0[0] = self.0[0].max(value.abs().to_bits() as i64);
     }
 
     /// The largest; 0 if there was no number.
     #[inline(always)]
     pub(crate) fn value(self) -> f64 {
-        f64::from_bits(self.0.into_iter().fold(0, u64::max))
+        f64::from_bits(self.0.into_iter().fold(0, i64::max) as u64)
     }
 }
 

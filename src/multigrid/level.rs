@@ -3,7 +3,7 @@
 use super::buffers::Buffers;
 use super::layout::{Dimension, boundary_nodes, nodes, slab};
 use super::rows::{Rows, stride};
-use crate::discrete::simd::Largest;
+use crate::discrete::simd::{Largest, vectorised};
 
 /// Values and load on a grid with `n` cells per side.
 ///
@@ -69,9 +69,14 @@ impl Level {
 
     /// The largest absolute value.
     pub(super) fn max_abs(&self) -> f64 {
-        let mut largest = Largest::default();
-        self.values.iter().for_each(|half| largest.see(1.0, half));
-        largest.value()
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut largest = Largest::default();
+                self.values.iter().for_each(|half| largest.see(1.0, half));
+                largest.value()
+            },
+        )
     }
 }
 
