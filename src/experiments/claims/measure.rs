@@ -33,29 +33,25 @@ struct Case<'a> {
     starts: Vec<Pair>,
 }
 
-/// What is run in one go: lanes that share problem and grids.
-enum Batch {
-    /// All grids in turn under a stopping rule.
-    Nested { problem: usize, rule: StopRule, r: Vec<f64> },
-    /// One grid.
-    Direct { problem: usize, level: usize, runs: Vec<Direct> },
-}
-
-/// A run on one grid to a KKT residual.
-#[derive(Clone, Copy)]
-struct Direct {
-    target: f64,
-    /// `None` for Arrow-Hurwicz, else a place in [`VARIANTS`].
-    variant: Option<usize>,
+/// A run for one r.
+#[derive(Clone, Copy, PartialEq)]
+struct Run {
+    /// Place of the problem in the plan.
+    problem: usize,
+    end: Until,
     r: f64,
 }
 
-/// What was run, with what came out.
-type Results<'a> = [(&'a Batch, Done)];
+/// Where a run takes place, and when it ends.
+#[derive(Clone, Copy, PartialEq)]
+enum Until {
+    /// All grids in turn, under a stopping rule.
+    Rule(StopRule),
+    /// One grid, to a KKT residual; a `variant` is a place in [`VARIANTS`], `None` stands for Arrow-Hurwicz.
+    Kkt { level: usize, target: f64, variant: Option<usize> },
+}
 
-/// What a batch gives: an entry per run, of as many counts as grids were visited.
-type Done = Vec<Vec<Reached>>;
-
+/// What a run comes to on a grid.
 #[derive(Clone, Copy)]
 struct Reached {
     count: Count,
@@ -66,32 +62,33 @@ struct Reached {
 pub(super) fn measure(plan: &Plan) -> Result<Vec<Measured>, String> {
     let cases = plan.problems.par_iter().map(Case::new).collect::<Result<Vec<_>, _>>()?;
     let batches = batches(plan, &cases);
-    let done: Vec<Done> =
-        batches.par_iter().with_max_len(1).map(|batch| batch.run(plan, &cases)).collect();
-    let all: Vec<_> = batches.iter().zip(done).collect();
-    let measured = |(number, case)| Gathered { number, case, plan, all: &all }.measured();
+    let done = batches.par_iter().with_max_len(1);
+    let done: Vec<_> = done.map(|batch| cases[batch[0].problem].run(plan, batch)).collect();
+    let found: Vec<_> = batches.concat().into_iter().zip(done.into_iter().flatten()).collect();
+    let measured = |(number, case)| Gathered { number, case, plan, found: &found }.measured();
     Ok(cases.iter().enumerate().map(measured).collect())
 }
 
-fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
+/// All runs; those of a batch share the problem, and the stopping rule or the grid.
+fn batches(plan: &Plan, cases: &[Case]) -> Vec<Vec<Run>> {
     let swept = plan.r();
     let mut batches = Vec::new();
     for (problem, case) in cases.iter().enumerate() {
+        let with =
+            |end, r: &[f64]| r.iter().map(move |&r| Run { problem, end, r }).collect::<Vec<_>>();
         // The finest grids first: they take longest.
-        for level in (0..case.grids.len()).rev() {
+        for (level, grid) in case.grids.iter().enumerate().rev() {
             let mut runs = Vec::new();
-            let asked = |(_, finest): &&(f64, usize)| case.grids[level].cells() <= *finest;
+            let asked = |(_, finest): &&(f64, usize)| grid.cells() <= *finest;
             for &(target, _) in plan.targets.iter().filter(asked).rev() {
-                runs.extend(swept.iter().map(|&r| Direct { target, variant: None, r }));
-                if case.grids[level].cells() >= plan.compared_from {
-                    for variant in (0..VARIANTS.len()).map(Some) {
-                        let of = |&r: &f64| Direct { target, variant, r };
-                        runs.extend(plan.compared_r.iter().map(of));
-                    }
+                let of = |variant| Until::Kkt { level, target, variant };
+                runs.extend(with(of(None), &swept));
+                if grid.cells() >= plan.compared_from {
+                    let variants = (0..VARIANTS.len()).map(Some);
+                    runs.extend(variants.flat_map(|variant| with(of(variant), &plan.compared_r)));
                 }
             }
-            let batch = |runs: &[Direct]| Batch::Direct { problem, level, runs: runs.to_vec() };
-            batches.extend(runs.chunks(RUNS).map(batch));
+            batches.extend(runs.chunks(RUNS).map(<[Run]>::to_vec));
         }
         for rule in StopRule::ALL {
             let mut r = case.problem.r.clone();
@@ -99,20 +96,10 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Batch> {
                 r.extend(swept.iter().filter(|r| !case.problem.r.contains(r)));
             }
             r.sort_by(f64::total_cmp);
-            let batch = |r: &[f64]| Batch::Nested { problem, rule, r: r.to_vec() };
-            batches.extend(r.chunks(RUNS).map(batch));
+            batches.extend(with(Until::Rule(rule), &r).chunks(RUNS).map(<[Run]>::to_vec));
         }
     }
     batches
-}
-
-impl Batch {
-    fn run(&self, plan: &Plan, cases: &[Case]) -> Done {
-        match self {
-            Self::Nested { problem, rule, r } => cases[*problem].nested(*rule, r),
-            Self::Direct { problem, level, runs } => cases[*problem].direct(plan, *level, runs),
-        }
-    }
 }
 
 impl<'a> Case<'a> {
@@ -137,10 +124,18 @@ impl<'a> Case<'a> {
         Ok(Self { problem, grids, published, solvable, starts })
     }
 
+    /// What each run of a batch comes to, on the grids that it visits.
+    fn run(&self, plan: &Plan, batch: &[Run]) -> Vec<Vec<Reached>> {
+        match batch[0].end {
+            Until::Rule(rule) => self.nested(rule, batch),
+            Until::Kkt { level, .. } => self.direct(plan, level, batch),
+        }
+    }
+
     /// As [`crate::saddle::solve_nested`], for several r.
-    fn nested(&self, rule: StopRule, r: &[f64]) -> Done {
+    fn nested(&self, rule: StopRule, batch: &[Run]) -> Vec<Vec<Reached>> {
         let loads = &self.published[..];
-        let runs: Vec<_> = r.iter().map(|&r| Nested { loads, r, rule }).collect();
+        let runs: Vec<_> = batch.iter().map(|of| Nested { loads, r: of.r, rule }).collect();
         let cap = |_, _| self.problem.max_iterations;
         let ends = run_nested(&self.grids, &runs, self.problem.prolongation, cap, &mut AsDefined);
         let reached = |(k, end): (usize, &End)| {
@@ -149,31 +144,31 @@ impl<'a> Case<'a> {
         ends.iter().map(|ends| ends.iter().enumerate().map(reached).collect()).collect()
     }
 
-    fn direct(&self, plan: &Plan, level: usize, runs: &[Direct]) -> Done {
+    fn direct(&self, plan: &Plan, level: usize, batch: &[Run]) -> Vec<Vec<Reached>> {
         let (grid, load) = (self.grids[level], &self.solvable[level]);
         let scale = largest(load);
-        let job = |of: &Direct| Job {
-            load,
-            start: &self.starts[level],
-            method: of.variant.map_or(Method::ArrowHurwicz, |variant| {
-                VARIANTS[variant].method(plan.weight, 0.1 * of.target * scale)
-            }),
-            r: of.r,
-            goal: Goal::Kkt(of.target),
-            cap: plan.cap,
+        let job = |of: &Run| {
+            let Until::Kkt { target, variant, .. } = of.end else { return None };
+            let method = variant.map_or(Method::ArrowHurwicz, |variant| {
+                VARIANTS[variant].method(plan.weight, 0.1 * target * scale)
+            });
+            let (start, goal) = (&self.starts[level], Goal::Kkt(target));
+            Some(Job { load, start, method, r: of.r, goal, cap: plan.cap })
         };
-        let ends = run(grid, &runs.iter().map(job).collect::<Vec<_>>(), &mut AsDefined);
+        let jobs: Vec<_> = batch.iter().filter_map(job).collect();
+        let ends = run(grid, &jobs, &mut AsDefined);
         ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
     }
 }
 
-/// The counts of a problem, to be gathered from the batches.
+/// The counts of a problem, to be gathered from all runs.
 struct Gathered<'a> {
     /// Place of the problem in the plan.
     number: usize,
     case: &'a Case<'a>,
     plan: &'a Plan,
-    all: &'a Results<'a>,
+    /// What each run came to, on the grids that it visited.
+    found: &'a [(Run, Vec<Reached>)],
 }
 
 impl Gathered<'_> {
@@ -188,29 +183,20 @@ impl Gathered<'_> {
         }
     }
 
-    /// What came out under a stopping rule, grid by grid.
-    fn nested(&self, wanted: StopRule, wanted_r: f64) -> &[Reached] {
-        let of = self.all.iter().find_map(|(batch, done)| match batch {
-            Batch::Nested { problem, rule, r } if *problem == self.number && *rule == wanted => {
-                r.iter().position(|r| *r == wanted_r).map(|k| &done[k][..])
-            }
-            _ => None,
-        });
-        of.expect("every r was run")
+    /// What came out, on each grid visited.
+    fn found(&self, end: Until, r: f64) -> &[Reached] {
+        let wanted = Run { problem: self.number, end, r };
+        let found = self.found.iter().find(|(run, _)| *run == wanted);
+        &found.expect("every r was run").1
     }
 
-    fn direct(&self, wanted: usize, target: f64, variant: Option<usize>, r: f64) -> Count {
-        let wanted_run =
-            |run: &Direct| run.target == target && run.variant == variant && run.r == r;
-        let of = self.all.iter().find_map(|(batch, done)| match batch {
-            Batch::Direct { problem, level, runs }
-                if *problem == self.number && *level == wanted =>
-            {
-                runs.iter().position(wanted_run).map(|k| done[k][0].count)
-            }
-            _ => None,
-        });
-        of.expect("every r was run")
+    /// What came out under a stopping rule, grid by grid.
+    fn nested(&self, rule: StopRule, r: f64) -> &[Reached] {
+        self.found(Until::Rule(rule), r)
+    }
+
+    fn direct(&self, level: usize, target: f64, variant: Option<usize>, r: f64) -> Count {
+        self.found(Until::Kkt { level, target, variant }, r)[0].count
     }
 
     /// The grids with so many cells, each with its place.

@@ -1,6 +1,6 @@
 //! Verdicts on the claims: each is split into cases that hold or do not, by a bound stated here.
 
-use super::{Cell, Count, Measure, Measured, Row, VARIANTS};
+use super::{Cell, Count, Line, Measure, Measured, Row, VARIANTS};
 use crate::experiments::Range;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
@@ -126,21 +126,16 @@ pub struct Ratios {
 }
 
 impl Verdicts {
-    pub(super) fn of(r: &[f64], problems: &[Measured]) -> Self {
+    pub(super) fn of<'a>(r: &[f64], problems: &'a [Measured]) -> Self {
         let spreads: Vec<_> = problems.iter().flat_map(|problem| spreads(r, problem)).collect();
-        let lines = |problem: &Measured, rule: StopRule| {
-            let table = problem.tables.iter().find(|table| table.rule == rule);
-            table.map(|table| table.lines.clone()).unwrap_or_default()
-        };
         let factors = |rule: StopRule| -> Vec<f64> {
             problems.iter().flat_map(|problem| lines(problem, rule)).map(|l| l.factor).collect()
         };
         let signed = factors(StopRule::SignedDual);
         let printed = factors(StopRule::PrintedDual);
         let many = |factors: &[f64]| Tally::of(factors.iter().map(|factor| *factor > MANY));
-        let excess = |problem: &Measured| -> Vec<f64> {
-            lines(problem, StopRule::Signed).iter().map(|line| line.excess).collect()
-        };
+        let excess =
+            |problem: &'a Measured| lines(problem, StopRule::Signed).map(|line| line.excess);
         let ends = || problems.first().zip(problems.last());
         let targets: Vec<f64> = problems.first().map(targets).unwrap_or_default();
         let of = |variant: usize| Ratios::of(variant, problems, None, None);
@@ -157,7 +152,7 @@ impl Verdicts {
             more_in_last: Tally::of(
                 ends()
                     .into_iter()
-                    .flat_map(|(a, b)| excess(b).into_iter().zip(excess(a)))
+                    .flat_map(|(a, b)| excess(b).zip(excess(a)))
                     .map(|(last, first)| last > first),
             ),
             dual_costs: many(&signed),
@@ -174,6 +169,11 @@ impl Verdicts {
     }
 }
 
+/// The lines of the table under a stopping rule.
+fn lines(problem: &Measured, rule: StopRule) -> impl Iterator<Item = &Line> {
+    problem.tables.iter().filter(move |table| table.rule == rule).flat_map(|table| &table.lines)
+}
+
 /// The row on the finest grid of each measure.
 fn finest(problem: &Measured) -> impl Iterator<Item = &Row> {
     // Rows go from coarse to fine.
@@ -186,17 +186,19 @@ fn spreads<'a>(r: &'a [f64], problem: &'a Measured) -> impl Iterator<Item = Spre
     finest(problem).map(move |row| {
         let within = |low: f64, high: f64| {
             let counts = r.iter().zip(&row.counts).filter(move |(r, _)| low <= **r && **r <= high);
-            let range = Range::of(counts.map(|(_, count)| count.iterations as f64));
+            counts.map(|(_, count)| count)
+        };
+        let spread = |low: f64, high: f64| {
+            let range = Range::of(within(low, high).map(|count| count.iterations as f64));
             range.map_or(f64::NAN, |range| range.greatest / range.least)
         };
-        let inside = r.iter().zip(&row.counts).filter(|(r, _)| least <= **r && **r <= greatest);
         Spread {
             problem: problem.number,
             cells: row.cells,
             measure: row.measure,
-            paper: within(least, greatest),
-            large: within(10.0, f64::INFINITY),
-            capped: inside.into_iter().any(|(_, count)| count.reached().is_none()),
+            paper: spread(least, greatest),
+            large: spread(10.0, f64::INFINITY),
+            capped: within(least, greatest).any(|count| count.reached().is_none()),
         }
     })
 }
