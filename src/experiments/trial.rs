@@ -1,12 +1,12 @@
 //! One run of a solver under stress, judged by a measure that no solver computes for itself.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, judge, kkt};
+use crate::discrete::kkt::{Judgement, judge};
 use crate::multigrid;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
-use crate::saddle::StopRule;
 use crate::saddle::batch::{self, AsDefined, End, Job, run};
+use crate::saddle::{self, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// How a run ended, and what [`judge`] says of the vector it returned.
@@ -31,12 +31,21 @@ pub struct Trial {
 }
 
 impl Trial {
-    fn of(grid: Grid, load: &[f64], y: &[f64], stop: &str, (steps, work): (usize, f64)) -> Self {
+    /// Judges `y`; `claim` is what the solver claims to be a bound of the natural residual, given `max |y|`.
+    fn of(
+        grid: Grid,
+        load: &[f64],
+        y: &[f64],
+        stop: &str,
+        (steps, work): (usize, f64),
+        claim: impl FnOnce(f64) -> Option<f64>,
+    ) -> Self {
         let Judgement { kkt, flux, .. } = judge(grid, y, load);
         let size = y
             .iter()
             .fold(0.0, |size: f64, y| if y.abs() > size || y.is_nan() { y.abs() } else { size });
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let slack = SLACK * f64::EPSILON * size;
         Self {
             stop: stop.into(),
             steps,
@@ -45,7 +54,7 @@ impl Trial {
             floor: finite(kkt.natural / (f64::EPSILON * size)),
             size: finite(size),
             contact: grid.boundary().zip(&flux).filter(|&(node, flux)| *flux > y[node]).count(),
-            holds: None,
+            holds: claim(size).map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
         }
     }
 
@@ -59,27 +68,18 @@ impl Trial {
         ["diverged", "refused"].contains(&self.stop.as_str())
     }
 
-    /// By how much two ways to compute a residual may differ, adding in another order.
-    fn slack(&self) -> f64 {
-        SLACK * f64::EPSILON * self.size.unwrap_or(f64::NAN)
-    }
-
     fn of_saddle(grid: Grid, job: &Job, end: &End) -> Self {
-        let outcome = end.outcome(grid, job);
-        let cost = (end.sweeps, end.sweeps as f64);
-        let trial = Self::of(grid, job.load, &end.pair.y, &outcome.stop.to_string(), cost);
-        let holds = match job.goal {
-            batch::Goal::Rule(StopRule::PrintedDual, tolerance) if trial.converged() => {
-                let bound = tolerance * (1.0 / job.r).max(1.0);
-                Some(outcome.kkt.natural <= bound + trial.slack())
+        let stop = end.outcome(grid, job).stop;
+        let claim = |_| match job.goal {
+            batch::Goal::Rule(StopRule::PrintedDual, tolerance)
+                if stop == saddle::StopReason::Converged =>
+            {
+                Some(tolerance * (1.0 / job.r).max(1.0))
             }
             _ => None,
         };
-        Self { holds, ..trial }
-    }
-
-    fn refused() -> Self {
-        Self { stop: "refused".into(), ..Self::default() }
+        let cost = (end.sweeps, end.sweeps as f64);
+        Self::of(grid, job.load, &end.pair.y, &stop.to_string(), cost, claim)
     }
 }
 
@@ -98,24 +98,19 @@ pub fn saddle(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
 pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let Ok((y, outcome)) = multigrid(grid.cells(), load, start, &params, |_| {}) else {
-        return Trial::refused();
+        return Trial { stop: "refused".into(), ..Trial::default() };
     };
-    let cost = (outcome.cycles, outcome.work_units);
-    let trial = Trial::of(grid, load, &y, outcome.stop.name(), cost);
-    let natural = kkt(grid, &y, load).natural;
-    let (slack, floor) = (trial.slack(), FLOOR * f64::EPSILON * trial.size.unwrap_or(f64::NAN));
-    let holds = match (outcome.stop, goal) {
-        (multigrid::StopReason::Converged, Goal::Kkt(tolerance)) => {
-            Some(natural <= tolerance + slack)
-        }
-        (multigrid::StopReason::RoundingFloor, _) => Some(natural <= floor + slack),
-        (multigrid::StopReason::Converged, _) => Some(natural.is_finite()),
+    let claim = |size: f64| match (outcome.stop, goal) {
+        (multigrid::StopReason::Converged, Goal::Kkt(tolerance)) => Some(tolerance),
+        (multigrid::StopReason::RoundingFloor, _) => Some(FLOOR * f64::EPSILON * size),
         _ => None,
     };
-    Trial { holds, ..trial }
+    let cost = (outcome.cycles, outcome.work_units);
+    Trial::of(grid, load, &y, outcome.stop.name(), cost, claim)
 }
 
-/// Units of `EPSILON * max |y|` in [`Trial::slack`].
+/// By how much two ways to compute a residual may differ, adding in another order, in units of
+/// `EPSILON * max |y|`.
 const SLACK: f64 = 8.0;
 /// Units of `EPSILON * max |y|` at which multigrid speaks of the rounding floor.
 const FLOOR: f64 = 32.0;
