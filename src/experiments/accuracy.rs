@@ -1,5 +1,6 @@
 //! Errors against known solutions, and what they cost multigrid in work units and bytes.
 
+use super::Range;
 use super::known::{Errors, KnownSolution, SAMPLED};
 use super::problems::{CONTACT, paper_loads, stress_loads};
 use super::work::{self, Comparison, CostLaw};
@@ -269,9 +270,9 @@ impl Ranges {
     }
 }
 
-/// Least and greatest work units for a goal.
+/// Least and greatest work units for a goal; zero without costs.
 fn range<'a>(costs: impl Iterator<Item = &'a Cost>, goal: usize) -> [f64; 2] {
-    costs
-        .map(|cost| cost.goals[goal].work_units)
-        .fold([f64::MAX, 0.0], |[low, high], units| [low.min(units), high.max(units)])
+    let units = costs.map(|cost| cost.goals[goal].work_units);
+    let Range { least, greatest } = Range::of(units).unwrap_or_default();
+    [least, greatest]
 }

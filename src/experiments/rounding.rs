@@ -65,6 +65,18 @@ pub struct Table {
     pub changed: Vec<usize>,
 }
 
+impl Table {
+    /// The margin of each count.
+    fn margins<'a>(&'a self) -> impl Iterator<Item = Nearest> + 'a {
+        let of_row = move |row: &'a Row| {
+            let (table, r) = (self.number, row.r);
+            let cells = self.grids.iter().zip(&row.cells);
+            cells.map(move |(&cells, cell)| Nearest { table, r, cells, margin: cell.margin })
+        };
+        self.rows.iter().flat_map(of_row)
+    }
+}
+
 /// The counts for one r.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
@@ -114,24 +126,18 @@ pub struct Nearest {
 pub fn rounding(plan: &Plan) -> Result<Rounding, String> {
     let tables =
         plan.tables.iter().map(|table| disturb(plan, table)).collect::<Result<Vec<_>, _>>()?;
-    let all = || {
-        tables.iter().flat_map(|table| {
-            table.rows.iter().flat_map(move |row| {
-                row.cells.iter().enumerate().map(move |(k, cell)| (table, row.r, k, cell))
-            })
-        })
-    };
-    let nearest = all().min_by(|a, b| a.3.margin.total_cmp(&b.3.margin));
-    let (table, r, k, cell) = nearest.ok_or("no table to disturb")?;
+    let cells = || tables.iter().flat_map(|table| &table.rows).flat_map(|row| &row.cells);
+    let nearest =
+        tables.iter().flat_map(Table::margins).min_by(|a, b| a.margin.total_cmp(&b.margin));
     Ok(Rounding {
         sizes: plan.sizes.clone(),
         repetitions: plan.repetitions,
         further: plan.further,
-        cells: all().count(),
-        fragile: all().filter(|(.., cell)| cell.flips > 0).count(),
-        reordered: all().filter(|(.., cell)| cell.reordered).count(),
-        first_flip: all().filter_map(|(.., cell)| cell.flips_at).min_by(f64::total_cmp),
-        nearest: Nearest { table: table.number, r, cells: table.grids[k], margin: cell.margin },
+        cells: cells().count(),
+        fragile: cells().filter(|cell| cell.flips > 0).count(),
+        reordered: cells().filter(|cell| cell.reordered).count(),
+        first_flip: cells().filter_map(|cell| cell.flips_at).min_by(f64::total_cmp),
+        nearest: nearest.ok_or("no table to disturb")?,
         tables,
     })
 }

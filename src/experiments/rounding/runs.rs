@@ -88,7 +88,7 @@ struct Noisy {
 
 /// `value`, off by a random relative error of at most `size`.
 #[inline(always)]
-fn off(value: f64, size: f64, random: &mut Random) -> f64 {
+fn perturbed(value: f64, size: f64, random: &mut Random) -> f64 {
     value + value * (size * (2.0 * random.unit() - 1.0))
 }
 
@@ -97,7 +97,7 @@ impl Arithmetic<f64> for Noisy {
     fn node(&mut self, y: V<f64>) -> V<f64> {
         V(std::array::from_fn(
             #[inline(always)]
-            |l| off(y.0[l], self.size[l], &mut self.random[l]),
+            |l| perturbed(y.0[l], self.size[l], &mut self.random[l]),
         ))
     }
     fn enter(&mut self, lane: usize, run: usize) {
@@ -148,8 +148,9 @@ impl Undisturbed<'_> {
         }
         let disturb = |of: &Repetition| -> Vec<Vec<f64>> {
             let (size, mut random) = source(of);
-            let mut noisy =
-                |load: &Vec<f64>| load.iter().map(|&value| off(value, size, &mut random)).collect();
+            let mut noisy = |load: &Vec<f64>| {
+                load.iter().map(|&value| perturbed(value, size, &mut random)).collect()
+            };
             self.loads.iter().map(&mut noisy).collect()
         };
         let loads: Vec<_> = batch.iter().map(disturb).collect();

@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::experiments::problems::nodal_load;
-use crate::experiments::trial::multi;
+use crate::experiments::trial::{Trial, multi};
 use crate::identify::random::Random as Numbers;
 use crate::multigrid::Goal;
 use rayon::prelude::*;
@@ -38,21 +38,21 @@ impl Random {
     pub(super) fn of(problems: usize) -> Self {
         let trials: Vec<_> = (0..problems).into_par_iter().map(trial).collect();
         let cycles = || trials.iter().map(|trial| trial.steps);
-        let count = |of: &dyn Fn(&super::Trial) -> bool| trials.iter().filter(|t| of(t)).count();
+        let count = |of: fn(&Trial) -> bool| trials.iter().filter(|trial| of(trial)).count();
         Self {
             problems,
             coarsest: 2 * COARSEST[0],
             finest: COARSEST[1] << DOUBLINGS,
             mean: cycles().sum::<usize>() as f64 / problems as f64,
             most: cycles().max().unwrap_or(0),
-            unsolved: count(&|trial| trial.stop != "rounding-floor"),
-            wrong: count(&|trial| trial.holds == Some(false)),
+            unsolved: count(|trial| trial.stop != "rounding-floor"),
+            wrong: count(|trial| trial.holds == Some(false)),
         }
     }
 }
 
 /// Waves of random amplitude, noise of random size, and a deficit from 10^-8 to 10^-0.3.
-fn trial(number: usize) -> super::Trial {
+fn trial(number: usize) -> Trial {
     let mut random = Numbers::new(SEED, number as u64);
     let n = COARSEST[random.below(2)] << (1 + random.below(DOUBLINGS));
     let amplitudes: [f64; WAVES] = from_fn(|_| 2.0 * random.unit() - 1.0);

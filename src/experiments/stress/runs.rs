@@ -24,12 +24,11 @@ const R: f64 = 10.0;
 const GRIDS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 /// How many times the usual cap iterations may take where the rounding floor is to be reached.
 const LONGER: usize = 2;
-
 /// Runs of the paper's method in a batch: enough that few lanes are idle when only the longest are left.
 const BATCH: usize = 4 * LANES;
-
-/// The finest grid on which the paper's method reaches its floor in good time.
-const SLOW: usize = 32;
+/// Cells per side of the finest of [`GRIDS`] on which the paper's method is taken to its rounding floor: it
+/// needs iterations in proportion to their square.
+const FINEST_SADDLE: usize = 32;
 
 /// A run that is yet to be made.
 enum Run {
@@ -171,14 +170,12 @@ impl<'a> Runs<'a> {
                 cap: LONGER * self.plan.cap,
                 start: Pair::zero(self.coarse),
             };
-            let goal = Goal::Kkt(bound);
+            let (grid, goal) = (self.coarse, Goal::Kkt(bound));
+            let multigrid = Run::Multigrid { grid, load: load.clone(), goal, start: None };
             [
                 ("signed", run(StopRule::Signed)),
                 ("strict", run(StopRule::PrintedDual)),
-                (
-                    "multigrid",
-                    Run::Multigrid { grid: self.coarse, load: load.clone(), goal, start: None },
-                ),
+                ("multigrid", multigrid),
             ]
         })
     }
@@ -188,7 +185,7 @@ impl<'a> Runs<'a> {
             let (grid, load, cap) = self.to_the_floor(cells);
             let floor = multi(grid, &load, Goal::RoundingFloor, None);
             let mut trials = BTreeMap::from([("multigrid".to_owned(), floor)]);
-            if cells <= SLOW {
+            if cells <= FINEST_SADDLE {
                 let goal = Until::Rule(StopRule::PrintedDual, 0.0);
                 let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
                 let job = Job { load: &load, start, method, r: R, goal, cap };
@@ -203,25 +200,24 @@ impl<'a> Runs<'a> {
     pub(super) fn single_floors(&self) -> Vec<Attained> {
         let of_grid = |&cells: &usize| {
             let (grid, load, cap) = self.to_the_floor(cells);
-            let narrow: Vec<f32> = load.iter().map(|&f| f32::of(f)).collect();
+            let narrow = narrowed(&load);
             // No gradient is below minus infinity: the rule is never met.
             let goal = Until::Rule(StopRule::Signed, f64::NEG_INFINITY);
             let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
             let job = Job { load: &narrow, start, method, r: R, goal, cap };
             let ends = run(grid, &[job], &mut AsDefined);
-            let wide = &ends[0].pair.y;
-            let judged = kkt(grid, wide, &load);
-            let unit = f64::from(f32::EPSILON) * largest(wide);
+            let y = &ends[0].pair.y;
+            let judged = kkt(grid, y, &load);
+            let unit = f64::from(f32::EPSILON) * largest(y);
             Attained { cells, kkt: judged.relative, floor: judged.natural / unit }
         };
-        let slow: Vec<_> = GRIDS.into_iter().filter(|&cells| cells <= SLOW).collect();
-        slow.par_iter().map(of_grid).collect()
+        GRIDS.par_iter().filter(|&&cells| cells <= FINEST_SADDLE).map(of_grid).collect()
     }
 
     /// Grid, load and cap with which the paper's method reaches its rounding floor.
     fn to_the_floor(&self, cells: usize) -> (Grid, Vec<f64>, usize) {
         let grid = Grid::new(cells).expect("not below the least");
-        // Iterations grow as the square of the cells; so many more than it needs.
+        // Sixty times the square of the cells is more than it needs.
         (grid, quadrants(grid, -1.0, self.plan.deficit), 60 * cells * cells)
     }
 
@@ -281,18 +277,7 @@ impl<'a> Runs<'a> {
 /// The counts of a table in single precision against those in double.
 pub(super) fn single(table: &Problem) -> Result<Single, String> {
     let Discrete { grids, loads: double, .. } = table.discrete()?;
-    let single: Vec<Vec<f32>> =
-        double.iter().map(|load| load.iter().map(|&f| f32::of(f)).collect()).collect();
-    fn counts<N: Number>(
-        table: &Problem,
-        grids: &[Grid],
-        loads: &[Vec<N>],
-    ) -> Vec<Vec<Option<usize>>> {
-        let nested = |&r: &f64| Nested { loads, r, rule: StopRule::Signed };
-        let runs: Vec<_> = table.r.iter().map(nested).collect();
-        let ends = run_nested(grids, &runs, table.prolongation, |_, _| 2000, &mut AsDefined);
-        ends.iter().map(|ends| ends.iter().map(End::count).collect()).collect()
-    }
+    let single: Vec<Vec<f32>> = double.iter().map(|load| narrowed(load)).collect();
     let (double, single) =
         rayon::join(|| counts(table, &grids, &double), || counts(table, &grids, &single));
     let mut changed = Vec::new();
@@ -305,6 +290,19 @@ pub(super) fn single(table: &Problem) -> Result<Single, String> {
     }
     let cells = table.r.len() * table.grids.len();
     Ok(Single { number: table.number, cells, changed })
+}
+
+/// Per r and grid, the iterations in the precision of the loads; none if the cap came first.
+fn counts<N: Number>(table: &Problem, grids: &[Grid], loads: &[Vec<N>]) -> Vec<Vec<Option<usize>>> {
+    let nested = |&r: &f64| Nested { loads, r, rule: StopRule::Signed };
+    let runs: Vec<_> = table.r.iter().map(nested).collect();
+    let ends = run_nested(grids, &runs, table.prolongation, |_, _| 2000, &mut AsDefined);
+    ends.iter().map(|ends| ends.iter().map(End::count).collect()).collect()
+}
+
+/// A load vector in single precision.
+fn narrowed(load: &[f64]) -> Vec<f32> {
+    load.iter().map(|&f| f32::of(f)).collect()
 }
 
 /// `odd` on the lower left quadrant, a third of its opposite elsewhere, less a constant.

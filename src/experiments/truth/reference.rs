@@ -54,7 +54,7 @@ impl Value {
     fn of([rough, fine]: [f64; 2]) -> Self {
         let written = |x: f64, places: usize| {
             let text = format!("{x:.places$}");
-            // Minus nothing is nothing.
+            // Zero has no sign.
             if text.trim_start_matches(['-', '0', '.']).is_empty() {
                 text.trim_start_matches('-').to_owned()
             } else {
