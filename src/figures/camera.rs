@@ -10,7 +10,8 @@ pub(super) const UNIT: f64 = 205.0;
 /// Light that falls on every side alike; the rest comes from the lamp.
 const AMBIENT: f64 = 0.62;
 
-/// Degrees by which the viewer has walked counter-clockwise from the negative y axis, where nothing asks for more.
+/// Degrees by which the viewer has walked counter-clockwise from the negative y axis, to look from above the
+/// lower left corner.
 const AZIMUTH: f64 = -37.5;
 /// Degrees of the viewer above the horizon.
 const ELEVATION: f64 = 30.0;
@@ -19,15 +20,15 @@ const ELEVATION: f64 = 30.0;
 /// than the one in front by as much as can be, so that the surface, a nodal vector, hides little of itself.
 pub(crate) fn uphill(grid: Grid, y: &[f64]) -> f64 {
     let n = grid.cells();
-    let (mut best, mut most) = (AZIMUTH, f64::NEG_INFINITY);
+    let (mut azimuth, mut most) = (AZIMUTH, f64::NEG_INFINITY);
     // In the order in which a viewer who walks counter-clockwise meets the corners.
     for (turn, (i, j)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
         let rise = y[grid.index(n - i, n - j)] - y[grid.index(i, j)];
         if rise > most {
-            (best, most) = (AZIMUTH + 90.0 * turn as f64, rise);
+            (azimuth, most) = (AZIMUTH + 90.0 * turn as f64, rise);
         }
     }
-    if best > 180.0 { best - 360.0 } else { best }
+    if azimuth > 180.0 { azimuth - 360.0 } else { azimuth }
 }
 
 pub(super) type Vector = [f64; 3];

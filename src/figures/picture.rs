@@ -40,7 +40,7 @@ pub(crate) struct Picture {
     pub(super) height: f64,
     body: String,
     /// Whether a place was not finite.
-    lost: bool,
+    not_finite: bool,
     /// What is shown as CSV with a header line, where that is more than the data it is drawn from.
     pub(crate) table: Option<String>,
 }
@@ -56,7 +56,7 @@ impl Picture {
     }
 
     fn fine(&mut self, (x, y): Place) -> (i32, i32) {
-        self.lost |= !(x.is_finite() && y.is_finite());
+        self.not_finite |= !(x.is_finite() && y.is_finite());
         ((x * FINE).round() as i32, (y * FINE).round() as i32)
     }
 
@@ -142,7 +142,7 @@ impl Picture {
         if self.body.is_empty() {
             return Err("there is nothing to draw; record or solve something first");
         }
-        if self.lost {
+        if self.not_finite {
             return Err("a value to be drawn is not a finite number; solve again before drawing");
         }
         let (width, height) = self.canvas();

@@ -6,13 +6,15 @@ use crate::problem::source::Source;
 /// Cells per side of the raster that finds where labels go, and that stands for a smooth f.
 pub(super) const RASTER: usize = 72;
 
-fn centre(i: usize) -> f64 {
-    (i as f64 + 0.5) / RASTER as f64 - 0.5
+/// The coordinate of the centre of the i-th cell, which may be a fraction.
+fn centre(i: f64) -> f64 {
+    (i + 0.5) / RASTER as f64 - 0.5
 }
 
 /// f at the centres of the raster, row by row from below.
 pub(super) fn raster(f: &Source) -> Vec<f64> {
-    (0..RASTER * RASTER).map(|k| f.at([centre(k % RASTER), centre(k / RASTER)])).collect()
+    let point = |k: usize| [k % RASTER, k / RASTER].map(|i| centre(i as f64));
+    (0..RASTER * RASTER).map(|k| f.at(point(k))).collect()
 }
 
 /// The connected sets of raster cells with equal values, each in ascending order.
@@ -60,16 +62,11 @@ pub(super) fn widest(region: &[usize], values: &[f64]) -> (Place, f64) {
     let squared = |(i, j): (i64, i64), (p, q): (i64, i64)| (i - p) * (i - p) + (j - q) * (j - q);
     let on_rim = |k: usize| neighbours(k).iter().any(|n| n.is_none_or(|n| values[n] != values[k]));
     let rim: Vec<_> = region.iter().filter(|&&k| on_rim(k)).map(|&k| cell(k)).collect();
-    let (mut best, mut most) = (Vec::new(), -1);
-    for at in region.iter().map(|&k| cell(k)) {
-        let distance = rim.iter().map(|&p| squared(at, p)).min().unwrap_or(0);
-        if distance > most {
-            (most, best) = (distance, Vec::new());
-        }
-        if distance == most {
-            best.push(at);
-        }
-    }
+    let to_rim = |at| rim.iter().map(|&p| squared(at, p)).min().unwrap_or(0);
+    let inside: Vec<_> = region.iter().map(|&k| (cell(k), to_rim(cell(k)))).collect();
+    let most = inside.iter().map(|(_, distance)| *distance).max().unwrap_or(0);
+    let best: Vec<_> =
+        inside.iter().filter(|(_, distance)| *distance == most).map(|(at, _)| *at).collect();
     let count = best.len() as i64;
     let (si, sj) = best.iter().fold((0, 0), |(si, sj), (i, j)| (si + i, sj + j));
     // Of several centres, as in a strip, the one nearest to their mean; the mean itself if it is
@@ -81,9 +78,8 @@ pub(super) fn widest(region: &[usize], values: &[f64]) -> (Place, f64) {
     } else {
         (i as f64, j as f64)
     };
-    let place = |t: f64| (t + 0.5) / RASTER as f64 - 0.5;
     let radius = ((most as f64).sqrt() + 0.5) / RASTER as f64;
-    ((place(at.0), place(at.1)), radius)
+    ((centre(at.0), centre(at.1)), radius)
 }
 
 #[cfg(test)]

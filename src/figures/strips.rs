@@ -14,8 +14,8 @@ const GAP: f64 = 12.0;
 const TALL: f64 = 200.0;
 /// Height of the bar of the true contact set, and its distance from the strips.
 const BAR: (f64, f64) = (9.0, 8.0);
-/// The least width of a part of it.
-const SEEN: f64 = 3.0;
+/// The least width of an arc in that bar: narrower ones could not be seen.
+const LEAST: f64 = 3.0;
 /// Room above the strips of a panel, for its title and the names of the runs.
 const ABOVE: f64 = 60.0;
 /// Room below, for the bar, the numbers and the name of the axis.
@@ -80,11 +80,10 @@ fn draw_strip(picture: &mut Picture, panel: &Strips, frame: &Frame, rows: &[Vec<
     for &[from, to] in &panel.truth {
         let parts = if from < to { vec![(from, to)] } else { vec![(from, 4.0), (0.0, to)] };
         for (from, to) in parts {
-            // At least as wide as one can see.
             let (left, right) = (frame.right(from), frame.right(to));
             let (left, right) = match to < 4.0 {
-                true => (left, right.max(left + SEEN)),
-                false => (left.min(right - SEEN), right),
+                true => (left, right.max(left + LEAST)),
+                false => (left.min(right - LEAST), right),
             };
             picture.rect((left, bar.0), (right, bar.1), INK);
         }
