@@ -191,9 +191,8 @@ fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
     for &n in cells {
         Grid::new(n).map_err(|e| e.to_string())?;
         let loads: Vec<_> = paper_loads(n).into_iter().chain(stress_loads(n)).collect();
-        let counted: Result<Vec<_>, _> =
-            loads.par_iter().map(|(name, load)| Ok(cost::<Square>(name, n, load)?.0)).collect();
-        costs.extend(counted.map_err(|e: String| e)?);
+        let counted = loads.par_iter().map(|(name, load)| Ok(cost::<Square>(name, n, load)?.0));
+        costs.extend(counted.collect::<Result<Vec<_>, String>>()?);
     }
     Ok(costs)
 }
@@ -246,14 +245,13 @@ impl Ranges {
         let from = ASYMPTOTIC.min(finest);
         let fine = || levels().filter(|level| level.cost.cells >= from);
         let extreme = |formula: bool| {
-            let nothing = Errors { l2: None, h1: 0.0, max: 0.0, multiplier_l2: 0.0 };
             let observed = || {
                 fine()
                     .filter(|level| level.errors.l2.is_some() == formula)
                     .filter_map(|level| level.orders)
             };
             [f64::min, f64::max]
-                .map(|f| observed().reduce(|a, b| map2(&a, &b, f)).unwrap_or(nothing))
+                .map(|f| observed().reduce(|a, b| map2(&a, &b, f)).unwrap_or_default())
         };
         let ratio = |k: usize| fine().filter_map(|level| level.algebraic[k]).fold(0.0, f64::max);
         let last = || levels().filter(|level| level.cost.cells == finest);
@@ -263,16 +261,18 @@ impl Ranges {
             orders: extreme(true),
             contact: extreme(false),
             algebraic: [ratio(0), ratio(1)],
-            known: [0, 1, 2].map(|goal| range(fine().map(|level| &level.cost), goal)),
-            finest: [0, 1, 2].map(|goal| range(last().map(|level| &level.cost), goal)),
-            others: [0, 1, 2].map(|goal| range(others.iter(), goal)),
+            known: work_units(fine().map(|level| &level.cost)),
+            finest: work_units(last().map(|level| &level.cost)),
+            others: work_units(others.iter()),
         }
     }
 }
 
-/// Least and greatest work units for a goal; zero without costs.
-fn range<'a>(costs: impl Iterator<Item = &'a Cost>, goal: usize) -> [f64; 2] {
-    let units = costs.map(|cost| cost.goals[goal].work_units);
-    let Range { least, greatest } = Range::of(units).unwrap_or_default();
-    [least, greatest]
+/// Least and greatest work units for each goal; zero without costs.
+fn work_units<'a>(costs: impl Iterator<Item = &'a Cost> + Clone) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|goal| {
+        let units = costs.clone().map(|cost| cost.goals[goal].work_units);
+        let Range { least, greatest } = Range::of(units).unwrap_or_default();
+        [least, greatest]
+    })
 }

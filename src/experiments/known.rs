@@ -31,7 +31,7 @@ pub struct Spectral {
 }
 
 /// Errors of a discrete solution.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// L2 norm of `v - v_h`; only where v has a formula.
     pub l2: Option<f64>,

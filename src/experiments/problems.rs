@@ -124,9 +124,6 @@ pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
 pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     let grid = Grid::new(n).expect("fine enough");
     let on_grid = |text: &str, rule| load(grid, &text.parse().expect("a valid f"), rule);
-    let [first, second] = PAPER;
-    vec![
-        (first.0, on_grid(first.1, LoadRule::LumpedAverage)),
-        (second.0, on_grid(second.1, LoadRule::default())),
-    ]
+    let [(first, f), (second, g)] = PAPER;
+    vec![(first, on_grid(f, LoadRule::LumpedAverage)), (second, on_grid(g, LoadRule::default()))]
 }

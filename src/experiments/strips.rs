@@ -1,6 +1,7 @@
 //! Which boundary nodes are in contact, iteration by iteration, on the finest grid of a published table.
 
 use super::problems::{Discrete, Problem};
+use super::truth::arc_length;
 use crate::discrete::grid::Grid;
 use crate::saddle::{Method, Params, Steps, StopRule, arrow_hurwicz, on_nested, tolerance};
 use crate::spectral::spectral;
@@ -23,8 +24,8 @@ pub struct Strips {
     pub cells: usize,
     /// One per r.
     pub strips: Vec<Strip>,
-    /// The contact arcs of the true solution: from and to, in lengths of a side along the boundary,
-    /// anticlockwise from the lower left corner; one that passes this corner ends before it begins.
+    /// The contact arcs of the true solution: from and to, as arc lengths in sides, anticlockwise from the
+    /// lower left corner; one that passes this corner ends before it begins.
     pub truth: Vec<[f64; 2]>,
 }
 
@@ -57,8 +58,7 @@ fn of_problem(problem: &Problem) -> Result<Strips, String> {
     let Discrete { f, grids, loads } = problem.discrete()?;
     let solution = spectral(&f, crate::spectral::Params::default())
         .map_err(|e| format!("{}: {e}", problem.f))?;
-    let truth =
-        solution.contact.iter().map(|arc| [arc.from, arc.to].map(super::truth::place)).collect();
+    let truth = solution.contact.iter().map(|arc| [arc.from, arc.to].map(arc_length)).collect();
     Ok(Strips {
         number: problem.number,
         cells: problem.grids.last().copied().unwrap_or(0),

@@ -71,17 +71,13 @@ const CHECKS: Checks = Checks { share: 50, cap: 1_000_000 };
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
 pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<CostLaw>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
-    let laws: Result<Vec<Vec<CostLaw>>, String> = runs
-        .into_par_iter()
-        .map(|((f, cells), nested)| {
-            let grids = grid::nested(cells).map_err(|e| e.to_string())?;
-            law(&grids, f, nested)
-        })
-        .collect();
-    Ok(laws?.concat())
+    let laws = runs.into_par_iter().map(|((f, cells), nested)| law(f, cells, nested));
+    Ok(laws.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-fn law(grids: &[Grid], f: &str, nested: bool) -> Result<Vec<CostLaw>, String> {
+/// One law for each of [`TARGETS`].
+fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
+    let grids = grid::nested(cells).map_err(|e| e.to_string())?;
     let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
     let mut sweeps = [Vec::new(), Vec::new()];
     let mut pair = Pair::zero(grids[0]);

@@ -90,14 +90,13 @@ impl<'a> Runs<'a> {
     }
 
     /// Makes the runs for each power of ten.
-    fn over<X: Copy, const N: usize>(
+    fn over<const N: usize>(
         &self,
         exponents: impl IntoIterator<Item = i32>,
-        x: impl Fn(i32) -> X,
-        runs: impl Fn(X) -> [(&'static str, Run); N],
-    ) -> Series<X> {
-        let case = |exponent: i32| (x(exponent), runs(x(exponent)));
-        self.cases(exponents.into_iter().map(case))
+        runs: impl Fn(f64) -> [(&'static str, Run); N],
+    ) -> Series<f64> {
+        let powers = exponents.into_iter().map(power_of_ten);
+        self.cases(powers.map(|x| (x, runs(x))))
     }
 
     /// Makes the runs of all cases: those of the paper's method in vector lanes, the others side by side.
@@ -121,7 +120,7 @@ impl<'a> Runs<'a> {
     }
 
     pub(super) fn duality(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
-        self.over(-8..=12, power_of_ten, |r| {
+        self.over(-8..=12, |r| {
             [
                 ("signed", self.signed(load, r, self.plan.tolerance)),
                 ("strict", self.strict(load, r, Pair::zero(self.coarse))),
@@ -133,24 +132,22 @@ impl<'a> Runs<'a> {
         const EXPONENTS: [i32; 15] =
             [-305, -300, -200, -150, -100, -50, -10, 0, 10, 50, 100, 150, 200, 300, 305];
         let Some([coarse, fine]) = self.loads.last() else { return Vec::new() };
-        self.over(
-            EXPONENTS,
-            |exponent| exponent,
-            |exponent| {
-                let factor = power_of_ten(exponent);
-                let scaled = |load: &[f64]| load.iter().map(|f| f * factor).collect::<Vec<_>>();
-                let (coarse, fine) = (scaled(coarse), scaled(fine));
-                [
-                    ("scaled", self.signed(&coarse, R, self.plan.tolerance * factor)),
-                    ("fixed", self.signed(&coarse, R, self.plan.tolerance)),
-                    ("multigrid", self.multigrid(&fine, None)),
-                ]
-            },
-        )
+        let case = |exponent: i32| {
+            let factor = power_of_ten(exponent);
+            let scaled = |load: &[f64]| load.iter().map(|f| f * factor).collect::<Vec<_>>();
+            let (coarse, fine) = (scaled(coarse), scaled(fine));
+            let runs = [
+                ("scaled", self.signed(&coarse, R, self.plan.tolerance * factor)),
+                ("fixed", self.signed(&coarse, R, self.plan.tolerance)),
+                ("multigrid", self.multigrid(&fine, None)),
+            ];
+            (exponent, runs)
+        };
+        self.cases(EXPONENTS.into_iter().map(case))
     }
 
     pub(super) fn deficits(&self, odd: f64) -> Series<f64> {
-        self.over((-14..=-1).rev(), power_of_ten, |deficit| {
+        self.over((-14..=-1).rev(), |deficit| {
             let coarse = quadrants(self.coarse, odd, deficit);
             let fine = quadrants(self.fine, odd, deficit);
             [
@@ -161,7 +158,7 @@ impl<'a> Runs<'a> {
     }
 
     pub(super) fn tolerances(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
-        self.over((1..=9).map(|k| -2 * k), power_of_ten, |tolerance| {
+        self.over((1..=9).map(|k| -2 * k), |tolerance| {
             let bound = tolerance * largest(load);
             let run = |rule| Run::Saddle {
                 load: load.clone(),
@@ -267,7 +264,7 @@ impl<'a> Runs<'a> {
     }
 
     fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64 + Sync) -> Series<f64> {
-        self.over(0..=15, power_of_ten, |size| {
+        self.over(0..=15, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
             [("multigrid", self.multigrid(&load, None))]
         })

@@ -79,15 +79,6 @@ impl Plateau {
     }
 }
 
-/// What `value` is in the cases that `of` picks.
-fn range<'a, X: 'a>(
-    cases: impl IntoIterator<Item = &'a Case<X>>,
-    of: impl Fn(&Case<X>) -> bool,
-    value: impl Fn(&Case<X>) -> Option<f64>,
-) -> Option<Range> {
-    Range::of(cases.into_iter().filter(|case| of(case)).filter_map(value))
-}
-
 impl Summary {
     pub(super) fn of(stress: &Stress) -> Self {
         let duality = || stress.duality.iter().flatten();
@@ -101,34 +92,33 @@ impl Summary {
             let (ours, plain) = (&case["scaled"], plain.map(|case| case["scaled"].steps));
             ours.converged() && Some(ours.steps) == plain
         };
-        let steps = |trial: &Trial| Some(trial.steps as f64);
+        let scaled = stress.scaling.iter();
+        let scaled_solved = scaled.clone().filter(|case| solved(&case["multigrid"]));
+        let scaled_same = scaled.filter(|case| same(case)).map(|case| f64::from(case.x));
+        let signed = duality().map(|case| &case["signed"]).filter(|trial| trial.converged());
+        let tolerances = stress.tolerances.iter().flatten();
+        let reached = tolerances.filter(|case| case["multigrid"].converged()).map(|case| case.x);
+        let gave_up = || deficits().filter(|case| stalled(case));
+        let done = deficits().filter(|case| !stalled(case));
+        let floors = || stress.floors.iter();
         Self {
-            converging_r: range(duality(), |case| !fails(case.x), |case| Some(case.x)),
-            failing_r: range(duality(), |case| fails(case.x), |case| Some(case.x)),
-            signed_kkt: range(duality(), |c| c["signed"].converged(), |c| c["signed"].kkt),
+            converging_r: Range::of(duality().map(|case| case.x).filter(|r| !fails(*r))),
+            failing_r: Range::of(duality().map(|case| case.x).filter(|r| fails(*r))),
+            signed_kkt: Range::of(signed.filter_map(|trial| trial.kkt)),
             plateau: Plateau::of(stress),
-            multigrid_tolerance: range(
-                stress.tolerances.iter().flatten(),
-                |case| case["multigrid"].converged(),
-                |case| Some(case.x),
-            )
-            .map(|range| range.least),
-            scaled_same: range(&stress.scaling, same, |case| Some(f64::from(case.x)))
+            multigrid_tolerance: Range::of(reached).map(|range| range.least),
+            scaled_same: Range::of(scaled_same)
                 .map(|range| [range.least as i32, range.greatest as i32]),
-            scaled_cycles: range(
-                &stress.scaling,
-                |case| solved(&case["multigrid"]),
-                |case| steps(&case["multigrid"]),
-            ),
-            stalled: range(deficits(), stalled, |case| Some(case.x)),
-            stalled_runs: deficits().filter(|case| stalled(case)).count(),
-            stalled_kkt: range(deficits(), stalled, |case| case["multigrid"].kkt),
-            deficit_work: range(deficits(), |c| !stalled(c), |c| Some(c["multigrid"].work)),
-            deficit_steps: range(deficits(), |_| true, |case| steps(&case["strict"])),
-            multigrid_floor: range(&stress.floors, |_| true, |case| case["multigrid"].floor),
-            strict_floor: range(&stress.floors, |_| true, |c| c.trials.get("strict")?.floor),
-            load_work: range(loads(), |_| true, |case| Some(case["multigrid"].work)),
-            load_kkt: range(loads(), |_| true, |case| case["multigrid"].kkt),
+            scaled_cycles: Range::of(scaled_solved.map(|case| case["multigrid"].steps as f64)),
+            stalled: Range::of(gave_up().map(|case| case.x)),
+            stalled_runs: gave_up().count(),
+            stalled_kkt: Range::of(gave_up().filter_map(|case| case["multigrid"].kkt)),
+            deficit_work: Range::of(done.map(|case| case["multigrid"].work)),
+            deficit_steps: Range::of(deficits().map(|case| case["strict"].steps as f64)),
+            multigrid_floor: Range::of(floors().filter_map(|case| case["multigrid"].floor)),
+            strict_floor: Range::of(floors().filter_map(|case| case.trials.get("strict")?.floor)),
+            load_work: Range::of(loads().map(|case| case["multigrid"].work)),
+            load_kkt: Range::of(loads().filter_map(|case| case["multigrid"].kkt)),
             single_changed: stress.single.iter().map(|table| table.changed.len()).sum(),
         }
     }

@@ -89,8 +89,8 @@ impl Level {
     }
 }
 
-/// The distance along the boundary of a point from the lower left corner, anticlockwise.
-pub(in crate::experiments) fn place([x, y]: [f64; 2]) -> f64 {
+/// The arc length along the boundary from the lower left corner to a point, anticlockwise, in sides.
+pub(in crate::experiments) fn arc_length([x, y]: [f64; 2]) -> f64 {
     let (right, up) = (x + 0.5, y + 0.5);
     match () {
         () if y == -0.5 => right,
@@ -107,7 +107,7 @@ fn distance(truth: &[ContactArc], found: &[ContactArc]) -> Option<f64> {
         return None;
     }
     let apart = |p: [f64; 2], q: [f64; 2]| {
-        let d = (place(p) - place(q)).rem_euclid(4.0);
+        let d = (arc_length(p) - arc_length(q)).rem_euclid(4.0);
         d.min(4.0 - d)
     };
     let nearest = |arc: &ContactArc| {

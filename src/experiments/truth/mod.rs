@@ -3,7 +3,7 @@
 mod elements;
 mod reference;
 
-pub(super) use elements::place;
+pub(super) use elements::arc_length;
 pub use elements::{Elements, Level};
 pub use reference::{Arc, Reference, Value};
 
