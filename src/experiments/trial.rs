@@ -6,7 +6,7 @@ use crate::multigrid;
 use crate::multigrid::square::multigrid;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::saddle::batch::{self, AsDefined, End, Job, run};
-use crate::saddle::{self, StopRule};
+use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// How a run ended, and what [`judge`] says of the vector it returned.
@@ -72,7 +72,7 @@ impl Trial {
         let stop = end.outcome(grid, job).stop;
         let claim = |_| match job.goal {
             batch::Goal::Rule(StopRule::PrintedDual, tolerance)
-                if stop == saddle::StopReason::Converged =>
+                if stop == StopReason::Converged =>
             {
                 Some(tolerance * (1.0 / job.r).max(1.0))
             }

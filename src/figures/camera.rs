@@ -148,10 +148,12 @@ mod tests {
     #[test]
     fn camera_is_orthonormal() {
         let camera = Camera::new(AZIMUTH);
-        for (a, b) in
-            [(camera.right, camera.up), (camera.up, camera.toward), (camera.toward, camera.right)]
-        {
-            assert!(dot(a, b).abs() < 1e-15);
+        let axes = [camera.right, camera.up, camera.toward];
+        for (i, &a) in axes.iter().enumerate() {
+            for (j, &b) in axes.iter().enumerate() {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((dot(a, b) - expected).abs() < 1e-15);
+            }
         }
     }
 

@@ -27,8 +27,10 @@ struct Repetition {
     row: usize,
     /// Place in the sizes of the plan.
     size: usize,
-    /// Where the errors come from.
+    /// Number of the sequence of random numbers.
     stream: u64,
+    /// Whether the load is disturbed, once, or each value whenever it is updated.
+    in_load: bool,
 }
 
 /// Repeats the runs of a table with errors of all sizes.
@@ -137,10 +139,10 @@ impl Undisturbed<'_> {
         self.changed(&runs, arithmetic)
     }
 
-    /// The same with relative errors: in each value whenever it is updated, or in the load, once.
-    fn disturbed(&self, plan: &Plan, batch: &[Repetition], in_load: bool) -> Vec<Vec<bool>> {
+    /// The same with the relative errors of a batch.
+    fn disturbed(&self, plan: &Plan, batch: &[Repetition]) -> Vec<Vec<bool>> {
         let source = |of: &Repetition| (plan.sizes[of.size], Random::new(plan.seed, of.stream));
-        if !in_load {
+        if !batch[0].in_load {
             let runs: Vec<_> = batch.iter().map(|of| (of.row, &self.loads[..])).collect();
             let (size, random) = ([0.0; LANES], [Random::new(0, 0); LANES]);
             let mut noisy = Noisy { size, random, runs: batch.iter().map(source).collect() };
@@ -158,32 +160,35 @@ impl Undisturbed<'_> {
         self.changed(&runs, &mut AsDefined)
     }
 
-    fn rows(&self, plan: &Plan, near: &[Margins]) -> Result<Vec<Row>, String> {
-        if self.all_changed(&mut AsDefined).iter().flatten().any(|changed| *changed) {
-            return Err(format!("table {}: the lanes do not give the counts", self.plan.number));
-        }
-        let orders = [self.all_changed(&mut Reversed), self.all_changed(&mut Fused)];
+    /// All repetitions; those of a batch share r, and whether they disturb the load.
+    fn batches(&self, plan: &Plan) -> Vec<Vec<Repetition>> {
         let mut batches = Vec::new();
         for (row, r) in self.plan.r.iter().enumerate() {
-            // Those that disturb the load, and the others.
-            let mut of = [Vec::new(), Vec::new()];
+            let mut all = Vec::new();
             for (size, bound) in plan.sizes.iter().enumerate() {
                 let repetitions = if size == 0 { plan.repetitions } else { plan.further };
                 for repetition in 0..repetitions {
                     let stream = bound.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition as u64;
                     let in_load = repetition.is_multiple_of(LOAD_EVERY);
-                    of[usize::from(in_load)].push(Repetition { row, size, stream });
+                    all.push(Repetition { row, size, stream, in_load });
                 }
             }
-            for (in_load, of) in [false, true].into_iter().zip(of) {
-                batches.extend(of.chunks(2 * LANES).map(|batch| (in_load, batch.to_vec())));
+            all.sort_by_key(|of| of.in_load);
+            for alike in all.chunk_by(|a, b| a.in_load == b.in_load) {
+                batches.extend(alike.chunks(2 * LANES).map(<[Repetition]>::to_vec));
             }
         }
-        let run =
-            |(in_load, batch): &(bool, Vec<Repetition>)| self.disturbed(plan, batch, *in_load);
-        let changed: Vec<_> = batches.par_iter().map(run).collect();
-        let runs: Vec<_> =
-            batches.iter().flat_map(|(_, batch)| batch).zip(changed.iter().flatten()).collect();
+        batches
+    }
+
+    fn rows(&self, plan: &Plan, near: &[Margins]) -> Result<Vec<Row>, String> {
+        if self.all_changed(&mut AsDefined).iter().flatten().any(|changed| *changed) {
+            return Err(format!("table {}: the lanes do not give the counts", self.plan.number));
+        }
+        let orders = [self.all_changed(&mut Reversed), self.all_changed(&mut Fused)];
+        let batches = self.batches(plan);
+        let changed: Vec<_> = batches.par_iter().map(|batch| self.disturbed(plan, batch)).collect();
+        let runs: Vec<_> = batches.iter().flatten().zip(changed.iter().flatten()).collect();
         let cell = |row: usize, k: usize| {
             let flipped = || runs.iter().filter(move |(of, changed)| of.row == row && changed[k]);
             let (above, below) = near[row].levels[k];
