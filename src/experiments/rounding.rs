@@ -2,6 +2,7 @@
 
 mod runs;
 
+use crate::experiments::power_of_ten;
 use crate::experiments::problems::Problem;
 use runs::disturb;
 use serde::{Deserialize, Serialize};
@@ -24,7 +25,7 @@ pub struct Plan {
 impl Plan {
     /// The sizes and repetitions of the book.
     pub fn new(tables: Vec<Problem>) -> Self {
-        let sizes = (2..=15).rev().map(|k| 1.0 / libm::pow(10.0, f64::from(k))).collect();
+        let sizes = (-15..=-2).map(power_of_ten).collect();
         Self { tables, sizes, repetitions: 100, further: 16, seed: 1 }
     }
 }

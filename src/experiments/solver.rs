@@ -27,7 +27,7 @@ impl Solver {
     pub const ON_GRIDS: [Self; 5] =
         [Self::ArrowHurwicz, Self::Uzawa, Self::UzawaProximal, Self::ActiveSet, Self::Multigrid];
 
-    /// Its name where people read rather than type.
+    /// Its name in sentences and legends.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::ArrowHurwicz => "Arrow-Hurwicz",

@@ -109,7 +109,7 @@ pub struct Stress {
     pub floors: Series<f64>,
     /// The same in single precision.
     pub single_floors: Vec<Attained>,
-    /// Starts that are not near anything, by their names: `strict`, `multigrid`.
+    /// Starts far from the solution, by their names: `strict`, `multigrid`.
     pub starts: Series<String>,
     /// Over the size of a jump of f beside 1: `multigrid`.
     pub jumps: Series<f64>,

@@ -30,7 +30,7 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// Problem and grid, for people.
+    /// Problem and grid in words.
     pub fn title(&self) -> String {
         format!("Problem {}, h = 1/{}", self.number, self.cells)
     }

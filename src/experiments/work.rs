@@ -230,14 +230,10 @@ fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, Str
         };
         let case = (level.grid, &level.load[..]);
         let sweeps = sweeps_until(method, case, R, CHECKS, &mut pair, done);
-        let missed = || {
-            format!(
-                "{name} does not reach the discretisation error on grid 1/{}",
-                level.grid.cells()
-            )
-        };
-        visits += sweeps.ok_or_else(missed)? as f64 * unknowns;
-        run.reached.push(reached.ok_or_else(missed)?);
+        let cells = level.grid.cells();
+        let missed = format!("{name} does not reach the discretisation error on grid 1/{cells}");
+        visits += sweeps.ok_or(&missed)? as f64 * unknowns;
+        run.reached.push(reached.ok_or(&missed)?);
     }
     // The start of the first grid has cost nothing and has no place on a logarithmic axis.
     run.trace.retain(|point| point[0] > 0.0);

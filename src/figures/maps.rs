@@ -135,9 +135,10 @@ fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
         let normal = [BESIDE * d[1] / length, -BESIDE * d[0] / length];
         for piece in 0..pieces as usize {
             let [from, middle, to] = [0.0, 0.5, 1.0].map(|s| along((piece as f64 + s) / pieces));
-            let [out, inn] = [1.0, -1.0]
+            let [outside, inside] = [1.0, -1.0]
                 .map(|side| [middle[0] + side * normal[0], middle[1] + side * normal[1]]);
-            let jump = out.iter().chain(&inn).all(|c| c.abs() < 0.5) && f.at(out) != f.at(inn);
+            let within = outside.iter().chain(&inside).all(|c| c.abs() < 0.5);
+            let jump = within && f.at(outside) != f.at(inside);
             match runs.last_mut() {
                 Some(run) if jump && drawing => {
                     // Within a straight edge the last sample moves on; a new edge adds a corner.

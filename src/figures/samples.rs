@@ -3,6 +3,7 @@
 use super::Stroke::{Line, Marked, Reference};
 use super::*;
 use crate::discrete::grid::nested;
+use crate::experiments::power_of_ten;
 use crate::experiments::rounding::{Cell, Row, Table};
 use crate::problem::source::Source;
 
@@ -87,7 +88,7 @@ fn unusual_charts() -> Vec<(String, String)> {
     let row = |(r, size)| Row { r, cells: cells(size) };
     let rows = [(10.0, 1e-15), (5.0, 1e-6), (0.5, 1e-2)].map(row).into();
     let table = Table { number: 1, grids: vec![4, 8, 16], rows, changed: Vec::new() };
-    let sizes: Vec<_> = (2..=15).rev().map(|k| libm::pow(10.0, -f64::from(k))).collect();
+    let sizes: Vec<_> = (-15..=-2).map(power_of_ten).collect();
     vec![
         ("fragility".into(), svg(&fragility(&sizes, &[table.clone(), table]))),
         ("charts".into(), svg(&charts(false, &panels))),

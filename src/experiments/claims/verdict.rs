@@ -105,8 +105,8 @@ pub struct Spread {
     pub capped: bool,
 }
 
-/// Sweeps of a variant of Uzawa's algorithm over those of Arrow-Hurwicz, in the cells where these got
-/// there.
+/// Sweeps of a variant of Uzawa's algorithm over those of Arrow-Hurwicz, in the cells where the latter
+/// converged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ratios {
     /// Which variant.
@@ -229,7 +229,7 @@ impl Cell {
         *self.uzawa.get(variant).or_else(best).expect("there are variants")
     }
 
-    /// Its sweeps over those of Arrow-Hurwicz, if these got there.
+    /// Its sweeps over those of Arrow-Hurwicz, if the latter converged.
     fn ratio(&self, variant: usize) -> Option<f64> {
         Some(self.uzawa(variant).iterations as f64 / self.arrow_hurwicz.reached()? as f64)
     }

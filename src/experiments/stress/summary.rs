@@ -87,12 +87,10 @@ impl Summary {
         let solved = |trial: &Trial| trial.converged() || trial.stop == "rounding-floor";
         let stalled = |case: &Case<f64>| !solved(&case["multigrid"]);
         let fails = |r: f64| duality().any(|case| case.x == r && !case["strict"].converged());
-        let plain = stress.scaling.iter().find(|case| case.x == 0);
-        let same = |case: &Case<i32>| {
-            let (ours, plain) = (&case["scaled"], plain.map(|case| case["scaled"].steps));
-            ours.converged() && Some(ours.steps) == plain
-        };
         let scaled = stress.scaling.iter();
+        let unscaled = scaled.clone().find(|case| case.x == 0).map(|case| case["scaled"].steps);
+        let same =
+            |case: &Case<i32>| case["scaled"].converged() && Some(case["scaled"].steps) == unscaled;
         let scaled_solved = scaled.clone().filter(|case| solved(&case["multigrid"]));
         let scaled_same = scaled.filter(|case| same(case)).map(|case| f64::from(case.x));
         let signed = duality().map(|case| &case["signed"]).filter(|trial| trial.converged());
