@@ -8,11 +8,9 @@ use crate::saddle::Pair;
 pub(crate) struct Fields<'a> {
     /// Cells along x, y and z; none along an axis that is not there.
     cells: [usize; 3],
-    h: f64,
-    v: &'a [f64],
-    /// The multiplier dv/dn at the nodes, zero inside.
-    multiplier: Vec<f64>,
-    f: Vec<f64>,
+    f: Box<dyn Fn([f64; 3]) -> f64 + 'a>,
+    boundary: Vec<usize>,
+    pair: &'a Pair,
 }
 
 impl<'a> Fields<'a> {
@@ -21,23 +19,37 @@ impl<'a> Fields<'a> {
     pub(crate) fn new(
         dimension: u32,
         n: usize,
-        f: impl Fn([f64; 3]) -> f64,
-        boundary: &[usize],
+        f: impl Fn([f64; 3]) -> f64 + 'a,
+        boundary: Vec<usize>,
         pair: &'a Pair,
     ) -> Self {
-        let h = 1.0 / n as f64;
-        let at = |k: usize| f([k % n, k / n % n, k / (n * n)].map(|k| (k as f64 + 0.5) * h - 0.5));
-        let mut multiplier = vec![0.0; pair.y.len()];
-        boundary.iter().zip(&pair.a).for_each(|(&node, a)| multiplier[node] = *a);
-        let f = (0..n.pow(dimension)).map(at).collect();
         let cells = [n, n, if dimension == 3 { n } else { 0 }];
-        Self { cells, h, v: &pair.y, multiplier, f }
+        Self { cells, f: Box::new(f), boundary, pair }
     }
 
     /// A solution on the square, with its multiplier at the boundary nodes.
-    pub(crate) fn square(grid: Grid, f: &Source, pair: &'a Pair) -> Self {
-        let boundary: Vec<usize> = grid.boundary().collect();
-        Self::new(2, grid.cells(), |[x, y, _]| f.at([x, y]), &boundary, pair)
+    pub(crate) fn square(grid: Grid, f: &'a Source, pair: &'a Pair) -> Self {
+        let boundary = grid.boundary().collect();
+        Self::new(2, grid.cells(), |[x, y, _]| f.at([x, y]), boundary, pair)
+    }
+
+    fn h(&self) -> f64 {
+        1.0 / self.cells[0] as f64
+    }
+
+    /// The multiplier dv/dn at the nodes, zero inside.
+    fn multiplier(&self) -> Vec<f64> {
+        let mut multiplier = vec![0.0; self.pair.y.len()];
+        self.boundary.iter().zip(&self.pair.a).for_each(|(&node, a)| multiplier[node] = *a);
+        multiplier
+    }
+
+    /// f in the middle of each cell.
+    fn f(&self) -> Vec<f64> {
+        let (n, h) = (self.cells[0], self.h());
+        let middle = |k: usize| [k % n, k / n % n, k / (n * n)].map(|k| (k as f64 + 0.5) * h - 0.5);
+        let cells = self.shape(0).iter().product();
+        (0..cells).map(|k| (self.f)(middle(k))).collect()
     }
 
     /// Lengths of an array with `more` entries than cells along each axis, the one along x last.
@@ -47,19 +59,19 @@ impl<'a> Fields<'a> {
 
     /// v alone, in NPY format.
     pub(crate) fn npy(&self) -> Vec<u8> {
-        npy(&self.shape(1), self.v)
+        npy(&self.shape(1), &self.pair.y)
     }
 
     /// `v`, `multiplier` and `f` in NPZ format: NPY files in an archive that is not compressed.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub(crate) fn npz(&self) -> Option<Vec<u8>> {
-        let bytes = 8 * (self.v.len() + self.multiplier.len() + self.f.len());
-        (bytes + 4096 <= u32::MAX as usize).then(|| {
+        let numbers: usize = [1, 1, 0].map(|more| self.shape(more).iter().product()).iter().sum();
+        (8 * numbers + 4096 <= u32::MAX as usize).then(|| {
             zip(&[
                 ("v.npy", self.npy()),
-                ("multiplier.npy", npy(&self.shape(1), &self.multiplier)),
-                ("f.npy", npy(&self.shape(0), &self.f)),
+                ("multiplier.npy", npy(&self.shape(1), &self.multiplier())),
+                ("f.npy", npy(&self.shape(0), &self.f())),
             ])
         })
     }
@@ -71,9 +83,9 @@ impl<'a> Fields<'a> {
         let along = |of_axis: &dyn Fn(usize) -> String| self.cells.map(of_axis).join(" ");
         let extent = along(&|n| format!("0 {n}"));
         let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });
-        let spacing = along(&|n| if n > 0 { self.h.to_string() } else { "1".into() });
-        let block = |values: &[f64]| 8 + 8 * values.len();
-        let offsets = [0, block(self.v), block(self.v) + block(&self.multiplier)];
+        let spacing = along(&|n| if n > 0 { self.h().to_string() } else { "1".into() });
+        let (v, multiplier, f) = (&self.pair.y, &self.multiplier(), &self.f());
+        let block = 8 + 8 * v.len();
         let array = |name: &str, offset: usize| {
             format!(
                 "<DataArray type=\"Float64\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>\n"
@@ -86,12 +98,12 @@ impl<'a> Fields<'a> {
             <Piece Extent=\"{extent}\"><PointData Scalars=\"v\">\n{}{}\
             </PointData><CellData Scalars=\"f\">\n{}\
             </CellData></Piece></ImageData>\n<AppendedData encoding=\"raw\">\n_",
-            array("v", offsets[0]),
-            array("multiplier", offsets[1]),
-            array("f", offsets[2])
+            array("v", 0),
+            array("multiplier", block),
+            array("f", 2 * block)
         )
         .into_bytes();
-        for values in [self.v, &self.multiplier, &self.f] {
+        for values in [v, multiplier, f] {
             bytes.extend((8 * values.len() as u64).to_le_bytes());
             bytes.extend(doubles(values));
         }
@@ -184,9 +196,9 @@ mod tests {
         let f: Source = "quadrant(ll)=3; else=-2".parse().unwrap();
         let pair = Pair { y: vec![1.0; 9], a: (1..=8).map(f64::from).collect() };
         let fields = Fields::square(grid, &f, &pair);
-        assert_eq!(fields.f, [3.0, -2.0, -2.0, -2.0]);
+        assert_eq!(fields.f(), [3.0, -2.0, -2.0, -2.0]);
         // Row by row, where the boundary runs anticlockwise.
-        assert_eq!(fields.multiplier, [1.0, 2.0, 3.0, 8.0, 0.0, 4.0, 7.0, 6.0, 5.0]);
+        assert_eq!(fields.multiplier(), [1.0, 2.0, 3.0, 8.0, 0.0, 4.0, 7.0, 6.0, 5.0]);
         let archive = fields.npz().unwrap();
         assert!(archive.starts_with(b"PK\x03\x04") && archive.len() > 25 * 8 + 3 * 128);
     }

@@ -158,7 +158,7 @@ impl Domain {
     pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
-            Self::Cube { f } => Fields::new(3, n, |at| f.at(at), &self.boundary(n), pair),
+            Self::Cube { f } => Fields::new(3, n, |at| f.at(at), self.boundary(n), pair),
         };
         match kind {
             Format::Npy => Ok(fields.npy()),
