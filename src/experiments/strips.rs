@@ -79,7 +79,7 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
         let start = pair.clone();
         let outcome = arrow_hurwicz(grid, load, &params, pair, None);
         if level == grids.len() {
-            // The same iterations once more, now that their number is known.
+            // The solver does not show its iterates: as many iterations as it took are made once more.
             let mut again = start;
             let mut steps = Steps::new(grid, load, Method::ArrowHurwicz, r);
             for _ in 0..outcome.iterations {

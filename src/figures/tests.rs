@@ -72,6 +72,7 @@ fn text_is_large_enough_and_inside_the_picture() {
         };
         let head = svg.lines().next().unwrap();
         let (width, height) = (4.0 * number(head, " width=\""), 4.0 * number(head, " height=\""));
+        assert!(width <= 4.0 * 800.0, "{name} is too wide");
         for line in svg.lines().filter(|line| line.starts_with("<text")) {
             let size = number(line, "font-size=\"");
             assert!(size >= 48.0, "{name}: {line}");

@@ -65,7 +65,7 @@ pub(super) fn measure(plan: &Plan) -> Result<Vec<Measured>, String> {
     let done = batches.par_iter().with_max_len(1);
     let done: Vec<_> = done.map(|batch| cases[batch[0].problem].run(plan, batch)).collect();
     let found: Vec<_> = batches.concat().into_iter().zip(done.into_iter().flatten()).collect();
-    let measured = |(number, case)| Gathered { number, case, plan, found: &found }.measured();
+    let measured = |(place, case)| Gathered { place, case, plan, found: &found }.measured();
     Ok(cases.iter().enumerate().map(measured).collect())
 }
 
@@ -148,14 +148,16 @@ impl<'a> Case<'a> {
         let (grid, load) = (self.grids[level], &self.solvable[level]);
         let scale = largest(load);
         let job = |of: &Run| {
-            let Until::Kkt { target, variant, .. } = of.end else { return None };
+            let Until::Kkt { target, variant, .. } = of.end else {
+                unreachable!("the runs of a batch are of one kind")
+            };
             let method = variant.map_or(Method::ArrowHurwicz, |variant| {
                 VARIANTS[variant].method(plan.weight, 0.1 * target * scale)
             });
             let (start, goal) = (&self.starts[level], Goal::Kkt(target));
-            Some(Job { load, start, method, r: of.r, goal, cap: plan.cap })
+            Job { load, start, method, r: of.r, goal, cap: plan.cap }
         };
-        let jobs: Vec<_> = batch.iter().filter_map(job).collect();
+        let jobs: Vec<_> = batch.iter().map(job).collect();
         let ends = run(grid, &jobs, &mut AsDefined);
         ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
     }
@@ -164,7 +166,7 @@ impl<'a> Case<'a> {
 /// The counts of a problem, to be gathered from all runs.
 struct Gathered<'a> {
     /// Place of the problem in the plan.
-    number: usize,
+    place: usize,
     case: &'a Case<'a>,
     plan: &'a Plan,
     /// What each run came to, on the grids that it visited.
@@ -185,7 +187,7 @@ impl Gathered<'_> {
 
     /// What came out, on each grid visited.
     fn found(&self, end: Until, r: f64) -> &[Reached] {
-        let wanted = Run { problem: self.number, end, r };
+        let wanted = Run { problem: self.place, end, r };
         let found = self.found.iter().find(|(run, _)| *run == wanted);
         &found.expect("every r was run").1
     }

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 
 /// The undisturbed runs of a table.
 struct Undisturbed<'a> {
-    plan: &'a Problem,
+    problem: &'a Problem,
     grids: Vec<Grid>,
     loads: Vec<Vec<f64>>,
     /// Per r, the counts.
@@ -34,17 +34,17 @@ struct Repetition {
 }
 
 /// Repeats the runs of a table with errors of all sizes.
-pub(super) fn disturb(plan: &Plan, table: &Problem) -> Result<Table, String> {
-    let Discrete { grids, loads, .. } = table.discrete()?;
+pub(super) fn disturb(plan: &Plan, problem: &Problem) -> Result<Table, String> {
+    let Discrete { grids, loads, .. } = problem.discrete()?;
     let count = |&r: &f64| {
         let mut near = Margins::default();
         let params = Params { r, rule: StopRule::Signed, ..Params::default() };
-        let (outcomes, _) = solve_nested(&grids, &loads, &params, table.prolongation, &mut near);
+        let (outcomes, _) = solve_nested(&grids, &loads, &params, problem.prolongation, &mut near);
         (outcomes.iter().map(|outcome| outcome.iterations).collect(), near)
     };
     let (counts, near): (Vec<_>, Vec<_>) =
-        table.r.par_iter().map(count).collect::<Vec<_>>().into_iter().unzip();
-    let table = Undisturbed { plan: table, grids, loads, counts };
+        problem.r.par_iter().map(count).collect::<Vec<_>>().into_iter().unzip();
+    let table = Undisturbed { problem, grids, loads, counts };
     let rows = table.rows(plan, &near)?;
     let cells = || rows.iter().flat_map(|row: &Row| &row.cells);
     let changed = plan
@@ -52,7 +52,7 @@ pub(super) fn disturb(plan: &Plan, table: &Problem) -> Result<Table, String> {
         .iter()
         .map(|size| cells().filter(|cell| cell.flips_at.is_some_and(|at| at <= *size)).count())
         .collect();
-    Ok(Table { number: table.plan.number, grids: table.plan.grids.clone(), rows, changed })
+    Ok(Table { number: problem.number, grids: problem.grids.clone(), rows, changed })
 }
 
 /// How near the residual came to the tolerance on each grid.
@@ -120,12 +120,15 @@ impl Undisturbed<'_> {
         runs: &[(usize, &[Vec<f64>])],
         arithmetic: &mut impl Arithmetic<f64>,
     ) -> Vec<Vec<bool>> {
-        // One more would show a late stop; the others let the finer grids start from about where it is.
+        // One more than the count would show a late stop; with the others a finer grid starts from about
+        // where a run without a cap would end.
         let cap = |run: usize, k: usize| self.counts[runs[run].0][k] + 10;
         let rule = StopRule::Signed;
-        let all: Vec<Nested> =
-            runs.iter().map(|&(row, loads)| Nested { loads, r: self.plan.r[row], rule }).collect();
-        let ends = run_nested(&self.grids, &all, self.plan.prolongation, cap, arithmetic);
+        let all: Vec<Nested> = runs
+            .iter()
+            .map(|&(row, loads)| Nested { loads, r: self.problem.r[row], rule })
+            .collect();
+        let ends = run_nested(&self.grids, &all, self.problem.prolongation, cap, arithmetic);
         let differs = |(ends, (row, _)): (Vec<End>, &(usize, _))| {
             let pairs = ends.iter().zip(&self.counts[*row]);
             pairs.map(|(end, want)| end.count() != Some(*want)).collect()
@@ -163,7 +166,7 @@ impl Undisturbed<'_> {
     /// All repetitions; those of a batch share r, and whether they disturb the load.
     fn batches(&self, plan: &Plan) -> Vec<Vec<Repetition>> {
         let mut batches = Vec::new();
-        for (row, r) in self.plan.r.iter().enumerate() {
+        for (row, r) in self.problem.r.iter().enumerate() {
             let mut all = Vec::new();
             for (size, bound) in plan.sizes.iter().enumerate() {
                 let repetitions = if size == 0 { plan.repetitions } else { plan.further };
@@ -183,7 +186,7 @@ impl Undisturbed<'_> {
 
     fn rows(&self, plan: &Plan, near: &[Margins]) -> Result<Vec<Row>, String> {
         if self.all_changed(&mut AsDefined).iter().flatten().any(|changed| *changed) {
-            return Err(format!("table {}: the lanes do not give the counts", self.plan.number));
+            return Err(format!("table {}: the lanes do not give the counts", self.problem.number));
         }
         let orders = [self.all_changed(&mut Reversed), self.all_changed(&mut Fused)];
         let batches = self.batches(plan);
@@ -206,6 +209,6 @@ impl Undisturbed<'_> {
             let cells = (0..self.grids.len()).map(|k| cell(row, k)).collect();
             Row { r, cells }
         };
-        Ok(self.plan.r.iter().enumerate().map(row).collect())
+        Ok(self.problem.r.iter().enumerate().map(row).collect())
     }
 }

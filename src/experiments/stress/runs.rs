@@ -39,14 +39,14 @@ enum Run {
 }
 
 impl Run {
-    /// A run of the paper's method.
+    /// What to run in a lane, for the paper's method.
     fn job(&self) -> Option<Job<'_>> {
         let Self::Saddle { load, start, r, goal, cap } = self else { return None };
         let method = Method::ArrowHurwicz;
         Some(Job { load, start, method, r: *r, goal: *goal, cap: *cap })
     }
 
-    /// A run of multigrid, made.
+    /// Makes a run of multigrid.
     fn alone(&self) -> Option<Trial> {
         let Self::Multigrid { grid, load, goal, start } = self else { return None };
         Some(multi(*grid, load, *goal, start.as_deref()))
