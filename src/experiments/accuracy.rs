@@ -105,7 +105,7 @@ pub struct Spent {
     pub work_units: f64,
     /// Cycles on the finest grid.
     pub cycles: usize,
-    /// Natural residual, in units of the load.
+    /// Natural residual, not relative: in the units of the load, f h^2.
     pub kkt: f64,
     /// How it ended.
     pub stop: String,
@@ -132,7 +132,7 @@ pub struct Ranges {
     pub others: [[f64; 2]; 3],
 }
 
-/// Natural residual that the second goal asks for, in units of the load.
+/// Natural residual that the second goal asks for, not relative: in the units of the load, f h^2.
 pub const TOLERANCE: f64 = 1e-10;
 /// The goals, in the order of [`Cost::goals`].
 pub const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(TOLERANCE), Goal::RoundingFloor];
