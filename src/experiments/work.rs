@@ -50,10 +50,34 @@ pub struct Comparison {
 pub struct Run {
     /// Its name in words.
     pub method: String,
-    /// On the finest grid: work units, with those of coarser grids; relative natural residual; error.
-    pub trace: Vec<[f64; 3]>,
-    /// Per grid: cells, unknowns visited up to the discretisation error, work units, error reached.
-    pub reached: Vec<(usize, f64, f64, f64)>,
+    /// Its iterates on the finest grid.
+    pub trace: Vec<Iterate>,
+    /// Where it reached the discretisation error, grid by grid.
+    pub reached: Vec<Reached>,
+}
+
+/// An iterate on the finest grid.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Iterate {
+    /// Work so far, that on coarser grids included.
+    pub work_units: f64,
+    /// Natural residual over the largest component of the load.
+    pub residual: f64,
+    /// Error in the discrete L2 norm.
+    pub error: f64,
+}
+
+/// The first iterate on a grid that is as close as the discretisation lets it be.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Reached {
+    /// Cells per side.
+    pub cells: usize,
+    /// Unknowns visited so far, on all grids.
+    pub visits: f64,
+    /// The same in sweeps of this grid.
+    pub work_units: f64,
+    /// Error in the discrete L2 norm.
+    pub error: f64,
 }
 
 /// The duality parameter: above about 10 it makes no difference to these counts.
@@ -191,14 +215,15 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
         };
         let limit = MultigridParams::default().max_cycles;
         let (y, outcome) = solve(Goal::DiscretisationError, limit)?;
-        let units = outcome.work_units;
-        run.reached.push((grid.cells(), units * unknowns, units, level.error(&y)));
+        let work_units = outcome.work_units;
+        let (visits, error) = (work_units * unknowns, level.error(&y));
+        run.reached.push(Reached { cells: grid.cells(), visits, work_units, error });
         if k + 1 == levels.len() {
             let cycles = solve(Goal::RoundingFloor, limit)?.1.cycles;
             for max_cycles in 0..=cycles {
                 let (y, outcome) = solve(Goal::RoundingFloor, max_cycles)?;
-                let residual = kkt(*grid, &y, load).relative;
-                run.trace.push([outcome.work_units, residual, level.error(&y)]);
+                let (residual, error) = (kkt(*grid, &y, load).relative, level.error(&y));
+                run.trace.push(Iterate { work_units: outcome.work_units, residual, error });
             }
         }
     }
@@ -215,27 +240,27 @@ fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, Str
             pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
         let (last, unknowns) = (k + 1 == levels.len(), level.grid.nodes() as f64);
-        let (before, mut reached) = (visits, None);
+        let (cells, before, mut reached) = (level.grid.cells(), visits, None);
         let done = |sweeps: usize, pair: &Pair| {
             let error = level.error(&pair.y);
             let visits = before + sweeps as f64 * unknowns;
+            let work_units = visits / unknowns;
             let residual = kkt(level.grid, &pair.y, &level.load).relative;
             if last {
-                run.trace.push([visits / unknowns, residual, error]);
+                run.trace.push(Iterate { work_units, residual, error });
             }
             if level.is_reached(error) && reached.is_none() {
-                reached = Some((level.grid.cells(), visits, visits / unknowns, error));
+                reached = Some(Reached { cells, visits, work_units, error });
             }
             reached.is_some() && (!last || residual <= TARGETS[1])
         };
         let case = (level.grid, &level.load[..]);
         let sweeps = sweeps_until(method, case, R, CHECKS, &mut pair, done);
-        let cells = level.grid.cells();
         let missed = format!("{name} does not reach the discretisation error on grid 1/{cells}");
         visits += sweeps.ok_or(&missed)? as f64 * unknowns;
         run.reached.push(reached.ok_or(&missed)?);
     }
     // The start of the first grid has cost nothing and has no place on a logarithmic axis.
-    run.trace.retain(|point| point[0] > 0.0);
+    run.trace.retain(|iterate| iterate.work_units > 0.0);
     Ok(run)
 }

@@ -66,7 +66,7 @@ fn sweeps_grow_like_the_inverse_square_of_the_width() {
     // On the finest grid multigrid takes far less, and each method has reached the error on each grid.
     let runs = &findings().comparison.runs;
     assert!(runs.iter().all(|run| run.reached.len() == 3));
-    let visits = |k: usize| runs[k].reached[2].1;
+    let visits = |k: usize| runs[k].reached[2].visits;
     assert!(visits(1) > 20.0 * visits(0) && visits(2) > 20.0 * visits(0));
 }
 

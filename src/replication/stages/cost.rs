@@ -3,7 +3,7 @@
 use crate::experiments::accuracy::{self, Findings};
 use crate::experiments::solver::Solver;
 use crate::experiments::truth::{Elements, Level, Truth};
-use crate::experiments::work::{CostLaw, Run};
+use crate::experiments::work::{CostLaw, Iterate, Run};
 use crate::figures::Stroke::{Line, Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::problem::exact::Exact;
@@ -57,21 +57,23 @@ pub(super) fn accuracy(found: &Findings) -> Picture {
 /// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
 pub(super) fn work(found: &Findings) -> Picture {
     let compared = &found.comparison;
-    let trace = |column: usize| -> Vec<Curve> {
+    let trace = |shown: fn(&Iterate) -> f64| -> Vec<Curve> {
         let of = |run: &Run| {
-            let points = run.trace.iter().map(|point| (point[0], point[column]));
+            let points = run.trace.iter().map(|iterate| (iterate.work_units, shown(iterate)));
             // Rings at hundreds of checks would hide the line.
             Curve::new(if run.trace.len() > 40 { Line } else { Marked }, &run.method, points)
         };
         compared.runs.iter().map(of).collect()
     };
-    let mut errors = trace(2);
+    let mut errors = trace(|iterate| iterate.error);
     let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let ends = work.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
     let error = compared.discretisation;
     errors.push(Curve::new(Reference, "discretisation error", [(ends.0, error), (ends.1, error)]));
-    let reached =
-        |run: &Run| Curve::new(Marked, &run.method, run.reached.iter().map(|a| (a.1, a.3)));
+    let reached = |run: &Run| {
+        let points = run.reached.iter().map(|reached| (reached.visits, reached.error));
+        Curve::new(Marked, &run.method, points)
+    };
     let mut reached: Vec<_> = compared.runs.iter().map(reached).collect();
     reached.push(slope("order 1", &reached[..1], -1.0, 0.15));
     let finest = |law: &&CostLaw| law.target < 1e-5;
@@ -82,7 +84,7 @@ pub(super) fn work(found: &Findings) -> Picture {
         Chart::new(
             format!("Residual on the grid 1/{cells}"),
             ["work units", "relative KKT residual"],
-            trace(1),
+            trace(|iterate| iterate.residual),
         ),
         Chart::new(
             format!("Error on the grid 1/{cells}"),
