@@ -54,7 +54,7 @@ pub struct Outcome {
     pub stop: StopReason,
     /// Linear systems solved.
     pub steps: usize,
-    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)`, in units of the load.
+    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)`, not relative: in the units of the load.
     pub kkt: f64,
 }
 

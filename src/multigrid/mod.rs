@@ -81,7 +81,7 @@ impl Default for MultigridParams {
 pub struct Progress {
     /// Cycles so far.
     pub cycle: usize,
-    /// Natural residual, in units of the load.
+    /// Natural residual, not relative: in the units of the load.
     pub kkt: f64,
     /// Work so far, in sweeps of the finest grid.
     pub work_units: f64,
@@ -94,7 +94,7 @@ pub struct Outcome {
     pub stop: StopReason,
     /// Cycles on the finest grid.
     pub cycles: usize,
-    /// Natural residual of the solution, in units of the load.
+    /// Natural residual of the solution, not relative: in the units of the load.
     pub kkt: f64,
     /// Work in sweeps of the finest grid.
     pub work_units: f64,
