@@ -166,7 +166,8 @@ fn admissible(grid: Grid, y: &[f64]) -> (Cow<'_, [f64]>, f64) {
         return (Cow::Borrowed(y), 0.0);
     }
     let mut v = y.to_vec();
-    grid.boundary().for_each(|node| v[node] = v[node].max(0.0));
+    // A difference, as the maximum with zero would hide a NaN.
+    grid.boundary().zip(&below).for_each(|(node, value)| v[node] -= value);
     // Edges on the boundary have weight 1/2, those inward 1.
     let mut square = 0.0;
     for (b, value) in below.iter().enumerate() {

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 ///
 /// With `P_l` the mean over squares of `2^l` by `2^l` cells, `r = sum (P_l - P_{l+1}) r`, and
 /// `(P_l - P_{l+1}) r` has no mean on squares of width `2^(l+1) h`, where Poincaré's constant is the width
-/// over pi (Payne and Weinberger 1960). One flux for each level gives
+/// over pi (its extremal function is cos(pi x / width)). One flux for each level gives
 /// `|grad w| <= sum_l 2^(l+1) h / pi |(P_l - P_{l+1}) r|` for the solution of `-Lap w = r`.
 pub(super) struct Pyramid {
     levels: Vec<Level>,

@@ -101,7 +101,7 @@ impl Judge {
         for node in (0..inside.start).chain(inside.end..=last) {
             self.min_y = min(self.min_y, y[node]);
             self.min_flux = min(self.min_flux, gradient[node]);
-            self.complementarity.put(y[node].min(gradient[node]));
+            self.complementarity.put(min(y[node], gradient[node]));
         }
     }
 
@@ -121,7 +121,7 @@ impl Judge {
     }
 }
 
-/// The larger of two, or NaN if either is: `f64::max` would hide a NaN.
+/// The larger of two, or NaN if either is: `f64::max` would hide a NaN, as `f64::min` would.
 fn max(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }
@@ -161,6 +161,9 @@ mod tests {
             let mut y = vec![0.0; 9];
             y[node] = f64::NAN;
             assert!(kkt(grid, &y, &[1.0; 9]).natural.is_nan());
+            let mut load = [1.0; 9];
+            load[node] = f64::NAN;
+            assert!(kkt(grid, &[0.0; 9], &load).natural.is_nan());
         }
     }
 }

@@ -173,7 +173,8 @@ pub fn multiplier_error(
     square.sqrt()
 }
 
-/// L2 norm of the nodal vector `y` with lumped mass: at least that of the piecewise linear function.
+/// L2 norm of the nodal vector `y` with lumped mass, by the trapezoidal rule: at least that of the function that is
+/// bilinear on cells.
 ///
 /// # Panics
 /// If `y.len() != grid.nodes()`.

@@ -17,7 +17,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Col, Side};
 
 use super::StopReason;
-use super::input::{Extent, InputError, check_length};
+use super::input::{Extent, InputError, check_length, check_start};
 use super::network::Network;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
@@ -59,7 +59,7 @@ pub struct Outcome {
 }
 
 /// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see
-/// [`multigrid`](super::multigrid::multigrid) for `A` and the layout of `load`, `start` and the result.
+/// [`multigrid`](super::square::multigrid) for `A` and the layout of `load`, `start` and the result.
 ///
 /// Starts from contact everywhere, or where `start` is not positive.
 ///
@@ -89,7 +89,7 @@ pub(super) fn on_network(
     check_length(network.nodes(), load)?;
     Extent::of(load).check()?;
     if let Some(start) = start {
-        check_length(network.nodes(), start)?;
+        check_start(network.nodes(), start, 1.0)?;
     }
     let system = System::new(network, load);
     let mut active = system.contact_of(start);

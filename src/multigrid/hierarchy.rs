@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use super::coarsest::Coarsest;
-use super::input::{InputError, check_length};
+use super::input::{InputError, check_length, check_start};
 use super::level::Level;
 use super::load;
 use super::pass;
@@ -164,10 +164,7 @@ impl<G: Geometry> Multigrid<G> {
 
     fn set_start(&mut self, start: &[f64]) -> Result<(), InputError> {
         let top = self.levels.last_mut().expect("at least one grid");
-        check_length(top.nodes, start)?;
-        if start.iter().any(|value| !(value / self.scale).is_finite()) {
-            return Err(InputError::NotFinite("start"));
-        }
+        check_start(top.nodes, start, self.scale)?;
         rows::split(top.n, start, &mut top.values);
         rows::scale(&mut top.values, 1.0 / self.scale);
         Ok(())

@@ -28,6 +28,13 @@ pub(super) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputEr
     if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
 }
 
+/// Checks that a start has one finite number for each node, also when divided by `scale`.
+pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<(), InputError> {
+    check_length(expected, start)?;
+    let finite = start.iter().all(|value| (value / scale).is_finite());
+    if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
+}
+
 /// Loads whose largest entry lies in here are not rescaled.
 const COMFORTABLE: std::ops::Range<f64> = 1e-100..1e100;
 

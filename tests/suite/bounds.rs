@@ -309,7 +309,10 @@ fn what_has_no_solution_has_no_bound() {
     assert_eq!(bounds(grid, &Source::constant(1.0), &zero), Err(NoBound::NotCoercive));
     let huge = vec![1e200; grid.nodes()];
     assert_eq!(bounds(grid, &Source::constant(-1e200), &huge), Err(NoBound::NotFinite));
-    let mut nan = zero.clone();
-    nan[40] = f64::NAN;
-    assert_eq!(bounds(grid, &Source::constant(-1.0), &nan), Err(NoBound::NotFinite));
+    // Inside, and on the boundary beside a value below zero.
+    for (node, lowest) in [(40, 0.0), (4, 0.0), (4, -1.0)] {
+        let mut nan = zero.clone();
+        (nan[node], nan[80]) = (f64::NAN, lowest);
+        assert_eq!(bounds(grid, &Source::constant(-1.0), &nan), Err(NoBound::NotFinite));
+    }
 }

@@ -217,6 +217,9 @@ fn impossible_input_is_refused() {
         assert_eq!(direct(&bad), Err(InputError::NotFinite("load")));
         let start = multigrid(n, &good, Some(&bad), &params, |_| {}).map(|_| ());
         assert_eq!(start, Err(InputError::NotFinite("start")));
+        let params = ActiveSetParams::default();
+        let start = active_set(n, &good, Some(&bad), &params, |_| {}).map(|_| ());
+        assert_eq!(start, Err(InputError::NotFinite("start")));
     }
     let opposite: Vec<_> = good.iter().map(|entry| -entry).collect();
     for bad in [opposite, vec![0.0; 729]] {
