@@ -1,6 +1,6 @@
 //! Moments of the right-hand side over a cell.
 
-use crate::discrete::cells::Cut;
+use crate::discrete::cells::{Cut, bilinear};
 use crate::discrete::grid::Grid;
 
 /// Integrals over one cell of f times polynomials in X and Y, the coordinates that run from -1/2 to 1/2
@@ -69,13 +69,7 @@ impl Moments {
 
     /// Integrals of f times the bilinear hat functions of the corners ll, lr, ul, ur.
     pub(super) fn masses(&self) -> [f64; 4] {
-        let (mean, x, y) = (0.25 * self.one, 0.5 * self.x, 0.5 * self.y);
-        [
-            mean - x - y + self.xy,
-            mean + x - y - self.xy,
-            mean - x + y - self.xy,
-            mean + x + y + self.xy,
-        ]
+        bilinear([self.one, self.x, self.y, self.xy])
     }
 
     /// The integral of f times the bubbles on both edges along x, blended over the cell, and what the upper one has

@@ -19,6 +19,7 @@ use faer::{Col, Side};
 use super::StopReason;
 use super::input::{Extent, InputError, check_length, check_start};
 use super::network::Network;
+use super::square::Square;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 
@@ -73,7 +74,8 @@ pub fn active_set(
     monitor: impl FnMut(&Progress),
 ) -> Result<(Vec<f64>, Outcome), InputError> {
     let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
-    let (y, stop, steps) = on_network(&Network::square(n), load, start, params, monitor)?;
+    let network = Network::new::<Square>(n, 1.0);
+    let (y, stop, steps) = on_network(&network, load, start, params, monitor)?;
     let kkt = kkt(grid, &y, load).natural;
     Ok((y, Outcome { stop, steps, kkt }))
 }

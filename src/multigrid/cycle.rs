@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::hierarchy::{Geometry, Multigrid};
-use super::layout::boundary_nodes;
+use super::layout::{boundary_nodes, rows_per_slab};
 use super::pass::Problem::{Correction, Obstacle};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
@@ -94,9 +94,11 @@ impl<G: Geometry> Multigrid<G> {
     fn lower_into_contact(&mut self, l: usize) {
         let level = &mut self.levels[l];
         let (mut lowest, mut at) = (f64::INFINITY, 0);
-        for_each_boundary_node::<G>(level.n, |number, k| {
-            if level.value(k) < lowest {
-                (lowest, at) = (level.value(k), number);
+        let n = level.n;
+        for_each_boundary_node::<G>(n, |number, [i, r, s]| {
+            let value = level.value((s * rows_per_slab::<G>(n) + r) * (n + 1) + i);
+            if value < lowest {
+                (lowest, at) = (value, number);
             }
         });
         for half in &mut level.values {

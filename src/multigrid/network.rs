@@ -16,23 +16,11 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// The five-point stencil on `n` by `n` cells, row-major.
-    pub(super) fn square(n: usize) -> Self {
-        Self::lattice([n, n, 0], 1.0)
-    }
-
-    /// The seven-point stencil on `n` by `n` by `n` cells, x fastest, z slowest.
-    pub(super) fn cube(n: usize) -> Self {
-        Self::lattice([n, n, n], 1.0 / n as f64)
-    }
-
-    /// The mirrored stencil on `n` cells per side, each node's couplings times the part of its cell inside.
-    pub(super) fn unit<D: Dimension>(n: usize) -> Self {
-        Self::lattice([n, n, if D::AXES == 2 { 0 } else { n }], 1.0)
-    }
-
-    /// A box of cells, none along the axes that do not exist; `weight` couples neighbours inside.
-    fn lattice(cells: [usize; 3], weight: f64) -> Self {
+    /// The five- or seven-point stencil on `n` cells per side, x fastest; `weight` couples neighbours inside, on the
+    /// boundary the part of it that their cells have inside.
+    pub(super) fn new<D: Dimension>(n: usize, weight: f64) -> Self {
+        // No cells along an axis that does not exist.
+        let cells = [n, n, if D::AXES == 2 { 0 } else { n }];
         let ends = |axis: usize, i: usize| cells[axis] > 0 && (i == 0 || i == cells[axis]);
         let share = |axis: usize, i: usize| if ends(axis, i) { 0.5 } else { 1.0 };
         let step = [1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)];

@@ -107,15 +107,17 @@ pub(super) fn edges<D: Dimension>(at: At, colour: Colour) -> impl Iterator<Item 
     })
 }
 
-/// Calls `visit(number, k)` for every boundary node, by growing number; `k` counts all nodes in natural order.
-pub(super) fn for_each_boundary_node<D: Dimension>(n: usize, mut visit: impl FnMut(usize, usize)) {
+/// Calls `visit(number, [i, r, s])` for every boundary node, by growing number: column `i` of row `r` of slab `s`.
+pub(super) fn for_each_boundary_node<D: Dimension>(
+    n: usize,
+    mut visit: impl FnMut(usize, [usize; 3]),
+) {
     let mut number = 0;
     for s in 0..=n {
         for at in At::of_slab::<D>(n, s) {
             let step = if at.is_inner::<D>() { n } else { 1 };
-            let row = s * rows_per_slab::<D>(n) + at.r;
             for i in (0..=n).step_by(step) {
-                visit(number, row * (n + 1) + i);
+                visit(number, [i, at.r, s]);
                 number += 1;
             }
         }

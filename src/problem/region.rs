@@ -1,7 +1,7 @@
 //! Regions of the plane on which f is constant; all are convex.
 
 use super::exact::Exact;
-use super::shape::{Convex, Shape, SourceError, numbers, run};
+use super::shape::{Convex, Shape, SourceError, half_line, numbers, run, scaled};
 use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Range;
@@ -119,12 +119,6 @@ const QUADRANTS: [(&str, Region); 4] = [
     ("ur", Region::Quadrant { right: true, upper: true }),
 ];
 
-/// A half-plane with a normal whose greatest component is 1 in size.
-fn scaled(a: f64, b: f64, c: f64) -> (f64, f64, f64) {
-    let scale = a.abs().max(b.abs());
-    (a / scale, b / scale, c / scale)
-}
-
 impl Convex<1> for Region {
     fn along(&self, xs: &[f64], [y]: [f64; 1]) -> Range<usize> {
         let turn = match self.plain() {
@@ -145,13 +139,8 @@ impl Convex<1> for Region {
         match self.plain() {
             Self::Rect { x, y: [bottom, top] } => (bottom <= y[1] && y[0] <= top).then_some(x),
             Self::HalfPlane { a, b, c } => {
-                let (a, b, c) = scaled(a, b, c);
-                let room = c - (b * y[0]).min(b * y[1]);
-                match a {
-                    0.0 => (room >= 0.0).then_some([f64::NEG_INFINITY, f64::INFINITY]),
-                    a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
-                    a => Some([room / a, f64::INFINITY]),
-                }
+                let ([a, b], c) = scaled([a, b], c);
+                half_line(a, c - (b * y[0]).min(b * y[1]))
             }
             Self::Disc { centre: [cx, cy], radius } => {
                 let away = (y[0] - cy).max(cy - y[1]).max(0.0);
@@ -169,7 +158,7 @@ impl Convex<1> for Region {
                 y: [(bottom - y) / unit, (top - y) / unit],
             },
             Self::HalfPlane { a, b, c } => {
-                let (a, b, c) = scaled(a, b, c);
+                let ([a, b], c) = scaled([a, b], c);
                 Self::HalfPlane { a, b, c: (c - a * x - b * y) / unit }
             }
             Self::Disc { centre: [cx, cy], radius } => {

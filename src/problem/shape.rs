@@ -59,6 +59,21 @@ pub(crate) fn run(xs: &[f64], turn: usize, inside: impl Fn(f64) -> bool) -> Rang
     start..end.max(start)
 }
 
+/// A half-plane or half-space `normal . p <= d` with a normal whose greatest component is 1 in size.
+pub(super) fn scaled<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64) {
+    let scale = normal.iter().fold(0.0f64, |most, s| most.max(s.abs()));
+    (normal.map(|s| s / scale), d / scale)
+}
+
+/// Least and greatest x with `a x <= room`; nothing if there is none.
+pub(super) fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
+    match a {
+        0.0 => (room >= 0.0).then_some([f64::NEG_INFINITY, f64::INFINITY]),
+        a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
+        a => Some([room / a, f64::INFINITY]),
+    }
+}
+
 /// Why a text is no right-hand side.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceError {

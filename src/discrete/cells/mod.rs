@@ -15,6 +15,14 @@ use crate::problem::region::Region;
 use crate::problem::shape::Convex;
 use std::ops::Range;
 
+/// Integrals of f times the bilinear hat functions of the corners ll, lr, ul, ur of a cell, from those of f times 1, X,
+/// Y and XY.
+#[inline(always)]
+pub fn bilinear([one, x, y, xy]: [f64; 4]) -> [f64; 4] {
+    let (mean, x, y) = (0.25 * one, 0.5 * x, 0.5 * y);
+    [mean - x - y + xy, mean + x - y - xy, mean - x + y - xy, mean + x + y + xy]
+}
+
 /// Goes over the cells of a grid in rows along x; `N` is 1 on the square, 2 on the cube.
 pub struct Rows<'a, P, const N: usize> {
     /// Coordinates of the grid lines, the same along every axis.

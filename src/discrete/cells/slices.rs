@@ -4,6 +4,7 @@
 //! which a border begins, ends, or meets others, and has at most square roots there. Gauss' rule in a variable
 //! that smooths these roots is exact to rounding.
 
+use super::bilinear;
 use super::sweep::Cut;
 use crate::problem::cube::Body;
 
@@ -94,11 +95,9 @@ impl CutCube {
     fn hats(&mut self, z: f64) -> [f64; 8] {
         let slices = self.pieces.iter().filter_map(|(body, value)| Some((body.slice(z)?, *value)));
         self.slice.set(self.background, slices);
-        let [f, x, y, xy, ..] = self.slice.moments().f;
-        std::array::from_fn(|corner| {
-            let [right, back, up] = [1, 2, 4].map(|bit| if corner & bit == 0 { -1.0 } else { 1.0 });
-            (0.5 + up * z) * (f / 4.0 + right * x / 2.0 + back * y / 2.0 + right * back * xy)
-        })
+        let slice = bilinear(self.slice.moments().first());
+        let [lower, upper] = [0.5 - z, 0.5 + z].map(|height| slice.map(|hat| height * hat));
+        std::array::from_fn(|corner| if corner < 4 { lower[corner] } else { upper[corner - 4] })
     }
 
     /// The heights between which the slices change analytically.

@@ -227,6 +227,12 @@ impl Moments {
         Self { f: [f, 0.0, 0.0, 0.0, twelfth, twelfth, 0.0, 0.0], square: f * f }
     }
 
+    /// Those of f times 1, X, Y and XY.
+    pub fn first(&self) -> [f64; 4] {
+        let [one, x, y, xy, ..] = self.f;
+        [one, x, y, xy]
+    }
+
     fn add(&mut self, jump: f64, jump_of_square: f64, monomials: [f64; 8]) {
         for (sum, term) in self.f.iter_mut().zip(monomials) {
             *sum += jump * term;

@@ -1,6 +1,6 @@
 //! The exact rule: integrals of f times the hat functions, in closed form for constant pieces.
 
-use super::super::cells::{Cells, Moments};
+use super::super::cells::{Cells, Moments, bilinear};
 use super::super::grid::Grid;
 use super::{Diagonal, by_rows};
 use crate::problem::exact::Exact;
@@ -36,7 +36,7 @@ pub(super) fn exact(grid: Grid, f: &Source, diagonal: Option<Diagonal>) -> Vec<f
                     let HatRow { values, cut } = row;
                     cells.row(j, values, |i, cell| {
                         let corners = match diagonal {
-                            None => bilinear_corners(cell.moments()),
+                            None => bilinear(cell.moments().first()),
                             Some(cut) => corners(cell.triangles(cut == Diagonal::Rising), cut),
                         };
                         cut.push((i, corners));
@@ -115,14 +115,7 @@ fn corners([below, above]: [Moments; 2], diagonal: Diagonal) -> Corners {
     }
 }
 
-/// The corners' shares of f on a cell by bilinear hats.
-fn bilinear_corners(moments: Moments) -> Corners {
-    let [one, x, y, xy, ..] = moments.f;
-    let (mean, x, y) = (0.25 * one, 0.5 * x, 0.5 * y);
-    [mean - x - y + xy, mean + x - y - xy, mean - x + y - xy, mean + x + y + xy]
-}
-
-/// The same for a smooth f, by quadrature.
+/// The corners' shares of a smooth f on a cell, by quadrature.
 fn smooth_corners(grid: Grid, f: Exact, diagonal: Option<Diagonal>, i: usize, j: usize) -> Corners {
     let at = |k: usize| [grid.coordinate(i + (k & 1)), grid.coordinate(j + (k >> 1))];
     let triangles = match diagonal {

@@ -25,8 +25,10 @@
 //! 0.3 where the set is scattered over single nodes. The springs affect the speed only, never the
 //! solution.
 
-use super::surface::{around, for_each_node, nodes};
+use super::Cube;
+use super::surface::{around, nodes};
 use crate::multigrid::level::Level;
+use crate::multigrid::stencil::for_each_boundary_node;
 
 /// Potential kernel of the cubic lattice at the origin, at the nearest and at the diagonal neighbours in
 /// a plane: 0.252731..., G(0) - 1/6, and 0.055191...
@@ -63,7 +65,7 @@ impl Draw {
     /// Raises capacities to those of compact sets.
     fn make_compact(&mut self) {
         let Self { n, area, capacity } = self;
-        for_each_node(*n, |place, node| {
+        for_each_boundary_node::<Cube>(*n, |place, node| {
             if area[place] > 0.0 {
                 let total: f64 = around(*n, area, node).iter().sum();
                 capacity[place] = capacity[place].max(area[place] / (G[0] * total.sqrt()));
@@ -75,7 +77,7 @@ impl Draw {
     fn coarsened(&self) -> Self {
         let n = self.n / 2;
         let (mut area, mut capacity) = (vec![0.0; nodes(n)], vec![0.0; nodes(n)]);
-        for_each_node(n, |place, node| {
+        for_each_boundary_node::<Cube>(n, |place, node| {
             let node = node.map(|i| 2 * i);
             let weighted = |field: &[f64]| {
                 let [own, nearest, diagonal] = around(self.n, field, node);
@@ -86,7 +88,7 @@ impl Draw {
             capacity[place] = 0.5 * weighted(&self.capacity);
         });
         let mut screened = capacity.clone();
-        for_each_node(n, |place, node| {
+        for_each_boundary_node::<Cube>(n, |place, node| {
             if capacity[place] > 0.0 {
                 let [_, nearest, diagonal] = around(n, &capacity, node);
                 screened[place] /= 1.0 + G[1] * nearest + G[2] * diagonal;
@@ -100,7 +102,7 @@ impl Draw {
     /// `1 / (6 + spring)` of every node, 0 in contact.
     fn inverse_diagonal(&self) -> Vec<f64> {
         let mut inverse = vec![1.0 / 6.0; nodes(self.n)];
-        for_each_node(self.n, |place, node| {
+        for_each_boundary_node::<Cube>(self.n, |place, node| {
             if self.capacity[place] > 0.0 {
                 let near = around(self.n, &self.capacity, node);
                 let potential = 1.0 - (G[0] * near[0] + G[1] * near[1] + G[2] * near[2]);
@@ -166,7 +168,7 @@ mod tests {
         let n = 16;
         let mut face = Vec::new();
         let mut all = Vec::new();
-        for_each_node(n, |_, node| {
+        for_each_boundary_node::<Cube>(n, |_, node| {
             all.push(node);
             if node[2] == 0 {
                 face.push(node);
@@ -174,7 +176,7 @@ mod tests {
         });
         assert!(springs(n, 4, &all).iter().all(|spring| spring.is_infinite()));
         let springs = springs(n, 4, &face);
-        for_each_node(4, |place, node| {
+        for_each_boundary_node::<Cube>(4, |place, node| {
             let expected = if node[2] == 0 { f64::INFINITY } else { 0.0 };
             assert!(springs[place] == expected || springs[place] < 1e-12, "{node:?}");
         });

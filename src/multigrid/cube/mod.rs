@@ -32,6 +32,7 @@ use super::input::InputError;
 use super::layout::Dimension;
 use super::level::Level;
 use super::network::Network;
+use super::stencil::coupling;
 use super::{MultigridParams, Outcome, Progress};
 use crate::discrete::cube::{Grid, judge};
 
@@ -96,7 +97,7 @@ pub fn active_set(
     monitor: impl FnMut(&active_set::Progress),
 ) -> Result<(Vec<f64>, active_set::Outcome), InputError> {
     let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
-    let network = Network::cube(n);
+    let network = Network::new::<Cube>(n, coupling::<Cube>(n));
     let (y, stop, steps) = active_set::on_network(&network, load, start, params, monitor)?;
     let kkt = judge(grid, &y, load).kkt.natural;
     Ok((y, active_set::Outcome { stop, steps, kkt }))

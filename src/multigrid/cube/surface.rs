@@ -14,20 +14,6 @@ pub(super) fn place(n: usize, node: [usize; 3]) -> usize {
     boundary_number::<Cube>(n, &node)
 }
 
-/// Calls `visit(place, node)` for every boundary node, by growing place.
-pub(super) fn for_each_node(n: usize, mut visit: impl FnMut(usize, [usize; 3])) {
-    let mut place = 0;
-    for k in 0..=n {
-        for j in 0..=n {
-            let whole = k == 0 || k == n || j == 0 || j == n;
-            for i in (0..=n).step_by(if whole { 1 } else { n }) {
-                visit(place, [i, j, k]);
-                place += 1;
-            }
-        }
-    }
-}
-
 /// Sums of a field over a node itself, its nearest and its diagonal neighbours on the faces it lies on,
 /// faces continued by reflection.
 #[inline(always)]
@@ -78,12 +64,13 @@ fn around_edge(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::multigrid::stencil::for_each_boundary_node;
 
     #[test]
     fn places_count_the_boundary() {
         for n in [2, 4, 6] {
             let mut count = 0;
-            for_each_node(n, |p, node| {
+            for_each_boundary_node::<Cube>(n, |p, node| {
                 assert_eq!((p, place(n, node)), (count, count), "{node:?}");
                 count += 1;
             });
@@ -95,7 +82,7 @@ mod tests {
     fn fast_and_careful_sums_agree() {
         let n = 8;
         let field: Vec<_> = (0..nodes(n)).map(|p| ((p * p) % 31) as f64).collect();
-        for_each_node(n, |_, node| {
+        for_each_boundary_node::<Cube>(n, |_, node| {
             assert_eq!(around(n, &field, node), around_edge(n, &field, node), "{node:?}");
         });
         // A face has nine nodes around each of its own, an edge fifteen, a corner nineteen.

@@ -2,7 +2,7 @@
 
 use super::exact::Exact;
 use crate::problem::region::Region;
-use crate::problem::shape::{Convex, Shape, SourceError, numbers, run};
+use crate::problem::shape::{Convex, Shape, SourceError, half_line, numbers, run, scaled};
 use std::fmt;
 use std::ops::Range;
 
@@ -86,12 +86,6 @@ impl Shape for Body {
     }
 }
 
-/// A half-space with a normal whose greatest component is 1 in size.
-fn scaled(normal: [f64; 3], d: f64) -> ([f64; 3], f64) {
-    let scale = normal.iter().fold(0.0f64, |most, s| most.max(s.abs()));
-    (normal.map(|s| s / scale), d / scale)
-}
-
 impl Convex<2> for Body {
     fn along(&self, xs: &[f64], [y, z]: [f64; 2]) -> Range<usize> {
         let turn = match *self {
@@ -119,12 +113,7 @@ impl Convex<2> for Body {
             Self::HalfSpace { normal, d } => {
                 let ([a, b, c], d) = scaled(normal, d);
                 let least = |s: f64, [low, high]: [f64; 2]| (s * low).min(s * high);
-                let room = d - least(b, strip[0]) - least(c, strip[1]);
-                match a {
-                    0.0 => (room >= 0.0).then_some([f64::NEG_INFINITY, f64::INFINITY]),
-                    a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
-                    a => Some([room / a, f64::INFINITY]),
-                }
+                half_line(a, d - least(b, strip[0]) - least(c, strip[1]))
             }
         }
     }
