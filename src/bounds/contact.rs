@@ -15,9 +15,14 @@ pub(super) fn arcs(grid: Grid, v: &[f64], a: &[f64]) -> Vec<ContactArc> {
         let end = (start..).find(|&b| !carries(b)).expect("not all carry");
         let before = [nodes - 1, nodes - 2].map(|k| v[(start + k) % nodes]);
         let after = [0, 1].map(|k| v[(end + k) % nodes]);
+        let mut beyond = [before, after].map(|values| reach(values).clamp(0.0, 1.0));
+        if end - start == 1 && beyond == [0.0; 2] {
+            // No ends can be told around this one node, and an arc without length would stand for all of the boundary.
+            beyond = [0.5; 2];
+        }
         ContactArc {
-            from: point(grid, start as f64 - reach(before).clamp(0.0, 1.0)),
-            to: point(grid, (end - 1) as f64 + reach(after).clamp(0.0, 1.0)),
+            from: point(grid, start as f64 - beyond[0]),
+            to: point(grid, (end - 1) as f64 + beyond[1]),
             force: (start..end).map(|b| a[b % nodes]).sum(),
         }
     };

@@ -71,7 +71,7 @@ pub struct Bounds {
     pub error: [f64; 2],
     /// A bound of the L2 norm of `grad (u - w)`, w the recovery, which is piecewise quadratic.
     pub recovered: f64,
-    /// Where v touches, with ends estimated within the cell.
+    /// Where v is in contact, with ends estimated within the cell.
     pub contact: Vec<ContactArc>,
 }
 

@@ -303,6 +303,16 @@ fn contact_is_reported_with_its_ends_and_its_whole_force() {
 }
 
 #[test]
+fn contact_in_one_node_is_not_contact_everywhere() {
+    let f: Source = "disc(0.115,-0.435,0.0315)=-144.8; else=0.364".parse().unwrap();
+    let (grid, y) = solved(8, &f, EXACT, Goal::RoundingFloor);
+    assert_eq!(grid.boundary().filter(|&node| y[node] == 0.0).count(), 1);
+    let contact = bounds(grid, &f, &y).unwrap().contact;
+    let [arc] = contact[..] else { panic!("{contact:?}") };
+    assert_eq!((arc.from, arc.to), ([0.0625, -0.5], [0.1875, -0.5]));
+}
+
+#[test]
 fn what_has_no_solution_has_no_bound() {
     let grid = Grid::new(8).unwrap();
     let zero = vec![0.0; grid.nodes()];
