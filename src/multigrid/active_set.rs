@@ -51,7 +51,7 @@ pub struct Progress {
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// `Converged` if the contact set came to rest; `RoundingFloor` if it returned to an earlier one,
-    /// which happens only where multipliers or values are zero up to rounding errors.
+    /// which was seen only where multipliers or values are zero up to rounding errors.
     pub stop: StopReason,
     /// Linear systems solved.
     pub steps: usize,
