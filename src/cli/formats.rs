@@ -1,4 +1,4 @@
-//! Solutions as files: VTK image data for ParaView, NPY and NPZ for NumPy, SVG for the eye.
+//! Solutions as files: VTK image data for ParaView, NPY and NPZ for NumPy, SVG pictures.
 
 use crate::discrete::grid::Grid;
 use crate::figures::{Surface, surfaces, uphill};

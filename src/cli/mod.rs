@@ -1,4 +1,4 @@
-//! The command line: what there is to say, and which function says it.
+//! The command line: its commands and options, the function behind each, errors and exit codes.
 
 mod bench;
 mod certificate;
@@ -21,7 +21,6 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
-use std::io;
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -275,6 +274,6 @@ fn commands() -> Vec<Value> {
 }
 
 fn current_folder() -> Result<PathBuf> {
-    let found: io::Result<PathBuf> = std::env::current_dir();
-    found.map_err(|e| Error::input(format!("the current folder is gone ({e}); change to another")))
+    std::env::current_dir()
+        .map_err(|e| Error::input(format!("the current folder is gone ({e}); change to another")))
 }

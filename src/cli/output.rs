@@ -47,7 +47,7 @@ pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> 
     rows.iter().map(line).collect()
 }
 
-/// Refuses a folder to write to that is not there: a slip of the pen makes no folders.
+/// Refuses a folder to write to that is not there: a misspelt name is not to make one.
 pub(super) fn is_there(folder: &Path) -> Result<()> {
     let shown = folder.display();
     let remedy = || format!("--output {shown}: no such folder; make it with `mkdir -p {shown}`");

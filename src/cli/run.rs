@@ -105,7 +105,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         return Ok(1);
     }
     if summary.nothing_to_do() && !summary.lock_file_changed {
-        // The process ends: taking apart what it knows would be a noticeable part of so short a run.
+        // The process ends; freeing its memory first would be a noticeable part of so short a run.
         std::mem::forget((workplace, tasks, summary));
         return say("nothing to do\n");
     }

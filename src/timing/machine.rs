@@ -1,5 +1,6 @@
 //! The machine that the program runs on, as far as the system tells.
 
+use super::recorded::Machine;
 use std::fs;
 
 /// The compiler that built the program.
@@ -13,9 +14,14 @@ pub fn field(file: &str, key: &str) -> Option<String> {
     Some(value.trim().trim_matches('"').to_owned())
 }
 
+/// What a fact is called that the system does not tell.
+pub fn unknown() -> String {
+    "unknown".into()
+}
+
 /// Model of the processor, as it calls itself.
 pub fn processor() -> String {
-    field("/proc/cpuinfo", "model name").unwrap_or_else(|| "unknown".into())
+    field("/proc/cpuinfo", "model name").unwrap_or_else(unknown)
 }
 
 /// Release of the kernel; empty if it is not told.
@@ -41,4 +47,42 @@ pub fn available_memory() -> Option<u64> {
     let used = kilobytes("/proc/self/status", "VmSize").unwrap_or(0);
     let left = space.map(|space| space.saturating_sub(used));
     [free, group.and_then(|text| number(&text)), left].into_iter().flatten().min()
+}
+
+impl Machine {
+    /// Asks the system; what it does not tell is called unknown.
+    pub(crate) fn here(repeats: usize) -> Self {
+        let load = fs::read_to_string("/proc/loadavg").ok();
+        let load = load.and_then(|text| text.split(' ').next()?.parse().ok());
+        Self {
+            cpu: processor(),
+            cores: cores(),
+            caches: caches().unwrap_or_else(unknown),
+            os: format!("{} {} {}", std::env::consts::OS, kernel(), std::env::consts::ARCH),
+            rustc: COMPILER.into(),
+            load: load.unwrap_or(0.0),
+            repeats,
+        }
+    }
+}
+
+/// `L1d 48K, L2 2048K, L3 ...`, as the first core sees them.
+fn caches() -> Option<String> {
+    let mut found = Vec::new();
+    for index in 0..8 {
+        let read = |what: &str| {
+            let path = format!("/sys/devices/system/cpu/cpu0/cache/index{index}/{what}");
+            fs::read_to_string(path).map(|text| text.trim().to_owned()).ok()
+        };
+        let (Some(level), Some(kind), Some(size)) = (read("level"), read("type"), read("size"))
+        else {
+            break;
+        };
+        match kind.as_str() {
+            "Instruction" => {}
+            "Data" => found.push(format!("L{level}d {size}")),
+            _ => found.push(format!("L{level} {size}")),
+        }
+    }
+    (!found.is_empty()).then(|| found.join(", "))
 }

@@ -114,13 +114,23 @@ pub struct Scaling {
 impl Scaling {
     /// Nodes of the grid.
     pub fn unknowns(&self) -> usize {
-        (self.cells + 1) * (self.cells + 1)
+        nodes(self.cells)
     }
 
     /// Nanoseconds per unknown.
     pub fn ns(&self) -> f64 {
-        1e9 * self.seconds / self.unknowns() as f64
+        ns_per_node(self.cells, self.seconds)
     }
+}
+
+/// Nodes of the grid with so many cells per side.
+pub fn nodes(cells: usize) -> usize {
+    (cells + 1) * (cells + 1)
+}
+
+/// Nanoseconds per node of a run of `seconds` on the grid with so many cells per side.
+pub fn ns_per_node(cells: usize, seconds: f64) -> f64 {
+    1e9 * seconds / nodes(cells) as f64
 }
 
 /// Goals of multigrid that are timed.

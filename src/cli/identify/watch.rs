@@ -70,9 +70,8 @@ impl Watch {
 /// Candidates, the rate at which each grid is entered, and the best so far.
 fn in_words(progress: &Progress) -> String {
     let seconds = progress.elapsed.as_secs_f64().max(1e-3);
-    let mut text = format!("{} candidates, {}/s", short(progress.tried as f64), {
-        short(progress.tried as f64 / seconds)
-    });
+    let tried = progress.tried as f64;
+    let mut text = format!("{} candidates, {}/s", short(tried), short(tried / seconds));
     for (level, &n) in progress.entered.iter().enumerate().skip(1) {
         text += &format!("; grid {}: {}/s", level + 1, short(n as f64 / seconds));
     }

@@ -43,8 +43,8 @@ impl Problem {
     pub(super) fn read(args: &SolveArgs) -> Result<Self> {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
-        let mut choose = Choice::default();
-        let domain = choose.domain(args, scene)?;
+        let mut overridden = Vec::new();
+        let domain = domain(args, scene, &mut overridden)?;
         let [integral, of_size] = domain.integrals();
         let integral = solvable(integral, of_size)?;
         let default = match (args.accuracy(), &domain) {
@@ -56,11 +56,11 @@ impl Problem {
             return Err(Error::input("an accuracy is for --solver multigrid; leave --solver out"));
         }
         let given = args.h.as_deref().map(cells).transpose()?;
-        let finest = choose
-            .one("finest grid", given, scene.map(|s| s.finest().cells()), |n| format!("1/{n}"))
+        let of_scene = scene.map(|s| s.finest().cells());
+        let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
             .unwrap_or(DEFAULT_CELLS);
         domain.check_solver(solver, finest)?;
-        let params = choose.params(args, scene)?;
+        let params = params(args, scene, &mut overridden)?;
         Ok(Self {
             scene: scene.map(|scene| scene.name.clone()),
             solver,
@@ -69,7 +69,7 @@ impl Problem {
             prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
             tolerance: args.tolerance(solver)?,
             accuracy: args.accuracy(),
-            overridden: choose.overridden,
+            overridden,
             integral,
             domain,
         })
@@ -102,68 +102,53 @@ impl Problem {
     }
 }
 
-/// Chooses between an option and the scene.
-#[derive(Default)]
-struct Choice {
-    overridden: Vec<String>,
+fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {
+    if let Some(text) = &args.cube {
+        let f = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
+        return Ok(Domain::Cube { f });
+    }
+    let f: Source = match (&args.f, scene) {
+        (Some(text), _) => text.parse().map_err(|e| Error::input(format!("--f: {e}")))?,
+        (None, Some(scene)) => scene.f.clone(),
+        (None, None) => return Err(Error::input("give a scene or --f")),
+    };
+    // An accuracy is asked of the solution for f, whatever load vector a scene takes.
+    const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
+    let given = args.load.or(args.accuracy().map(|_| EXACT));
+    let rule = choose("load", given, scene.map(|s| s.load), rule_name, overridden);
+    Ok(Domain::Square { f, rule: rule.unwrap_or(EXACT) })
 }
 
-impl Choice {
-    fn domain(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Domain> {
-        match (&args.cube, &args.f) {
-            (Some(text), _) => {
-                let f = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
-                Ok(Domain::Cube { f })
-            }
-            (None, text) => {
-                let f: Source = match (text, scene) {
-                    (Some(text), _) => {
-                        text.parse().map_err(|e| Error::input(format!("--f: {e}")))?
-                    }
-                    (None, Some(scene)) => scene.f.clone(),
-                    (None, None) => return Err(Error::input("give a scene or --f")),
-                };
-                // An accuracy is asked of the solution for f, whatever load vector a scene takes.
-                const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
-                let given = args.load.or(args.accuracy().map(|_| EXACT));
-                let rule =
-                    self.one("load", given, scene.map(|s| s.load), rule_name).unwrap_or(EXACT);
-                Ok(Domain::Square { f, rule })
-            }
-        }
-    }
+fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {
+    let r = choose("r", args.r, scene.map(|s| s.draw_r), f64::to_string, overridden);
+    let stop = args.stop.as_deref().map(stop_rule).transpose()?;
+    let rule = choose("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string, overridden);
+    let cap = args.max_iterations.map(|n| n as usize);
+    let of_scene = scene.map(|s| s.max_iterations);
+    let cap = choose("max-iterations", cap, of_scene, usize::to_string, overridden);
+    let defaults = Params::default();
+    Ok(Params {
+        r: positive_r(r.unwrap_or(10.0))?,
+        rule: rule.unwrap_or(StopRule::Printed),
+        max_iterations: cap.unwrap_or(defaults.max_iterations),
+        ..defaults
+    })
+}
 
-    fn params(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<Params> {
-        let r = self.one("r", args.r, scene.map(|s| s.draw_r), f64::to_string).unwrap_or(10.0);
-        let stop = args.stop.as_deref().map(stop_rule).transpose()?;
-        let rule = self.one("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string);
-        let (cap, of_scene) =
-            (args.max_iterations.map(|n| n as usize), scene.map(|s| s.max_iterations));
-        let cap = self.one("max-iterations", cap, of_scene, usize::to_string);
-        let defaults = Params::default();
-        Ok(Params {
-            r: positive_r(r)?,
-            rule: rule.unwrap_or(StopRule::Printed),
-            max_iterations: cap.unwrap_or(defaults.max_iterations),
-            ..defaults
-        })
+/// The option's value, or else the scene's; a difference between the two is noted in `overridden`.
+fn choose<T: PartialEq>(
+    name: &str,
+    option: Option<T>,
+    scene: Option<T>,
+    show: impl Fn(&T) -> String,
+    overridden: &mut Vec<String>,
+) -> Option<T> {
+    if let (Some(option), Some(scene)) = (&option, &scene)
+        && option != scene
+    {
+        overridden.push(format!("{name} {} instead of {}", show(option), show(scene)));
     }
-
-    /// The option's value, or else the scene's; a difference between the two is noted.
-    fn one<T: PartialEq>(
-        &mut self,
-        name: &str,
-        option: Option<T>,
-        scene: Option<T>,
-        show: impl Fn(&T) -> String,
-    ) -> Option<T> {
-        if let (Some(option), Some(scene)) = (&option, &scene)
-            && option != scene
-        {
-            self.overridden.push(format!("{name} {} instead of {}", show(option), show(scene)));
-        }
-        option.or(scene)
-    }
+    option.or(scene)
 }
 
 fn stop_rule(name: &str) -> Result<StopRule> {

@@ -7,7 +7,9 @@ use crate::experiments::work::{CostLaw, Iterate, Run};
 use crate::figures::Stroke::{Line, Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::problem::exact::Exact;
-use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings, to_discretisation};
+use crate::timing::recorded::{
+    Goal, PUBLISHED, Reached, Scaling, Timings, nodes, ns_per_node, to_discretisation,
+};
 use std::collections::BTreeSet;
 
 /// A line of slope `power` over the range of the others, all of which it passes by at this `factor`
@@ -115,12 +117,9 @@ fn law_line(law: &CostLaw) -> Curve {
 
 /// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
 ///
-/// The proximal method would lie upon Uzawa's.
+/// The proximal method would coincide with Uzawa's.
 pub(super) fn cost(timings: &Timings) -> Picture {
-    let per_unknown = |(cells, seconds): (usize, f64)| {
-        let unknowns = ((cells + 1) * (cells + 1)) as f64;
-        (unknowns, 1e9 * seconds / unknowns)
-    };
+    let per_unknown = |(cells, seconds)| (nodes(cells) as f64, ns_per_node(cells, seconds));
     let multigrid = |goal: Goal| {
         [("multigrid", 1), ("multigrid, two threads", 2)].map(|(label, threads)| {
             let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
