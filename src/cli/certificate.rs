@@ -8,7 +8,7 @@ use super::diff::comparisons;
 use super::output::{OutputFile, is_there, say, talk};
 use super::pipeline::{Scope, Workplace};
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::{LockFile, Summary, Verdict, hash};
+use crate::pipeline::{LockFile, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::stages::report;
 use crate::timing::machine::COMPILER;
@@ -114,12 +114,11 @@ const PAGE: &str = "certificate.md";
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole)?;
-    let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
-    let refused = if let Some(first) = stale.clone().next() {
+    let refused = if let Some(first) = summary.not_fresh().next() {
         let of = summary.verdicts.len();
         format!(
             "{} of {of} tasks are not up to date ({} {})",
-            stale.count(),
+            summary.not_fresh().count(),
             first.task,
             first.verdict
         )

@@ -120,7 +120,7 @@ fn find(args: &IdentifyArgs, problems: Problems, request: &Request, budget: Budg
         answers.push(Answer { problem: number, target, report, seconds, rates });
     }
     show(args, &answers)?;
-    // What was found is shown first: it was not to be had for nothing.
+    // What was found is shown even where its checkpoint cannot be written.
     failure.map_or_else(|| ended(args), Err)
 }
 
@@ -196,7 +196,7 @@ fn refused(e: IdentifyError) -> Error {
     Error::input(e.to_string())
 }
 
-/// A century: more is a slip of the pen, and beyond what clocks can add.
+/// The longest budget in seconds, a century: a deadline much further off would overflow the clock.
 const LONGEST: f64 = 3.2e9;
 
 fn seconds(budget: f64) -> Result<Duration> {

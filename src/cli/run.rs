@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::{OutputFile, say, talk};
 use super::pipeline::{Scope, Workplace, edited, outside_report};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Options, Plan, Progress, Summary, Times, Verdict, brief, why};
+use crate::pipeline::{Options, Plan, Progress, Summary, Times, brief, why};
 use crate::replication::project::PAPER;
 use crate::replication::stages::{Stage, report};
 use crate::timing::machine;
@@ -133,7 +133,7 @@ const BOOK: &str = "report/book/index.html";
 /// How long a run of what is stale, or waits for what is, may take.
 fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Duration> {
     let threads = if jobs > 0 { jobs } else { machine::cores() };
-    let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
+    let stale = summary.not_fresh();
     let mut tasks = stale.map(|judged| judged.task.as_str()).peekable();
     tasks.peek()?;
     Times::read(workplace.store.folder()).ahead(tasks, threads).left()
@@ -178,7 +178,7 @@ fn verdicts(summary: &Summary) -> String {
     if summary.nothing_to_do() {
         return "nothing to do\n".into();
     }
-    let stale = summary.verdicts.iter().filter(|j| j.verdict != Verdict::Fresh);
+    let stale = summary.not_fresh();
     let text: String =
         stale.map(|judged| format!("{}: {}\n", judged.task, judged.verdict)).collect();
     text + &exports(summary)

@@ -66,7 +66,12 @@ impl Summary {
         self.exports.is_empty()
             && self.exports.edited.is_empty()
             && !self.reverted
-            && self.verdicts.iter().all(|judged| judged.verdict == Verdict::Fresh)
+            && self.not_fresh().next().is_none()
+    }
+
+    /// The tasks that are stale, or wait for those that are.
+    pub fn not_fresh(&self) -> impl Iterator<Item = &Judged> {
+        self.verdicts.iter().filter(|judged| judged.verdict != Verdict::Fresh)
     }
 
     /// The lock file that this walk supports.
