@@ -75,16 +75,6 @@ impl<S: Shape> Source<S> {
     }
 }
 
-impl Source {
-    /// Value at (x, y), which on a jump is the limit from the side `tie` inside the square.
-    pub fn sample(&self, x: f64, y: f64, tie: Tie) -> f64 {
-        match self {
-            Self::Exact(exact) => exact.source(x, y),
-            Self::Pieces { .. } => self.at([tie.step_off(x, 0), tie.step_off(y, 1)]),
-        }
-    }
-}
-
 impl Tie {
     /// The coordinate `t` along axis 0 or 1, moved off any jump there to the side that this rule takes,
     /// or to the other one if that lies outside the square.
@@ -200,13 +190,13 @@ mod tests {
     fn ties_choose_the_side_of_a_jump_and_stay_inside_the_square() {
         let f: Source =
             "quadrant(ll)=1; quadrant(lr)=2; quadrant(ul)=3; quadrant(ur)=4".parse().unwrap();
-        assert_eq!(f.sample(0.0, 0.0, Tie::LowerLeft), 1.0);
-        assert_eq!(f.sample(0.0, 0.0, Tie::LowerRight), 2.0);
-        assert_eq!(f.sample(0.0, 0.0, Tie::UpperLeft), 3.0);
-        assert_eq!(f.sample(0.0, 0.0, Tie::UpperRight), 4.0);
+        let sample =
+            |f: &Source, [x, y]: [f64; 2], tie: Tie| f.at([tie.step_off(x, 0), tie.step_off(y, 1)]);
+        let all = [Tie::LowerLeft, Tie::LowerRight, Tie::UpperLeft, Tie::UpperRight];
+        assert_eq!(all.map(|tie| sample(&f, [0.0; 2], tie)), [1.0, 2.0, 3.0, 4.0]);
         let edge: Source = "rect(-0.5,0.5,-0.5,0.5)=1; else=9".parse().unwrap();
-        assert_eq!(edge.sample(-0.5, -0.5, Tie::LowerLeft), 1.0);
-        assert_eq!(edge.sample(0.5, 0.5, Tie::UpperRight), 1.0);
+        assert_eq!(sample(&edge, [-0.5; 2], Tie::LowerLeft), 1.0);
+        assert_eq!(sample(&edge, [0.5; 2], Tie::UpperRight), 1.0);
     }
 
     #[test]

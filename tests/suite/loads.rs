@@ -8,6 +8,7 @@ use signorini::problem::cube::{Body, Source as CubeSource};
 use signorini::problem::region::Region;
 use signorini::problem::shape::{Convex, Shape};
 use signorini::problem::source::Source;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 type Pieces = [(Region, f64)];
@@ -192,10 +193,9 @@ fn moments_agree_with_adaptive_quadrature() {
             let grid = Grid::new(n).unwrap();
             let mut cells = Cells::new(grid, background, &pieces);
             for j in 0..n {
-                for (i, moments) in cells.moments(j).into_iter().enumerate() {
-                    if (5 * i + 3 * j + trial) % n != 0 {
-                        continue;
-                    }
+                let (mut values, mut cut) = (vec![0.0; n], BTreeMap::new());
+                cells.row(j, &mut values, |i, cell| _ = cut.insert(i, cell.moments()));
+                for i in (0..n).filter(|i| (5 * i + 3 * j + trial) % n == 0) {
                     let local = seen(&pieces, grid, i, j);
                     let quadrature = Quadrature {
                         background,
@@ -203,8 +203,14 @@ fn moments_agree_with_adaptive_quadrature() {
                         floor: |_| -0.5,
                         ceiling: |_| 0.5,
                     };
-                    let ours = moments.f.into_iter().chain([moments.square]);
-                    for (k, (ours, theirs)) in ours.zip(quadrature.moments()).enumerate() {
+                    // Of a cell that is not cut the value alone: the first moment.
+                    let ours: Vec<f64> = match cut.get(&i) {
+                        Some(moments) => moments.f.into_iter().chain([moments.square]).collect(),
+                        None => vec![values[i]],
+                    };
+                    for (k, (ours, theirs)) in
+                        ours.into_iter().zip(quadrature.moments()).enumerate()
+                    {
                         let case = format!("{trial}: 1/{n}, cell {i} {j}, moment {k}, {pieces:?}");
                         assert!((ours - theirs).abs() < 1e-13, "{ours} {theirs} {case}");
                     }

@@ -181,15 +181,4 @@ impl<'a> Cells<'a> {
             }
         });
     }
-
-    /// Moments of f on each cell of the `j`-th row: `h^2` times those over the unit cell are the integrals over
-    /// the cell.
-    pub fn moments(&mut self, j: usize) -> Vec<Moments> {
-        let mut values = vec![0.0; self.rows.lines.len() - 1];
-        let mut cut = Vec::new();
-        self.row(j, &mut values, |i, cell| cut.push((i, cell.moments())));
-        let mut row: Vec<_> = values.into_iter().map(Moments::constant).collect();
-        cut.into_iter().for_each(|(i, moments)| row[i] = moments);
-        row
-    }
 }

@@ -221,12 +221,6 @@ impl Bound {
 }
 
 impl Moments {
-    /// Those of a constant over the whole cell.
-    pub fn constant(f: f64) -> Self {
-        let twelfth = f / 12.0;
-        Self { f: [f, 0.0, 0.0, 0.0, twelfth, twelfth, 0.0, 0.0], square: f * f }
-    }
-
     /// Those of f times 1, X, Y and XY.
     pub fn first(&self) -> [f64; 4] {
         let [one, x, y, xy, ..] = self.f;
