@@ -113,7 +113,7 @@ const PAGE: &str = "certificate.md";
 
 /// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
-    let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole)?;
+    let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole, false)?;
     let refused = if let Some(first) = summary.not_fresh().next() {
         let of = summary.verdicts.len();
         format!(

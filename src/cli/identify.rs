@@ -46,6 +46,9 @@ struct States {
     problems: BTreeMap<u8, Checkpoint>,
 }
 
+/// Of the file of `--checkpoint`.
+const SCHEMA: u8 = 1;
+
 /// Time between two writings of the checkpoint.
 const SAVE: Duration = Duration::from_secs(2);
 
@@ -85,7 +88,7 @@ type Problems = Vec<(u8, Target)>;
 fn find(args: &IdentifyArgs, problems: Problems, request: &Request, budget: Budget) -> Result<u8> {
     let states = args.checkpoint.as_deref().map(read_states).transpose()?;
     let mut states = states.flatten().unwrap_or_default();
-    states.schema = 1;
+    states.schema = SCHEMA;
     let file = args.checkpoint.as_deref().map(OutputFile::check).transpose()?;
     let mut failure = None;
     let stop = interrupted();
@@ -208,9 +211,14 @@ fn seconds(budget: f64) -> Result<Duration> {
 
 fn read_states(path: &Path) -> Result<Option<States>> {
     let Some(text) = read_if_there(path)? else { return Ok(None) };
-    serde_json::from_slice(&text).map(Some).map_err(|e| {
+    let read = serde_json::from_slice(&text).map_err(|e| e.to_string());
+    let known = read.and_then(|states: States| match states.schema {
+        SCHEMA => Ok(states),
+        other => Err(format!("its schema is {other}, not {SCHEMA}")),
+    });
+    known.map(Some).map_err(|why| {
         let path = path.display();
-        Error::input(format!("{path} is no checkpoint ({e}); delete it or name another file"))
+        Error::input(format!("{path} is no checkpoint ({why}); delete it or name another file"))
     })
 }
 

@@ -26,6 +26,9 @@ const FILES: [(&str, &str); 5] = [
 pub(super) fn init(args: &InitArgs) -> Result<u8> {
     let folder = &args.folder;
     if folder.exists() {
+        if !folder.is_dir() {
+            return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
+        }
         let mut entries = fs::read_dir(folder).context("list", folder)?;
         if entries.next().is_some() {
             return Err(Error::input(format!(

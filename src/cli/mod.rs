@@ -171,7 +171,7 @@ fn fail(why: &str) {
 }
 
 fn panicked(panic: &PanicHookInfo) -> String {
-    let what = panic.payload_as_str().unwrap_or("a panic without words").replace('\n', " ");
+    let what = panic.payload_as_str().unwrap_or("a panic without a message").replace('\n', " ");
     // The libraries that start threads of their own know no other way to say it.
     if what.contains("Resource temporarily unavailable") {
         return format!("cannot start threads; raise the limit on processes (`ulimit -u`): {what}");

@@ -74,9 +74,10 @@ impl Workplace {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
-    /// What [`Workplace::run`] would do; needs no lock and writes nothing.
-    pub(super) fn judge(&self, plan: &Plan, scope: Scope) -> Result<Summary> {
-        Ok(self.walk(plan, scope, LOOK, &Progress::new(false, true))?.0)
+    /// What [`Workplace::run`] would do, with `force` or without; needs no lock and writes nothing.
+    pub(super) fn judge(&self, plan: &Plan, scope: Scope, force: bool) -> Result<Summary> {
+        let options = Options { force, ..LOOK };
+        Ok(self.walk(plan, scope, options, &Progress::new(false, true))?.0)
     }
 
     /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to
@@ -164,12 +165,7 @@ impl Workplace {
         options: Options,
         progress: &Progress,
     ) -> Result<(Summary, LockFile)> {
-        // Zero would ask the environment, without a bound.
-        let jobs = match options.jobs {
-            0 => rayon::current_num_threads(),
-            jobs => threads("-j", jobs),
-        };
-        let options = Options { jobs, ..options };
+        let options = Options { jobs: jobs(options.jobs), ..options };
         let root = &self.project.root;
         // People may edit files while tasks run; where none does, what is there now is what counts.
         let ahead = options.dry_run && scope != Scope::Part;
@@ -190,6 +186,15 @@ impl Workplace {
         let made = &summary.manifests;
         summary.exports = exports.plan(root, plan, made, &self.store, &known.exports, may)?;
         Ok((summary, known))
+    }
+}
+
+/// The threads of a run that is told `-j`, or not told any (zero).
+pub(super) fn jobs(asked: usize) -> usize {
+    match asked {
+        // The pool's, which has a bound that the environment has not.
+        0 => rayon::current_num_threads(),
+        asked => threads("-j", asked),
     }
 }
 

@@ -2,12 +2,11 @@
 
 use super::CacheArgs;
 use super::output::{OutputFile, say, talk};
-use super::pipeline::{Scope, Workplace, edited, outside_report};
+use super::pipeline::{Scope, Workplace, edited, jobs, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, Times, brief, why};
 use crate::replication::project::PAPER;
 use crate::replication::stages::{Stage, report};
-use crate::timing::machine;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -78,7 +77,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         false => Scope::Part,
     };
     if args.dry_run {
-        return dry_run(&workplace, &tasks, scope, args.jobs);
+        return dry_run(&workplace, &tasks, scope, options);
     }
     let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
     if let Some(file) = &trace_file {
@@ -119,9 +118,9 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
 }
 
 /// Says what a run would do, and about how long it would take.
-fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, jobs: usize) -> Result<u8> {
-    let summary = workplace.judge(tasks, scope)?;
-    if let Some(time) = expected(workplace, &summary, jobs) {
+fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) -> Result<u8> {
+    let summary = workplace.judge(tasks, scope, options.force)?;
+    if let Some(time) = expected(workplace, &summary, jobs(options.jobs)) {
         talk(&format!("about {}, if all that waits has to run", brief(time)));
     }
     say(&verdicts(&summary))
@@ -131,8 +130,7 @@ fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, jobs: usize) -> Re
 const BOOK: &str = "report/book/index.html";
 
 /// How long a run of what is stale, or waits for what is, may take.
-fn expected(workplace: &Workplace, summary: &Summary, jobs: usize) -> Option<Duration> {
-    let threads = if jobs > 0 { jobs } else { machine::cores() };
+fn expected(workplace: &Workplace, summary: &Summary, threads: usize) -> Option<Duration> {
     let stale = summary.not_fresh();
     let mut tasks = stale.map(|judged| judged.task.as_str()).peekable();
     tasks.peek()?;

@@ -100,11 +100,8 @@ impl SolveArgs {
         self.accuracy.map(Accuracy::Error).or(energy)
     }
 
-    fn tolerance(&self, solver: Solver) -> Result<Option<f64>> {
+    fn tolerance(&self) -> Result<Option<f64>> {
         match self.tolerance {
-            Some(_) if solver != Solver::Multigrid => Err(Error::input(
-                "--tolerance is for --solver multigrid; the paper's method stops on its N-th grid at 10^-N",
-            )),
             Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => Err(Error::input(
                 format!("--tolerance {tolerance}: must be a positive number, e.g. 1e-8"),
             )),
@@ -136,7 +133,7 @@ impl Solver {
 
     /// Whether it is one of the saddle-point methods, which run over nested grids.
     fn is_nested(self) -> bool {
-        matches!(self, Self::ArrowHurwicz | Self::Uzawa | Self::UzawaProximal)
+        Self::NESTED.contains(&self)
     }
 }
 

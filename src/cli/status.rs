@@ -40,7 +40,7 @@ pub(super) struct ExplainArgs {
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let scope = if args.scenes.is_empty() { Scope::Whole } else { Scope::Part };
-    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, scope)?;
+    let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, scope, false)?;
     let stale = !summary.nothing_to_do();
     if args.json {
         let tasks: BTreeMap<_, _> =
@@ -112,7 +112,7 @@ fn cut(text: &str, width: usize) -> String {
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
-    let summary = workplace.judge(&tasks, Scope::Whole)?;
+    let summary = workplace.judge(&tasks, Scope::Whole, false)?;
     // A stage, a task, or the beginning of the ids of several.
     let is_asked = |id: &str| match tasks.task(&args.stage) {
         Some(task) => task.id == id,

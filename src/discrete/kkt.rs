@@ -36,6 +36,22 @@ pub struct Judgement {
     pub flux: Vec<f64>,
 }
 
+impl Judgement {
+    /// The multiplier at the boundary nodes: the flux over the `measure` of a node's part of the boundary
+    /// where `y` is in contact. It is zero elsewhere, where the flux of a solution is rounding error.
+    pub fn multiplier(
+        &self,
+        boundary: impl IntoIterator<Item = usize>,
+        y: &[f64],
+        measure: f64,
+    ) -> Vec<f64> {
+        let of_node = |(node, flux): (usize, &f64)| {
+            if y[node] > 0.0 { 0.0 } else { flux.max(0.0) / measure }
+        };
+        boundary.into_iter().zip(&self.flux).map(of_node).collect()
+    }
+}
+
 /// Judges the nodal vector `y` for the load vector `load`.
 ///
 /// # Panics

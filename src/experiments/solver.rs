@@ -27,6 +27,9 @@ impl Solver {
     pub const ON_GRIDS: [Self; 5] =
         [Self::ArrowHurwicz, Self::Uzawa, Self::UzawaProximal, Self::ActiveSet, Self::Multigrid];
 
+    /// The saddle-point methods, which run over nested grids.
+    pub const NESTED: &'static [Self] = &[Self::ArrowHurwicz, Self::Uzawa, Self::UzawaProximal];
+
     /// Its name in sentences and legends.
     pub fn in_words(self) -> &'static str {
         match self {

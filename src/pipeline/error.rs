@@ -94,7 +94,7 @@ impl<T> IoContext<T> for io::Result<T> {
                 io::ErrorKind::PermissionDenied
                 | io::ErrorKind::ReadOnlyFilesystem
                 | io::ErrorKind::NotADirectory => {
-                    "make it accessible, or give a cache elsewhere with --cache-dir"
+                    "make it accessible, or choose another place (for the cache with --cache-dir)"
                 }
                 io::ErrorKind::NotFound => "check the path",
                 _ => "run again; if it persists, look after the disk",

@@ -86,6 +86,8 @@ impl<'a> Fields<'a> {
         let spacing = along(&|n| if n > 0 { self.h().to_string() } else { "1".into() });
         let (v, multiplier, f) = (&self.pair.y, &self.multiplier(), &self.f());
         let block = 8 + 8 * v.len();
+        // Two hyphens end a comment of XML; of three, the first replacement leaves two.
+        let name = name.replace("--", "- -").replace("--", "- -");
         let array = |name: &str, offset: usize| {
             format!(
                 "<DataArray type=\"Float64\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>\n"

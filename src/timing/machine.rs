@@ -41,12 +41,17 @@ pub fn available_memory() -> Option<u64> {
     let number = |text: &str| text.split_whitespace().find_map(|word| word.parse::<u64>().ok());
     let kilobytes = |file: &str, key: &str| Some(1024 * number(&field(file, key)?)?);
     let free = kilobytes("/proc/meminfo", "MemAvailable");
-    let group = fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
+    let group = |file: &str| fs::read_to_string(format!("/sys/fs/cgroup/memory.{file}")).ok();
+    let most = group("max").and_then(|text| number(&text));
+    // Of what the group has, the system drops files that it caches before it runs out of memory.
+    let stat = group("stat").unwrap_or_default();
+    let taken = stat.lines().find_map(|line| number(line.strip_prefix("anon ")?)).unwrap_or(0);
     let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
     let space = limits.lines().find_map(|line| number(line.strip_prefix("Max address space")?));
     let used = kilobytes("/proc/self/status", "VmSize").unwrap_or(0);
     let left = space.map(|space| space.saturating_sub(used));
-    [free, group.and_then(|text| number(&text)), left].into_iter().flatten().min()
+    let in_group = most.map(|most| most.saturating_sub(taken));
+    [free, in_group, left].into_iter().flatten().min()
 }
 
 impl Machine {

@@ -16,6 +16,7 @@ fn a_second_run_does_nothing_and_touches_nothing() {
     assert_eq!(project.times(), times);
     assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
     assert_eq!(project.run(&["run", "-n"]).lines(), ["nothing to do"]);
+    assert_eq!(project.run(&["run", "-n", "--force"]).lines().len(), 7);
 }
 
 #[test]

@@ -290,8 +290,12 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--accuracy", "2"], "must be between 0 and 1"),
         (
             &["--f", "else=-1", "--accuracy", "0.1", "--solver", "uzawa"],
-            "is for --solver multigrid",
+            "is for --solver multigrid, not uzawa",
         ),
+        (&["--f", "else=-1", "--solver", "multigrid", "--r", "5"], "--r is for --solver arrow-"),
+        (&["--f", "else=-1", "--solver", "active-set", "--stop", "signed"], "not active-set"),
+        (&["--f", "else=-1", "--solver", "spectral", "--max-iterations", "5"], "not spectral"),
+        (&["--f", "else=-1", "--solver", "spectral", "--out", "v.npy"], "not spectral"),
         (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
         (&["--f", "else=-1", "--accuracy-energy", "nan"], "must be between 0 and 1"),
         (&["--f", "else=-1", "--accuracy-energy", "1e-15"], "too fine for memory; 1/8192 reaches"),

@@ -11,7 +11,10 @@ fn a_cache_that_cannot_be_written_is_one_clear_line() {
     let said = project.run(&["run", "--cache-dir", "file"]);
     assert!(said.refusal().contains("file is not a folder; move it away"), "{said:?}");
     let said = project.run(&["run", "--cache-dir", "file/below"]);
-    assert!(said.refusal().contains("give a cache elsewhere with --cache-dir"), "{said:?}");
+    assert!(
+        said.refusal().contains("choose another place (for the cache with --cache-dir)"),
+        "{said:?}"
+    );
     let said = project.run(&["run", "--cache-dir", "/proc/signorini"]);
     assert!(said.refusal().contains("cannot create /proc/signorini"), "{said:?}");
     assert_eq!(fs::read(project.path("file")).unwrap(), b"I am no folder");

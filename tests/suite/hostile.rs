@@ -191,15 +191,18 @@ impl Chooser {
         let squares =
             ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set", "|", "magic"];
         self.maybe(&mut args, 80, "--solver", if cube { &cubes } else { &squares });
-        // With the default cap a run without a solution takes minutes; that is asked for, not a hang.
+        let on_one_grid = |arg: &String| ["--cube", "multigrid", "active-set"].contains(&&**arg);
         if args[1] != "--cube" {
+            self.maybe(&mut args, 30, "--load", &["nodal", "exact", "bilinear", "|", "x"]);
+        }
+        // With the default cap a run without a solution takes minutes; that is asked for, not a hang.
+        if !args.iter().any(on_one_grid) || self.chance(5) {
             self.maybe(
                 &mut args,
                 100,
                 "--max-iterations",
                 &["1000", "2000", "1", "|", "0", "-1", "1e3"],
             );
-            self.maybe(&mut args, 30, "--load", &["nodal", "exact", "bilinear", "|", "x"]);
             self.maybe(
                 &mut args,
                 30,

@@ -161,6 +161,7 @@ fn a_budget_ends_a_search_without_an_error() {
 fn wrong_input_is_refused_in_one_line() {
     let project = project();
     project.write("torn.json", "{\"schema\":");
+    project.write("later.json", "{\"schema\":2,\"problems\":{}}");
     for (args, remedy) in [
         (&["--problem", "1"][..], "has no table 1; it has 2"),
         (&["--space", "discs"], "choose one of quadrants"),
@@ -174,6 +175,7 @@ fn wrong_input_is_refused_in_one_line() {
         (&["--part", "0/2", "--checkpoint", "c.json"], "write K/N with 1 <= K <= N"),
         (&["--merge", "torn.json"], "delete it or name another file"),
         (&["--checkpoint", "torn.json"], "delete it or name another file"),
+        (&["--checkpoint", "later.json"], "its schema is 2, not 1"),
         (&["--space", "blocks4", "--method", "enumerate"], "use fewer values"),
     ] {
         let said = project.run(&[&["identify"], args].concat());

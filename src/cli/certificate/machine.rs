@@ -23,21 +23,21 @@ pub(super) fn description() -> Vec<(&'static str, String)> {
 
 /// The commit that is checked out in `project`, and whether files differ from it; `None` without git.
 pub(super) fn commit(project: &Path) -> Option<String> {
-    let git = |args: &[&str]| {
-        let said = Command::new("git").arg("-C").arg(project).args(args).output().ok()?;
-        said.status.success().then(|| String::from_utf8_lossy(&said.stdout).trim().to_owned())
-    };
-    let commit = git(&["rev-parse", "HEAD"])?;
-    let edited = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    let commit = git(project, &["rev-parse", "HEAD"])?;
+    let edited = git(project, &["status", "--porcelain", "--untracked-files=no"])?;
     Some(if edited.is_empty() { commit } else { format!("{commit}, with local changes") })
 }
 
 /// Whether the lock file is the committed one; `None` without git.
 pub(super) fn lock_is_committed(project: &Path) -> Option<bool> {
-    commit(project)?;
-    let mut git = Command::new("git");
-    git.arg("-C").arg(project).args(["diff", "--quiet", "HEAD", "--", "pipeline/lock.toml"]);
-    Some(git.status().ok()?.success())
+    // A file that git does not know differs from no commit, yet has a status.
+    Some(git(project, &["status", "--porcelain", "--", "pipeline/lock.toml"])?.is_empty())
+}
+
+/// What git says of `project`; `None` if it fails or is not there.
+fn git(project: &Path, args: &[&str]) -> Option<String> {
+    let said = Command::new("git").arg("-C").arg(project).args(args).output().ok()?;
+    said.status.success().then(|| String::from_utf8_lossy(&said.stdout).trim().to_owned())
 }
 
 /// Now in UTC, or the moment in `SOURCE_DATE_EPOCH`, as `2026-11-21 07:20:05`.

@@ -52,14 +52,12 @@ impl Problem {
             _ => Solver::Multigrid,
         };
         let solver = args.solver.unwrap_or(default);
-        if args.accuracy().is_some() && solver != Solver::Multigrid {
-            return Err(Error::input("an accuracy is for --solver multigrid; leave --solver out"));
-        }
         let given = args.h.as_deref().map(cells).transpose()?;
         let of_scene = scene.map(|s| s.finest().cells());
         let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
             .unwrap_or(DEFAULT_CELLS);
         domain.check_solver(solver, finest)?;
+        check_options(args, solver)?;
         let params = params(args, scene, &mut overridden)?;
         Ok(Self {
             scene: scene.map(|scene| scene.name.clone()),
@@ -67,7 +65,7 @@ impl Problem {
             grids: hierarchy(finest, scene)?,
             params,
             prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
-            tolerance: args.tolerance(solver)?,
+            tolerance: args.tolerance()?,
             accuracy: args.accuracy(),
             overridden,
             integral,
@@ -99,6 +97,32 @@ impl Problem {
         }
         settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
         settings
+    }
+}
+
+/// Refuses an option that the solver has no use for.
+fn check_options(args: &SolveArgs, solver: Solver) -> Result<()> {
+    const MULTIGRID: &[Solver] = &[Solver::Multigrid];
+    let options = [
+        ("--r", args.r.is_some(), Solver::NESTED),
+        ("--stop", args.stop.is_some(), Solver::NESTED),
+        ("--max-iterations", args.max_iterations.is_some(), Solver::NESTED),
+        ("--tolerance", args.tolerance.is_some(), MULTIGRID),
+        ("--accuracy", args.accuracy.is_some(), MULTIGRID),
+        ("--accuracy-energy", args.accuracy_energy.is_some(), MULTIGRID),
+        ("--h", args.h.is_some(), &Solver::ON_GRIDS),
+        ("--load", args.load.is_some(), &Solver::ON_GRIDS),
+        ("--out", args.out.is_some(), &Solver::ON_GRIDS),
+    ];
+    match options.iter().find(|(_, given, takers)| *given && !takers.contains(&solver)) {
+        None => Ok(()),
+        Some((option, _, takers)) => {
+            let takers: Vec<_> = takers.iter().map(Solver::to_string).collect();
+            let takers = takers.join(", ");
+            Err(Error::input(format!(
+                "{option} is for --solver {takers}, not {solver}; leave it out, or change --solver"
+            )))
+        }
     }
 }
 

@@ -118,13 +118,10 @@ impl Problem {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
-        let Judgement { kkt, energy, flux } = self.domain.judge(n, &y, load);
-        // In contact y is exactly zero; elsewhere the flux is rounding error.
+        let judgement = self.domain.judge(n, &y, load);
         let measure = (n as f64).powi(1 - i32::from(self.domain.dimension()));
-        let multiplier = |(node, flux): (usize, &f64)| {
-            if y[node] > 0.0 { 0.0 } else { flux.max(0.0) / measure }
-        };
-        let a = self.domain.boundary(n).into_iter().zip(&flux).map(multiplier).collect();
+        let a = judgement.multiplier(self.domain.boundary(n), &y, measure);
+        let Judgement { kkt, energy, flux } = judgement;
         let level = Level {
             cells: n,
             iterations,

@@ -14,13 +14,6 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
-    let given =
-        [args.h.is_some(), args.load.is_some(), args.out.is_some(), problem.accuracy.is_some()];
-    if given.contains(&true) {
-        return Err(Error::input(
-            "--solver spectral has no grid: leave out --h, --load, --out and --accuracy, or use --solver multigrid",
-        ));
-    }
     let start = Instant::now();
     let solution = spectral(f, Params::default()).map_err(|e| failed(problem.name(), &e))?;
     let finer = solution.at_resolution(Params::FINER).map_err(|e| failed(problem.name(), &e))?;

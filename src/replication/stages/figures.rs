@@ -48,7 +48,11 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
 /// The task that draws, in a row per problem, where the paper stopped, the solution, and the difference.
 fn stops(scenes: &[&Scene]) -> Task {
     let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
-    let parameters = scenes.iter().map(|scene| (scene.name.clone(), scene.f.to_string())).collect();
+    let mut hashed = BTreeMap::new();
+    for Scene { name, title, f, .. } in &scenes {
+        hashed.insert(format!("{name}.title"), title.clone());
+        hashed.insert(format!("{name}.f"), f.to_string());
+    }
     let needs = scenes.iter().map(surface).collect();
     let title = "Where the paper stopped, where the solution is, and the difference";
     let task = drawing("stops", title.into(), needs, move |inputs| {
@@ -72,7 +76,7 @@ fn stops(scenes: &[&Scene]) -> Task {
         }
         Ok(surfaces(3, &shown))
     });
-    Task { parameters, ..task }
+    Task { parameters: hashed, ..task }
 }
 
 fn task(kind: Output, name: String, caption: &str, scenes: &[&Scene]) -> Task {

@@ -75,9 +75,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
     let (y, _) = multigrid(grid.cells(), &load, None, &MultigridParams::default(), |_| ())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let flux = judge(grid, &y, &load).flux;
-    let multiplier = |(k, flux): (usize, f64)| if flux > y[k] { flux / grid.h() } else { 0.0 };
-    let a = grid.boundary().zip(flux).map(multiplier).collect();
+    let a = judge(grid, &y, &load).multiplier(grid.boundary(), &y, grid.h());
     Ok(Pair { y, a })
 }
 

@@ -9,6 +9,7 @@ use crate::timing::recorded::{self, Goal, Reached, Scaling, Timings, to_discreti
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 /// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
 const WANTED: [f64; 2] = [8.0, 30.0];
@@ -163,16 +164,16 @@ fn comparison(problem: &str, lines: &[Reached]) -> Value {
 
 /// The two noisiest medians, worst first.
 fn noise(timings: &Timings) -> Vec<Value> {
-    let multigrid = timings.multigrid.iter().map(|l| (Solver::Multigrid, l.cells, l.spread));
-    let solvers = timings.solver.iter().map(|l| (l.solver, l.cells, l.spread));
-    let mut all: Vec<_> = multigrid.chain(solvers).collect();
-    all.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let shown = all.into_iter().take(2);
-    shown
-        .map(
-            |(solver, cells, spread)| json!({ "solver": solver, "cells": cells, "spread": spread }),
-        )
-        .collect()
+    let on = |of: &dyn Display, cells: usize, spread: f64| (format!("{of} at 1/{cells}"), spread);
+    let sweep = timings.sweep.iter().map(|l| on(&"a sweep", l.cells, l.spread));
+    let multigrid = timings.multigrid.iter().map(|l| on(&"multigrid", l.cells, l.spread));
+    let solvers = timings.solver.iter().map(|l| on(&l.solver.in_words(), l.cells, l.spread));
+    let spectral = timings.spectral.iter();
+    let spectral = spectral.map(|l| (format!("spectral with {} nodes", l.nodes), l.spread));
+    let mut all: Vec<_> = sweep.chain(multigrid).chain(solvers).chain(spectral).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all.truncate(2);
+    all.into_iter().map(|(of, spread)| json!({ "of": of, "spread": spread })).collect()
 }
 
 /// Work units to the rounding floor, as timed and as they are, on the finest grid that both know, where
