@@ -90,7 +90,9 @@ impl<T> IoContext<T> for io::Result<T> {
                 }
                 io::ErrorKind::InvalidData => "save it as UTF-8",
                 io::ErrorKind::InvalidFilename => "rename it",
-                io::ErrorKind::IsADirectory | io::ErrorKind::Unsupported => "move it away",
+                io::ErrorKind::IsADirectory
+                | io::ErrorKind::AlreadyExists
+                | io::ErrorKind::Unsupported => "move it away",
                 io::ErrorKind::PermissionDenied
                 | io::ErrorKind::ReadOnlyFilesystem
                 | io::ErrorKind::NotADirectory => {

@@ -129,6 +129,15 @@ impl<'a> Walk<'a> {
         Some(&self.plan.tasks()[self.index(need)].id)
     }
 
+    /// The stale task that this one cannot do without, if only by way of others.
+    fn blocked_by(&self, task: &'a Task) -> &'a str {
+        let mut last = task;
+        while let Some(need) = self.waits_for(last) {
+            last = &self.plan.tasks()[self.index(need)];
+        }
+        &last.id
+    }
+
     fn index(&self, id: &str) -> usize {
         self.plan.index(id).expect("a plan has all that its tasks need")
     }
@@ -159,7 +168,7 @@ impl<'a> Walk<'a> {
                 if running == 0 {
                     break;
                 }
-                let done = receive.recv().expect("a job reports, or its panic ends the run");
+                let done = receive.recv().expect("this end has a sender as well");
                 running -= 1;
                 match self.settle(done, &mut times) {
                     Ok(jobs) => queue.extend(jobs),
@@ -251,8 +260,9 @@ impl<'a> Walk<'a> {
                 State::Stale(reason) => Verdict::Stale(reason.clone()),
                 State::Waiting => Verdict::Waits(self.waits_for(task).unwrap_or_default().into()),
             };
-            if let (Verdict::Waits(on), true) = (&verdict, self.options.keep_going) {
-                self.summary.failed.push(format!("{id}: not run, because {on} failed"));
+            if self.options.keep_going && matches!(verdict, Verdict::Waits(_)) {
+                let failed = self.blocked_by(task);
+                self.summary.failed.push(format!("{id}: not run, because {failed} failed"));
             }
             self.summary.verdicts.push(Judged { task: id.clone(), verdict });
             self.summary.ran.extend(ran.remove(id));

@@ -1,12 +1,11 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{hash_if_there, is_plain, leftovers, remove_from, write_atomically};
+use super::files::{hash_if_there, is_plain, leftovers, read, remove_from, write_atomically};
 use super::{Hashes, Lock, Manifest, Plan, Store, Task, hash};
 use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files to write and to remove so that the project folder shows what the tasks last computed.
@@ -51,9 +50,6 @@ impl Exports {
         known: &Hashes,
         [force, whole]: [bool; 2],
     ) -> Result<Self> {
-        let on_record = |exports: &Self, path: &str, found: &str| {
-            known.get(path).is_some_and(|hash| hash == found) || exports.written.knows(path, found)
-        };
         let exported =
             |task: &'p Task| Some((task, task.export?, &manifests.get(&task.id)?.outputs));
         // Task, name of the artifact, where its copy is to be, and its hash.
@@ -81,26 +77,38 @@ impl Exports {
                 earlier.iter().any(|then| then.outputs.get(name).is_some_and(|hash| hash == found))
             };
             // An empty file holds nothing that could be lost.
-            match found.filter(|found| **found != hash(&[])) {
-                Some(found) if !force && !on_record(&self, &path, found) && !in_cache(found) => {
-                    self.edited.push(path);
-                }
-                _ => {
-                    self.write.insert(path, wanted.clone());
-                }
+            let lost = found.filter(|found| !force && **found != hash(&[]));
+            if lost.is_some_and(|found| !self.on_record(known, &path, found) && !in_cache(found)) {
+                self.edited.push(path);
+            } else {
+                self.write.insert(path, wanted.clone());
             }
         }
         // What a task that failed or waits made before is still wanted.
         if whole && manifests.len() == plan.tasks().len() {
-            let old = known.keys().chain(self.written.0.keys());
-            for path in old.filter(|path| !self.files.contains_key(*path) && is_plain(path)) {
-                let found = hash_if_there(&project.join(path))?;
-                if found.is_some_and(|found| on_record(&self, path, &found)) {
-                    self.remove.insert(path.clone());
-                }
-            }
+            self.remove_old(project, known)?;
         }
         Ok(self)
+    }
+
+    /// Whether this program wrote these bytes to this file.
+    fn on_record(&self, known: &Hashes, path: &str, found: &str) -> bool {
+        let written = || self.written.0.get(path).is_some_and(|hashes| hashes.contains(found));
+        known.get(path).is_some_and(|hash| hash == found) || written()
+    }
+
+    /// Files that are on record and that no task makes any more are to go.
+    fn remove_old(&mut self, project: &Path, known: &Hashes) -> Result<()> {
+        let old = known.keys().chain(self.written.0.keys());
+        let mut remove = BTreeSet::new();
+        for path in old.filter(|path| !self.files.contains_key(*path) && is_plain(path)) {
+            let found = hash_if_there(&project.join(path))?;
+            if found.is_some_and(|found| self.on_record(known, path, &found)) {
+                remove.insert(path.clone());
+            }
+        }
+        self.remove = remove;
+        Ok(())
     }
 
     /// The right to write to the project.
@@ -143,9 +151,8 @@ impl Exports {
         }
         written.save(project)?;
         for path in &self.remove {
-            let path = project.join(path);
-            remove_from(project, &path)?;
-            written.0.retain(|known, _| project.join(known) != path);
+            remove_from(project, &project.join(path))?;
+            written.0.remove(path);
         }
         for (path, hash) in &self.write {
             let bytes = store.get(hash).ok_or_else(|| {
@@ -174,12 +181,8 @@ impl Written {
 
     /// What is on record; a record that is missing or damaged is as good as empty.
     fn read(project: &Path) -> Self {
-        let text = fs::read(Self::path(project)).unwrap_or_default();
+        let text = read(&Self::path(project)).unwrap_or_default();
         serde_json::from_slice(&text).unwrap_or_default()
-    }
-
-    fn knows(&self, path: &str, hash: &str) -> bool {
-        self.0.get(path).is_some_and(|hashes| hashes.contains(hash))
     }
 
     fn save(&self, project: &Path) -> Result<()> {

@@ -3,7 +3,6 @@
 use crate::pipeline::error::{IoContext, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
@@ -46,8 +45,7 @@ pub(crate) fn temporary_folder(folder: &Path) -> io::Result<tempfile::TempDir> {
 }
 
 /// Whether [`write_atomically`] gives such names to files that are not yet whole.
-pub(super) fn is_temporary(name: &OsStr) -> bool {
-    let name = name.to_string_lossy();
+pub(super) fn is_temporary(name: &str) -> bool {
     name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1])
 }
 
@@ -56,7 +54,8 @@ pub(super) fn is_temporary(name: &OsStr) -> bool {
 /// If no run is at work, killed ones left them.
 pub(super) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     let entries = folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
-    let temporary = entries.flatten().filter(|entry| is_temporary(&entry.file_name()));
+    let temporary =
+        entries.flatten().filter(|entry| is_temporary(&entry.file_name().to_string_lossy()));
     temporary.map(|entry| entry.path()).collect()
 }
 
@@ -124,8 +123,8 @@ pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     if_there(path, read(path))
 }
 
-/// What came of reading a file that need not be there.
-fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>> {
+/// What came of reading a file or folder that need not be there.
+pub(super) fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>> {
     match read {
         Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         found => found.map(Some).context("read", path),
@@ -153,8 +152,14 @@ pub(crate) fn real(path: &Path) -> PathBuf {
         return real;
     }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    match (path.parent(), path.file_name()) {
-        (Some(parent), Some(name)) => real(parent).join(name),
+    match (path.parent(), path.components().next_back()) {
+        // Below what does not exist there are no links.
+        (Some(parent), Some(Component::ParentDir)) => {
+            let mut path = real(parent);
+            path.pop();
+            path
+        }
+        (Some(parent), Some(last)) => real(parent).join(last),
         _ => path,
     }
 }
@@ -220,6 +225,18 @@ mod tests {
         fs::write(folder.path().join("one"), "one").unwrap();
         std::os::unix::fs::symlink("one", folder.path().join("two")).unwrap();
         assert_eq!(read_tree(folder.path(), |_| false).unwrap()["two"], b"one");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_does_not_exist_yet_has_its_place_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path().canonicalize().unwrap();
+        std::os::unix::fs::symlink(&here, here.join("link")).unwrap();
+        for path in ["new/file", "link/new/file", "none/../new/file", "none/more/../../new/./file"]
+        {
+            assert_eq!(real(&here.join(path)), here.join("new/file"), "{path}");
+        }
     }
 
     #[test]

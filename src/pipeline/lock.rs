@@ -25,7 +25,7 @@ impl Lock {
                 holder(&mut file)
             )));
         }
-        Self::signed(file, path, &alone())
+        Ok(Self::signed(file, &alone()))
     }
 
     /// The same, but waits for whoever holds the lock, after `busy` was told who that is.
@@ -38,7 +38,7 @@ impl Lock {
             busy(&holder(&mut file));
             file.lock().map_err(|e| refused(&e, path))?;
         }
-        Self::signed(file, path, &alone())
+        Ok(Self::signed(file, &alone()))
     }
 
     /// Takes the lock together with all others who share it; waits for one who holds it alone.
@@ -52,11 +52,11 @@ impl Lock {
             file.lock_shared().map_err(|e| refused(&e, path))?;
         }
         // All who share it write the same, so that it does not matter who comes first.
-        Self::signed(file, path, SHARED)
+        Ok(Self::signed(file, SHARED))
     }
 
-    /// The lock, with its holder's name in the file.
-    fn signed(mut file: File, path: &Path, name: &str) -> Result<Self> {
+    /// The lock, with its holder's name in the file, if that can be written: on a full disk it cannot.
+    fn signed(mut file: File, name: &str) -> Self {
         if holder(&mut file) != name {
             let text = format!("{name}\n");
             let write = |file: &mut File| {
@@ -64,9 +64,12 @@ impl Lock {
                 file.write_all(text.as_bytes())?;
                 file.set_len(text.len() as u64)
             };
-            write(&mut file).context("write", path)?;
+            if write(&mut file).is_err() {
+                // Better no name than that of another.
+                let _ = file.set_len(0);
+            }
         }
-        Ok(Self { _file: file })
+        Self { _file: file }
     }
 }
 
@@ -86,9 +89,9 @@ fn open(path: &Path) -> Result<File> {
 
 /// Who wrote last that it holds the lock: a courtesy, on which nothing depends.
 fn holder(file: &mut File) -> String {
-    let mut name = String::new();
-    let _ = file.rewind().and_then(|()| file.read_to_string(&mut name));
-    if name.is_empty() { "unknown process".into() } else { name.trim().into() }
+    let mut text = String::new();
+    let _ = file.rewind().and_then(|()| file.read_to_string(&mut text));
+    text.lines().next().unwrap_or("unknown process").into()
 }
 
 /// Whether the lock was to be had at once.
@@ -113,7 +116,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new/lock");
         drop(Lock::take(&path).unwrap());
-        fs::write(&path, "process 123456789012345 of another system\n").unwrap();
+        fs::write(&path, "process 123456789012345 of another system\nand more\n").unwrap();
+        let named = holder(&mut File::open(&path).unwrap());
+        assert_eq!(named, "process 123456789012345 of another system", "in one line");
         let _held = Lock::take(&path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), format!("{}\n", alone()));
     }

@@ -2,9 +2,9 @@
 
 use super::Hashes;
 use super::files::{read_if_there, write_atomically};
+use super::manifest::changes;
 use crate::pipeline::error::{Error, Result};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the committed figures.\n\
@@ -59,11 +59,8 @@ impl LockFile {
 
     /// One line for each entry of `self` that `other` lacks or has differently, and vice versa.
     pub fn differences(&self, other: &Self) -> Vec<String> {
-        let one = |ours: &BTreeMap<_, String>, theirs: &BTreeMap<_, String>| -> Vec<String> {
-            super::manifest::changes(ours, theirs).iter().map(ToString::to_string).collect()
-        };
-        let mut lines = one(&self.tasks, &other.tasks);
-        lines.extend(one(&self.exports, &other.exports));
-        lines
+        let both = [(&self.tasks, &other.tasks), (&self.exports, &other.exports)];
+        let changes = both.into_iter().flat_map(|(ours, theirs)| changes(ours, theirs));
+        changes.map(|change| change.to_string()).collect()
     }
 }

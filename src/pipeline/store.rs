@@ -1,17 +1,21 @@
 //! The cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
 
-use super::files::{hash_if_there, leftovers, read_if_there, write_by_way_of};
+use super::files::{hash_if_there, leftovers, read, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason, changes};
 use super::{Artifacts, Hashes, Lock, hash};
 use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Layout of the cache; another layout lives in another folder, so that versions do not collide.
 const LAYOUT: &str = "v2";
+
+/// Folder of the artifacts, in that of the layout.
+pub(super) const OBJECTS: &str = "objects";
+
+/// Folder of the manifests, in that of the layout.
+pub(super) const TASKS: &str = "tasks";
 
 /// Folder of the locks of single tasks, in that of the layout.
 pub(super) const LOCKS: &str = "locks";
@@ -161,7 +165,7 @@ impl Store {
 
     /// The artifact with this hash, if it is stored and intact.
     pub fn get(&self, wanted: &str) -> Option<Vec<u8>> {
-        let bytes = fs::read(self.object(wanted)).ok()?;
+        let bytes = read(&self.object(wanted)).ok()?;
         (hash(&bytes) == wanted).then_some(bytes)
     }
 
@@ -205,11 +209,11 @@ impl Store {
     }
 
     pub(super) fn object(&self, hash: &str) -> PathBuf {
-        self.root.join("objects").join(hash.get(..2).unwrap_or("xx")).join(hash)
+        self.root.join(OBJECTS).join(hash.get(..2).unwrap_or("xx")).join(hash)
     }
 
     pub(super) fn runs_file(&self, task: &str) -> PathBuf {
-        self.root.join("tasks").join(format!("{task}{RUNS}"))
+        self.root.join(TASKS).join(format!("{task}{RUNS}"))
     }
 }
 
@@ -217,13 +221,4 @@ impl Store {
 pub(super) fn believable(task: &str, stored: &[u8]) -> impl Iterator<Item = Manifest> {
     let lines = stored.split_inclusive(|byte| *byte == b'\n').rev();
     lines.filter_map(Manifest::from_line).filter(move |manifest| manifest.task == task)
-}
-
-/// What a folder holds; nothing if it is not there.
-pub(super) fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    match fs::read_dir(folder) {
-        Ok(entries) => entries.map(|entry| Ok(entry?.path())).collect(),
-        Err(e) if e.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-        Err(e) => Err(e),
-    }
 }

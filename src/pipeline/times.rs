@@ -1,5 +1,6 @@
 //! How long each task took when it last ran, and what that makes a run last: for people, in no hash.
 
+use super::files::read;
 use super::{Ran, stage};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -25,7 +26,7 @@ impl Times {
     /// What is on record in this cache folder.
     pub fn read(cache: &Path) -> Self {
         let path = cache.join(FILE);
-        let stored = fs::read(&path).ok().and_then(|text| serde_json::from_slice(&text).ok());
+        let stored = read(&path).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let Self { mut seconds, .. } =
             stored.filter(|stored: &Self| stored.schema == SCHEMA).unwrap_or_default();
         seconds.retain(|_, time| (0.0..LONGEST).contains(time));
@@ -44,6 +45,10 @@ impl Times {
     /// Writes the record, if it can be written: no run should fail for the sake of an estimate.
     pub fn save(&self) {
         let text = serde_json::to_vec_pretty(self).expect("times are plain data");
+        // A pipe would wait for its reader.
+        if fs::metadata(&self.path).is_ok_and(|there| !there.is_file()) {
+            return;
+        }
         // In place: half of it is as good as none.
         let _ = fs::write(&self.path, &text);
     }

@@ -1,6 +1,6 @@
 //! Answers that say what they are worth, and inputs that are refused before any work is done.
 
-use crate::common::{PAPER, Project, Said, TABLE};
+use crate::common::{PAPER, Project, Said, TABLE, interrupt};
 use serde_json::Value;
 use std::fs;
 use std::io::Read;
@@ -241,12 +241,10 @@ fn the_first_interrupt_answers_and_the_second_ends_at_once() {
             said.push(char::from(byte[0]));
         }
     };
-    let interrupt =
-        || Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     wait_for("to run");
-    interrupt();
+    interrupt(&child);
     wait_for("again to stop at once");
-    interrupt();
+    interrupt(&child);
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 

@@ -200,12 +200,14 @@ fn gc_removes_garbage_and_nothing_else() {
     let clean = project.made();
     assert!(project.run(&["gc"]).lines()[0].starts_with("removed 0 files, 0 B; kept "));
     assert_same(&project.made(), &clean);
-    // Garbage: a scene that went, a temporary file of a killed run, an older layout.
+    // Garbage: a scene that went, temporary files of killed runs, an older layout.
     project.scene("b", &TABLE.replace("else=-1", "else=-3"));
     project.run(&["run"]).lines();
     fs::remove_file(project.path("pipeline/scenes/b.toml")).unwrap();
     project.run(&["run"]).lines();
-    project.write(".signorini/v2/objects/.signorini-x1y2z3.tmp", "half");
+    project.write(".signorini/v2/.signorini-x1y2z3.tmp", "half");
+    fs::create_dir_all(project.path(".signorini/v2/.signorini-book01.tmp/src")).unwrap();
+    project.write(".signorini/v2/.signorini-book01.tmp/src/page.md", "half");
     fs::create_dir_all(project.path(".signorini/v0/objects/ab")).unwrap();
     project.write(&format!(".signorini/v0/objects/ab/{}", "ab".repeat(32)), "old");
     // Not garbage, since we did not make it.
@@ -213,6 +215,7 @@ fn gc_removes_garbage_and_nothing_else() {
     fs::create_dir_all(project.path(".signorini/v3/tasks")).unwrap();
     project.write(".signorini/v3/tasks/todo.txt", "mine");
     project.write(".signorini/v2/objects/thesis.txt", "mine");
+    project.write(".signorini/v4", "mine");
     project.write(".signorini/CACHEDIR.TAG", "mine");
     let before = project.made();
     let would = project.run(&["gc", "-n"]).lines()[0].to_owned();
@@ -228,7 +231,7 @@ fn gc_removes_garbage_and_nothing_else() {
     assert_same(&after, &clean);
     assert!(!project.path(".signorini/v0/objects").exists());
     assert!(!project.path(".signorini/v2/tasks/solve/b").exists(), "no empty folders stay behind");
-    assert!(project.path(".signorini/CACHEDIR.TAG").exists());
+    assert!(["v4", "CACHEDIR.TAG"].iter().all(|n| project.path(".signorini").join(n).exists()));
     assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
     assert!(project.run(&["gc", "--keep", "0"]).refusal().contains("at least 1"));
     // A folder that was misspelt is not made.

@@ -174,6 +174,12 @@ impl Project {
         times
     }
 
+    /// Temporary files, which no run leaves behind.
+    pub(crate) fn leftovers(&self) -> Vec<String> {
+        let files = self.times().into_keys().map(|file| file.to_string_lossy().into_owned());
+        files.filter(|file| file.contains(".signorini-")).collect()
+    }
+
     /// What a run makes, as far as it must be reproducible: objects, manifests, figures, lock file.
     pub(crate) fn made(&self) -> BTreeMap<String, Vec<u8>> {
         let mut made = BTreeMap::new();
@@ -200,6 +206,12 @@ pub(crate) fn skip(why: &str) {
 pub(crate) fn absent(why: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "NOT RUN: {why}");
+}
+
+/// Sends Ctrl-C to a process, if it has not ended.
+pub(crate) fn interrupt(child: &Child) {
+    let mut kill = Command::new("kill");
+    kill.args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
 }
 
 /// Waits until a process has its handler for Ctrl-C, so that the signal finds it ready.

@@ -110,6 +110,24 @@ fn a_full_disk_is_one_clear_line_and_finished_cells_stay() {
 }
 
 #[test]
+fn gc_makes_room_on_a_full_disk() {
+    let project = Project::with(TABLE);
+    for f in ["else=-1", "else=-2"] {
+        project.scene("a", &TABLE.replace("else=-1", f));
+        project.run(&["run", "--cache-dir", "first"]).lines();
+    }
+    fs::create_dir(project.path("cache")).unwrap();
+    // There is no room for the name of who holds the lock, nor at first for manifests without earlier runs.
+    let script = "mount -t tmpfs -o size=1M tmpfs cache && cp -r first/v2 cache && \
+        { dd if=/dev/zero of=cache/fill 2> /dev/null; signorini gc --cache-dir cache && signorini gc --cache-dir cache; }";
+    let Some(output) = with_mounts(&project, script) else { return };
+    let said = Said::from(output);
+    let [first, second] = said.lines()[..] else { panic!("{said:?}") };
+    assert!(first.starts_with("removed 3 files, "), "{said:?}");
+    assert!(second.starts_with("removed 0 files, 0 B"), "{said:?}");
+}
+
+#[test]
 fn a_file_size_limit_is_one_clear_line_and_the_next_run_completes() {
     let reference = Project::with(&wanting(EVERYTHING));
     reference.run(&["run"]).lines();

@@ -183,14 +183,48 @@ fn what_is_no_file_is_refused_where_files_are_read() {
     project.run(&["run"]).refusal();
     fs::remove_file(project.path("figures/a-source.svg")).unwrap();
     // A cache or a trace among the inputs would change them with every run.
-    for args in [&["run", "--cache-dir", "report/cache"][..], &["run", "--trace", "report/t.json"]]
-    {
-        assert!(project.run(args).refusal().contains("choose another place"), "{args:?}");
+    for (option, place) in [
+        ("--cache-dir", "report/cache"),
+        ("--cache-dir", "new/../report/cache"),
+        ("--trace", "report/t.json"),
+    ] {
+        let said = project.run(&["run", option, place]);
+        assert!(said.refusal().contains("choose another place"), "{place}: {said:?}");
     }
     let name = std::ffi::OsStr::from_bytes(b"\xff.toml");
     fs::copy(project.path("pipeline/scenes/a.toml"), project.path("pipeline/scenes").join(name))
         .unwrap();
     assert!(status().refusal().contains("is not UTF-8; rename it"), "{:?}", status());
+}
+
+#[test]
+fn a_pipe_in_the_cache_keeps_nobody_waiting() {
+    let project = Project::with(&wanting(EVERYTHING));
+    project.run(&["run"]).lines();
+    let made = project.made();
+    let object = by_kind(&project)["objects"][0].clone();
+    let runs = project.path(".signorini/v2/tasks/solve/a/signed/r=1.runs");
+    let records = ["pipeline/.exported.json", ".signorini/times.json"].map(|p| project.path(p));
+    for file in [object, runs].iter().chain(&records) {
+        fs::remove_file(file).unwrap();
+        assert!(Command::new("mkfifo").arg(file).status().unwrap().success());
+        for args in [&["run"][..], &["run", "--force"], &["gc"]] {
+            project.run(args).lines();
+        }
+        assert_same(&project.made(), &made);
+    }
+}
+
+#[test]
+fn what_lies_where_a_folder_is_to_be_is_named_with_the_remedy() {
+    let project = Project::with(&wanting("[\"source\"]"));
+    project.write("figures", "mine");
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("cannot create ") && said.err.contains("move it away"));
+    assert_eq!(fs::read(project.path("figures")).unwrap(), b"mine");
+    std::os::unix::fs::symlink("nowhere", project.path("cache")).unwrap();
+    let said = project.run(&["run", "--cache-dir", "cache"]);
+    assert!(said.refusal().contains("cannot create cache: ") && said.err.contains("move it away"));
 }
 
 #[test]
@@ -339,8 +373,7 @@ fn pairs_of_runs_at_once(pairs: usize) {
         assert!(both.iter().any(|said| said.code == Some(0)), "one of them ran: {both:?}");
         assert_eq!(project.run(&["run"]).code, Some(0));
         assert_same(&project.made(), &wanted);
-        let left: Vec<_> = project.times().into_keys().filter(|f| f.ends_with(".tmp")).collect();
-        assert!(left.is_empty(), "{left:?}");
+        assert_eq!(project.leftovers(), [""; 0]);
     }
     eprintln!("{refused} of {pairs} second runs came while the first was at work");
 }

@@ -1,8 +1,8 @@
 //! `signorini identify` and the stage of that name: what they say, how they stop, and what is kept.
 
-use crate::common::{Project, Said, wait_for_handler};
+use crate::common::{Project, Said, interrupt, wait_for_handler};
 use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// Two grids and three rows of the published Table 2: enough to be searched in milliseconds.
 const PAPER: &str = "r = [1e6, 10.0, 5.0]\n\n[[table]]\nnumber = 2\n\
@@ -80,9 +80,7 @@ fn an_interrupted_search_goes_on_to_the_same_end() {
     let mut child = project.command(&resumable);
     let mut child = child.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     wait_for_handler(&child);
-    assert!(
-        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
-    );
+    interrupt(&child);
     let output: Said = {
         let lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let out = lines.map(|line| line.unwrap() + "\n").collect();

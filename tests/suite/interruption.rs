@@ -1,11 +1,10 @@
 //! Runs that are killed or interrupted: what was finished is kept, and the next run goes on to the same result.
 
-use crate::common::{Dice, EVERYTHING, Project, TABLE, assert_same, promised, wanting};
+use crate::common::{Dice, EVERYTHING, Project, TABLE, assert_same, interrupt, promised, wanting};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 /// Two dozen cells, six figures and a book: long enough to be killed anywhere in it.
@@ -86,8 +85,7 @@ fn killed_runs_resume(kills: usize, seed: u64) {
             assert_eq!(said.code, Some(0), "attempt {attempt}: {said:?}");
             project.run(&["gc"]).lines();
             assert_same(&made(&project), &wanted);
-            let left = |name: &PathBuf| name.to_string_lossy().contains(".signorini-");
-            assert!(!project.times().keys().any(left), "attempt {attempt}: temporary files stay");
+            assert_eq!(project.leftovers(), [""; 0], "attempt {attempt}");
             if killed >= kills {
                 break;
             }
@@ -121,9 +119,7 @@ fn runs_interrupted_at_random_moments_resume() {
     let mut in_time = 0;
     for _ in 0..interrupts {
         let mut child = started(&project, true, dice.below(all), dice.below(20_000));
-        let id = child.id().to_string();
-        // Fails if the run has ended by itself.
-        let _ = Command::new("kill").args(["-INT", &id]).stderr(Stdio::null()).status().unwrap();
+        interrupt(&child);
         // No code: the signal came before the program was ready for it.
         let code = child.wait().unwrap().code();
         assert!(matches!(code, Some(0 | 130) | None), "{code:?}");
@@ -151,8 +147,7 @@ fn ctrl_c_keeps_finished_cells() {
         said.push(char::from(byte[0]));
     }
     assert!(said.contains("\nran solve/a/printed/"), "{said}");
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+    interrupt(&child);
     reader.read_to_string(&mut said).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
     assert!(

@@ -4,7 +4,6 @@ use crate::common::{Dice, Project, Said, assert_same, promised};
 use crate::interruption::{made, started};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
 use std::process::Stdio;
 
 /// This project after a run, and what the run made.
@@ -23,8 +22,7 @@ fn completed(project: &Project, wanted: &BTreeMap<String, Vec<u8>>) {
     project.run(&["run"]).lines();
     project.run(&["gc"]).lines();
     assert_same(&made(project), wanted);
-    let left = |name: &PathBuf| name.to_string_lossy().contains(".signorini-");
-    assert!(!project.times().keys().any(left), "temporary files stay");
+    assert_eq!(project.leftovers(), [""; 0]);
 }
 
 /// Forgets the results of some stages: what the next run has to do.

@@ -80,12 +80,14 @@ fn a_panic_is_the_failure_of_one_task() {
     let tasks = vec![
         task("a/wild", &[], || panic!("on purpose")),
         task("a/tame", &[], || vec![1]),
-        task("b/waits", &["a/wild"], || vec![2]),
+        task("b/waits", &["a/tame", "a/wild"], || vec![2]),
+        task("c/waits", &["b/waits"], || vec![3]),
     ];
     let plan = Plan::new("program", tasks).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let summary = walk(&plan, cache.path(), Options { keep_going: true, ..Options::default() });
     assert!(summary.failed[0].starts_with("a/wild: panicked"), "{:?}", summary.failed);
-    assert_eq!(summary.failed[1], "b/waits: not run, because a/wild failed");
+    let waited = ["b/waits", "c/waits"].map(|id| format!("{id}: not run, because a/wild failed"));
+    assert_eq!(summary.failed[1..], waited);
     assert!(summary.manifests.contains_key("a/tame"));
 }
