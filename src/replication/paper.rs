@@ -37,7 +37,7 @@ impl Paper {
     ///
     /// # Errors
     /// [`Error::Input`] with the line of the mistake.
-    pub fn parse(text: &str) -> Result<Self> {
+    pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
         let paper: Self = from_toml("pipeline/paper.toml", text)?;
         let wrong = |what: &str| Err(Error::input(format!("pipeline/paper.toml: {what}")));
         if paper.r.is_empty() || !paper.r.iter().all(|r| r.is_finite() && *r > 0.0) {

@@ -56,18 +56,10 @@ impl Project {
     /// [`Error::Io`] and [`Error::Input`] from its parts.
     pub fn read(root: PathBuf) -> Result<Self> {
         let (scenes, mut files) = read_scenes(&root)?;
-        let path = root.join(PAPER);
-        let paper = match path.exists().then(|| read_text(&path)).transpose()? {
-            Some(text) => {
-                let paper = Paper::parse(&text)?;
-                files.insert(PAPER.into(), text.into_bytes());
-                paper
-            }
-            None => Paper::default(),
-        };
-        for record in [IDENTIFIED, recorded::PATH] {
-            files.extend(read_if_there(&root.join(record))?.map(|text| (record.into(), text)));
+        for path in [PAPER, IDENTIFIED, recorded::PATH] {
+            files.extend(read_if_there(&root.join(path))?.map(|text| (path.into(), text)));
         }
+        let paper = files.get(PAPER).map(Paper::parse).transpose()?.unwrap_or_default();
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
         Ok(Self { root, scenes, paper, files, templates, commands: Vec::new })

@@ -80,12 +80,10 @@ pub fn solve_nested(
 ) -> (Vec<Outcome>, Pair) {
     on_nested(grids, loads, prolongation, |level, grid, load, pair| {
         let params = Params { tolerance: tolerance(level), ..*params };
-        let outcome = if monitor.wants_iterations() {
-            let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
-            arrow_hurwicz(grid, load, &params, pair, Some(&mut on_iteration))
-        } else {
-            arrow_hurwicz(grid, load, &params, pair, None)
-        };
+        let watched = monitor.wants_iterations();
+        let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
+        let on_iteration = watched.then_some(&mut on_iteration as OnIteration);
+        let outcome = arrow_hurwicz(grid, load, &params, pair, on_iteration);
         monitor.level(grid, pair);
         (outcome, outcome.stop)
     })

@@ -25,7 +25,6 @@ use crate::timing::recorded::{
     Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
 };
 use goals::goals;
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// What to measure.
@@ -275,14 +274,14 @@ fn reached(
     say: &mut impl FnMut(&str),
 ) -> Result<Vec<Reached>, String> {
     let goals = goals(solver);
-    let mut before: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut before = vec![0.0; goals.len()];
     let mut measured = Vec::new();
     for k in 2..=levels.len() {
         let level = &levels[k - 1];
         let cells = level.grid.cells();
         say(&format!("{solver}, {problem}, h = 1/{cells}"));
         for (g, (goal, growth, solve)) in goals.iter().enumerate() {
-            if before.get(&g).is_some_and(|seconds| growth * seconds > LONGEST) {
+            if growth * before[g] > LONGEST {
                 continue;
             }
             let y = solve(&levels[..k]).ok_or_else(|| {
@@ -291,7 +290,7 @@ fn reached(
             let median = time(plan.repeats, || {
                 solve(&levels[..k]);
             });
-            before.insert(g, median.0);
+            before[g] = median.0;
             measured.push(Reached::new([problem, goal], solver, level, &y, median));
         }
     }

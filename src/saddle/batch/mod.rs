@@ -4,7 +4,7 @@
 //! side by side cost less than three one after the other, and rows in pairs shorten the wait. A run's
 //! stopping rule is first tried at the node that broke it last; all nodes are tried only when that one no
 //! longer does. Iterates and counts are those of [`solve`](crate::saddle::solve) to the last bit, unless
-//! another arithmetic is asked for.
+//! another arithmetic is asked for, or values of Uzawa's method are not finite: that run ends at its cap.
 
 mod arithmetic;
 mod lanes;
@@ -45,7 +45,7 @@ pub struct Job<'a, N = f64> {
     pub r: f64,
     /// When it ends.
     pub goal: Goal,
-    /// Sweeps after which to give up.
+    /// Sweeps after which to give up, at the earliest after the first.
     pub cap: usize,
 }
 
@@ -160,7 +160,7 @@ impl<'a, N: Number> Run<'a, N> {
         match stepped {
             true if self.delta_a.is_nan() => Some(StopReason::Diverged),
             true if self.met(lanes, lane) => Some(StopReason::Converged),
-            _ => (self.sweeps == self.job.cap).then_some(StopReason::IterationLimit),
+            _ => (self.sweeps >= self.job.cap).then_some(StopReason::IterationLimit),
         }
     }
 
@@ -269,10 +269,13 @@ mod tests {
             let rules = StopRule::ALL.map(|rule| Goal::Rule(rule, f64::MAX));
             for goal in rules.into_iter().chain([Goal::Kkt(f64::MAX)]) {
                 let method = Method::ArrowHurwicz;
-                // One sweep leaves numbers before the node.
-                let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap: 1 };
-                let ends = run(grid, &[job], &mut AsDefined);
-                assert!(ends[0].stop != StopReason::Converged, "node {node}, {goal:?}");
+                // One sweep leaves numbers before the node; a cap of none is one as well.
+                for cap in [0, 1] {
+                    let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap };
+                    let end = &run(grid, &[job], &mut AsDefined)[0];
+                    assert!(end.stop != StopReason::Converged, "node {node}, {goal:?}");
+                    assert_eq!(end.sweeps, 1);
+                }
             }
         }
     }
