@@ -1,6 +1,6 @@
 //! The book of this project, built by a run from the committed templates, and then inspected.
 
-use crate::common::{Project, TABLE};
+use crate::common::{Project, TABLE, files_below};
 use crate::explore::book;
 use polars::prelude::{CsvReadOptions, CsvReader, SerReader};
 use signorini::report::{build, pages};
@@ -92,8 +92,10 @@ fn every_formula_is_set_and_every_figure_is_shown_and_numbered_once() {
 fn twice_gives_the_same_bytes() {
     let once = files();
     let source = book().join("../src");
-    let mut sources: BTreeMap<String, Vec<u8>> =
-        tree(&source).into_iter().map(|(name, bytes)| (format!("src/{name}"), bytes)).collect();
+    let mut sources: BTreeMap<String, Vec<u8>> = files_below(&source)
+        .into_iter()
+        .map(|(name, bytes)| (format!("src/{name}"), bytes))
+        .collect();
     let report = Path::new(env!("CARGO_MANIFEST_DIR")).join("report");
     for name in ["book.toml", "theme/book.css", "theme/fonts/latinmodern-math.woff2"] {
         sources.insert(name.into(), fs::read(report.join(name)).unwrap());
@@ -148,7 +150,7 @@ fn an_error_in_a_component_names_the_page_too() {
 #[test]
 fn the_prose_has_no_branches_for_other_results() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates");
-    let templates = tree(&folder).into_values();
+    let templates = files_below(&folder).into_values();
     let branches: usize =
         templates.map(|text| String::from_utf8_lossy(&text).matches("{% if").count()).sum();
     assert!(branches < 80, "{branches} branches; say what holds, and require it");
@@ -232,28 +234,10 @@ fn the_python_of_the_page_on_data_runs() {
     }
 }
 
-/// The files of the book by their path in it.
+/// The files of the book by their path in it, without pages that other tests put beside its own.
 fn files() -> BTreeMap<String, Vec<u8>> {
-    tree(book())
-}
-
-fn tree(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut files = BTreeMap::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(next) = folders.pop() {
-        for entry in fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-                continue;
-            }
-            let name = path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned();
-            // Pages that other tests put beside those of the book.
-            if !name.starts_with("explore-test") {
-                files.insert(name, fs::read(path).unwrap());
-            }
-        }
-    }
+    let mut files = files_below(book());
+    files.retain(|name, _| !name.starts_with("explore-test"));
     files
 }
 

@@ -1,8 +1,7 @@
 //! The guaranteed bounds: brackets of reference energies, effectivity, and answers that are wrong.
 
-#![allow(clippy::excessive_precision)] // Reference values stand with all digits of their source.
-
 use crate::common::{Dice, random_source};
+use crate::reference::REFERENCES;
 use rayon::prelude::*;
 use signorini::bounds::{Bounds, NoBound, bounds};
 use signorini::discrete::grid::Grid;
@@ -15,18 +14,6 @@ use signorini::problem::source::Source;
 use signorini::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini::spectral::{self, spectral};
 
-/// True energies to sixteen digits, from conformal maps.
-const ENERGIES: [(&str, f64); 8] = [
-    ("rect(0.25,0.5,0.25,0.5)=2; else=-1", -0.016602302753503897),
-    ("rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1", -0.005375455092882997),
-    ("quadrant(ll)=3; else=-1.1", -0.095051720753350786),
-    ("quadrant(ll)=3; else=-1.002", -0.100744189417478743),
-    ("quadrant(ll)=-6; else=1.998", -0.402452348899040672),
-    ("disc(0,0,0.25)=2; else=-1", -0.006911812402917770),
-    ("disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1", -0.060527282639588421),
-    ("disc(0.5,0.5,0.3)=4; else=-1", -0.025624898159882615),
-];
-
 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 
 fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) {
@@ -35,13 +22,18 @@ fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) 
     (grid, multigrid(n, &load(grid, f, rule), None, &params, |_| ()).unwrap().0)
 }
 
+/// Problems with their true energies.
+fn energies() -> impl Iterator<Item = (&'static str, f64)> {
+    REFERENCES.iter().map(|known| (known.f, known.energy))
+}
+
 fn holds(bounds: &Bounds, energy: f64) -> bool {
     bounds.energy[0] <= energy && energy <= bounds.energy[1]
 }
 
 #[test]
 fn brackets_hold_the_reference_energies_whatever_the_load() {
-    for (text, energy) in ENERGIES {
+    for (text, energy) in energies() {
         let f: Source = text.parse().unwrap();
         for n in [16, 32, 64, 128, 256, 512] {
             for rule in [EXACT, LoadRule::Bilinear, LoadRule::LumpedAverage, LoadRule::default()] {
@@ -68,7 +60,7 @@ fn brackets_hold_the_reference_energies_whatever_the_load() {
 
 #[test]
 fn brackets_shrink_like_the_third_power_of_the_width() {
-    for (text, _) in ENERGIES {
+    for (text, _) in energies() {
         let f: Source = text.parse().unwrap();
         let width = |n| {
             let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
@@ -82,7 +74,7 @@ fn brackets_shrink_like_the_third_power_of_the_width() {
 
 #[test]
 fn solutions_stopped_early_or_made_up_are_bounded_too() {
-    for (text, energy) in ENERGIES {
+    for (text, energy) in energies() {
         let f: Source = text.parse().unwrap();
         let n = 64;
         let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
@@ -90,11 +82,10 @@ fn solutions_stopped_early_or_made_up_are_bounded_too() {
         // Waves of all lengths and sizes, also below zero on the boundary.
         for k in 0..24u32 {
             let size = 10f64.powi(-(k as i32 % 6));
-            let mut state = u64::from(k) + 1;
+            let mut dice = Dice(u64::from(k) + 1);
             let mut wrong = y.clone();
             for (node, value) in wrong.iter_mut().enumerate() {
-                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                let noise = (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+                let noise = dice.unit() - 0.5;
                 let wave = f64::sin(node as f64 * 0.37 * f64::from(k % 4));
                 *value += size * if k % 2 == 0 { noise } else { wave };
             }
@@ -268,7 +259,7 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
 
 #[test]
 fn the_bound_of_the_error_is_effective() {
-    for (text, energy) in ENERGIES {
+    for (text, energy) in energies() {
         let f: Source = text.parse().unwrap();
         for (n, rule) in
             [64, 128, 256].into_iter().flat_map(|n| [(n, EXACT), (n, LoadRule::Bilinear)])
@@ -291,12 +282,11 @@ fn the_bound_of_the_error_is_effective() {
 
 #[test]
 fn contact_is_reported_with_its_ends_and_its_whole_force() {
-    let f: Source = ENERGIES[0].0.parse().unwrap();
+    let f: Source = REFERENCES[0].f.parse().unwrap();
     let (grid, y) = solved(256, &f, EXACT, Goal::RoundingFloor);
     let contact = bounds(grid, &f, &y).unwrap().contact;
     let [arc] = contact[..] else { panic!("{contact:?}") };
-    let end = 0.194250479506949330;
-    for (found, want) in [(arc.from, [end, 0.5]), (arc.to, [0.5, end])] {
+    for (found, want) in [arc.from, arc.to].into_iter().zip(REFERENCES[0].contact.unwrap()) {
         assert!((0..2).all(|k| (found[k] - want[k]).abs() < 0.25 * grid.h()), "{arc:?}");
     }
     assert!((arc.force - 0.8125).abs() < 1e-12);

@@ -1,15 +1,11 @@
 //! The experiment on the paper's claims: its counts, what must hold of them, and the verdicts.
 
+use crate::common::this_project as project;
+use crate::solvers::on_threads;
 use signorini::experiments::claims::{Claims, Measure, Plan, Verdict, claims};
-use signorini::replication::project::Project;
 use signorini::replication::scene::Scene;
 use signorini::saddle::{Params, StopRule, solve_nested};
-use std::path::Path;
 use std::sync::OnceLock;
-
-fn project() -> Project {
-    Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap()
-}
 
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
 fn plan() -> Plan {
@@ -144,8 +140,7 @@ fn threads_change_nothing() {
         });
         claims(&Plan { problems: problems.collect(), targets: vec![(1e-3, 16)], ..plan }).unwrap()
     };
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(alone.install(small), small());
+    assert_eq!(on_threads(1, small), small());
 }
 
 #[test]

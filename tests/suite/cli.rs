@@ -1,6 +1,7 @@
 //! The command line: what it prints where, in which format, and with which exit code.
 
-use crate::common::{PAPER, Project, Said, TABLE};
+use crate::common::{PAPER, Project, Said, TABLE, commands};
+use crate::reference::REFERENCES;
 use expect_test::{expect, expect_file};
 use std::fs;
 use std::process::Stdio;
@@ -11,25 +12,9 @@ const BUMP: &str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 fn help_is_as_reviewed() {
     let project = Project::with(TABLE);
     let mut text = String::new();
-    let commands = [
-        "",
-        "run",
-        "status",
-        "explain",
-        "dag",
-        "diff",
-        "solve",
-        "identify",
-        "bench",
-        "report",
-        "certificate",
-        "gc",
-        "completions",
-        "man",
-    ];
-    for command in commands {
-        let args: Vec<&str> =
-            [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
+    let help = project.run(&["--help"]).out;
+    for command in [None].into_iter().chain(commands(&help).into_iter().map(Some)) {
+        let args: Vec<&str> = command.into_iter().chain(["--help"]).collect();
         let said = project.run(&args);
         assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
         text += &format!("$ signorini {}\n{}\n", args.join(" "), said.out);
@@ -61,7 +46,7 @@ fn solve_json_has_every_promised_field() {
     assert!(kkt("complementarity").abs() < 1e-2, "{json}");
     assert!(kkt("min_y").abs() < 1e-2 && kkt("min_lambda") > -0.1, "{json}");
     for phase in ["setup", "solve"] {
-        assert!((0.0..10.0).contains(&json["seconds"][phase].as_f64().unwrap()), "{phase}");
+        assert!(json["seconds"][phase].as_f64().unwrap() >= 0.0, "{phase}");
     }
     for field in ["energy", "error"] {
         let [low, high] = [0, 1].map(|k| json["bound"][field][k].as_f64().unwrap());
@@ -75,12 +60,13 @@ fn solve_json_has_every_promised_field() {
 #[test]
 fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     let project = Project::with(TABLE);
-    let f = "rect(0.25,0.5,0.25,0.5)=2; else=-1";
+    let (f, energy) = (REFERENCES[0].f, REFERENCES[0].energy);
     let solve =
         |more: &[&str]| project.run(&[&["solve", "--f", f, "--json"], more].concat()).json();
     let json = solve(&["--accuracy", "0.004"]);
-    // The true energy is -0.0166023, its energy norm 0.18222.
-    let [least, most] = [0, 1].map(|k| json["bound"]["error"][k].as_f64().unwrap() / 0.18222);
+    // The energy is minus half the square of the energy norm.
+    let norm = (-2.0 * energy).sqrt();
+    let [least, most] = [0, 1].map(|k| json["bound"]["error"][k].as_f64().unwrap() / norm);
     assert!(0.0025 < least && most < 0.004, "reached, with a grid hardly too fine: {json}");
     let fixed = solve(&["--solver", "multigrid", "--load", "exact", "--h", "1/512"]);
     assert!(
@@ -89,7 +75,7 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     );
     let json = solve(&["--accuracy-energy", "1e-7", "--solver", "multigrid"]);
     let [low, high] = [0, 1].map(|k| json["bound"]["energy"][k].as_f64().unwrap());
-    assert!(low <= -0.016602302753503897 && -0.016602302753503897 <= high, "{json}");
+    assert!(low <= energy && energy <= high, "{json}");
     let reached = (high - low) / -high;
     assert!((0.3e-7..1e-7).contains(&reached), "with a grid hardly too fine: {json}");
     // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
@@ -235,7 +221,7 @@ fn the_cube_is_solved_by_both_its_solvers() {
         let number = |value: &serde_json::Value| value.as_f64().expect("a number");
         assert!(number(&json["kkt"]["relative"]) < 1e-12, "{json}");
         assert!(number(&json["kkt"]["min_y"]) == 0.0 && number(&json["integral_f"]) < 0.0);
-        assert!(number(&json["seconds"]["solve"]) < 10.0);
+        assert!(number(&json["seconds"]["solve"]) >= 0.0);
         (number(&json["energy"]), number(&json["errors"]["l2"]))
     };
     let (ours, direct) = (solved("multigrid"), solved("active-set"));
@@ -450,12 +436,8 @@ fn manual_pages_exist_for_each_command() {
     let pages = project.files("man1");
     assert_eq!(pages["signorini.1"], page.out.into_bytes());
     let help = project.run(&["--help"]).out;
-    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let commands = commands.take_while(|line| !line.is_empty());
-    // A description that goes on in the next line is further in.
-    let commands = commands.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
     let mut count = 1;
-    for name in commands.filter(|name| !name.is_empty() && *name != "help") {
+    for name in commands(&help) {
         let page = String::from_utf8_lossy(&pages[&format!("signorini-{name}.1")]).into_owned();
         assert!(page.contains(&format!(".TH signorini-{name} 1  \"signorini ")), "{name}");
         count += 1;

@@ -22,6 +22,9 @@ pub(crate) const TABLE: &str =
 pub(crate) const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\
     delta_a = [1e-4, 1e-4]\ncount_share = 0.1\ncount_slack = 1000\ndelta_a_factor = 1e30\n";
 
+/// Variables of the environment that change how the program talks.
+pub(crate) const TALK: [&str; 5] = ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"];
+
 /// [`TABLE`] with other outputs.
 pub(crate) fn wanting(outputs: &str) -> String {
     TABLE.replace("[\"table\"]", outputs)
@@ -135,9 +138,7 @@ impl Project {
     pub(crate) fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
         command.args(args).current_dir(self.folder.path()).stdin(Stdio::null());
-        for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"] {
-            command.env_remove(name);
-        }
+        TALK.iter().for_each(|name| _ = command.env_remove(name));
         command
     }
 
@@ -156,13 +157,7 @@ impl Project {
 
     /// All files under a folder of the project with their contents, by path from there.
     pub(crate) fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
-        let mut files = BTreeMap::new();
-        let root = self.path(folder);
-        walk(&root, &mut |path| {
-            let name = path.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
-            files.insert(name, fs::read(path).unwrap());
-        });
-        files
+        files_below(&self.path(folder))
     }
 
     /// When each file under the project was last written.
@@ -191,6 +186,21 @@ impl Project {
         made.insert("lock.toml".into(), fs::read(self.path("pipeline/lock.toml")).unwrap());
         made
     }
+}
+
+/// The commands that the help of the program lists, but for `help` itself.
+pub(crate) fn commands(help: &str) -> Vec<&str> {
+    let listed = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    // A description that goes on in the next line is further in.
+    let entries = listed.lines().filter_map(|line| line.strip_prefix("  "));
+    let names = entries.filter_map(|entry| entry.split(' ').next());
+    names.filter(|name| !name.is_empty() && *name != "help").collect()
+}
+
+/// The project that these tests belong to, as a run reads it.
+pub(crate) fn this_project() -> signorini::replication::project::Project {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf();
+    signorini::replication::project::Project::read(root).unwrap()
 }
 
 /// Says that something cannot be tested here, past libtest's capture; in CI that is a failure.
@@ -252,6 +262,16 @@ pub(crate) fn promised(fault: &str) -> usize {
     count.unwrap_or_else(|| panic!("the book promises no number of `{fault}`"))
 }
 
+/// All files below a folder with their contents, by path from there.
+pub(crate) fn files_below(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    walk(folder, &mut |path| {
+        let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
+        files.insert(name, fs::read(path).unwrap());
+    });
+    files
+}
+
 fn walk(folder: &Path, visit: &mut dyn FnMut(&Path)) {
     for entry in fs::read_dir(folder).into_iter().flatten() {
         let path = entry.unwrap().path();
@@ -282,6 +302,11 @@ impl Dice {
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
         (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) % bound
+    }
+
+    /// A number from 0 to 1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.below(1 << 32) as f64 / 2f64.powi(32)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::Dice;
 use crate::cube_loads::{exact_load, nodal_load, stress_loads};
-use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
+use crate::solvers::{absurd_starts, assert_threads_do_not_matter, distance};
 use proptest::prelude::*;
 use signorini::discrete::cube::{Grid, errors, judge};
 use signorini::discrete::norms::Errors;
@@ -37,10 +37,6 @@ fn rounding_level(n: usize, y: &[f64]) -> f64 {
 
 fn largest(y: &[f64]) -> f64 {
     y.iter().fold(0.0, |largest, value| value.abs().max(largest))
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
@@ -261,10 +257,9 @@ fn random_load(n: usize, amplitudes: &[f64], roughness: f64, deficit_exponent: f
 #[test]
 fn no_two_contact_sets_take_turns() {
     let mut dice = Dice(7);
-    let mut unit = || dice.below(1 << 32) as f64 / 2f64.powi(32);
     for number in 0..20_000 {
-        let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * unit() - 1.0).collect();
-        let load = random_load(4, &amplitudes, unit(), -8.0 + 7.7 * unit());
+        let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * dice.unit() - 1.0).collect();
+        let load = random_load(4, &amplitudes, dice.unit(), -8.0 + 7.7 * dice.unit());
         let (_, outcome) = run(4, &load, Goal::RoundingFloor);
         assert_eq!(outcome.stop, StopReason::RoundingFloor, "{number}: {outcome:?}");
     }

@@ -1,7 +1,7 @@
 //! The book of this project as a reader opens it: the live iteration in a browser gives the tables'
 //! counts, and what the book says about the program is what the program says.
 
-use crate::common::{copy, skip};
+use crate::common::{commands, copy, skip};
 use serde_json::Value;
 use signorini::discrete::grid::nested;
 use signorini::discrete::load::load;
@@ -153,16 +153,10 @@ fn the_controls_do_what_they_say() {
 fn the_reference_is_what_the_program_says() {
     let page = fs::read_to_string(book().join("../src/commands.md")).unwrap();
     let help = String::from_utf8(signorini(&["--help"]).stdout).unwrap();
-    let listed = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
-    // Descriptions go on in lines that are indented further.
-    let entries = listed.lines().filter_map(|line| line.strip_prefix("  "));
-    let names: Vec<_> = entries
-        .filter(|entry| !entry.starts_with(' '))
-        .filter_map(|entry| entry.split_whitespace().next())
-        .collect();
+    let names = commands(&help);
     assert!(names.len() > 8, "{names:?}");
     assert!(page.contains(&without_padding(&help)), "--help");
-    for name in names.into_iter().filter(|name| *name != "help") {
+    for name in names {
         let help = String::from_utf8(signorini(&[name, "--help"]).stdout).unwrap();
         let shown = format!("## `signorini {name}`\n\n```text\n{}```\n", without_padding(&help));
         assert!(page.contains(&shown), "{name}: {page}");

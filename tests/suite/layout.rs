@@ -1,5 +1,6 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 
+use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,16 +25,8 @@ const ROOMS: [&str; 14] = [
 
 /// Every source file below `folder`.
 fn sources(folder: &Path) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            files.extend(sources(&path));
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            files.push(path);
-        }
-    }
-    files
+    let names = files_below(folder).into_keys().filter(|name| name.ends_with(".rs"));
+    names.map(|name| folder.join(name)).collect()
 }
 
 fn source_folder() -> PathBuf {

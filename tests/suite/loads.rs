@@ -1,5 +1,7 @@
 //! Exact integrals of piecewise constant f: closed forms, adaptive quadrature, threads, and what must be refused.
 
+use crate::common::Dice;
+use crate::solvers::on_threads;
 use signorini::discrete::cells::Cells;
 use signorini::discrete::cube;
 use signorini::discrete::grid::Grid;
@@ -13,15 +15,13 @@ use std::f64::consts::PI;
 
 type Pieces = [(Region, f64)];
 
-/// Marsaglia's generator, on (-1/2, 1/2).
-struct Random(u64);
+/// Shapes at random.
+struct Random(Dice);
 
 impl Random {
+    /// A number from -1/2 to 1/2.
     fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        self.0.unit() - 0.5
     }
 
     fn interval(&mut self) -> [f64; 2] {
@@ -184,7 +184,7 @@ fn seen(pieces: &Pieces, grid: Grid, i: usize, j: usize) -> Vec<(Region, f64)> {
 
 #[test]
 fn moments_agree_with_adaptive_quadrature() {
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random(Dice(0x9E37_79B9_7F4A_7C15));
     for trial in 0..80 {
         let pieces: Vec<_> =
             (0..1 + trial % 6).map(|_| (random.region(), 4.0 * random.next())).collect();
@@ -222,7 +222,7 @@ fn moments_agree_with_adaptive_quadrature() {
 
 #[test]
 fn loads_agree_with_adaptive_quadrature_on_each_triangle() {
-    let mut random = Random(0xD1B5_4A32_D192_ED03);
+    let mut random = Random(Dice(0xD1B5_4A32_D192_ED03));
     for trial in 0..30 {
         let pieces: Vec<_> =
             (0..1 + trial % 4).map(|_| (random.region(), 4.0 * random.next())).collect();
@@ -295,19 +295,16 @@ fn integrals_are_those_of_closed_forms() {
 fn a_load_is_the_same_on_any_number_of_threads() {
     let f: Source = "disc(0.03,0.01,0.31)=3; halfplane(1,2,0.1)=2; else=-1".parse().unwrap();
     let cubic: CubeSource = "ball(0.03,0.01,0,0.31)=3; else=-1".parse().unwrap();
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let exact = LoadRule::Exact { diagonal: Diagonal::Rising };
-            let rules = [exact, LoadRule::LumpedAverage, LoadRule::default()];
-            let grid = Grid::new(300).unwrap();
-            let mut all: Vec<_> = rules.into_iter().flat_map(|rule| load(grid, &f, rule)).collect();
-            all.extend(cube::exact_load(cube::Grid::new(12).unwrap(), &cubic));
-            all.push(cube::integral(&cubic));
-            all.into_iter().map(f64::to_bits).collect::<Vec<_>>()
-        })
+    let loads = || {
+        let exact = LoadRule::Exact { diagonal: Diagonal::Rising };
+        let rules = [exact, LoadRule::LumpedAverage, LoadRule::default()];
+        let grid = Grid::new(300).unwrap();
+        let mut all: Vec<_> = rules.into_iter().flat_map(|rule| load(grid, &f, rule)).collect();
+        all.extend(cube::exact_load(cube::Grid::new(12).unwrap(), &cubic));
+        all.push(cube::integral(&cubic));
+        all.into_iter().map(f64::to_bits).collect::<Vec<_>>()
     };
-    assert!(on(1) == on(3));
+    assert!(on_threads(1, loads) == on_threads(3, loads));
 }
 
 #[test]
@@ -344,7 +341,7 @@ fn integrals_on_the_cube_are_those_of_closed_forms() {
 
 #[test]
 fn loads_on_the_cube_have_the_same_moments_on_every_grid() {
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random(Dice(0x9E37_79B9_7F4A_7C15));
     for trial in 0..24 {
         let pieces: Vec<_> =
             (0..1 + trial % 4).map(|_| (random.body(), 4.0 * random.next())).collect();

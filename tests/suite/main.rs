@@ -26,6 +26,7 @@ mod loads;
 mod multigrid;
 mod readme;
 mod records;
+mod reference;
 mod replication;
 mod solvers;
 mod spectral;

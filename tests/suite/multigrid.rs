@@ -1,7 +1,7 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
 use crate::common::{Dice, random_source};
-use crate::solvers::{absurd_starts, assert_threads_do_not_matter};
+use crate::solvers::{absurd_starts, assert_threads_do_not_matter, distance};
 use proptest::prelude::*;
 use rayon::prelude::*;
 use signorini::discrete::grid::Grid;
@@ -44,10 +44,6 @@ fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, Outcome) {
 /// What rounding errors alone leave of the optimality conditions.
 fn rounding_level(y: &[f64]) -> f64 {
     32.0 * f64::EPSILON * y.iter().fold(0.0, |largest, value| value.abs().max(largest))
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Every command in the README and in the chapters that show some runs as written there, and the outputs
 //! shown are the true ones.
 
-use crate::common::copy;
+use crate::common::Project;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -38,11 +38,8 @@ fn run(line: &str, project: &Path) -> Output {
 
 #[test]
 fn commands_run_and_outputs_are_true() {
-    let folder = tempfile::tempdir().unwrap();
-    let project = folder.path();
-    for part in ["pipeline", "report", "figures"] {
-        copy(&Path::new(ROOT).join(part), &project.join(part));
-    }
+    let place = Project::whole();
+    let project = &place.path("");
     fs::create_dir(project.join("target")).unwrap();
     let mut ran = follow("README.md", project);
     assert!(ran >= 8, "only {ran} commands found in the README");

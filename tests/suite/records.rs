@@ -10,6 +10,22 @@ fn published() -> Project {
     Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"))
 }
 
+/// How many files the manifest of a certificate names, each of which is in the bundle with the hash it is said to have.
+fn files_of_manifest(project: &Project, yaml: &str) -> usize {
+    let mut files = 0;
+    let mut rest = yaml.lines().filter_map(|line| line.trim_start().split_once(": "));
+    while let Some((key, value)) = rest.next() {
+        if key == "- file" {
+            let (_, comment) = rest.next().unwrap();
+            let (_, hash) = comment.trim_matches('"').rsplit_once("blake3 ").unwrap();
+            let bytes = fs::read(project.path("codecheck").join(value.trim_matches('"'))).unwrap();
+            assert_eq!(signorini::pipeline::hash(&bytes), hash, "{value}");
+            files += 1;
+        }
+    }
+    files
+}
+
 #[test]
 fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     let project = published();
@@ -46,19 +62,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     ] {
         assert!(yaml.contains(line), "{line} is not in {yaml}");
     }
-    // Each file of the manifest is in the bundle, with the hash it is said to have.
-    let mut files = 0;
-    let mut rest = yaml.lines().filter_map(|line| line.trim_start().split_once(": "));
-    while let Some((key, value)) = rest.next() {
-        if key == "- file" {
-            let (_, comment) = rest.next().unwrap();
-            let (_, hash) = comment.trim_matches('"').rsplit_once("blake3 ").unwrap();
-            let bytes = fs::read(project.path("codecheck").join(value.trim_matches('"'))).unwrap();
-            assert_eq!(signorini::pipeline::hash(&bytes), hash, "{value}");
-            files += 1;
-        }
-    }
-    assert_eq!(files, 7, "a table, four figures, and the data of two: {yaml}");
+    assert_eq!(files_of_manifest(&project, &yaml), 7, "a table, four figures, and the data of two");
 
     let page = fs::read_to_string(project.path("codecheck/certificate.md")).unwrap();
     for part in [

@@ -1,21 +1,16 @@
 //! The replication itself: the committed scenes against the published tables, and the method against exact solutions.
 
+use crate::common::this_project as project;
 use signorini::discrete::grid::{Grid, nested};
 use signorini::discrete::load::load;
 use signorini::discrete::norms::max_error;
 use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
-use signorini::replication::project::Project;
 use signorini::replication::scene::Scene;
 use signorini::saddle::{
     Monitor, Pair, Params, Plain, StopReason, StopRule, arrow_hurwicz, on_nested, solve_nested,
     tolerance,
 };
-use std::path::Path;
-
-fn project() -> Project {
-    Project::read(Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()).unwrap()
-}
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let loads: Vec<_> = scene.grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();

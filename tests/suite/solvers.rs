@@ -12,14 +12,21 @@ pub(crate) fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
     ]
 }
 
+/// What comes out on so many threads.
+pub(crate) fn on_threads<T: Send>(threads: usize, compute: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.expect("a pool").install(compute)
+}
+
 /// Fails if the result depends on the number of threads, in any bit.
 pub(crate) fn assert_threads_do_not_matter(solve: impl Fn() -> Vec<f64> + Sync) {
-    let with_threads = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
-        pool.install(&solve)
-    };
-    let one = with_threads(1);
+    let one = on_threads(1, &solve);
     for threads in [2, 3] {
-        assert!(one == with_threads(threads), "{threads} threads");
+        assert!(one == on_threads(threads, &solve), "{threads} threads");
     }
+}
+
+/// The largest difference of two vectors.
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

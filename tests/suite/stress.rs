@@ -1,5 +1,6 @@
 //! Extreme parameters, data, tolerances, starts and precision: no solver may hang, claim what is wrong, or return nonsense.
 
+use crate::solvers::on_threads;
 use proptest::prelude::*;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
@@ -141,11 +142,8 @@ fn what_is_not_a_number_is_never_a_result() {
 fn threads_do_not_change_a_bit() {
     let plan = stress::Plan { cap: 500, random: 8, ..stress::Plan::new(tables(&[4, 8])) };
     let shaken = rounding::Plan { repetitions: 8, ..rounding::Plan::new(tables(&[4, 8])) };
-    let with_threads = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| (stress(&plan).unwrap(), rounding(&shaken).unwrap()))
-    };
-    assert!(with_threads(1) == with_threads(3));
+    let found = || (stress(&plan).unwrap(), rounding(&shaken).unwrap());
+    assert!(on_threads(1, found) == on_threads(3, found));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What a person sees: colours, bars and columns, as far as the terminal can show them.
 
-use crate::common::{EVERYTHING, Project, TABLE, skip, wanting};
+use crate::common::{EVERYTHING, Project, TABLE, TALK, skip, wanting};
 use expect_test::expect;
 use std::fs;
 use std::process::{Command, Stdio};
@@ -28,9 +28,7 @@ fn colour_is_for_those_who_see_it() {
 fn on_a_terminal(project: &Project, args: &str, env: &[(&str, &str)]) -> Option<String> {
     let mut script = Command::new("script");
     script.args(["-qec", &format!("'{}' {args}", env!("CARGO_BIN_EXE_signorini")), "/dev/null"]);
-    for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"] {
-        script.env_remove(name);
-    }
+    TALK.iter().for_each(|name| _ = script.env_remove(name));
     let script = script.envs(env.iter().copied()).current_dir(project.path("."));
     match script.stdin(Stdio::null()).output() {
         Ok(output) => Some(String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n")),
