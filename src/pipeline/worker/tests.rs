@@ -9,7 +9,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// `a/1`, and `b/1` that adds its needs' bytes to its own; each counts how often it ran.
 fn plan(value: u8, ran: &Arc<AtomicUsize>) -> Plan {
-    let task = |id: &str, needs: &[&str]| {
+    plan_of("program", [value; 2], ran)
+}
+
+/// The same with a value for each, for this program.
+fn plan_of(program: &str, [a, b]: [u8; 2], ran: &Arc<AtomicUsize>) -> Plan {
+    let task = |id: &str, value: u8, needs: &[&str]| {
         let ran = ran.clone();
         let parameters = BTreeMap::from([("value".into(), value.to_string())]);
         let needs = needs.iter().map(|need| (*need).to_owned()).collect();
@@ -19,7 +24,7 @@ fn plan(value: u8, ran: &Arc<AtomicUsize>) -> Plan {
             Ok(Artifacts::from([("out".into(), vec![value + needed.sum::<u8>()])]))
         })
     };
-    Plan::new("program", vec![task("a/1", &[]), task("b/1", &["a/1"])]).unwrap()
+    Plan::new(program, vec![task("a/1", a, &[]), task("b/1", b, &["a/1"])]).unwrap()
 }
 
 fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
@@ -29,11 +34,14 @@ fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
 
 #[test]
 fn a_stamp_names_all_that_a_task_is_made_from() {
-    let ran = Arc::new(AtomicUsize::new(0));
-    let [one, same, other] = [plan(1, &ran), plan(1, &ran), plan(2, &ran)].map(|p| p.stamps());
-    assert_eq!(one, same);
-    let all: BTreeSet<&String> = one.iter().chain(&other).collect();
-    assert_eq!(all.len(), 4);
+    let stamps =
+        |program: &str, values| plan_of(program, values, &Arc::new(AtomicUsize::new(0))).stamps();
+    let one = stamps("program", [1, 1]);
+    let changed = |other: Vec<String>| [0, 1].map(|k| one[k] != other[k]);
+    assert_eq!(changed(stamps("program", [1, 1])), [false, false]);
+    assert_eq!(changed(stamps("program", [1, 2])), [false, true]);
+    assert_eq!(changed(stamps("program", [2, 1])), [true, true], "what is needed counts too");
+    assert_eq!(changed(stamps("another", [1, 1])), [true, true]);
 }
 
 #[test]
