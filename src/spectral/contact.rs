@@ -113,15 +113,18 @@ pub(super) fn corrected(trace: &Trace) -> Option<Vec<Place>> {
 }
 
 /// Leaves out arcs and gaps that are too short, and gaps round corners that are shorter than `round_corner`;
-/// `None` if no arc is left.
+/// `None` if no arc is left. Corners are counted on from the first end to the last, as [`Ends`](super::panels::Ends) does.
 pub(super) fn without_short(mut places: Vec<Place>, round_corner: f64) -> Option<Vec<Place>> {
+    /// Corners in a turn.
+    const TURN: i32 = 4;
     loop {
         let many = places.len();
         let short = (0..many).find(|&j| {
-            let next = places[(j + 1) % many];
-            // Ends may have changed their order.
-            let length = (next.after(places[j]) + SHORTEST).rem_euclid(4.0) - SHORTEST;
-            let corner_gap = j % 2 == 1 && places[j].t < 0.0 && next.t > 0.0;
+            let (place, next) = (places[j], places[(j + 1) % many]);
+            let turn = if j + 1 == many { f64::from(TURN) } else { 0.0 };
+            // Negative where ends have changed their order.
+            let length = next.after(place) + turn;
+            let corner_gap = j % 2 == 1 && place.t < 0.0 && next.t > 0.0;
             length < if corner_gap { round_corner } else { SHORTEST }
         });
         match short {
@@ -129,14 +132,41 @@ pub(super) fn without_short(mut places: Vec<Place>, round_corner: f64) -> Option
             // Without a gap there is contact everywhere; without an arc nothing is left.
             Some(j) if many == 2 => return (j == 1).then(Vec::new),
             Some(j) if j + 1 == many => {
+                // The last arc goes on to the end of the first.
                 places.pop();
-                // The list begins at the next arc instead.
-                places.rotate_left(2);
-                places.pop();
+                places.remove(0);
+                places.rotate_left(1);
+                places[many - 3].corner += TURN;
             }
             Some(j) => {
                 places.drain(j..j + 2);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_gap_joins_the_arcs_beside_it() {
+        // Ends of contact as distances from one corner; the last gap ends a turn after the first.
+        let joined = |ends: &[f64]| {
+            let places = ends.iter().map(|&t| Place::new(0, t)).collect();
+            without_short(places, SHORTEST).map(|left| {
+                let ends = left.iter().map(|place| place.distance_from(0));
+                ends.collect::<Vec<f64>>()
+            })
+        };
+        assert_eq!(joined(&[0.25, 1.25, 2.25, 3.25]), Some(vec![0.25, 1.25, 2.25, 3.25]));
+        assert_eq!(joined(&[0.25, 1.25, 1.25, 3.25]), Some(vec![0.25, 3.25]));
+        assert_eq!(joined(&[0.25, 1.25, 2.25, 4.25]), Some(vec![2.25, 5.25]));
+        assert_eq!(joined(&[0.25, 1.25, 2.25, 2.25]), Some(vec![0.25, 1.25]));
+        // The whole border but a gap of half the least length, one of no length, and one of less.
+        for gap in [0.5 * SHORTEST, 0.0, -0.5 * SHORTEST] {
+            assert_eq!(joined(&[0.25, 4.25 - gap]), Some(Vec::new()), "{gap}");
+            assert_eq!(joined(&[0.25, 0.25 + gap]), None, "{gap}");
         }
     }
 }

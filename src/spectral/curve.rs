@@ -87,7 +87,7 @@ impl Curve {
         // The difference of the curvatures where curves touch, zero for lines and circles with one centre.
         let bend = (other.origin - self.origin).scaled(k * l)
             + (tangent.scaled(k) - self.tangent.scaled(l)).turned();
-        let (bend, parallel) = (bend.norm(), k == l && square < SAME * SAME);
+        let (bend, parallel) = (bend.norm(), k == 0.0 && l == 0.0 && square < SAME * SAME);
         if square < -SAME * bend || bend < SAME * (k * l).abs() || parallel {
             return Vec::new();
         }
@@ -199,6 +199,14 @@ mod tests {
                 assert!(curves[l].distance(z).abs() < 1e-15, "{k} {l}: {z:?}");
                 assert!(again.iter().any(|&w| (w - z).norm() < 2e-15), "{k} {l}: {z:?}");
             }
+        }
+        // Discs of one size that touch, seen from their origins in any directions.
+        for (x, y) in [(0.3, 0.4), (0.4, -0.3), (-0.5, 0.0), (0.0, 0.5)] {
+            let [circle, other] =
+                [[0.0, -0.375], [x, y - 0.375]].map(|[x, y]| borders(&disc(x, y, 0.25))[0]);
+            let [touch] = circle.meets(other)[..] else { panic!("one point") };
+            let middle = Complex::new(0.5 * x, 0.5 * y - 0.375);
+            assert!((circle.at(touch) - middle).norm() < 1e-15, "{x} {y}");
         }
         let circle = borders(&disc(0.25, 0.125, 0.25))[0];
         let [touch] = circle.meets(SIDES[1])[..] else { panic!("one point") };

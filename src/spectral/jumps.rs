@@ -58,6 +58,13 @@ impl Jumps {
         self.f.at([z.re, z.im])
     }
 
+    /// How far beside the middle of a piece of a curve, given by its ends and its middle, f is still that beside the
+    /// piece, up to `most`: curves that touch leave each other slowly.
+    pub(super) fn room(&self, along: [Complex; 3], most: f64) -> f64 {
+        let others = self.curves.iter().filter(|other| !other.holds(along));
+        others.map(|other| 0.5 * other.distance(along[1]).abs()).fold(most, f64::min)
+    }
+
     /// Where edges meet a side, as distances from its beginning.
     pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
         let places = self.crossings.iter().map(|place| place.on_side());
@@ -132,8 +139,9 @@ impl Jumps {
         let (mut pieces, rounding): (Vec<Piece>, _) = (Vec::new(), curve.rounding());
         for cut in cuts.windows(2) {
             let s = 0.5 * (cut[0] + cut[1]);
-            let (z, step) = (curve.at(s), curve.direction(s).turned().scaled(rounding));
             let along = [cut[0], s, cut[1]].map(|s| curve.at(s));
+            let (z, normal) = (along[1], curve.direction(s).turned());
+            let step = normal.scaled(self.room(along, rounding));
             let inside = along.into_iter().any(|z| depth(z) > rounding);
             // Where two curves touch, the jump is that of the first.
             let mut before = self.curves.iter().take_while(|&&other| other != curve);

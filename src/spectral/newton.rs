@@ -27,14 +27,15 @@ impl Problem {
         }
         for step in 1..=STEPS {
             let ends = Ends::new(places);
-            let change = self.step(&ends, rules)?;
-            let longest = longest(&ends.places, &change);
+            let changes = changes(&ends.places, &self.step(&ends, rules)?);
+            let longest = longest(&ends.places, &changes);
             if !longest.is_finite() {
                 return None;
             }
             // Without what vanishes the next step is another one.
-            let moved = moved(&ends.places, &change, (1.0 / longest).min(1.0));
-            places = without_short(moved, SHORTEST)?;
+            let factor = (1.0 / longest).min(1.0);
+            let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).of(p));
+            places = without_short(moved.collect(), SHORTEST)?;
             if longest < shortest || places.is_empty() {
                 return Some((places, step));
             }
@@ -167,45 +168,80 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     )
 }
 
+/// How an end of contact is to move.
+#[derive(Clone, Copy)]
+enum Change {
+    /// By a length along the border.
+    Length(f64),
+    /// Of the logarithm of its distance from the corner.
+    Logarithm(f64),
+}
+
+impl Change {
+    /// The part of a change that is within a step.
+    fn scaled(self, factor: f64) -> Self {
+        match self {
+            Self::Length(d) => Self::Length(factor * d),
+            Self::Logarithm(d) => Self::Logarithm(factor * d),
+        }
+    }
+
+    fn of(self, Place { corner, t }: Place) -> Place {
+        match self {
+            Self::Length(d) => Place::new(corner, t + d),
+            Self::Logarithm(d) => Place::new(corner, t * libm::exp(d)),
+        }
+    }
+}
+
+/// The number of the other end of the gap beside an end.
+fn across_gap(places: &[Place], j: usize) -> usize {
+    let many = places.len();
+    if j.is_multiple_of(2) { (j + many - 1) % many } else { (j + 1) % many }
+}
+
 /// Whether an end is that of a short gap round a corner, which may be exponentially small. A long gap may
 /// begin on either side of a corner.
 fn relative(places: &[Place], j: usize) -> bool {
-    let many = places.len();
     let begins = j.is_multiple_of(2);
-    let (place, other) = (places[j], places[if begins { j + many - 1 } else { j + 1 } % many]);
+    let (place, other) = (places[j], places[across_gap(places, j)]);
     (place.corner - other.corner) % 4 == 0
         && place.t.abs().max(other.t.abs()) < 0.05
         && (place.t > 0.0) == begins
         && (other.t > 0.0) != begins
 }
 
-/// The longest change, in units of what a single step may do.
-fn longest(places: &[Place], change: &[f64]) -> f64 {
-    let many = places.len();
-    let mut longest = 0.0_f64;
-    for (j, &d) in change.iter().enumerate() {
-        let unit = if relative(places, j) {
-            1.0
-        } else {
-            let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
-            let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
-            0.4 * next.min(last)
-        };
-        longest = if d.is_nan() { f64::NAN } else { longest.max(d.abs() / unit) };
-    }
-    longest
+/// What the unknowns of the linear system stand for.
+fn changes(places: &[Place], unknowns: &[f64]) -> Vec<Change> {
+    let vanishes = |j: usize| places[j].t.abs() * libm::exp(unknowns[j]) < SHORTEST;
+    let change = |(j, &d): (usize, &f64)| {
+        if !relative(places, j) {
+            return Change::Length(d);
+        }
+        // If the gap does not vanish, but this side of the corner is to have no part of it, its end is on the other
+        // side, which no logarithm reaches.
+        if vanishes(j) && !vanishes(across_gap(places, j)) {
+            return Change::Length(-2.0 * places[j].t);
+        }
+        Change::Logarithm(d)
+    };
+    unknowns.iter().enumerate().map(change).collect()
 }
 
-fn moved(places: &[Place], change: &[f64], factor: f64) -> Vec<Place> {
-    let moved = |(j, (place, d)): (usize, (&Place, &f64))| {
-        let t = if relative(places, j) {
-            place.t * libm::exp(factor * d)
-        } else {
-            place.t + factor * d
+/// The longest change, in units of what a single step may do.
+fn longest(places: &[Place], changes: &[Change]) -> f64 {
+    let many = places.len();
+    let mut longest = 0.0_f64;
+    for (j, &change) in changes.iter().enumerate() {
+        let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
+        let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
+        let steps = match change {
+            Change::Length(d) => d.abs() / (0.4 * next.min(last)),
+            Change::Logarithm(d) => d.abs(),
         };
-        Place::new(place.corner, t)
-    };
-    places.iter().zip(change).enumerate().map(moved).collect()
+        longest = if steps.is_nan() { f64::NAN } else { longest.max(steps) };
+    }
+    longest
 }
 
 /// The solution of a small linear system, the right-hand side being its last column, by Gauss and Jordan's

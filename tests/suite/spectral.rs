@@ -115,6 +115,24 @@ fn a_disc_may_touch_a_side_where_a_rectangle_ends() {
 }
 
 #[test]
+fn discs_of_one_size_may_touch() {
+    // In the middle of what the square and the line y = -1/4 leave of the first.
+    let f = "disc(0.5,-0.375,0.25)=-1; disc(0,-0.375,0.25)=-6; rect(0,0.1,-0.5,-0.25)=6; else=-1";
+    assert!(compare(&f.parse().unwrap()).abs() < 0.15);
+}
+
+#[test]
+fn a_gap_beside_a_corner_is_found_from_one_round_it() {
+    // The load is positive near the corner, but not on the side along which contact goes round it.
+    let f = "rect(-0.4998,0,0.25,0.5)=0.5; disc(0.5,0,0.2)=1; else=-3";
+    let [arc] = solved(f, Params::default()).contact[..] else { panic!("one arc") };
+    let [[x0, y0], [x1, y1]] = [arc.from, arc.to];
+    close(y0, 0.5, 0.0);
+    close(y1, 0.5, 0.0);
+    assert!(-0.5 < x0 && x0 < x1 && x1 < -0.49, "{x0} {x1}");
+}
+
+#[test]
 fn large_discs_come_close_to_half_planes() {
     let energy = |quadrant: &str, region: &str| {
         let f = format!("quadrant({quadrant})=-3.4; {region}=-2.9; else=1.26");
