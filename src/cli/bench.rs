@@ -93,7 +93,9 @@ fn text(timings: &Timings) -> String {
     if !timings.multigrid.is_empty() {
         text += &format!("\nmultigrid, {}\n{}", TIMED.name(), multigrid(timings));
     }
-    text += &format!("\n{}", solvers(timings));
+    if !timings.solver.is_empty() {
+        text += &format!("\n{}", solvers(timings));
+    }
     if !timings.spectral.is_empty() {
         text += "\nspectral: error of the energy against a finer resolution, relative\n";
         text += &spectral(timings);
@@ -158,4 +160,24 @@ fn spectral(timings: &Timings) -> String {
     });
     let head = ["problem", "nodes", "levels", "error", "seconds", "noise"];
     columns(&head, &[0], rows.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_without_lines_is_left_out() {
+        let mut timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
+        let heads = |timings: &Timings| {
+            let text = text(timings);
+            ["ns/WU", "rel. KKT", "levels"].map(|head| text.contains(head))
+        };
+        assert_eq!(heads(&timings), [true; 3]);
+        timings.multigrid.clear();
+        timings.solver.clear();
+        assert_eq!(heads(&timings), [false, false, true]);
+        timings.spectral.clear();
+        assert_eq!(heads(&timings), [false; 3]);
+    }
 }

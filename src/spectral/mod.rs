@@ -93,7 +93,7 @@ use trace::Trace;
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Params {
-    /// Gauss nodes of a panel.
+    /// Gauss nodes of a panel, one at least.
     pub nodes: usize,
     /// Panels that get shorter by factors of eight towards corners and jumps of f.
     pub levels: u32,
@@ -131,7 +131,7 @@ pub enum SpectralError {
 }
 
 /// What must hold of a solution and was not used to find it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Checks {
     /// Least multiplier in contact over the largest; gaps of less than 1e-4 round corners are left out.
     pub least_multiplier: f64,

@@ -5,6 +5,7 @@ use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
 use super::place::{Place, tangent};
+use super::potential::Potential;
 use super::rule::cut;
 
 /// Panels shorter than this are not cut further.
@@ -194,6 +195,58 @@ fn breaks(ends: &Ends, crossings: &[Place]) -> Vec<(Place, Special)> {
     breaks
 }
 
+/// The border from one particular point to the next.
+struct Stretch {
+    from: Place,
+    to: Place,
+    length: f64,
+    /// The numbers of the points at its ends.
+    ends: [usize; 2],
+}
+
+impl Stretch {
+    /// The place at a distance from its start, seen from the corner of the nearer end.
+    fn place(&self, s: f64) -> Place {
+        match s <= 0.5 * self.length {
+            true => Place::new(self.from.corner, self.from.t + s),
+            false => Place::new(self.to.corner, self.to.t - (self.length - s)),
+        }
+    }
+
+    /// Where to cut a part of it, if that cannot be a panel.
+    ///
+    /// No panel has something at both ends, or is longer than twice its distance to a vertex, or to a point where
+    /// something is and that is not an end of it; if it has something at an end, nodes are sparse at the other,
+    /// and it must not be longer than its distance to a vertex.
+    fn cut(&self, [a, b]: [f64; 2], points: &[Complex], psi: &Potential) -> Option<f64> {
+        let (length, middle) = (b - a, 0.5 * (a + b));
+        let segment = [a, b].map(|s| self.place(s).point());
+        let own = [(a == 0.0).then_some(self.ends[0]), (b == self.length).then_some(self.ends[1])];
+        let both = own == self.ends.map(Some);
+        if length <= SHORTEST {
+            return None;
+        }
+        let is_near = |&(k, &z): &(usize, &Complex)| {
+            !own.contains(&Some(k)) && length > 2.0 * distance(segment, z)
+        };
+        if let Some((_, &z)) = points.iter().enumerate().find(is_near).filter(|_| !both) {
+            let [before, after] = segment.map(|end| (end - z).norm());
+            let piece = (2.0 * before.min(after)).max(SHORTEST);
+            let beside = if before < after { a + piece } else { b - piece };
+            return Some(if piece < 0.5 * length { beside } else { middle });
+        }
+        let longest = if own == [None; 2] { 2.0 } else { 1.0 };
+        let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
+        // A vertex at such an end, where two jumps meet on the border, is left to the grading of nodes.
+        let at_end =
+            |v: Complex| (0..2).any(|k| own[k].is_some() && (segment[k] - v).norm() < 10.0 * SAME);
+        let near = |v| {
+            length > longest * distance(segment, v) && (length > SHORTEST_AT_VERTEX || !at_end(v))
+        };
+        (both || psi.singular(along).any(near)).then_some(middle)
+    }
+}
+
 /// The panels, in order from the first end of contact on.
 pub(super) fn panels(ends: &Ends, Jumps { crossings, psi, .. }: &Jumps) -> Vec<Panel> {
     let breaks = breaks(ends, crossings);
@@ -207,48 +260,13 @@ pub(super) fn panels(ends: &Ends, Jumps { crossings, psi, .. }: &Jumps) -> Vec<P
         let next = (k + 1) % breaks.len();
         let (mut to, other) = breaks[next];
         to.corner += if next == 0 { 4 } else { 0 };
-        let all = to.after(from);
-        let place = |s: f64| match s <= 0.5 * all {
-            true => Place::new(from.corner, from.t + s),
-            false => Place::new(to.corner, to.t - (all - s)),
-        };
-        // No panel has something at both ends, or is longer than twice its distance to a vertex, or to a point where
-        // something is and that is not an end of it; if it has something at an end, nodes are sparse at the other,
-        // and it must not be longer than its distance to a vertex.
-        let at = |[a, b]: [f64; 2]| {
-            let (length, middle, segment) =
-                (b - a, 0.5 * (a + b), [a, b].map(|s| place(s).point()));
-            let own = [(a == 0.0).then_some(k), (b == all).then_some(next)];
-            let both = own == [Some(k), Some(next)];
-            let is_near = |&(k, &z): &(usize, &Complex)| {
-                !own.contains(&Some(k)) && length > 2.0 * distance(segment, z)
-            };
-            if length <= SHORTEST {
-                return None;
-            }
-            if let Some((_, &z)) = points.iter().enumerate().find(is_near).filter(|_| !both) {
-                let [before, after] = segment.map(|end| (end - z).norm());
-                let piece = (2.0 * before.min(after)).max(SHORTEST);
-                let beside = if before < after { a + piece } else { b - piece };
-                return Some(if piece < 0.5 * length { beside } else { middle });
-            }
-            let longest = if own == [None; 2] { 2.0 } else { 1.0 };
-            let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
-            // A vertex at such an end, where two jumps meet on the border, is left to the grading of nodes.
-            let at_end = |v: Complex| {
-                (0..2).any(|k| own[k].is_some() && (segment[k] - v).norm() < 10.0 * SAME)
-            };
-            let near = |v| {
-                length > longest * distance(segment, v)
-                    && (length > SHORTEST_AT_VERTEX || !at_end(v))
-            };
-            (both || psi.singular(along).any(near)).then_some(middle)
-        };
-        for [a, b] in cut([0.0, all], at) {
-            let corner = place(0.5 * (a + b)).corner;
-            let [from, to] = [a, b].map(|s| place(s).distance_from(corner));
+        let length = to.after(from);
+        let stretch = Stretch { from, to, length, ends: [k, next] };
+        for [a, b] in cut([0.0, length], |part| stretch.cut(part, &points, psi)) {
+            let corner = stretch.place(0.5 * (a + b)).corner;
+            let [from, to] = [a, b].map(|s| stretch.place(s).distance_from(corner));
             let tangent = tangent(corner, from + to);
-            let reversed = b == all;
+            let reversed = b == length;
             let special = if a == 0.0 { Some(special) } else { reversed.then_some(other) };
             panels.push(Panel { corner, from, to, special, reversed, arcs, contact, tangent });
         }

@@ -31,8 +31,8 @@ impl Problem {
         let crossings = || self.jumps.crossings_on(side);
         let low = crossings().filter(|&t| t <= middle).fold(0.0, f64::max);
         let high = crossings().filter(|&t| t > middle).fold(1.0, f64::min);
-        let along = [low, low + FRAC_1_PI * (high - low), high]
-            .map(|t| Place { corner: side, t }.point());
+        let along =
+            [low, low + FRAC_1_PI * (high - low), high].map(|t| Place { corner: side, t }.point());
         let step = self.jumps.room(along, SAME);
         self.jumps.value(along[1] + tangent(side, 1.0).turned().scaled(step))
     }

@@ -282,6 +282,7 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--solver", "active-set", "--stop", "signed"], "not active-set"),
         (&["--f", "else=-1", "--solver", "spectral", "--max-iterations", "5"], "not spectral"),
         (&["--f", "else=-1", "--solver", "spectral", "--out", "v.npy"], "not spectral"),
+        (&["--f", "else=-1", "--solver", "spectral", "--h", "1/65536"], "not spectral"),
         (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
         (&["--f", "else=-1", "--accuracy-energy", "nan"], "must be between 0 and 1"),
         (&["--f", "else=-1", "--accuracy-energy", "1e-15"], "too fine for memory; 1/8192 reaches"),

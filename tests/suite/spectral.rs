@@ -122,6 +122,18 @@ fn discs_of_one_size_may_touch() {
 }
 
 #[test]
+fn f_is_read_between_curves_that_touch_beside_a_crossing() {
+    for f in [
+        "rect(-0.3,-0.25,-0.249999,0)=0; disc(0,-0.25,0.25)=4; else=-6",
+        "disc(1.7e-6,0.25,0.5)=-6; rect(0,0.3,-0.25,0)=-2; else=1",
+        "quadrant(ur)=-8; disc(0.5,-0.499999,0.5)=-8; else=-2",
+        "disc(0,0.5,0.5)=2; rect(-0.5,0,0.4999982,0.5)=-5; else=-4.8",
+    ] {
+        assert!(compare(&f.parse().unwrap()).abs() < 0.15, "{f}");
+    }
+}
+
+#[test]
 fn a_gap_beside_a_corner_is_found_from_one_round_it() {
     // The load is positive near the corner, but not on the side along which contact goes round it.
     let f = "rect(-0.4998,0,0.25,0.5)=0.5; disc(0.5,0,0.2)=1; else=-3";

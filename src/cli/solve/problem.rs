@@ -52,12 +52,12 @@ impl Problem {
             _ => Solver::Multigrid,
         };
         let solver = args.solver.unwrap_or(default);
+        check_options(args, solver)?;
         let given = args.h.as_deref().map(cells).transpose()?;
         let of_scene = scene.map(|s| s.finest().cells());
         let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
             .unwrap_or(DEFAULT_CELLS);
         domain.check_solver(solver, finest)?;
-        check_options(args, solver)?;
         let params = params(args, scene, &mut overridden)?;
         Ok(Self {
             scene: scene.map(|scene| scene.name.clone()),

@@ -20,7 +20,6 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
-        let checks = finer.checks;
         return say_json(&serde_json::json!({
             "schema": 1,
             "scene": problem.name(),
@@ -39,13 +38,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
                 "upper_right": upper_right,
                 "upper_left": upper_left,
             },
-            "checks": {
-                "least_multiplier": checks.least_multiplier,
-                "least_value": checks.least_value,
-                "green": checks.green,
-                "rellich": checks.rellich,
-                "resolution": checks.resolution,
-            },
+            "checks": finer.checks,
             "seconds": { "solve": seconds },
         }));
     }
