@@ -15,7 +15,7 @@ pub struct Selection {
     pub variant: Variant,
     /// The same in words.
     pub description: String,
-    /// Best candidate per table, in the order of the targets; `None` if the search was cut short.
+    /// Best candidate per table, in the order of the targets; `None` if the search was stopped before it had one.
     pub best: Vec<Option<Found>>,
     /// Candidates tried.
     pub tried: u64,
@@ -32,7 +32,7 @@ impl Selection {
 /// Repeats each request under each variant; the best variant comes first.
 ///
 /// `tables` pairs every target with a request, whose own variant is not used. `observe` is called
-/// after each variant. Setting `stop` leaves out the variants not yet tried.
+/// after each variant. Setting `stop` cuts the search under way short and leaves out the variants not yet tried.
 ///
 /// # Errors
 /// [`IdentifyError`] if a request makes no sense.

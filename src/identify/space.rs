@@ -2,6 +2,7 @@
 
 use super::IdentifyError;
 use crate::discrete::load::integral;
+use crate::problem::shape::Shape;
 use crate::problem::source::{Region, Source};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -82,7 +83,8 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// The pieces of an f made of quadrants and a background, and its values on them; `None` for any other f.
+    /// The pieces of an f made of quadrants, with a background if they leave any, and its values on them; `None` for
+    /// any other f.
     pub fn of_quadrants(f: &Source) -> Option<(Self, Vec<f64>)> {
         let Source::Pieces { background, pieces } = f else { return None };
         let quadrant = |(region, _): &(Region, f64)| matches!(region, Region::Quadrant { .. });
@@ -90,8 +92,9 @@ impl Geometry {
             return None;
         }
         let (regions, mut values): (Vec<_>, Vec<_>) = pieces.iter().copied().unzip();
-        values.push(*background);
-        Some((Self { regions, rest: true }, values))
+        let rest = !Region::cover(&regions);
+        values.extend(rest.then_some(*background));
+        Some((Self { regions, rest }, values))
     }
 
     /// Number of pieces, hence of values.
@@ -264,6 +267,33 @@ mod tests {
         }
         assert_eq!(Space::Rectangles.geometries().len(), 99);
         assert!("discs".parse::<Space>().unwrap_err().to_string().contains("odd-quadrant"));
+    }
+
+    #[test]
+    fn the_pieces_of_quadrants_are_those_with_an_area() {
+        for (text, known) in [
+            ("quadrant(ll)=3; else=-1", Some(vec![3.0, -1.0])),
+            (
+                "quadrant(ll)=1; quadrant(lr)=2; quadrant(ul)=3; else=-1",
+                Some(vec![1.0, 2.0, 3.0, -1.0]),
+            ),
+            (
+                "quadrant(ll)=1; quadrant(lr)=2; quadrant(ul)=3; quadrant(ur)=-7",
+                Some(vec![1.0, 2.0, 3.0, -7.0]),
+            ),
+            ("quadrant(ll)=1; disc(0,0,0.1)=2; else=-1", None),
+            ("else=-1", None),
+        ] {
+            let found = Geometry::of_quadrants(&text.parse().unwrap());
+            assert_eq!(found.as_ref().map(|(_, values)| values.clone()), known, "{text}");
+            for (geometry, values) in found {
+                let areas = geometry.areas();
+                assert!(
+                    areas.len() == values.len() && areas.iter().all(|&area| area > 0.2),
+                    "{text}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -231,17 +231,15 @@ fn changes(places: &[Place], unknowns: &[f64]) -> Vec<Change> {
 /// The longest change, in units of what a single step may do.
 fn longest(places: &[Place], changes: &[Change]) -> f64 {
     let many = places.len();
-    let mut longest = 0.0_f64;
-    for (j, &change) in changes.iter().enumerate() {
-        let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
-        let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
-        let steps = match change {
-            Change::Length(d) => d.abs() / (0.4 * next.min(last)),
-            Change::Logarithm(d) => d.abs(),
-        };
-        longest = if steps.is_nan() { f64::NAN } else { longest.max(steps) };
-    }
-    longest
+    let steps = |(j, &change): (usize, &Change)| match change {
+        Change::Length(d) => {
+            let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
+            let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
+            d.abs() / (0.4 * next.min(last))
+        }
+        Change::Logarithm(d) => d.abs(),
+    };
+    changes.iter().enumerate().map(steps).fold(0.0, f64::max)
 }
 
 /// The solution of a small linear system, the right-hand side being its last column, by Gauss and Jordan's
