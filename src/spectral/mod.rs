@@ -52,6 +52,11 @@
 //! *The energy.* `J = -1/2 int f v` follows from Green's identity with psi, by integrals over the border
 //! and the edges; Rellich's identity gives it once more from other data (`energy.rs`).
 //!
+//! # Limits
+//! An f is refused if arcs or gaps of less than 2e-6 matter: of 145 random f with the background moved until the
+//! integral was -1e-5 none was, with -1e-6 one in sixteen, with -1e-8 three in four. Where a piece of size r has
+//! values like r^-2 the energy loses digits like r^-3, so that f is refused for r below about 2e-4.
+//!
 //! # Literature
 //! - N. I. Muskhelishvili, Singular integral equations, Noordhoff (1953), for the Riemann-Hilbert problem
 //!   with changing boundary conditions.
