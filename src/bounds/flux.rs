@@ -5,8 +5,6 @@ use crate::discrete::grid::Grid;
 
 /// Reactions on the four sides, without a sign: the normal flux is their linear interpolant over h.
 pub(super) struct Reactions {
-    /// In boundary order; all zero where the vector shows none, and those of the sides are made up.
-    pub found: Vec<f64>,
     pub bottom: Vec<f64>,
     pub top: Vec<f64>,
     pub left: Vec<f64>,
@@ -18,7 +16,7 @@ impl Reactions {
     /// where it is at least y, scaled so that they balance f, whose integral is negative.
     pub(super) fn new(grid: Grid, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
         let (n, nodes) = (grid.cells(), outer.len());
-        let mut found: Vec<f64> = grid
+        let mut values: Vec<f64> = grid
             .boundary()
             .enumerate()
             .map(|(b, node)| {
@@ -35,12 +33,11 @@ impl Reactions {
                 if reaction > 0.0 && reaction >= y[node] { reaction } else { 0.0 }
             })
             .collect();
-        let balanced = -f.integral / found.iter().sum::<f64>();
-        let mut values = found.clone();
+        let balanced = -f.integral / values.iter().sum::<f64>();
         if balanced.is_finite() {
-            found.iter_mut().for_each(|value| *value *= balanced);
-            values.copy_from_slice(&found);
+            values.iter_mut().for_each(|value| *value *= balanced);
         } else {
+            // The vector shows none.
             values.fill(-f.integral / nodes as f64);
         }
         values.push(values[0]);
@@ -48,7 +45,7 @@ impl Reactions {
         let [bottom, right, mut top, mut left] = [0, 1, 2, 3].map(side);
         top.reverse();
         left.reverse();
-        Self { found, bottom, top, left, right }
+        Self { bottom, top, left, right }
     }
 }
 

@@ -44,7 +44,6 @@
 //! ([`regular`]). The bounds are widened by what rounding errors can add up to in sums of `n` terms.
 
 mod cells;
-mod contact;
 mod data;
 mod flux;
 mod moments;
@@ -54,7 +53,6 @@ mod residual;
 mod strip;
 mod walk;
 
-use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
 use std::borrow::Cow;
@@ -71,8 +69,6 @@ pub struct Bounds {
     pub error: [f64; 2],
     /// A bound of the L2 norm of `grad (u - w)`, w the recovery, which is piecewise quadratic.
     pub recovered: f64,
-    /// Where v is in contact, with ends estimated within the cell.
-    pub contact: Vec<ContactArc>,
 }
 
 impl Bounds {
@@ -136,7 +132,7 @@ fn summed(
     assert_eq!(y.len(), grid.nodes());
     let n = grid.cells();
     let (v, moved) = admissible(grid, y);
-    let walk::Total { sums, work, trace, residual, largest, mass, contact } =
+    let walk::Total { sums, work, trace, residual, largest, mass } =
         walk::total(grid, f, &v, recovered)?;
     let size = sums.recovered + 2.0 * largest * mass;
     // No sum has more terms one after the other than a row of cells has, and some.
@@ -158,7 +154,7 @@ fn summed(
         return Err(NoBound::NotFinite);
     }
     let recovered = root(2.0 * (gap + 2.0 * rounding));
-    Ok(Bounds { energy, error, recovered, contact })
+    Ok(Bounds { energy, error, recovered })
 }
 
 /// The nodal vector without its negative values on the boundary, and how far that is in the energy norm.

@@ -1,5 +1,6 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
+use super::NoBound;
 use super::cells::{Batch, Special, Sums};
 use super::data::{AllCells, Cursor, Run};
 use super::flux::Reactions;
@@ -8,8 +9,6 @@ use super::recovery::{Extended, values};
 use super::regular::Regular;
 use super::residual::Pyramid;
 use super::strip::Strip;
-use super::{NoBound, contact};
-use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::discrete::simd::vectorised;
 use crate::problem::source::Source;
@@ -30,7 +29,6 @@ pub(super) struct Total {
     pub largest: f64,
     /// Integral of |f|.
     pub mass: f64,
-    pub contact: Vec<ContactArc>,
 }
 
 /// The sums for the nodal vector `v`, which is not negative on the boundary.
@@ -48,8 +46,7 @@ pub(super) fn total(
     }
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
     let reactions = Reactions::new(grid, v, &outer, &data);
-    let contact = contact::arcs(grid, &outer, &reactions.found);
-    let walk = Walk::new(&data, Extended::new(grid, v, &reactions), contact, recovered);
+    let walk = Walk::new(&data, Extended::new(grid, v, &reactions), recovered);
     Ok(vectorised(
         #[inline(always)]
         || walk.run(),
@@ -81,12 +78,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(
-        data: &'a AllCells<'a>,
-        v: Extended<'a>,
-        contact: Vec<ContactArc>,
-        recovered: Option<&'a mut [f64]>,
-    ) -> Self {
+    fn new(data: &'a AllCells<'a>, v: Extended<'a>, recovered: Option<&'a mut [f64]>) -> Self {
         let (grid, n) = (v.grid, v.grid.cells());
         Self {
             grid,
@@ -96,7 +88,7 @@ impl<'a> Walk<'a> {
             special: Vec::new(),
             means: vec![0.0; n],
             pyramid: Pyramid::new(n),
-            total: Total { contact, ..Total::default() },
+            total: Total::default(),
             regular: Regular::default(),
             batch: Batch::default(),
             noise: 0.0,

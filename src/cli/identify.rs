@@ -68,7 +68,8 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     }
     let target = |number: u8| Ok((number, project.paper.target(number)?));
     let problems = numbers.into_iter().map(target).collect::<Result<Vec<_>>>()?;
-    let request = request(args)?;
+    let grids = problems.iter().map(|(_, target)| target.levels()).min();
+    let request = request(args, grids.expect("at least one table"))?;
     if args.threads == Some(0) {
         return Err(Error::input("--threads must be at least 1; leave it out for one per core"));
     }

@@ -144,8 +144,8 @@ impl ValueEnum for LoadRule {
         &[
             Self::Nodal { tie: Tie::LowerLeft, diagonal: Some(DIAGONAL) },
             Self::Exact { diagonal: DIAGONAL },
-            Self::Bilinear,
-            Self::LumpedAverage,
+            Self::Bilinear {},
+            Self::LumpedAverage {},
         ]
     }
 
@@ -153,11 +153,11 @@ impl ValueEnum for LoadRule {
         let (name, help) = match self {
             Self::Nodal { .. } => ("nodal", "f at the nodes; on a jump from the left and below"),
             Self::Exact { .. } => ("exact", "Integrals of f times the hat functions"),
-            Self::Bilinear => (
+            Self::Bilinear {} => (
                 "bilinear",
                 "Integrals of f times bilinear hat functions: bounds are closer than with exact",
             ),
-            Self::LumpedAverage => ("lumped-average", "Mean of f around each node"),
+            Self::LumpedAverage {} => ("lumped-average", "Mean of f around each node"),
         };
         Some(PossibleValue::new(name).help(help))
     }
@@ -199,7 +199,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
 
 /// Cells per side in `1/N`, `N`, or a decimal that is one over an integer.
 fn cells(h: &str) -> Result<usize> {
-    let wrong = || Error::input(format!("--h {h}: write the width as 1/N, e.g. 1/256"));
+    let wrong = || Error::input(format!("--h {h}: write the width as 1/N, such as 1/256, or as N"));
     let n = match h.strip_prefix("1/").unwrap_or(h).parse() {
         Ok(n) => n,
         Err(_) => {

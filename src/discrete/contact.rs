@@ -1,4 +1,6 @@
-//! Contact as a result: an arc of the boundary that carries reactions, and where it ends between nodes.
+//! Contact as a result: the arcs of the boundary that carry reactions, their forces, and where they end between nodes.
+
+use super::grid::Grid;
 
 /// A part of the boundary in contact, anticlockwise.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -9,6 +11,45 @@ pub struct ContactArc {
     pub to: [f64; 2],
     /// The reactions on it together, the integral of dv/dn.
     pub force: f64,
+}
+
+/// The arcs of boundary nodes whose flux `A y - F` is more than their value, for both in boundary order.
+pub fn arcs(grid: Grid, y: &[f64], flux: &[f64]) -> Vec<ContactArc> {
+    let nodes = flux.len();
+    let carries = |b: usize| flux[b % nodes] > y[b % nodes];
+    if (0..nodes).all(carries) {
+        let corner = point(grid, 0.0);
+        return vec![ContactArc { from: corner, to: corner, force: flux.iter().sum() }];
+    }
+    let arc = |start: usize| {
+        let end = (start..).find(|&b| !carries(b)).expect("not all carry");
+        let before = [nodes - 1, nodes - 2].map(|k| y[(start + k) % nodes]);
+        let after = [0, 1].map(|k| y[(end + k) % nodes]);
+        let mut beyond = [before, after].map(|values| reach(values).clamp(0.0, 1.0));
+        if end - start == 1 && beyond == [0.0; 2] {
+            // No ends can be told around this one node, and an arc without length would stand for all of the boundary.
+            beyond = [0.5; 2];
+        }
+        ContactArc {
+            from: point(grid, start as f64 - beyond[0]),
+            to: point(grid, (end - 1) as f64 + beyond[1]),
+            force: (start..end).map(|b| flux[b % nodes]).sum(),
+        }
+    };
+    (1..=nodes).filter(|&b| carries(b) && !carries(b - 1)).map(arc).collect()
+}
+
+/// The point of the boundary at the distance `p h` from the lower left corner, anticlockwise.
+fn point(grid: Grid, p: f64) -> [f64; 2] {
+    let n = grid.cells() as f64;
+    let p = p.rem_euclid(4.0 * n) / n;
+    let along = p.fract() - 0.5;
+    match p as usize {
+        0 => [along, -0.5],
+        1 => [0.5, along],
+        2 => [-along, 0.5],
+        _ => [-0.5, -along],
+    }
 }
 
 /// How far contact reaches beyond its last node, in cells, from the next two values: they grow like the

@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 /// Quadrature of the load vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "rule", deny_unknown_fields)]
+#[serde(expecting = "a table such as { rule = \"exact\" }")]
+// Braces without fields: serde then refuses fields that mean nothing.
 pub enum LoadRule {
     /// `F_i = f(M_i)` times the integral of the i-th hat function; a tie rule decides on jumps.
     ///
@@ -36,10 +38,10 @@ pub enum LoadRule {
     /// The integral of f times the hat function that is bilinear on squares, which those on triangles
     /// cut by either diagonal only approximate: exact for constant pieces, degree 5 quadrature for
     /// smooth f. The bounds of [`crate::bounds`] are sharpest for it.
-    Bilinear,
+    Bilinear {},
     /// The integral of f over the cell of width h around the node, inside the square: exact for
     /// constant pieces, degree 3 quadrature for smooth f.
-    LumpedAverage,
+    LumpedAverage {},
 }
 
 /// The diagonal that cuts each square of the grid into two triangles.
@@ -64,8 +66,8 @@ pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
     match rule {
         LoadRule::Nodal { tie, diagonal } => nodal(grid, f, tie, diagonal),
         LoadRule::Exact { diagonal } => exact(grid, f, Some(diagonal)),
-        LoadRule::Bilinear => exact(grid, f, None),
-        LoadRule::LumpedAverage => averaged(grid, f),
+        LoadRule::Bilinear {} => exact(grid, f, None),
+        LoadRule::LumpedAverage {} => averaged(grid, f),
     }
 }
 
@@ -235,8 +237,8 @@ mod tests {
         let tie = Tie::LowerLeft;
         let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: None });
         assert_eq!((nodal[6], nodal[1], nodal[0]), (1.0 / 16.0, 0.5 / 16.0, 0.25 / 16.0));
-        assert_eq!(load(grid, &one, LoadRule::LumpedAverage), nodal);
-        assert_eq!(load(grid, &one, LoadRule::Bilinear), nodal);
+        assert_eq!(load(grid, &one, LoadRule::LumpedAverage {}), nodal);
+        assert_eq!(load(grid, &one, LoadRule::Bilinear {}), nodal);
         // With a constant f, the nodal rule on triangles is the exact one.
         for diagonal in [Diagonal::Rising, Diagonal::Falling] {
             let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: Some(diagonal) });
@@ -284,7 +286,7 @@ mod tests {
         let f: Source = "rect(-0.3,0.21,-0.11,0.4)=3; else=-2".parse().unwrap();
         let moment = |f: &Source, n: usize| -> f64 {
             let grid = Grid::new(n).unwrap();
-            let load = load(grid, f, LoadRule::Bilinear);
+            let load = load(grid, f, LoadRule::Bilinear {});
             let at = |k: usize| grid.coordinate(k % grid.side()) * grid.coordinate(k / grid.side());
             (0..grid.nodes()).map(|k| load[k] * at(k)).sum()
         };
@@ -298,7 +300,7 @@ mod tests {
         let grid = Grid::new(32).unwrap();
         let (h, pi) = (grid.h(), std::f64::consts::PI);
         let hat = |i| 2.0 * (1.0 - (pi * h).cos()) / (pi * h) * (pi * grid.coordinate(i)).cos();
-        let load = load(grid, &smooth, LoadRule::Bilinear);
+        let load = load(grid, &smooth, LoadRule::Bilinear {});
         let error = load[grid.index(7, 20)] + 2.0 * hat(7) * hat(20);
         assert!(error.abs() < 1e-8 * h * h, "{error:e}");
     }
@@ -311,7 +313,7 @@ mod tests {
         for (x, y) in [(0.28, 0.08), (-0.12, -0.42), (-0.1, 0.42), (-0.16, -0.08)] {
             let f: Source = format!("disc({x},{y},0.08)=1; else=0").parse().unwrap();
             for n in [2, 4, 16] {
-                let area = sum(&load(Grid::new(n).unwrap(), &f, LoadRule::Bilinear));
+                let area = sum(&load(Grid::new(n).unwrap(), &f, LoadRule::Bilinear {}));
                 assert!((area - std::f64::consts::PI * 0.0064).abs() < 1e-15, "{x}, {y}, {n}");
             }
         }
@@ -331,7 +333,7 @@ mod tests {
         let f: Source = "halfplane(1,0,0)=4; else=0".parse().unwrap();
         let grid = Grid::new(4).unwrap();
         let h2 = grid.h() * grid.h();
-        assert_eq!(load(grid, &f, LoadRule::LumpedAverage)[grid.index(2, 2)], 2.0 * h2);
+        assert_eq!(load(grid, &f, LoadRule::LumpedAverage {})[grid.index(2, 2)], 2.0 * h2);
         let tied = |tie| load(grid, &f, LoadRule::Nodal { tie, diagonal: None })[grid.index(2, 2)];
         assert_eq!(tied(Tie::LowerLeft), 4.0 * h2);
         assert_eq!(tied(Tie::UpperRight), 0.0);

@@ -125,5 +125,5 @@ pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     let grid = Grid::new(n).expect("fine enough");
     let on_grid = |text: &str, rule| load(grid, &text.parse().expect("a valid f"), rule);
     let [(first, f), (second, g)] = PAPER;
-    vec![(first, on_grid(f, LoadRule::LumpedAverage)), (second, on_grid(g, LoadRule::default()))]
+    vec![(first, on_grid(f, LoadRule::LumpedAverage {})), (second, on_grid(g, LoadRule::default()))]
 }

@@ -115,7 +115,7 @@ fn cross(picture: &mut Picture, (x, y): Place) {
 /// What the marks mean, centred.
 fn legend(picture: &mut Picture, (middle, y): Place, most: usize, width: f64) {
     let outline = format!("all {most} counts come out");
-    let texts = [outline.as_str(), "recovered f", "other f of the report"];
+    let texts = [outline.as_str(), "recovered f", "other f of the book"];
     let wide: f64 = texts.iter().map(|text| 22.0 + text_width(text, SMALL) + 14.0).sum();
     let mut x = (middle - 0.5 * wide).max(0.02 * width);
     for (k, text) in texts.into_iter().enumerate() {

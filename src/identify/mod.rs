@@ -83,6 +83,16 @@ pub enum IdentifyError {
         "cannot read the values `{0}`; write a range such as -4:4:0.5 or a list such as -6,2,1.99"
     )]
     Values(String),
+    /// A number of lists of values that is neither one nor that of the values of f.
+    #[error(
+        "--values has {lists} lists for {pieces} values of f; give one for all, or one for each"
+    )]
+    ValueCount {
+        /// Lists given.
+        lists: usize,
+        /// Values that f takes.
+        pieces: usize,
+    },
     /// A space without such a name.
     #[error("there is no space `{0}`; choose one of {names}", names = Space::NAMES.join(", "))]
     UnknownSpace(String),

@@ -82,10 +82,7 @@ impl<'a> Plan<'a> {
             [one] => vec![one.refined(places); pieces],
             many if many.len() == pieces => many.iter().map(|l| l.refined(places)).collect(),
             many => {
-                return Err(IdentifyError::Values(format!(
-                    "{} lattices for {pieces} values",
-                    many.len()
-                )));
+                return Err(IdentifyError::ValueCount { lists: many.len(), pieces });
             }
         };
         let product: f64 = lattices.iter().map(|l| l.ticks().len() as f64).product();
@@ -104,7 +101,7 @@ impl<'a> Plan<'a> {
         let variant = &request.variant;
         let even_ties = match variant.load {
             LoadRule::Nodal { tie, .. } => matches!(tie, Tie::LowerLeft | Tie::UpperRight),
-            LoadRule::Exact { .. } | LoadRule::Bilinear | LoadRule::LumpedAverage => true,
+            LoadRule::Exact { .. } | LoadRule::Bilinear {} | LoadRule::LumpedAverage {} => true,
         };
         Ok(Self {
             request,

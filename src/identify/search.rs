@@ -99,13 +99,17 @@ impl Checkpoint {
         }
     }
 
-    /// Adds a whole batch, of which `block` has the best, up to item `end`.
-    fn take(&mut self, done: &[Item], block: Best, end: u64, plan: &Plan) {
-        self.block = block;
+    fn count(&mut self, done: &[Item]) {
         for item in done {
             self.tried += item.tried;
             self.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
         }
+    }
+
+    /// Adds a whole batch, of which `block` has the best, up to item `end`.
+    fn take(&mut self, done: &[Item], block: Best, end: u64, plan: &Plan) {
+        self.block = block;
+        self.count(done);
         self.next = end;
         if end.is_multiple_of(BLOCK) || end == plan.items.end {
             self.best = self.all(None);
@@ -145,7 +149,7 @@ pub struct Report {
     pub request: Request,
     /// Whether every item was done.
     pub complete: bool,
-    /// Candidates tried, in whole batches.
+    /// Candidates tried.
     pub tried: u64,
     /// Runs that reached each grid: how the screening went.
     pub entered: Vec<u64>,
@@ -227,6 +231,8 @@ pub fn search(
         let mut block = state.block.clone();
         done.iter().for_each(|item| block.merge(item.best.clone()));
         if !whole {
+            // No observer keeps this state: a resumed search does the batch again.
+            state.count(&done);
             cut_short = Some(block);
             break;
         }

@@ -136,7 +136,7 @@ const CHOICES: [Choice; 18] = [
         |v| v.load = nodal(Tie::UpperRight, Some(Diagonal::Rising)),
         "nodal load, ties to the upper right, rising diagonal",
     ),
-    (|v| v.load = LoadRule::LumpedAverage, "load averaged on the jumps"),
+    (|v| v.load = LoadRule::LumpedAverage {}, "load averaged on the jumps"),
     (|v| v.load = LoadRule::Exact { diagonal: Diagonal::Rising }, "exact load"),
     (|v| v.load = LoadRule::Exact { diagonal: Diagonal::Falling }, "exact load, falling diagonal"),
     (|v| v.corner_multiplier = DualWeight::Half, "half multiplier weight at corners"),

@@ -108,8 +108,10 @@ pub enum SourceError {
     /// NaN or an infinity, or no number at all.
     #[error("`{0}` in f is not a finite number; give a decimal such as -1.5")]
     NotFinite(String),
-    /// An empty shape.
-    #[error("`{0}` in f covers nothing; order its bounds and make sizes positive")]
+    /// A shape without an interior, or without a border.
+    #[error(
+        "`{0}` in f is no region; order its bounds, and give a size or a normal that is not zero"
+    )]
     Empty(String),
     /// A name that is no known exact problem.
     #[error("`{name}` is no exact problem; choose one of {names}")]

@@ -203,10 +203,10 @@ mod tests {
     fn bad_texts_are_refused_with_a_remedy() {
         let message = |text: &str| text.parse::<Source>().unwrap_err().to_string();
         assert!(message("rect(0,1)=2; else=1").contains("rect(-0.25,0.25,-0.25,0.25)"));
-        assert!(message("rect(1,0,0,1)=2; else=1").contains("covers nothing"));
-        assert!(message("rect(0,1,1,1)=2; else=1").contains("covers nothing"));
-        assert!(message("disc(0,0,0)=2; else=1").contains("covers nothing"));
-        assert!(message("halfplane(0,0,1)=2; else=1").contains("covers nothing"));
+        assert!(message("rect(1,0,0,1)=2; else=1").contains("is no region"));
+        assert!(message("rect(0,1,1,1)=2; else=1").contains("is no region"));
+        assert!(message("disc(0,0,0)=2; else=1").contains("is no region"));
+        assert!(message("halfplane(0,0,1)=2; else=1").contains("is no region"));
         assert!(message("else=nan").contains("not a finite number"));
         assert!(message("rect(0,inf,0,1)=1; else=1").contains("not a finite number"));
         assert!(message("circle(0,0,1)=2; else=1").contains("cannot read"));

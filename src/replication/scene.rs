@@ -146,8 +146,10 @@ impl Scene {
             let r = self.draw_r;
             return Err(format!("`draw_r` = {r} is not among `r`; add it there").into());
         }
+        if let Some(output) = repeated(&self.outputs) {
+            return Err(format!("`outputs` lists {output} twice; remove one").into());
+        }
         self.outputs.sort();
-        self.outputs.dedup();
         if self.wants(Output::Identify) && self.paper_table.is_none() {
             return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
         }
@@ -250,6 +252,15 @@ mod tests {
     #[test]
     fn mistakes_have_their_own_messages() {
         assert!(error(&format!("{GOOD}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
+        assert!(error(&GOOD.replace("[\"table\"]", "[\"table\", \"table\"]")).contains("twice"));
+        let load = |load: &str| error(&format!("{GOOD}load = {load}\n"));
+        assert!(load("\"exact\"").contains("a table such as { rule = \"exact\" }"));
+        for rule in ["bilinear", "lumped-average"] {
+            assert!(
+                load(&format!("{{ rule = \"{rule}\", diagonal = \"rising\" }}"))
+                    .contains("diagonal")
+            );
+        }
         assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
         assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
         assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));

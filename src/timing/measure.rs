@@ -177,7 +177,7 @@ struct Case {
 
 /// The paper's problems and those that test contact, judged by the energy; then those with a formula.
 fn cases(plan: &Plan) -> Result<Vec<Case>, String> {
-    let finest = if plan.quick { 32 } else { plan.finest.min(1024) };
+    let finest = plan.finest.min(if plan.quick { 32 } else { 1024 });
     let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
     let grids: Vec<Grid> =
         grids.map(Grid::new).collect::<Result<_, _>>().map_err(|e| e.to_string())?;

@@ -52,8 +52,10 @@ fn solve_json_has_every_promised_field() {
         let [low, high] = [0, 1].map(|k| json["bound"][field][k].as_f64().unwrap());
         assert!(low <= high, "{field}: {json}");
     }
+    let json = project.run(&["solve", "a", "--solver", "multigrid", "--json"]).json();
     let forces =
         json["contact"].as_array().unwrap().iter().map(|arc| arc["force"].as_f64().unwrap());
+    assert_eq!(json["sum_load"], -1.0);
     assert!((forces.sum::<f64>() - 1.0).abs() < 1e-12, "all of -1: {json}");
 }
 
@@ -78,6 +80,12 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     assert!(low <= energy && energy <= high, "{json}");
     let reached = (high - low) / -high;
     assert!((0.3e-7..1e-7).contains(&reached), "with a grid hardly too fine: {json}");
+    assert_eq!(json["bound"]["relative"]["energy"].as_f64(), Some(reached));
+    // The next grid has no lines along the borders of f, and a wider bracket, which is no sign of rounding errors.
+    let aligned = ["--f", "rect(-0.2,0.3,-0.25,0.22)=4; else=-1.5", "--accuracy-energy", "1e-6"];
+    let json = project.run(&[&["solve", "--json"], &aligned[..]].concat()).json();
+    assert!(json["bound"]["relative"]["energy"].as_f64() <= Some(1e-6), "{json}");
+    assert_eq!(json["settings"]["accuracy-energy"], 1e-6);
     // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
     let f = "disc(0.125,0.2914,0.3053)=4; halfplane(-0.3227,-0.112,0.125)=0; quadrant(lr)=-4.09; rect(0.2757,1,0,0.3331)=4; else=-1.226";
     let json = project.run(&["solve", "--f", f, "--accuracy", "0.002", "--json"]).json();
@@ -267,7 +275,7 @@ fn solve_refuses_in_one_line() {
             "without `else=value` for where no piece is; write e.g. '",
         ),
         (&["--cube", "exact(torsion)"], "choose one of full-contact, free-strip, free-disc"),
-        (&["--cube", "else=-1", "--h", "1/9"], "choose another --h"),
+        (&["--cube", "else=-1", "--h", "1/9"], "choose another"),
         (&["--cube", "else=-1", "--h", "1/1024"], "1/512 is the finest"),
         (&["--cube", "else=-1", "--solver", "uzawa"], "only multigrid and active-set"),
         (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),

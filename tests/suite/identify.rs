@@ -355,5 +355,5 @@ fn tables_that_are_none_are_refused() {
         &AtomicBool::new(false),
         &mut |_, _| (),
     );
-    assert!(refused.unwrap_err().to_string().contains("2 lattices for 4 values"));
+    assert!(refused.unwrap_err().to_string().contains("2 lists for 4 values"));
 }

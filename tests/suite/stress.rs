@@ -178,7 +178,7 @@ proptest! {
         let f = format!("quadrant(ll)={jump}; else=-2");
         let scale = 10f64.powf(f_exponent);
         let load: Vec<f64> =
-            load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage).iter().map(|f| f * scale).collect();
+            load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage {}).iter().map(|f| f * scale).collect();
         let largest = load.iter().fold(0.0f64, |largest, f| f.abs().max(largest));
         let r = 10f64.powf(r_exponent);
         let tolerance = 10f64.powf(relative_exponent) * largest;

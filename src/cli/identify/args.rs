@@ -50,15 +50,15 @@ pub(in crate::cli) struct IdentifyArgs {
     /// How to search [default: enumerate two values, anneal more]
     #[arg(long, value_enum, hide_possible_values = true, value_name = "enumerate|anneal")]
     method: Option<Way>,
-    /// Annealing: independent chains
-    #[arg(long, value_name = "N", default_value_t = 16)]
-    chains: u64,
-    /// Annealing: candidates per chain
-    #[arg(long, value_name = "N", default_value_t = 2500)]
-    steps: u64,
-    /// Enumeration: coarse grids on which every count must come out
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    exact_grids: usize,
+    /// Annealing: independent chains [default: 16]
+    #[arg(long, value_name = "N")]
+    chains: Option<u64>,
+    /// Annealing: candidates per chain [default: 2500]
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+    /// Enumeration: coarse grids on which every count must come out [default: 2]
+    #[arg(long, value_name = "N")]
+    exact_grids: Option<usize>,
     /// Admit f whose integral is not negative, against (2)
     #[arg(long)]
     any_integral: bool,
@@ -68,9 +68,9 @@ pub(in crate::cli) struct IdentifyArgs {
     /// Stop after this time, shared by all searches of the command, and show what was found
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     pub(super) budget: Option<f64>,
-    /// Seed of everything random
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Annealing: seed of everything random [default: 1]
+    #[arg(long)]
+    seed: Option<u64>,
     /// How many candidates to keep
     #[arg(long, value_name = "K", default_value_t = 5)]
     top: usize,
@@ -81,7 +81,7 @@ pub(in crate::cli) struct IdentifyArgs {
     #[arg(long, value_name = "FILE")]
     pub(super) checkpoint: Option<PathBuf>,
     /// Do only the Kth of N parts; --merge puts the checkpoints of all together
-    #[arg(long, value_name = "K/N", requires = "checkpoint")]
+    #[arg(long, value_name = "K/N", requires = "checkpoint", conflicts_with = "variants")]
     part: Option<String>,
     /// Search no further: show what these checkpoints, of all parts of a search, have found together
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = [
@@ -94,7 +94,28 @@ pub(in crate::cli) struct IdentifyArgs {
     pub(super) json: bool,
 }
 
-pub(super) fn request(args: &IdentifyArgs) -> Result<Request> {
+/// Refuses an option that the other method has.
+fn check_options(args: &IdentifyArgs, way: Way) -> Result<()> {
+    let options = [
+        ("--chains", args.chains.is_some(), Way::Anneal),
+        ("--steps", args.steps.is_some(), Way::Anneal),
+        ("--seed", args.seed.is_some(), Way::Anneal),
+        ("--exact-grids", args.exact_grids.is_some(), Way::Enumerate),
+    ];
+    let [other, name] = match way {
+        Way::Enumerate => ["anneal", "enumeration"],
+        Way::Anneal => ["enumerate", "annealing"],
+    };
+    match options.iter().find(|(_, given, of)| *given && *of != way) {
+        None => Ok(()),
+        Some((option, ..)) => Err(Error::input(format!(
+            "{option} means nothing to {name}; leave it out, or add --method {other}"
+        ))),
+    }
+}
+
+/// What is asked, of tables with so many `grids`.
+pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
     let space: Space = args.space.parse().map_err(refused)?;
     // Where few values are asked for, all of them; and lattices that take about a minute.
     let (way, values) = match space {
@@ -106,20 +127,26 @@ pub(super) fn request(args: &IdentifyArgs) -> Result<Request> {
     let positive = |n: u64, name: &str| {
         if n == 0 { Err(Error::input(format!("--{name} must be at least 1"))) } else { Ok(n) }
     };
+    let way = args.method.unwrap_or(way);
+    check_options(args, way)?;
+    let exact_grids = args.exact_grids.unwrap_or(2.min(grids));
+    if exact_grids > grids {
+        return Err(Error::input(format!("--exact-grids {exact_grids}: the table has {grids}")));
+    }
     Ok(Request {
         space,
         values: Lattice::parse_all(args.values.as_deref().unwrap_or(values)).map_err(refused)?,
         variant: Variant::default(),
-        method: match args.method.unwrap_or(way) {
+        method: match way {
             Way::Enumerate => Method::Enumerate,
             Way::Anneal => Method::Anneal {
-                chains: positive(args.chains, "chains")?,
-                steps: positive(args.steps, "steps")?,
+                chains: positive(args.chains.unwrap_or(16), "chains")?,
+                steps: positive(args.steps.unwrap_or(2500), "steps")?,
             },
         },
         negative_integral: !args.any_integral,
-        exact_grids: args.exact_grids,
-        seed: args.seed,
+        exact_grids,
+        seed: args.seed.unwrap_or(1),
         top: positive(args.top as u64, "top")? as usize,
         part: args.part.as_deref().map(str::parse).transpose().map_err(refused)?,
     })

@@ -21,6 +21,14 @@ pub(super) enum Accuracy {
 }
 
 impl Accuracy {
+    /// The option that asks for it.
+    pub(super) fn option(self) -> &'static str {
+        match self {
+            Self::Error(_) => "accuracy",
+            Self::Energy(_) => "accuracy-energy",
+        }
+    }
+
     pub(super) fn wanted(self) -> f64 {
         let (Self::Error(wanted) | Self::Energy(wanted)) = self;
         wanted
@@ -54,8 +62,12 @@ impl Accuracy {
         Err(Error::input(format!("{self}: must be between 0 and 1, e.g. {example}")))
     }
 
-    /// The grid after one on which `reached` is too large, and was `before` on the grid before that.
-    pub(super) fn next(self, finest: usize, [before, reached]: [f64; 2]) -> Result<usize> {
+    /// The grid after the last of those tried, with what each has `reached`, which is not enough.
+    pub(super) fn next(self, tried: &[(usize, f64)]) -> Result<usize> {
+        let (finest, reached) = tried[tried.len() - 1];
+        // Of two grids of nearly the same width the coarser may be better, if the borders of f are among its lines.
+        let before = tried.iter().filter(|(cells, _)| 2 * cells <= finest);
+        let before = before.map(|&(_, reached)| reached).fold(f64::INFINITY, f64::min);
         if finest > SETTLED && reached >= before {
             return Err(Error::input(format!(
                 "{self}: rounding errors leave {before:.1e}; ask for less, or use --solver spectral"
@@ -76,10 +88,7 @@ impl Accuracy {
 
 impl std::fmt::Display for Accuracy {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Error(wanted) => write!(out, "--accuracy {wanted:?}"),
-            Self::Energy(wanted) => write!(out, "--accuracy-energy {wanted:?}"),
-        }
+        write!(out, "--{} {:?}", self.option(), self.wanted())
     }
 }
 

@@ -4,6 +4,7 @@ use super::bound;
 use super::problem::Problem;
 use crate::bounds::Bounds;
 use crate::cli::output::columns;
+use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::Kkt;
 use crate::discrete::norms::Errors;
 use crate::replication::scene::shown_integral;
@@ -57,7 +58,9 @@ pub(super) struct Answer {
     /// if all other conditions hold, a bound of the energy's error.
     complementarity: f64,
     /// Boundary nodes with v < r, and all.
-    contact: [usize; 2],
+    contact_nodes: [usize; 2],
+    /// With ends estimated within the cell; `None` on the cube.
+    contact: Option<Vec<ContactArc>>,
     /// Of values, and of the multiplier in L2 where it has a formula too.
     errors: Option<(Errors, Option<f64>)>,
     /// Guaranteed bounds, or why there are none.
@@ -73,10 +76,12 @@ impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let (n, y) = (problem.finest(), &solved.pair.y);
         let nodes = problem.domain.boundary(n);
-        let boundary = || nodes.iter().map(|&node| y[node]).zip(&solved.flux);
+        let outer: Vec<_> = nodes.iter().map(|&node| y[node]).collect();
+        let boundary = || outer.iter().zip(&solved.flux);
         let mut answer = Self {
             complementarity: boundary().map(|(y, flux)| y * flux).sum(),
-            contact: [boundary().filter(|(y, flux)| y < flux).count(), nodes.len()],
+            contact_nodes: [boundary().filter(|(y, flux)| y < flux).count(), nodes.len()],
+            contact: problem.domain.contact(n, &outer, &solved.flux),
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
             solved,
@@ -116,7 +121,7 @@ impl Answer {
         } else if let Some(why) = self.disagreement(kkt.relative, energy) {
             verdict = Some("not-solved");
             self.failure = Some(format!(
-                "{name}: the solver stopped as asked on grid 1/{finest}, but {why}; use --stop printed-dual, a larger --r, a grid 1/2^k, or --solver multigrid"
+                "{name}: the solver stopped as asked on grid 1/{finest}, but {why}; use --stop printed-dual, or --solver multigrid"
             ));
         } else if kkt.relative > ROUGH {
             self.warnings.push(format!(
@@ -219,11 +224,16 @@ impl Answer {
                 "natural": kkt.natural,
                 "relative": kkt.relative,
             },
-            "contact_nodes": { "nodes": self.contact[0], "boundary_nodes": self.contact[1] },
+            "contact_nodes": { "nodes": self.contact_nodes[0], "boundary_nodes": self.contact_nodes[1] },
             "bound": bounds.map(|of| {
-                json!({ "energy": of.energy, "error": of.error, "recovered": of.recovered })
+                json!({
+                    "energy": of.energy,
+                    "error": of.error,
+                    "recovered": of.recovered,
+                    "relative": { "energy": of.relative_energy(), "error": of.relative() },
+                })
             }),
-            "contact": bounds.map(|of| &of.contact),
+            "contact": self.contact,
             "warnings": self.warnings,
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
@@ -263,8 +273,9 @@ impl Answer {
         if let Some(work_units) = self.solved.work_units {
             text += &format!(", the cost of {work_units:.1} sweeps");
         }
-        let [nodes, all] = self.contact;
+        let [nodes, all] = self.contact_nodes;
         text += &format!("\ncontact in {nodes} of {all} boundary nodes\n");
+        self.contact.iter().flatten().for_each(|arc| text += &bound::contact(arc, 6));
         if let Some((e, multiplier)) = &self.errors {
             text += &format!("errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}", e.l2, e.h1, e.max);
             if let Some(multiplier) = multiplier {

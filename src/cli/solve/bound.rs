@@ -20,7 +20,6 @@ pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
     } else {
         "\n".into()
     };
-    bound.contact.iter().for_each(|arc| text += &contact(arc, 6));
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {

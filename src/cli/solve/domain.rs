@@ -3,6 +3,7 @@
 use super::Solver;
 use crate::bounds::{Bounds, bounds, recovery};
 use crate::cli::formats::{Format, picture};
+use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
@@ -136,6 +137,14 @@ impl Domain {
                 Some((errors(grid, exact, y), Some(multiplier_l2)))
             }
             Self::Cube { f } => Some((cube::errors(cube(n), f.exact()?, y), None)),
+        }
+    }
+
+    /// The arcs in contact, for the values and the flux at the boundary nodes; the cube has faces instead.
+    pub(super) fn contact(&self, n: usize, y: &[f64], flux: &[f64]) -> Option<Vec<ContactArc>> {
+        match self {
+            Self::Square { .. } => Some(arcs(square(n), y, flux)),
+            Self::Cube { .. } => None,
         }
     }
 

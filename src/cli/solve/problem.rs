@@ -96,6 +96,7 @@ impl Problem {
             settings.push(("prolongation", json!(self.prolongation)));
         }
         settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
+        settings.extend(self.accuracy.map(|of| (of.option(), of.wanted().into())));
         settings
     }
 }

@@ -35,7 +35,7 @@ impl Problem {
     /// the last one together.
     pub(super) fn solve_to(&mut self, accuracy: Accuracy) -> Result<Answer> {
         accuracy.check()?;
-        let (mut finest, mut before, mut levels) = (FIRST, f64::INFINITY, Vec::new());
+        let (mut finest, mut tried, mut levels) = (FIRST, Vec::new(), Vec::new());
         loop {
             self.grids = vec![finest];
             self.domain.check_solver(self.solver, finest)?;
@@ -49,8 +49,8 @@ impl Problem {
                 answer.solved.levels = levels;
                 return Ok(answer);
             }
-            finest = accuracy.next(finest, [before, reached])?;
-            before = reached;
+            tried.push((finest, reached));
+            finest = accuracy.next(&tried)?;
         }
     }
 
@@ -141,7 +141,7 @@ impl Problem {
         };
         let remedy = match e {
             InputError::NotCoercive(_) => lower,
-            InputError::GridSize(..) => "choose another --h",
+            InputError::GridSize(..) => return Error::input(format!("--h: {e}; choose another")),
             _ => "check f",
         };
         let place = self.scene.as_deref().unwrap_or(option);

@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 
 /// The load towards a KKT residual: under the published one, problem 1 sums to a positive number on
 /// fine grids, and has no solution to converge to.
-const SOLVABLE: LoadRule = LoadRule::LumpedAverage;
+const SOLVABLE: LoadRule = LoadRule::LumpedAverage {};
 /// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
 const START: f64 = 1e-12;
 /// Stopping rules under which r is swept; the others take the paper's r only.

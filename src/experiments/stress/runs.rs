@@ -68,7 +68,7 @@ impl<'a> Runs<'a> {
         let texts = plan.problems.iter().map(|problem| &problem.f).chain([&plan.contact.1]);
         let loads = texts.map(|text| {
             let f: Source = text.parse().map_err(|e| format!("{e}"))?;
-            Ok([coarse, fine].map(|grid| load(grid, &f, LoadRule::LumpedAverage)))
+            Ok([coarse, fine].map(|grid| load(grid, &f, LoadRule::LumpedAverage {})))
         });
         Ok(Self { plan, coarse, fine, loads: loads.collect::<Result<_, String>>()? })
     }

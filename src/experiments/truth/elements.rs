@@ -1,9 +1,9 @@
 //! Finite elements against a true solution: errors, ends of contact, and what the guaranteed bounds say.
 
 use crate::bounds::bounds;
-use crate::discrete::contact::ContactArc;
+use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
-use crate::discrete::stiffness::energy;
+use crate::discrete::kkt::{Judgement, judge};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
 use crate::multigrid::MultigridParams;
@@ -77,14 +77,17 @@ impl Level {
         let error = known.h1_error(grid, &y, &load);
         let [low, high] = bounds.energy;
         let truth = known.solution();
+        let Judgement { energy, flux, .. } = judge(grid, &y, &load);
+        let outer: Vec<_> = grid.boundary().map(|node| y[node]).collect();
+        let contact = arcs(grid, &outer, &flux);
         Ok(Self {
             cells,
             error,
             effectivity: bounds.error.map(|bound| bound / error),
-            energy: truth.map(|truth| energy(grid, &y, &load) - truth.energy),
+            energy: truth.map(|truth| energy - truth.energy),
             bracket: high - low,
             holds: truth.map(|truth| low <= truth.energy && truth.energy <= high),
-            ends: truth.and_then(|truth| distance(&truth.contact, &bounds.contact)),
+            ends: truth.and_then(|truth| distance(&truth.contact, &contact)),
         })
     }
 }

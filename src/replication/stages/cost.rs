@@ -90,12 +90,12 @@ pub(super) fn work(found: &Findings) -> Picture {
         ),
         Chart::new(
             format!("Error on the grid 1/{cells}"),
-            ["work units", "error at the nodes"],
+            ["work units", "L2 error at the nodes"],
             errors,
         ),
         Chart::new(
             "To the discretisation error",
-            ["unknowns visited", "error at the nodes"],
+            ["unknowns visited", "L2 error at the nodes"],
             reached,
         ),
         Chart::new(
@@ -168,7 +168,7 @@ pub(super) fn race(timings: &Timings) -> Picture {
             curves.push(Curve::new(Marked, "Arrow-Hurwicz, published stop", published));
             let formula = Exact::ALL.iter().any(|exact| exact.name() == problem);
             let error =
-                if formula { "error at the nodes" } else { "error of the energy, relative" };
+                if formula { "L2 error at the nodes" } else { "error of the energy, relative" };
             Chart::new(problem, ["seconds", error], curves)
         })
         .collect();

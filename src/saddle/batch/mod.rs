@@ -238,7 +238,7 @@ mod tests {
     fn setting() -> (Grid, Vec<f64>, Pair) {
         let grid = Grid::new(16).unwrap();
         let f = "quadrant(ll)=-6; else=1.998".parse().unwrap();
-        (grid, load(grid, &f, LoadRule::LumpedAverage), Pair::zero(grid))
+        (grid, load(grid, &f, LoadRule::LumpedAverage {}), Pair::zero(grid))
     }
 
     #[test]
