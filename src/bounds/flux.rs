@@ -33,13 +33,14 @@ impl Reactions {
                 if reaction > 0.0 && reaction >= y[node] { reaction } else { 0.0 }
             })
             .collect();
-        let balanced = -f.integral / values.iter().sum::<f64>();
-        if balanced.is_finite() {
-            values.iter_mut().for_each(|value| *value *= balanced);
-        } else {
-            // The vector shows none.
-            values.fill(-f.integral / nodes as f64);
+        let balance = |values: &[f64]| -f.integral / values.iter().sum::<f64>();
+        if !balance(&values).is_finite() {
+            // The vector shows none: alike where it rests, or else everywhere.
+            let rests = outer.contains(&0.0);
+            values = outer.iter().map(|&y| f64::from(!rests || y == 0.0)).collect();
         }
+        let balanced = balance(&values);
+        values.iter_mut().for_each(|value| *value *= balanced);
         values.push(values[0]);
         let side = |k: usize| values[k * n..=(k + 1) * n].to_vec();
         let [bottom, right, mut top, mut left] = [0, 1, 2, 3].map(side);

@@ -321,6 +321,20 @@ fn forces_are_those_of_the_multiplier_however_weak() {
 }
 
 #[test]
+fn the_bound_is_effective_where_the_load_hides_the_reaction() {
+    // The load against bilinear hats is larger than that of the vector by more than the force in its only node.
+    let (text, energy) = energies().nth(4).unwrap();
+    let f: Source = text.parse().unwrap();
+    let (grid, y) = solved(16, &f, EXACT, Goal::RoundingFloor);
+    assert_eq!(grid.boundary().filter(|&node| y[node] == 0.0).count(), 1);
+    let Bounds { energy: [low, high], error: [_, most], .. } = bounds(grid, &f, &y).unwrap();
+    let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
+    let error = (2.0 * (ours - energy)).sqrt();
+    assert!(low <= energy && energy <= high && high - low < 1e-4, "{low} {high}");
+    assert!(error <= most && most < 1.01 * error, "{most} {error}");
+}
+
+#[test]
 fn what_has_no_solution_has_no_bound() {
     let grid = Grid::new(8).unwrap();
     let zero = vec![0.0; grid.nodes()];
