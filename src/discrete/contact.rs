@@ -13,8 +13,10 @@ pub struct ContactArc {
     pub force: f64,
 }
 
-/// The arcs of boundary nodes whose flux `A y - F` is more than their value, for both in boundary order.
+/// The arcs of boundary nodes whose flux `A y - F` is more than their value, for the nodal vector `y` and the flux in
+/// boundary order.
 pub fn arcs(grid: Grid, y: &[f64], flux: &[f64]) -> Vec<ContactArc> {
+    let y: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
     let nodes = flux.len();
     let carries = |b: usize| flux[b % nodes] > y[b % nodes];
     if (0..nodes).all(carries) {

@@ -288,8 +288,7 @@ fn the_bound_of_the_error_is_effective() {
 fn contact(n: usize, f: &Source) -> (Vec<ContactArc>, usize) {
     let (grid, y) = solved(n, f, EXACT, Goal::RoundingFloor);
     let flux = judge(grid, &y, &load(grid, f, EXACT)).flux;
-    let outer: Vec<_> = grid.boundary().map(|node| y[node]).collect();
-    (arcs(grid, &outer, &flux), outer.iter().filter(|value| **value == 0.0).count())
+    (arcs(grid, &y, &flux), grid.boundary().filter(|&node| y[node] == 0.0).count())
 }
 
 #[test]

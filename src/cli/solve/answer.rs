@@ -76,12 +76,11 @@ impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let (n, y) = (problem.finest(), &solved.pair.y);
         let nodes = problem.domain.boundary(n);
-        let outer: Vec<_> = nodes.iter().map(|&node| y[node]).collect();
-        let boundary = || outer.iter().zip(&solved.flux);
+        let boundary = || nodes.iter().map(|&node| y[node]).zip(&solved.flux);
         let mut answer = Self {
             complementarity: boundary().map(|(y, flux)| y * flux).sum(),
             contact_nodes: [boundary().filter(|(y, flux)| y < flux).count(), nodes.len()],
-            contact: problem.domain.contact(n, &outer, &solved.flux),
+            contact: problem.domain.contact(n, y, &solved.flux),
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
             solved,

@@ -140,7 +140,7 @@ impl Domain {
         }
     }
 
-    /// The arcs in contact, for the values and the flux at the boundary nodes; the cube has faces instead.
+    /// The arcs in contact, for a nodal vector and its flux at the boundary nodes; the cube has faces instead.
     pub(super) fn contact(&self, n: usize, y: &[f64], flux: &[f64]) -> Option<Vec<ContactArc>> {
         match self {
             Self::Square { .. } => Some(arcs(square(n), y, flux)),

@@ -118,8 +118,7 @@ fn check_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     match options.iter().find(|(_, given, takers)| *given && !takers.contains(&solver)) {
         None => Ok(()),
         Some((option, _, takers)) => {
-            let takers: Vec<_> = takers.iter().map(Solver::to_string).collect();
-            let takers = takers.join(", ");
+            let takers = takers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ");
             Err(Error::input(format!(
                 "{option} is for --solver {takers}, not {solver}; leave it out, or change --solver"
             )))

@@ -78,8 +78,7 @@ impl Level {
         let [low, high] = bounds.energy;
         let truth = known.solution();
         let Judgement { energy, flux, .. } = judge(grid, &y, &load);
-        let outer: Vec<_> = grid.boundary().map(|node| y[node]).collect();
-        let contact = arcs(grid, &outer, &flux);
+        let contact = arcs(grid, &y, &flux);
         Ok(Self {
             cells,
             error,
