@@ -8,8 +8,8 @@ use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
 use signorini::discrete::load::{LoadRule, load};
 use signorini::experiments::problems;
-use signorini::multigrid::square::{Multigrid, multigrid};
-use signorini::multigrid::{Goal, MultigridParams, Outcome};
+use signorini::multigrid::square::Square;
+use signorini::multigrid::{self, Goal, Multigrid, MultigridParams, Outcome};
 use signorini::problem::exact::Exact;
 use signorini::problem::source::Source;
 use std::time::Instant;
@@ -38,12 +38,17 @@ fn main() {
 }
 
 /// Median time in nanoseconds per unknown, and the outcome.
-fn time(workspace: &mut Multigrid, load: &[f64], goal: Goal, repeats: usize) -> (f64, Outcome) {
+fn time(
+    workspace: &mut Multigrid<Square>,
+    load: &[f64],
+    goal: Goal,
+    repeats: usize,
+) -> (f64, Outcome) {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let mut y = vec![0.0; load.len()];
     median(repeats, || {
         let start = Instant::now();
-        let outcome = workspace.solve(load, None, &params, |_| ()).expect("a solvable problem");
+        let outcome = workspace.solve(load, None, &params).expect("a solvable problem");
         workspace.write_solution(&mut y);
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, outcome)
     })
@@ -62,7 +67,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
     let given = load(grid, &f, LoadRule::default());
     let largest = given.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
     let goal = Goal::Kkt(tolerance * largest);
-    let mut workspace = Multigrid::new(n).expect("a power of two times 1, 3, 5 or 7");
+    let mut workspace = Multigrid::<Square>::new(n).expect("a power of two times 1, 3, 5 or 7");
     let (ns, _) = time(&mut workspace, &given, goal, repeats);
     let mut y = vec![0.0; given.len()];
     workspace.write_solution(&mut y);
@@ -70,7 +75,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         let start = Instant::now();
         let load = load(grid, &f, LoadRule::default());
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        multigrid(n, &load, None, &params, |_| ()).expect("a solvable problem");
+        multigrid::solve::<Square>(n, &load, None, &params).expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
     let kkt = kkt(grid, &y, &given).relative;
@@ -84,7 +89,7 @@ fn all_problems(sizes: &[usize], repeats: usize) {
     println!("per work unit to the discretisation error, over a plain sweep: the last column");
     for &n in sizes {
         let grid = Grid::new(n).expect("fine enough");
-        let mut workspace = Multigrid::new(n).expect("a power of two times 1, 3, 5 or 7");
+        let mut workspace = Multigrid::<Square>::new(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
             .map(|exact| (exact.name(), load(grid, &Source::Exact(exact), LoadRule::default())));
         let others = problems::paper_loads(n).into_iter().chain(problems::stress_loads(n));

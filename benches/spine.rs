@@ -57,7 +57,7 @@ fn iteration(c: &mut Criterion) {
         group.bench_function(format!("1/{n}"), |b| {
             b.iter(|| {
                 let mut pair = Pair::zero(grid);
-                arrow_hurwicz(grid, &load, &params, &mut pair, None)
+                arrow_hurwicz(grid, &load, &params, &mut pair)
             });
         });
     }

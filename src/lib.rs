@@ -4,8 +4,8 @@
 //! from one machine to the next, and artifacts are compared by hash.
 //!
 //! ```
-//! use signorini::multigrid::square::multigrid;
-//! use signorini::multigrid::MultigridParams;
+//! use signorini::multigrid::square::Square;
+//! use signorini::multigrid::{self, MultigridParams};
 //! use signorini::discrete::grid::Grid;
 //! use signorini::discrete::kkt::kkt;
 //! use signorini::discrete::load::{LoadRule, load};
@@ -14,7 +14,7 @@
 //! let f: Source = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
 //! let grid = Grid::new(128)?;
 //! let load = load(grid, &f, LoadRule::default());
-//! let (y, outcome) = multigrid(128, &load, None, &MultigridParams::default(), |_| ())?;
+//! let (y, outcome) = multigrid::solve::<Square>(128, &load, None, &MultigridParams::default())?;
 //! assert!(kkt(grid, &y, &load).relative < 1e-10);
 //! assert!(outcome.work_units < 60.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -207,7 +207,7 @@ pub(super) fn cost<G: Geometry>(
     let mut workspace = Multigrid::<G>::new(n).map_err(failed)?;
     let mut solve = |goal| {
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        let outcome = workspace.solve(load, None, &params, |_| ()).map_err(failed)?;
+        let outcome = workspace.solve(load, None, &params).map_err(failed)?;
         let mut y = vec![0.0; load.len()];
         workspace.write_solution(&mut y);
         Ok::<_, String>((Spent::of(&outcome), y))

@@ -77,7 +77,7 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
             max_iterations: problem.max_iterations,
         };
         let start = pair.clone();
-        let outcome = arrow_hurwicz(grid, load, &params, pair, None);
+        let outcome = arrow_hurwicz(grid, load, &params, pair);
         if level == grids.len() {
             // The solver does not show its iterates: as many iterations as it took are made once more.
             let mut again = start;

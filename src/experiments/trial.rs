@@ -2,9 +2,8 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
-use crate::multigrid;
-use crate::multigrid::square::multigrid;
-use crate::multigrid::{Goal, MultigridParams};
+use crate::multigrid::square::Square;
+use crate::multigrid::{self, Goal, MultigridParams};
 use crate::saddle::batch::{self, AsDefined, End, Job, run};
 use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
@@ -97,7 +96,7 @@ pub fn saddle(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
 /// Multigrid, by nested iteration or from `start`.
 pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    let Ok((y, outcome)) = multigrid(grid.cells(), load, start, &params, |_| {}) else {
+    let Ok((y, outcome)) = multigrid::solve::<Square>(grid.cells(), load, start, &params) else {
         return Trial { stop: "refused".into(), ..Trial::default() };
     };
     let claim = |size: f64| match (outcome.stop, goal) {

@@ -9,8 +9,8 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
-use crate::multigrid::square::multigrid;
-use crate::multigrid::{Goal, MultigridParams};
+use crate::multigrid::square::Square;
+use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::{Method, Pair};
@@ -177,7 +177,7 @@ impl OnGrid {
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
-        let solved = multigrid(grid.cells(), &level.load, None, &params, |_| ());
+        let solved = multigrid::solve::<Square>(grid.cells(), &level.load, None, &params);
         level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
         Ok(level)
     }
@@ -210,7 +210,7 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
         let unknowns = grid.nodes() as f64;
         let solve = |goal, max_cycles| {
             let params = MultigridParams { goal, max_cycles };
-            let solved = multigrid(grid.cells(), load, None, &params, |_| ());
+            let solved = multigrid::solve::<Square>(grid.cells(), load, None, &params);
             solved.map_err(|e| e.to_string())
         };
         let limit = MultigridParams::default().max_cycles;

@@ -9,7 +9,8 @@
 //! contact set comes to rest is observed, not proved. Hence the limit on steps and the watch for a return.
 //!
 //! # Cost
-//! One sparse Cholesky factorisation per step, `O(n^3)` operations and `O(n^2 log n)` memory.
+//! One sparse Cholesky factorisation per step: `O(n^3)` operations and `O(n^2 log n)` memory on the square, `O(n^6)`
+//! and `O(n^4)` on the cube.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -17,35 +18,13 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Col, Side};
 
 use super::StopReason;
-use super::input::{Extent, InputError, check_length, check_start};
+use super::input::{Extent, InputError, check_length};
+use super::layout::Dimension;
 use super::network::Network;
-use super::square::Square;
-use crate::discrete::grid::Grid;
-use crate::discrete::kkt::kkt;
+use super::stencil::coupling;
 
-/// Parameters of [`active_set`].
-#[derive(Clone, Debug)]
-pub struct ActiveSetParams {
-    /// Limit on the number of linear solves.
-    pub max_steps: usize,
-}
-
-impl Default for ActiveSetParams {
-    fn default() -> Self {
-        Self { max_steps: 100 }
-    }
-}
-
-/// What the monitor sees after each step.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    /// Its number, from 1.
-    pub step: usize,
-    /// Nodes in contact during the step.
-    pub active: usize,
-    /// Nodes that enter or leave after it.
-    pub changes: usize,
-}
+/// Limit on the number of linear systems.
+const MAX_STEPS: usize = 100;
 
 /// Result without the solution itself.
 #[derive(Clone, Copy, Debug)]
@@ -55,51 +34,27 @@ pub struct Outcome {
     pub stop: StopReason,
     /// Linear systems solved.
     pub steps: usize,
-    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)`, not relative: in the units of the load.
-    pub kkt: f64,
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see
-/// [`multigrid`](super::square::multigrid) for `A` and the layout of `load`, `start` and the result.
-///
-/// Starts from contact everywhere, or where `start` is not positive.
+/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see [`solve`](super::solve) for `A` and the layout of
+/// `load` and the solution. Starts from contact everywhere.
 ///
 /// # Errors
 /// If `n` is below 2, a length is wrong, a number is not finite, or the sum of the load is not negative.
-pub fn active_set(
-    n: usize,
-    load: &[f64],
-    start: Option<&[f64]>,
-    params: &ActiveSetParams,
-    monitor: impl FnMut(&Progress),
-) -> Result<(Vec<f64>, Outcome), InputError> {
-    let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
-    let network = Network::new::<Square>(n, 1.0);
-    let (y, stop, steps) = on_network(&network, load, start, params, monitor)?;
-    let kkt = kkt(grid, &y, load).natural;
-    Ok((y, Outcome { stop, steps, kkt }))
-}
-
-/// The same for any network; returns the solution, why the iteration ended, and its steps.
-pub(super) fn on_network(
-    network: &Network,
-    load: &[f64],
-    start: Option<&[f64]>,
-    params: &ActiveSetParams,
-    mut monitor: impl FnMut(&Progress),
-) -> Result<(Vec<f64>, StopReason, usize), InputError> {
+pub fn active_set<D: Dimension>(n: usize, load: &[f64]) -> Result<(Vec<f64>, Outcome), InputError> {
+    if n < 2 {
+        return Err(InputError::GridSize(n, "at least 2"));
+    }
+    let network = &Network::new::<D>(n, coupling::<D>(n));
     check_length(network.nodes(), load)?;
     Extent::of(load).check()?;
-    if let Some(start) = start {
-        check_start(network.nodes(), start, 1.0)?;
-    }
     let system = System::new(network, load);
-    let mut active = system.contact_of(start);
+    let mut active: Vec<_> = (0..load.len()).map(|k| network.is_constrained(k)).collect();
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
     let mut steps = 0;
     let stop = loop {
-        if steps == params.max_steps {
+        if steps == MAX_STEPS {
             break StopReason::CycleLimit;
         }
         y = system.solve(&active);
@@ -108,10 +63,7 @@ pub(super) fn on_network(
             break StopReason::Diverged;
         }
         let next = system.next_contact(&active, &y);
-        let changes = active.iter().zip(&next).filter(|(old, new)| old != new).count();
-        let in_contact = active.iter().filter(|&&contact| contact).count();
-        monitor(&Progress { step: steps, active: in_contact, changes });
-        if changes == 0 {
+        if next == active {
             break StopReason::Converged;
         }
         if seen.contains(&next) {
@@ -124,7 +76,7 @@ pub(super) fn on_network(
             *value = value.max(0.0);
         }
     }
-    Ok((y, stop, steps))
+    Ok((y, Outcome { stop, steps }))
 }
 
 /// The matrix of a network with a symbolic factorisation that serves every contact set.
@@ -150,15 +102,6 @@ impl<'a> System<'a> {
         let factorisation = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower)
             .expect("the pattern is valid and fits into memory");
         Self { network, load, pattern, factorisation }
-    }
-
-    fn contact_of(&self, start: Option<&[f64]>) -> Vec<bool> {
-        let touches = |k| start.is_none_or(|start: &[f64]| start[k] <= 0.0);
-        let mut contact: Vec<_> =
-            (0..self.load.len()).map(|k| self.network.is_constrained(k) && touches(k)).collect();
-        // Somewhere the solution touches zero; without contact the system would be singular.
-        contact[0] |= !contact.contains(&true);
-        contact
     }
 
     /// Solves `A y = F` with `y = 0` where `active`; one step of iterative refinement.

@@ -14,7 +14,7 @@ use super::rows::Colour::{Black, Red};
 use super::stencil::{coupling, visit};
 use super::stopping::{self, Hierarchy};
 use super::transfer::Weighting;
-use super::{Goal, MultigridParams, Outcome, Progress};
+use super::{Goal, MultigridParams, Outcome};
 
 /// What differs between the square and the cube, beside the stencil and the transfers.
 pub trait Geometry: Weighting {
@@ -99,7 +99,6 @@ impl<G: Geometry> Multigrid<G> {
         load: &[f64],
         start: Option<&[f64]>,
         params: &MultigridParams,
-        monitor: impl FnMut(&Progress),
     ) -> Result<Outcome, InputError> {
         // The input is read in one order and written in the other, in the end the solution.
         (self.work_units, self.traffic) = (0.0, 32.0);
@@ -123,7 +122,7 @@ impl<G: Geometry> Multigrid<G> {
                 self.pass(finest, Obstacle, &Self::smooth_twice(Interpolate))
             }
         };
-        Ok(stopping::iterate(self, kkt, params, monitor))
+        Ok(stopping::iterate(self, kkt, params))
     }
 
     /// Copies the solution in the order of the load.
@@ -192,16 +191,22 @@ impl<G: Geometry> Multigrid<G> {
     }
 }
 
-/// Solves one problem with `n` cells per side and returns its solution in the order of the load.
-pub(super) fn solve<G: Geometry>(
+/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary, `A` the five- or seven-point stiffness matrix of the
+/// natural boundary condition on a grid with `n` cells per side.
+///
+/// `load` and the solution hold `(n + 1)^2` or `(n + 1)^3` numbers, x fastest. `start` replaces the nested iteration.
+///
+/// # Errors
+/// If `n` is not [as it must be](Geometry::CELLS), a length is wrong, a number is not finite, or the sum of the load
+/// is not negative: then the energy is not bounded below, or has no unique minimiser.
+pub fn solve<G: Geometry>(
     n: usize,
     load: &[f64],
     start: Option<&[f64]>,
     params: &MultigridParams,
-    monitor: impl FnMut(&Progress),
 ) -> Result<(Vec<f64>, Outcome), InputError> {
     let mut workspace = Multigrid::<G>::new(n)?;
-    let outcome = workspace.solve(load, start, params, monitor)?;
+    let outcome = workspace.solve(load, start, params)?;
     let mut solution = vec![0.0; load.len()];
     workspace.write_solution(&mut solution);
     Ok((solution, outcome))

@@ -20,7 +20,7 @@ mod stencil;
 mod stopping;
 mod transfer;
 
-pub use hierarchy::{Geometry, Multigrid};
+pub use hierarchy::{Geometry, Multigrid, solve};
 pub use input::InputError;
 
 /// Why the iteration ended.
@@ -74,17 +74,6 @@ impl Default for MultigridParams {
     fn default() -> Self {
         Self { goal: Goal::RoundingFloor, max_cycles: 60 }
     }
-}
-
-/// What the monitor sees after each cycle on the finest grid.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    /// Cycles so far.
-    pub cycle: usize,
-    /// Natural residual, not relative: in the units of the load.
-    pub kkt: f64,
-    /// Work so far, in sweeps of the finest grid.
-    pub work_units: f64,
 }
 
 /// Result without the solution itself.

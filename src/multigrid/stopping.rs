@@ -1,6 +1,6 @@
 //! When multigrid stops, on the square and on the cube alike.
 
-use super::{Goal, MultigridParams, Outcome, Progress, StopReason};
+use super::{Goal, MultigridParams, Outcome, StopReason};
 
 /// The discretisation error is reached if the residual that the coarser grid sees is this part of the load there,
 /// in the root mean square: the algebraic error is then below a tenth of it in the energy norm, in all of 20 000
@@ -35,12 +35,7 @@ pub(super) trait Hierarchy {
 }
 
 /// Cycles until the goal is reached; `first` is the residual before the first one.
-pub(super) fn iterate(
-    grids: &mut impl Hierarchy,
-    first: f64,
-    params: &MultigridParams,
-    mut monitor: impl FnMut(&Progress),
-) -> Outcome {
+pub(super) fn iterate(grids: &mut impl Hierarchy, first: f64, params: &MultigridParams) -> Outcome {
     let diverging = DIVERGENCE * first.max(grids.load_scale());
     let (mut kkt, mut cycles) = (first, 0);
     let [mut previous, mut before] = [f64::INFINITY; 2];
@@ -55,7 +50,6 @@ pub(super) fn iterate(
         kkt = grids.cycle(last, if circling { 0.5 } else { 1.0 });
         cycles += 1;
         let raw = kkt * grids.scale();
-        monitor(&Progress { cycle: cycles, kkt: raw, work_units: grids.work_units() });
         if !kkt.is_finite() || kkt > diverging {
             break StopReason::Diverged;
         }
@@ -147,7 +141,7 @@ mod tests {
 
     fn ended(mut told: Told, goal: Goal) -> (StopReason, usize, f64) {
         let params = MultigridParams { goal, max_cycles: 9 };
-        let outcome = iterate(&mut told, 1.0, &params, |_| ());
+        let outcome = iterate(&mut told, 1.0, &params);
         assert!(told.cycles.is_empty() && told.checks.is_empty());
         (outcome.stop, outcome.cycles, outcome.kkt)
     }
@@ -197,7 +191,7 @@ mod tests {
             let max_cycles = cycles.len();
             let mut told = Told::new(cycles, vec![], 1e-12);
             let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles };
-            iterate(&mut told, 1.0, &params, |_| ());
+            iterate(&mut told, 1.0, &params);
             told.parts
         };
         assert_eq!(parts(vec![0.3, 0.8, 0.3001, 0.01, 0.005]), [1.0, 1.0, 1.0, 0.5, 1.0]);

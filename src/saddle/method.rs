@@ -24,7 +24,6 @@ use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
 
 /// How far y is minimised before each step of the multiplier.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,11 +97,10 @@ pub struct Iteration {
     pub delta_a: f64,
 }
 
-/// Called after each step of the multiplier; a break ends the run.
-pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
+/// Called after each step of the multiplier.
+pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
-/// Iterates on `pair` in place until the rule is met, the cap is hit, or the monitor breaks; returns how
-/// it ended and the number of sweeps.
+/// Iterates on `pair` in place until the rule is met or the cap is hit; returns how it ended and the number of sweeps.
 ///
 /// Without a monitor the residuals are only compared with the tolerance, row by row until one
 /// exceeds it; with one they are computed in full. The iterates are the same. An inner bound below the
@@ -126,9 +124,7 @@ pub fn solve(
         let (number, delta_a) = (steps.iterations, steps.delta_a);
         if let Some(monitor) = monitor.as_mut() {
             let (gradient_signed, gradient_abs) = steps.gradient.extrema(load, pair);
-            if monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a }).is_break() {
-                break StopReason::Interrupted;
-            }
+            monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
         }
         if (!params.rule.asks_dual() || delta_a <= params.tolerance)
             && steps.gradient.within(load, pair, params.tolerance, params.rule.is_printed())
@@ -144,14 +140,8 @@ pub fn solve(
 ///
 /// # Panics
 /// As [`solve`].
-pub fn arrow_hurwicz(
-    grid: Grid,
-    load: &[f64],
-    params: &Params,
-    pair: &mut Pair,
-    monitor: Option<OnIteration>,
-) -> Outcome {
-    solve(grid, load, Method::ArrowHurwicz, params, pair, monitor).0
+pub fn arrow_hurwicz(grid: Grid, load: &[f64], params: &Params, pair: &mut Pair) -> Outcome {
+    solve(grid, load, Method::ArrowHurwicz, params, pair, None).0
 }
 
 /// A method on one grid, one step of the multiplier at a time, without a stopping rule.

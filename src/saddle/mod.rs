@@ -15,7 +15,6 @@ pub use stopping::{StopReason, StopRule};
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
-use std::ops::ControlFlow;
 
 /// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,10 +50,8 @@ pub trait Monitor {
         false
     }
 
-    /// After each iteration on the grid of this level, counted from 1; a break ends the run.
-    fn iteration(&mut self, _level: usize, _iteration: &Iteration) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
+    /// After each iteration on the grid of this level, counted from 1.
+    fn iteration(&mut self, _level: usize, _iteration: &Iteration) {}
 
     /// After each grid, with the pair it ended with.
     fn level(&mut self, _grid: Grid, _pair: &Pair) {}
@@ -67,7 +64,7 @@ impl Monitor for () {}
 ///
 /// `loads[k]` is the load vector on `grids[k]`. On the k-th grid `params.tolerance` is replaced by
 /// [`tolerance`]`(k)`. Returns the outcome on each grid and the last pair; ends early if a grid's
-/// iteration diverges or the monitor breaks.
+/// iteration diverges.
 ///
 /// # Panics
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load vector has the wrong length.
@@ -83,7 +80,7 @@ pub fn solve_nested(
         let watched = monitor.wants_iterations();
         let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
         let on_iteration = watched.then_some(&mut on_iteration as OnIteration);
-        let outcome = arrow_hurwicz(grid, load, &params, pair, on_iteration);
+        let (outcome, _) = solve(grid, load, Method::ArrowHurwicz, &params, pair, on_iteration);
         monitor.level(grid, pair);
         (outcome, outcome.stop)
     })
@@ -110,7 +107,7 @@ pub fn on_nested<T>(
         }
         let (outcome, stop) = solve(k + 1, grid, load, &mut pair);
         kept.push(outcome);
-        if matches!(stop, StopReason::Diverged | StopReason::Interrupted) {
+        if stop == StopReason::Diverged {
             break;
         }
     }

@@ -57,8 +57,6 @@ pub enum StopReason {
     IterationLimit,
     /// A value left the range of numbers: y, a, or what is reported of them, is infinite or NaN.
     Diverged,
-    /// The monitor asked to stop.
-    Interrupted,
 }
 
 impl fmt::Display for StopReason {
@@ -67,7 +65,6 @@ impl fmt::Display for StopReason {
             Self::Converged => "converged",
             Self::IterationLimit => "iteration-limit",
             Self::Diverged => "diverged",
-            Self::Interrupted => "interrupted",
         })
     }
 }

@@ -6,8 +6,8 @@ use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::largest;
-use crate::multigrid::square::multigrid;
-use crate::multigrid::{Goal, MultigridParams};
+use crate::multigrid::square::Square;
+use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::source::Source;
 
 /// Arcs and gaps shorter than this are left out.
@@ -24,7 +24,7 @@ pub(super) fn on_grid(n: usize, f: &Source) -> Option<Vec<Place>> {
     let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
     // At the ends of contact single nodes have large residuals, which the discretisation error does not feel.
     let params = MultigridParams { goal: Goal::Kkt(0.05 * largest(&load)), ..Default::default() };
-    let (y, _) = multigrid(n, &load, None, &params, |_| ()).ok()?;
+    let (y, _) = multigrid::solve::<Square>(n, &load, None, &params).ok()?;
     let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
     let many = values.len();
 

@@ -15,8 +15,8 @@ use crate::experiments::known::KnownSolution;
 use crate::experiments::problems::{CONTACT, PAPER};
 use crate::experiments::solver::Solver;
 use crate::experiments::work::{OnGrid, R};
-use crate::multigrid::MultigridParams;
-use crate::multigrid::square::Multigrid;
+use crate::multigrid::square::Square;
+use crate::multigrid::{Multigrid, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
@@ -121,7 +121,7 @@ fn sweep(plan: &Plan) -> Sweep {
         ..Params::default()
     };
     let (seconds, spread) = time(plan.repeats, || {
-        arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid), None);
+        arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid));
     });
     Sweep { cells: CELLS, ns: 1e9 * seconds / (ITERATIONS * grid.nodes()) as f64, spread }
 }
@@ -133,7 +133,7 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
     for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest) {
         say(&format!("multigrid, h = 1/{cells}"));
         let (grid, load) = timed(cells)?;
-        let mut workspace = Multigrid::new(cells).map_err(|e| e.to_string())?;
+        let mut workspace = Multigrid::<Square>::new(cells).map_err(|e| e.to_string())?;
         let mut y = vec![0.0; load.len()];
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -142,7 +142,7 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
                 let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
                 // What a caller waits for: the solution in the order of the load.
                 let mut solve = || {
-                    let outcome = workspace.solve(&load, None, &params, |_| ());
+                    let outcome = workspace.solve(&load, None, &params);
                     workspace.write_solution(&mut y);
                     outcome
                 };

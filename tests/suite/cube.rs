@@ -7,10 +7,11 @@ use proptest::prelude::*;
 use signorini::discrete::cube::{Grid, errors, judge};
 use signorini::discrete::norms::Errors;
 use signorini::experiments::targets::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS};
-use signorini::multigrid::active_set::ActiveSetParams;
-use signorini::multigrid::cube::{Multigrid, active_set, multigrid};
-use signorini::multigrid::{Goal, MultigridParams, Outcome};
-use signorini::multigrid::{InputError, StopReason};
+use signorini::multigrid::active_set::active_set;
+use signorini::multigrid::cube::Cube;
+use signorini::multigrid::{
+    self, Goal, InputError, Multigrid, MultigridParams, Outcome, StopReason,
+};
 use signorini::problem::cube::Exact;
 
 fn grid(n: usize) -> Grid {
@@ -19,11 +20,11 @@ fn grid(n: usize) -> Grid {
 
 fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, Outcome) {
     let params = MultigridParams { goal, ..Default::default() };
-    multigrid(n, load, None, &params, |_| {}).expect("valid load")
+    multigrid::solve::<Cube>(n, load, None, &params).expect("valid load")
 }
 
 fn oracle(n: usize, load: &[f64]) -> Vec<f64> {
-    active_set(n, load, None, &ActiveSetParams::default(), |_| {}).expect("valid load").0
+    active_set::<Cube>(n, load).expect("valid load").0
 }
 
 fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
@@ -108,7 +109,7 @@ fn multigrid_and_active_set_agree_to_rounding() {
 #[test]
 fn work_does_not_depend_on_the_grid() {
     for n in [64, 128] {
-        let mut workspace = Multigrid::new(n).expect("valid size");
+        let mut workspace = Multigrid::<Cube>::new(n).expect("valid size");
         let loads = match n {
             64 => exact_loads(n).into_iter().chain(stress_loads(n)).collect(),
             _ => vec![("free-disc", exact_load(Exact::FreeDisc, n))],
@@ -122,7 +123,7 @@ fn work_does_not_depend_on_the_grid() {
                 (Goal::RoundingFloor, HARD * WORK_UNITS[2]),
             ] {
                 let params = MultigridParams { goal, ..Default::default() };
-                let outcome = workspace.solve(&load, None, &params, |_| {}).expect("valid load");
+                let outcome = workspace.solve(&load, None, &params).expect("valid load");
                 assert!(outcome.work_units < limit, "{name} {n} {goal:?} {outcome:?}");
                 let floor = goal == Goal::RoundingFloor;
                 let expected =
@@ -186,7 +187,8 @@ fn absurd_starts_lead_to_the_same_solution() {
         let (y, _) = run(n, &load, Goal::RoundingFloor);
         for (k, start) in absurd_starts(&y).iter().enumerate() {
             let params = MultigridParams::default();
-            let (z, outcome) = multigrid(n, &load, Some(start), &params, |_| {}).expect("valid");
+            let (z, outcome) =
+                multigrid::solve::<Cube>(n, &load, Some(start), &params).expect("valid");
             assert_eq!(outcome.stop, StopReason::RoundingFloor, "{problem:?} {k} {outcome:?}");
             let rounding = 1e3 * f64::EPSILON * largest(&y);
             assert!(distance(&y, &z) < rounding, "{problem:?} start {k} {}", distance(&y, &z));
@@ -199,9 +201,9 @@ fn impossible_input_is_refused() {
     let n = 8;
     let good = vec![-1.0; 729];
     let params = MultigridParams::default();
-    let solve = |n: usize, load: &[f64]| multigrid(n, load, None, &params, |_| {}).map(|_| ());
-    let direct =
-        |load: &[f64]| active_set(n, load, None, &ActiveSetParams::default(), |_| {}).map(|_| ());
+    let solve =
+        |n: usize, load: &[f64]| multigrid::solve::<Cube>(n, load, None, &params).map(|_| ());
+    let direct = |load: &[f64]| active_set::<Cube>(n, load).map(|_| ());
     for wrong in [0, 1, 9, 10, 14] {
         assert!(matches!(solve(wrong, &good), Err(InputError::GridSize(..))), "{wrong}");
     }
@@ -211,10 +213,7 @@ fn impossible_input_is_refused() {
         bad[40] = value;
         assert_eq!(solve(n, &bad), Err(InputError::NotFinite("load")));
         assert_eq!(direct(&bad), Err(InputError::NotFinite("load")));
-        let start = multigrid(n, &good, Some(&bad), &params, |_| {}).map(|_| ());
-        assert_eq!(start, Err(InputError::NotFinite("start")));
-        let params = ActiveSetParams::default();
-        let start = active_set(n, &good, Some(&bad), &params, |_| {}).map(|_| ());
+        let start = multigrid::solve::<Cube>(n, &good, Some(&bad), &params).map(|_| ());
         assert_eq!(start, Err(InputError::NotFinite("start")));
     }
     let opposite: Vec<_> = good.iter().map(|entry| -entry).collect();
@@ -227,10 +226,10 @@ fn impossible_input_is_refused() {
 #[test]
 fn the_workspace_can_be_used_again() {
     let n = 32;
-    let mut workspace = Multigrid::new(n).expect("valid size");
+    let mut workspace = Multigrid::<Cube>::new(n).expect("valid size");
     let params = MultigridParams::default();
     let mut solve = |load: &[f64]| {
-        workspace.solve(load, None, &params, |_| {}).expect("valid load");
+        workspace.solve(load, None, &params).expect("valid load");
         let mut y = vec![0.0; load.len()];
         workspace.write_solution(&mut y);
         y

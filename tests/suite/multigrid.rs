@@ -11,10 +11,11 @@ use signorini::discrete::norms::{Errors, errors, multiplier_error};
 use signorini::discrete::stiffness::energy;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini::experiments::targets::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS};
-use signorini::multigrid::active_set::{ActiveSetParams, active_set};
-use signorini::multigrid::square::{Multigrid, multigrid};
-use signorini::multigrid::{Goal, MultigridParams, Outcome};
-use signorini::multigrid::{InputError, StopReason};
+use signorini::multigrid::active_set::active_set;
+use signorini::multigrid::square::Square;
+use signorini::multigrid::{
+    self, Goal, InputError, Multigrid, MultigridParams, Outcome, StopReason,
+};
 use signorini::problem::exact::Exact;
 use signorini::problem::source::{Source, Tie};
 
@@ -38,7 +39,7 @@ fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
 
 fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, Outcome) {
     let params = MultigridParams { goal, ..Default::default() };
-    multigrid(n, load, None, &params, |_| {}).expect("valid load")
+    multigrid::solve::<Square>(n, load, None, &params).expect("valid load")
 }
 
 /// What rounding errors alone leave of the optimality conditions.
@@ -175,8 +176,7 @@ fn multigrid_and_active_set_agree_to_rounding() {
         let exact = Exact::ALL.map(|problem| ("exact", exact_load(problem, n)));
         for (name, load) in exact.into_iter().chain(stress_loads(n)) {
             let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-            let params = ActiveSetParams::default();
-            let (oracle, _) = active_set(n, &load, None, &params, |_| {}).expect("valid load");
+            let (oracle, _) = active_set::<Square>(n, &load).expect("valid load");
             assert_eq!(outcome.stop, StopReason::RoundingFloor, "{name} {n} {outcome:?}");
             // Values are determined up to the conditioning of the contact set.
             let level = rounding_level(&oracle);
@@ -266,7 +266,8 @@ fn absurd_starts_lead_to_the_same_solution() {
         let (y, _) = run(n, &load, Goal::RoundingFloor);
         for (k, start) in absurd_starts(&y).iter().enumerate() {
             let params = MultigridParams::default();
-            let (z, outcome) = multigrid(n, &load, Some(start), &params, |_| {}).expect("valid");
+            let (z, outcome) =
+                multigrid::solve::<Square>(n, &load, Some(start), &params).expect("valid");
             assert_eq!(
                 outcome.stop,
                 StopReason::RoundingFloor,
@@ -282,7 +283,8 @@ fn impossible_input_is_refused() {
     let n = 16;
     let good = vec![-1.0; 17 * 17];
     let params = MultigridParams::default();
-    let solve = |n: usize, load: &[f64]| multigrid(n, load, None, &params, |_| {}).map(|_| ());
+    let solve =
+        |n: usize, load: &[f64]| multigrid::solve::<Square>(n, load, None, &params).map(|_| ());
     assert!(matches!(solve(9, &good), Err(InputError::GridSize(9, _))));
     assert!(matches!(solve(0, &good), Err(InputError::GridSize(0, _))));
     assert!(matches!(solve(n, &good[1..]), Err(InputError::Length { found: 288, expected: 289 })));
@@ -303,12 +305,12 @@ fn impossible_input_is_refused() {
 #[test]
 fn the_workspace_stays_small_and_can_be_used_again() {
     let n = 512;
-    let mut workspace = Multigrid::new(n).expect("valid size");
+    let mut workspace = Multigrid::<Square>::new(n).expect("valid size");
     assert!(workspace.bytes() as f64 <= BYTES[0] * ((n + 1) * (n + 1)) as f64);
     let load = exact_load(Exact::FreeCorner, n);
     let params = MultigridParams::default();
     let mut solve = |load: &[f64]| {
-        workspace.solve(load, None, &params, |_| {}).expect("valid load");
+        workspace.solve(load, None, &params).expect("valid load");
         let mut y = vec![0.0; load.len()];
         workspace.write_solution(&mut y);
         y
@@ -321,8 +323,8 @@ fn the_workspace_stays_small_and_can_be_used_again() {
 #[test]
 #[should_panic(expected = "one number for each node")]
 fn a_short_slice_does_not_hold_the_solution() {
-    let mut workspace = Multigrid::new(16).expect("valid size");
-    workspace.solve(&[-1.0; 289], None, &MultigridParams::default(), |_| {}).expect("valid load");
+    let mut workspace = Multigrid::<Square>::new(16).expect("valid size");
+    workspace.solve(&[-1.0; 289], None, &MultigridParams::default()).expect("valid load");
     workspace.write_solution(&mut [0.0; 272]);
 }
 
@@ -347,7 +349,7 @@ proptest! {
         });
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
         prop_assert_eq!(outcome.stop, StopReason::RoundingFloor);
-        let (oracle, _) = active_set(n, &load, None, &ActiveSetParams::default(), |_| {}).expect("valid");
+        let (oracle, _) = active_set::<Square>(n, &load).expect("valid");
         // Twice what the solver asks for: the check adds in another order.
         let level = 2.0 * rounding_level(&oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");

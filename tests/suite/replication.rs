@@ -111,8 +111,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         let params =
             Params { r: 10.0, tolerance: 1e-11, rule: StopRule::Printed, ..Params::default() };
         let mut pair = Pair::zero(grid);
-        let outcome =
-            arrow_hurwicz(grid, &load(grid, &scene.f, scene.load), &params, &mut pair, None);
+        let outcome = arrow_hurwicz(grid, &load(grid, &scene.f, scene.load), &params, &mut pair);
         assert_eq!(outcome.stop, StopReason::Converged);
         assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
         errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));

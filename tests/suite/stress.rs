@@ -127,11 +127,11 @@ fn what_is_not_a_number_is_never_a_result() {
             let params = Params { rule, max_iterations: 1000, ..Params::default() };
             let mut poisoned = good.clone();
             poisoned[40] = bad;
-            let outcome = arrow_hurwicz(grid, &poisoned, &params, &mut Pair::zero(grid), None);
+            let outcome = arrow_hurwicz(grid, &poisoned, &params, &mut Pair::zero(grid));
             assert_eq!(outcome.stop, StopReason::Diverged, "load {bad} {rule}");
             let mut pair = Pair::zero(grid);
             pair.a[3] = bad;
-            let outcome = arrow_hurwicz(grid, &good, &params, &mut pair, None);
+            let outcome = arrow_hurwicz(grid, &good, &params, &mut pair);
             let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
             assert!(finite || outcome.stop == StopReason::Diverged, "a {bad} {rule}");
         }
@@ -184,7 +184,7 @@ proptest! {
         let tolerance = 10f64.powf(relative_exponent) * largest;
         let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000 };
         let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero(grid) };
-        let outcome = arrow_hurwicz(grid, &load, &params, &mut pair, None);
+        let outcome = arrow_hurwicz(grid, &load, &params, &mut pair);
         let natural = kkt(grid, &pair.y, &load).natural;
         prop_assert!(natural.is_finite());
         if outcome.stop == StopReason::Converged {

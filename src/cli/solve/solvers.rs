@@ -7,9 +7,9 @@ use super::domain::{Domain, square};
 use super::problem::Problem;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::norms::largest;
-use crate::multigrid::active_set::{self, ActiveSetParams, active_set};
-use crate::multigrid::cube;
-use crate::multigrid::square::multigrid;
+use crate::multigrid::active_set::{self, active_set};
+use crate::multigrid::cube::Cube;
+use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, InputError, MultigridParams};
 use crate::pipeline::error::{Error, Result};
 use crate::saddle::{self, Outcome, Pair, Params, StopReason, on_nested, tolerance};
@@ -98,20 +98,17 @@ impl Problem {
             _ => Goal::RoundingFloor,
         };
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        let direct = ActiveSetParams::default();
         let by_cycles = |(y, o): (_, multigrid::Outcome)| (y, o.cycles, o.stop, Some(o.work_units));
         let by_steps = |(y, o): (_, active_set::Outcome)| (y, o.steps, o.stop, None);
         let solved = match (&self.domain, self.solver) {
             (Domain::Square { .. }, Solver::Multigrid) => {
-                multigrid(n, load, None, &params, |_| ()).map(by_cycles)
+                multigrid::solve::<Square>(n, load, None, &params).map(by_cycles)
             }
-            (Domain::Square { .. }, _) => active_set(n, load, None, &direct, |_| ()).map(by_steps),
             (Domain::Cube { .. }, Solver::Multigrid) => {
-                cube::multigrid(n, load, None, &params, |_| ()).map(by_cycles)
+                multigrid::solve::<Cube>(n, load, None, &params).map(by_cycles)
             }
-            (Domain::Cube { .. }, _) => {
-                cube::active_set(n, load, None, &direct, |_| ()).map(by_steps)
-            }
+            (Domain::Square { .. }, _) => active_set::<Square>(n, load).map(by_steps),
+            (Domain::Cube { .. }, _) => active_set::<Cube>(n, load).map(by_steps),
         };
         let (y, iterations, stop, work_units) = solved.map_err(|e| self.refused(&e))?;
         if stop == multigrid::StopReason::Diverged {

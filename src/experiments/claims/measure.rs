@@ -115,7 +115,7 @@ impl<'a> Case<'a> {
                 ..Params::default()
             };
             let mut pair = starts[k].clone();
-            let outcome = arrow_hurwicz(grid, &solvable[k], &params, &mut pair, None);
+            let outcome = arrow_hurwicz(grid, &solvable[k], &params, &mut pair);
             if outcome.stop != StopReason::Converged {
                 return Err(format!("no solution on grid 1/{}: {}", grid.cells(), outcome.stop));
             }

@@ -9,7 +9,6 @@ use crate::saddle::batch::{
 };
 use crate::saddle::{Iteration, Monitor, Params, StopRule, solve_nested, tolerance};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 
 /// The undisturbed runs of a table.
 struct Undisturbed<'a> {
@@ -67,7 +66,7 @@ impl Monitor for Margins {
         true
     }
 
-    fn iteration(&mut self, level: usize, iteration: &Iteration) -> ControlFlow<()> {
+    fn iteration(&mut self, level: usize, iteration: &Iteration) {
         self.levels.resize(level, (None, f64::NAN));
         let (above, below) = &mut self.levels[level - 1];
         let excess = iteration.gradient_signed / tolerance(level) - 1.0;
@@ -76,7 +75,6 @@ impl Monitor for Margins {
         } else {
             *below = -excess;
         }
-        ControlFlow::Continue(())
     }
 }
 

@@ -6,8 +6,8 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
-use crate::multigrid::MultigridParams;
-use crate::multigrid::square::multigrid;
+use crate::multigrid::square::Square;
+use crate::multigrid::{self, MultigridParams};
 use serde::{Deserialize, Serialize};
 
 /// One problem on all grids, solved by multigrid to the rounding floor.
@@ -72,7 +72,8 @@ impl Level {
         let grid = Grid::new(cells).map_err(|e| failed(&e))?;
         let (f, load) = (known.f(), known.load(grid));
         let params = MultigridParams::default();
-        let (y, _) = multigrid(cells, &load, None, &params, |_| ()).map_err(|e| failed(&e))?;
+        let (y, _) =
+            multigrid::solve::<Square>(cells, &load, None, &params).map_err(|e| failed(&e))?;
         let bounds = bounds(grid, &f, &y).map_err(|e| failed(&e))?;
         let error = known.h1_error(grid, &y, &load);
         let [low, high] = bounds.energy;

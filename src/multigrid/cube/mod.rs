@@ -26,21 +26,12 @@ mod contact;
 mod surface;
 mod transfer;
 
-use super::active_set::{self, ActiveSetParams};
-use super::hierarchy::{self, Geometry};
-use super::input::InputError;
+use super::hierarchy::Geometry;
 use super::layout::Dimension;
 use super::level::Level;
-use super::network::Network;
-use super::stencil::coupling;
-use super::{MultigridParams, Outcome, Progress};
-use crate::discrete::cube::{Grid, judge};
 
 /// The unit cube.
 pub struct Cube;
-
-/// Preallocated grids on the cube.
-pub type Multigrid = hierarchy::Multigrid<Cube>;
 
 impl Dimension for Cube {
     const AXES: usize = 3;
@@ -62,43 +53,4 @@ impl Geometry for Cube {
     fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
         contact::set_springs(n, in_contact, levels)
     }
-}
-
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary, `A` the seven-point stiffness matrix of the
-/// natural boundary condition on `n` by `n` by `n` cells (see [`cube`](crate::discrete::cube)).
-///
-/// `load` and the result hold `(n + 1)^3` numbers, x fastest, z slowest. `start` replaces the nested
-/// iteration. `n` is a power of two, or three times one.
-///
-/// # Errors
-/// If `n` is not of that form, a length is wrong, a number is not finite, or the sum of the load is
-/// not negative: then the energy is not bounded below, or has no unique minimiser.
-pub fn multigrid(
-    n: usize,
-    load: &[f64],
-    start: Option<&[f64]>,
-    params: &MultigridParams,
-    monitor: impl FnMut(&Progress),
-) -> Result<(Vec<f64>, Outcome), InputError> {
-    hierarchy::solve::<Cube>(n, load, start, params, monitor)
-}
-
-/// The same by the primal-dual active set method with a direct solver, for any `n` from 2: the oracle.
-///
-/// One sparse Cholesky factorisation per step, `O(n^6)` operations and `O(n^4)` memory.
-///
-/// # Errors
-/// If `n` is below 2, a length is wrong, a number is not finite, or the sum of the load is not negative.
-pub fn active_set(
-    n: usize,
-    load: &[f64],
-    start: Option<&[f64]>,
-    params: &ActiveSetParams,
-    monitor: impl FnMut(&active_set::Progress),
-) -> Result<(Vec<f64>, active_set::Outcome), InputError> {
-    let Ok(grid) = Grid::new(n) else { return Err(InputError::GridSize(n, "at least 2")) };
-    let network = Network::new::<Cube>(n, coupling::<Cube>(n));
-    let (y, stop, steps) = active_set::on_network(&network, load, start, params, monitor)?;
-    let kkt = judge(grid, &y, load).kkt.natural;
-    Ok((y, active_set::Outcome { stop, steps, kkt }))
 }

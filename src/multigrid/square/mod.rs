@@ -41,17 +41,12 @@
 mod contact;
 mod transfer;
 
-use super::hierarchy::{self, Geometry};
-use super::input::InputError;
+use super::hierarchy::Geometry;
 use super::layout::Dimension;
 use super::level::Level;
-use super::{MultigridParams, Outcome, Progress};
 
 /// The unit square.
 pub struct Square;
-
-/// Preallocated grids on the square.
-pub type Multigrid = hierarchy::Multigrid<Square>;
 
 impl Dimension for Square {
     const AXES: usize = 2;
@@ -77,23 +72,4 @@ impl Geometry for Square {
     fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
         contact::set_springs(n, in_contact, levels)
     }
-}
-
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary, `A` the five-point stiffness matrix of the
-/// natural boundary condition on `n` by `n` cells.
-///
-/// `load` and the result are row-major, `(n + 1)^2` numbers, x fastest. `start` replaces the nested
-/// iteration. `n` is a power of two times 1, 3, 5 or 7.
-///
-/// # Errors
-/// If `n` is not of that form, a length is wrong, a number is not finite, or the sum of the load is
-/// not negative: then the energy is not bounded below, or has no unique minimiser.
-pub fn multigrid(
-    n: usize,
-    load: &[f64],
-    start: Option<&[f64]>,
-    params: &MultigridParams,
-    monitor: impl FnMut(&Progress),
-) -> Result<(Vec<f64>, Outcome), InputError> {
-    hierarchy::solve::<Square>(n, load, start, params, monitor)
 }

@@ -6,8 +6,8 @@ use crate::discrete::kkt::judge;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::max_error;
 use crate::discrete::transfer::Prolongation;
-use crate::multigrid::MultigridParams;
-use crate::multigrid::square::multigrid;
+use crate::multigrid::square::Square;
+use crate::multigrid::{self, MultigridParams};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::problem::exact::Exact;
@@ -17,7 +17,6 @@ use crate::saddle::{
     Iteration, Monitor, Outcome, Pair, Params, StopReason, StopRule, solve_nested,
 };
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
 
 /// Everything a cell depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -73,7 +72,7 @@ pub(super) fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task>
 pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
-    let (y, _) = multigrid(grid.cells(), &load, None, &MultigridParams::default(), |_| ())
+    let (y, _) = multigrid::solve::<Square>(grid.cells(), &load, None, &MultigridParams::default())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let a = judge(grid, &y, &load).multiplier(grid.boundary(), &y, grid.h());
     Ok(Pair { y, a })
@@ -145,10 +144,9 @@ impl Monitor for Record {
         self.keep_history
     }
 
-    fn iteration(&mut self, level: usize, iteration: &Iteration) -> ControlFlow<()> {
+    fn iteration(&mut self, level: usize, iteration: &Iteration) {
         self.history.resize_with(level, Vec::new);
         self.history[level - 1].push(*iteration);
-        ControlFlow::Continue(())
     }
 
     fn level(&mut self, grid: Grid, pair: &Pair) {

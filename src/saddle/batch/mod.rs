@@ -253,7 +253,7 @@ mod tests {
         for ((r, rule), ours) in all().zip(ends) {
             let params = Params { r, rule, tolerance: 1e-4, max_iterations: 1000 };
             let mut pair = start.clone();
-            let theirs = arrow_hurwicz(grid, &load, &params, &mut pair, None);
+            let theirs = arrow_hurwicz(grid, &load, &params, &mut pair);
             assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
             assert_eq!(ours.outcome(grid, &job((r, rule))), theirs);
             assert_eq!(ours.pair, pair);

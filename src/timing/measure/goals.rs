@@ -5,9 +5,9 @@ use crate::discrete::transfer::Prolongation;
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
 use crate::experiments::solver::Solver;
 use crate::experiments::work::{OnGrid, R};
-use crate::multigrid::MultigridParams;
-use crate::multigrid::active_set::{ActiveSetParams, active_set};
-use crate::multigrid::square::multigrid;
+use crate::multigrid::active_set::active_set;
+use crate::multigrid::square::Square;
+use crate::multigrid::{self, MultigridParams};
 use crate::saddle::{Method, Pair};
 use crate::timing::recorded::Goal;
 
@@ -37,8 +37,7 @@ pub(super) fn goals(solver: Solver) -> Vec<(String, f64, Solve)> {
             8.0,
             Box::new(|levels: &[OnGrid]| {
                 let OnGrid { grid, load, .. } = levels.last()?;
-                let params = ActiveSetParams::default();
-                Some(active_set(grid.cells(), load, None, &params, |_| ()).ok()?.0)
+                Some(active_set::<Square>(grid.cells(), load).ok()?.0)
             }),
         )],
         Solver::Multigrid => {
@@ -47,7 +46,7 @@ pub(super) fn goals(solver: Solver) -> Vec<(String, f64, Solve)> {
                     let OnGrid { grid, load, .. } = levels.last()?;
                     let params =
                         MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
-                    Some(multigrid(grid.cells(), load, None, &params, |_| ()).ok()?.0)
+                    Some(multigrid::solve::<Square>(grid.cells(), load, None, &params).ok()?.0)
                 };
                 (goal.in_words().into(), 4.0, Box::new(solve))
             };
