@@ -126,9 +126,8 @@ fn the_monitor_sees_each_step() {
     let (grid, load) = setting(PROBLEMS[1]);
     let mut seen = Vec::new();
     let mut record = |iteration: &Iteration| seen.push(*iteration);
-    let params = Params { max_iterations: 1000, ..tight(1.0) };
     let mut pair = Pair::zero(grid);
-    let (end, _) = solve(grid, &load, uzawa(0.0), &params, &mut pair, Some(&mut record));
+    let (end, _) = solve(grid, &load, uzawa(0.0), &tight(1.0), &mut pair, Some(&mut record));
     assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.iterations));
     let last = seen.last().unwrap();
     assert_eq!((last.gradient_abs, last.delta_a), (end.gradient_abs, end.delta_a));
