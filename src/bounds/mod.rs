@@ -20,7 +20,7 @@
 //! Horizontal differences of the nodal vector over h, at the middles of edges, are coefficients of
 //! B-splines of degree 2 in x and 1 in y; vertical ones the other way round. Beyond the boundary the vector
 //! is continued by reflection plus twice the reaction, which makes `sigma.n` the linear interpolant of the
-//! reactions ([`flux`]). The divergence of this *spline flux* is the bilinear interpolant of what the
+//! reactions (`flux.rs`). The divergence of this *spline flux* is the bilinear interpolant of what the
 //! five-point stencil gives at the nodes: f, where f is constant. Where f jumps, its moments over the cells
 //! give corrections in closed form: fluxes through edges that move the integrals of f times the bilinear
 //! hat functions to the cells, and a field inside the cell. In the spirit of Braess and Schöberl (Math.
@@ -30,7 +30,7 @@
 //! What is left adds to `|grad w - sigma|`: the distance of f from a bilinear function in cells that a jump
 //! cuts, times `h / (2 pi)` (Poincaré's constant on bilinear complements); and the residual of the
 //! five-point equation, which holds iteration errors and what the load vector differs from the integrals
-//! against bilinear hats ([`residual`]).
+//! against bilinear hats (`residual.rs`).
 //!
 //! # The recovery
 //! w is the bilinear interpolant less a bubble on each edge that makes its slopes those of the flux, blended
@@ -39,9 +39,9 @@
 //! `2 (J(v) - J(w) + G)` and, with the bubbles on the boundary left out, `2 (J(v) - J(w'))`.
 //!
 //! # Cost and rounding
-//! One pass over the vector, row by row, with closed forms for all integrals ([`cells`]), summed over many cells
+//! One pass over the vector, row by row, with closed forms for all integrals (`cells.rs`), summed over many cells
 //! side by side. Where f is constant around a cell they are quadratic forms of the twelve values there
-//! ([`regular`]). The bounds are widened by what rounding errors can add up to in sums of `n` terms.
+//! (`regular.rs`). The bounds are widened by what rounding errors can add up to in sums of `n` terms.
 
 mod cells;
 mod data;

@@ -52,7 +52,7 @@ pub struct Slice {
     pub x: Vec<f64>,
     /// Values along y.
     pub y: Vec<f64>,
-    /// `exact[j][i]`: counts that come out at (x[i], y[j]).
+    /// `exact[j][i]`: counts that come out at `(x[i], y[j])`.
     pub exact: Vec<Vec<usize>>,
 }
 

@@ -46,7 +46,7 @@ const DECIMALS: usize = 14;
 pub struct Value {
     /// As a double.
     pub value: f64,
-    /// The decimals on which both resolutions agree, at most [`DECIMALS`], rounded.
+    /// The decimals on which both resolutions agree, at most `DECIMALS`, rounded.
     pub digits: String,
 }
 
