@@ -29,7 +29,7 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
         if !folder.is_dir() {
             return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
         }
-        let mut entries = fs::read_dir(folder).context("list", folder)?;
+        let mut entries = fs::read_dir(folder).context("list", folder).map_err(elsewhere)?;
         if entries.next().is_some() {
             return Err(Error::input(format!(
                 "{} is not empty; name a folder that is, or one that is not there yet",
@@ -38,11 +38,19 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
         }
     }
     for (path, text) in FILES {
-        write_atomically(&folder.join(path), text.as_bytes())?;
+        write_atomically(&folder.join(path), text.as_bytes()).map_err(elsewhere)?;
     }
     say(&format!(
         "a study with one scene, pipeline/scenes/plate.toml, and one page, report/templates/plate.md\n\
         next: cd {} && signorini run\n",
         folder.display()
     ))
+}
+
+/// What helps where there is no cache yet, nor anything to keep.
+fn elsewhere(mut e: Error) -> Error {
+    if let Error::Io { remedy, .. } = &mut e {
+        *remedy = "name a folder in another place";
+    }
+    e
 }

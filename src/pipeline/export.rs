@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+/// The folders of the project in which exports lie, beside files of people's own.
+const FOLDERS: [&str; 2] = ["figures", "report"];
+
 /// Files to write and to remove so that the project folder shows what the tasks last computed.
 #[derive(Debug, Default)]
 pub struct Exports {
@@ -86,7 +89,7 @@ impl Exports {
         }
         // What a task that failed or waits made before is still wanted.
         if whole && manifests.len() == plan.tasks().len() {
-            self.remove_old(project, known)?;
+            self.remove_old(project, plan, known)?;
         }
         Ok(self)
     }
@@ -97,11 +100,19 @@ impl Exports {
         known.get(path).is_some_and(|hash| hash == found) || written()
     }
 
-    /// Files that are on record and that no task makes any more are to go.
-    fn remove_old(&mut self, project: &Path, known: &Hashes) -> Result<()> {
+    /// Files that are on record and that no task makes any more are to go. People edit records too: what lies
+    /// elsewhere than exports, or is an input, stays.
+    fn remove_old(&mut self, project: &Path, plan: &Plan, known: &Hashes) -> Result<()> {
+        let may_go = |path: &&String| {
+            let folder = path.split('/').next().unwrap_or_default();
+            FOLDERS.contains(&folder)
+                && is_plain(path)
+                && !self.files.contains_key(*path)
+                && !plan.tasks().iter().any(|task| task.files.contains_key(*path))
+        };
         let old = known.keys().chain(self.written.0.keys());
         let mut remove = BTreeSet::new();
-        for path in old.filter(|path| !self.files.contains_key(*path) && is_plain(path)) {
+        for path in old.filter(may_go) {
             let found = hash_if_there(&project.join(path))?;
             if found.is_some_and(|found| self.on_record(known, path, &found)) {
                 remove.insert(path.clone());

@@ -123,10 +123,15 @@ pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     if_there(path, read(path))
 }
 
-/// What came of reading a file or folder that need not be there.
+/// What came of reading a file or folder that need not be there; a link that leads nowhere is there.
 pub(super) fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>> {
     match read {
-        Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        Err(e)
+            if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
+                && !path.is_symlink() =>
+        {
+            Ok(None)
+        }
         found => found.map(Some).context("read", path),
     }
 }

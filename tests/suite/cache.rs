@@ -194,6 +194,21 @@ fn a_reverted_edit_is_a_hit_and_survives_gc() {
 }
 
 #[test]
+fn a_result_in_use_again_survives_gc_though_nothing_else_is_to_do() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    let lock = fs::read(project.path("pipeline/lock.toml")).unwrap();
+    project.scene("a", &TABLE.replace("else=-1", "else=-2"));
+    project.run(&["run"]).lines();
+    // As `git checkout` does it, the lock file with the scene.
+    project.scene("a", TABLE);
+    project.write("pipeline/lock.toml", lock);
+    assert_eq!(project.run(&["run", "-v"]).ran(), [""; 0]);
+    project.run(&["gc"]).lines();
+    assert_eq!(project.run(&["run", "-v"]).lines(), ["nothing to do"]);
+}
+
+#[test]
 fn gc_removes_garbage_and_nothing_else() {
     let project = Project::with(&wanting(EVERYTHING));
     project.run(&["run"]).lines();

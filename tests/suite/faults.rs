@@ -126,6 +126,37 @@ fn figures_of_a_deleted_scene_go_unless_somebody_edited_them() {
 }
 
 #[test]
+fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
+    let place = Project::with(TABLE);
+    place.run(&["init", "study"]).lines();
+    let run = |args: &[&str]| -> Said {
+        place.command(args).current_dir(place.path("study")).output().unwrap().into()
+    };
+    run(&["run"]).lines();
+    let lock = "study/pipeline/lock.toml";
+    place.write("study/notes.txt", "mine");
+    place.write("study/figures/old.svg", "made once");
+    let mut text = fs::read_to_string(place.path(lock)).unwrap();
+    let kept = [
+        "notes.txt",
+        "pipeline/scenes/plate.toml",
+        "report/book.toml",
+        "report/templates/plate.md",
+    ];
+    for path in kept.into_iter().chain(["figures/old.svg"]) {
+        let bytes = fs::read(place.path(&format!("study/{path}"))).unwrap();
+        text += &format!("\"{path}\" = \"{}\"\n", signorini::pipeline::hash(&bytes));
+    }
+    place.write(lock, text);
+    let said = run(&["run"]);
+    assert!(said.lines().contains(&"1 file removed from figures/ and report/"), "{said:?}");
+    assert!(!place.path("study/figures/old.svg").exists());
+    for path in kept {
+        assert!(place.path(&format!("study/{path}")).exists(), "{path}");
+    }
+}
+
+#[test]
 fn figures_of_a_task_that_fails_stay() {
     let project = Project::with(&wanting("[\"surface\"]"));
     project.scene("b", &wanting("[\"source\"]"));
@@ -175,6 +206,12 @@ fn what_is_no_file_is_refused_where_files_are_read() {
     assert!(status().refusal().contains("it links to a folder; move it away"), "{:?}", status());
     fs::remove_file(project.path("report/root")).unwrap();
     // Unreadable is not absent: what cannot be read may be somebody's work.
+    let paper = project.path("pipeline/paper.toml");
+    fs::remove_file(&paper).unwrap();
+    assert_eq!(status().code, Some(0));
+    std::os::unix::fs::symlink("nowhere", &paper).unwrap();
+    assert!(status().refusal().contains("paper.toml: ") && status().err.contains("check the path"));
+    fs::remove_file(&paper).unwrap();
     fs::remove_file(project.path("figures/a-source.svg")).unwrap();
     fs::create_dir(project.path("figures/a-source.svg")).unwrap();
     assert!(project.run(&["run"]).refusal().contains("a-source.svg: "));

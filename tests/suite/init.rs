@@ -36,4 +36,7 @@ fn a_study_begins_in_an_empty_folder() {
         assert!(said.refusal().contains(taken), "{said:?}");
         assert_eq!(place.times(), before);
     }
+    // Where there is no cache yet, none is to be moved.
+    let said = place.run(&["init", "pipeline/scenes/a.toml/study"]);
+    assert!(said.refusal().ends_with("; name a folder in another place"), "{said:?}");
 }
