@@ -3,6 +3,7 @@
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 pub(super) use crate::pipeline::talk;
+use clap::ValueEnum;
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -22,6 +23,33 @@ pub(super) fn say(text: &str) -> Result<u8> {
 pub(super) fn say_json(value: &impl serde::Serialize) -> Result<u8> {
     let text = serde_json::to_string_pretty(value).expect("answers are plain data");
     say(&(text + "\n"))
+}
+
+/// Says which pieces of an f, a scene's or the user's own, mean nothing: their numbers may be mistyped.
+pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) {
+    let of = scene.map_or("f".to_owned(), |name| format!("f in scene `{name}`"));
+    for piece in pieces {
+        talk(&format!("warning: {piece} of {of} lies outside [-0.5,0.5] and changes nothing"));
+    }
+}
+
+/// Refuses an option, with whether it is given and whom it is for, that whoever is chosen `by` another has no use for.
+pub(super) fn check_options<T: ValueEnum + PartialEq>(
+    by: &str,
+    chosen: T,
+    options: &[(&str, bool, &[T])],
+) -> Result<()> {
+    let Some((option, _, takers)) =
+        options.iter().find(|(_, given, takers)| *given && !takers.contains(&chosen))
+    else {
+        return Ok(());
+    };
+    let name = |of: &T| of.to_possible_value().map_or(String::new(), |of| of.get_name().into());
+    let takers = takers.iter().map(name).collect::<Vec<_>>().join(", ");
+    Err(Error::input(format!(
+        "{option} is for {by} {takers}, not {}; leave it out, or change {by}",
+        name(&chosen)
+    )))
 }
 
 pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {

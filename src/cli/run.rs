@@ -1,7 +1,7 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::CacheArgs;
-use super::output::{OutputFile, say, talk};
+use super::output::{OutputFile, say, talk, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited, jobs, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, Times, brief, why};
@@ -68,6 +68,11 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
             }
         };
         return Err(Error::input(format!("there is nothing of this kind to make; {remedy}")));
+    }
+    if !args.quiet {
+        for scene in workplace.project.select(&args.scenes)? {
+            warn_of_outside(Some(&scene.name), &scene.f.outside());
+        }
     }
     let options =
         Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };

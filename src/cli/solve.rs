@@ -33,7 +33,8 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "F",
         conflicts_with_all = ["scene", "f", "load", "r", "stop", "max_iterations"])]
     cube: Option<String>,
-    /// Width of the finest grid, 1/256, or its cells per side, 256 [default: the scene's, or 1/64]
+    /// Width of the finest grid, 1/256 or 0.00390625, or its cells per side, 256 [default: the scene's,
+    /// or 1/64]
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     h: Option<String>,
     /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
@@ -67,11 +68,11 @@ pub(super) struct SolveArgs {
     #[arg(long)]
     json: bool,
     /// Write the solution: .vti for ParaView, .npz (v, multiplier, f) or .npy (v) for NumPy, .svg for a
-    /// picture; or vtk, npz, npy, svg alone
+    /// picture; or vti, npz, npy, svg alone
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the recovered solution, piecewise quadratic, on half the width
-    #[arg(long, requires = "out", conflicts_with = "cube")]
+    /// With --out, write the recovered solution, piecewise quadratic, on half the width
+    #[arg(long, conflicts_with = "cube")]
     recover: bool,
 }
 
@@ -80,8 +81,7 @@ impl SolveArgs {
     /// this folder.
     fn file(&self, problem: &Problem) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
-        let ending = out.to_str().map(|name| if name == "vtk" { "vti" } else { name });
-        let named = ending.filter(|ending| Format::from_str(ending, false).is_ok());
+        let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
         let on_cube = problem.domain.dimension() == 3;
         let usual = if on_cube { "cube" } else { "solution" };
         let name = problem.scene.as_deref().unwrap_or(usual);

@@ -95,6 +95,10 @@ impl<'a> Plan<'a> {
         // Chains know nothing of each other, so that any of them may go elsewhere.
         let block = if request.method == Method::Enumerate { BLOCK } else { 1 };
         let part = request.part.unwrap_or(Part { number: 1, of: 1 });
+        // One from a file need not have been read as a text.
+        if !(1..=part.of).contains(&part.number) {
+            return Err(IdentifyError::Part(part.to_string()));
+        }
         let share = part.share(items.div_ceil(block));
         let items = share.start * block..(share.end * block).min(items);
         let evaluator = Evaluator::new(target, &request.variant, &geometries)?;

@@ -1,7 +1,7 @@
 //! Regions of the plane on which f is constant; all are convex.
 
 use super::exact::Exact;
-use super::shape::{Convex, Shape, SourceError, half_line, numbers, run, scaled};
+use super::shape::{Convex, INSIDE, Shape, SourceError, half_line, misses, numbers, run, scaled};
 use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Range;
@@ -104,6 +104,10 @@ impl Shape for Region {
             Self::Disc { radius, .. } => radius <= 0.0,
             Self::Quadrant { .. } => false,
         }
+    }
+
+    fn is_outside(&self) -> bool {
+        misses(self.extent([INSIDE]))
     }
 
     fn cover(regions: &[Self]) -> bool {

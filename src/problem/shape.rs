@@ -21,6 +21,9 @@ pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
     /// Whether it has no interior.
     fn is_empty(&self) -> bool;
 
+    /// Whether it does not reach into the domain.
+    fn is_outside(&self) -> bool;
+
     /// Whether shapes cover everything between them, as far as their kinds show it.
     fn cover(_shapes: &[Self]) -> bool {
         false
@@ -72,6 +75,14 @@ pub(super) fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
         a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
         a => Some([room / a, f64::INFINITY]),
     }
+}
+
+/// Coordinates of points that are in the domain by more than rounding.
+pub(super) const INSIDE: [f64; 2] = [-0.5 + 1e-9, 0.5 - 1e-9];
+
+/// Whether a set misses the domain, whose least and greatest x there are these, if it has any.
+pub(super) fn misses(extent: Option<[f64; 2]>) -> bool {
+    extent.is_none_or(|[least, greatest]| greatest < INSIDE[0] || INSIDE[1] < least)
 }
 
 /// Why a text is no right-hand side.

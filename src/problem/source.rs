@@ -51,6 +51,13 @@ impl<S: Shape> Source<S> {
         }
     }
 
+    /// The pieces that lie outside the domain, where they change nothing.
+    pub fn outside(&self) -> Vec<String> {
+        let Self::Pieces { pieces, .. } = self else { return Vec::new() };
+        let outside = pieces.iter().filter(|(shape, _)| shape.is_outside());
+        outside.map(|(shape, _)| shape.to_string()).collect()
+    }
+
     /// |f| for constant pieces; a named problem, whose integral is far from zero, is left as it is.
     pub fn absolute(&self) -> Self {
         match self {

@@ -187,7 +187,7 @@ fn solutions_are_written_for_numpy_and_paraview() {
     assert!(npz.windows(npy.len()).any(|part| part == npy), "it contains v.npy as it is");
 
     // The name of a format alone.
-    let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", "vtk"]);
+    let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", "vti"]);
     assert!(said.lines().contains(&"wrote a.vti"), "{said:?}");
     assert_eq!(fs::read(project.path("a.vti")).unwrap(), vti);
     let said = project.run(&["solve", "--f", "else=-1", "--out", "npy"]);
@@ -266,6 +266,13 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--h", "1/99999999"], "is the finest"),
         (&["--f", "else=-1", "--stop", "never"], "choose one of signed, printed"),
         (&["--f", "else=-1", "--out", "v.doc"], "unknown ending; use one of"),
+        (&["--f", "else=-1", "--out", "v.vtk"], "unknown ending; use one of"),
+        (&["--f", "else=-1", "--out", "vtk"], "unknown ending; use one of"),
+        (&["--f", "else=-1", "--recover"], "add --out FILE"),
+        (
+            &["--f", "else=-1", "--solver", "spectral", "--recover"],
+            "--recover is for --solver arrow-hurwicz, ",
+        ),
         (&["--f", "else=-1", "--h", "1/8", "--out", "no/v.npy"], "cannot write no/v.npy"),
         (&["nobody"], "no scene `nobody`; there are: a"),
         (&["--cube", "else=1"], "lower f somewhere"),
@@ -310,6 +317,26 @@ fn solve_refuses_in_one_line() {
         project.run(&["solve", "--f", "else=-1e308", "--h", "1/8", "--max-iterations", "50"]);
     assert_eq!(wild.code, Some(3), "{wild:?}");
     assert!(wild.err.contains("diverged on grid 1/"), "{wild:?}");
+}
+
+#[test]
+fn pieces_of_f_outside_the_domain_are_named() {
+    let project = Project::with(TABLE);
+    let square =
+        "rect(2,3,2,3)=9; disc(0,0.8,0.3)=9; halfplane(1,1,-1)=9; disc(0,0.8,0.31)=1; else=-1";
+    let cube = "box(0,1,0,1,0.5,1)=9; ball(0.6,0.6,0.6,0.17)=9; halfspace(1,1,1,-1.6)=9; ball(0,0,0,9)=-1; else=9";
+    for (option, f, named) in [
+        ("--f", square, ["rect(2,3,2,3)", "disc(0,0.8,0.3)", "halfplane(1,1,-1)"]),
+        ("--cube", cube, ["box(0,1,0,1,0.5,1)", "ball(0.6,0.6,0.6,0.17)", "halfspace(1,1,1,-1.6)"]),
+    ] {
+        let said = project.run(&["solve", option, f, "--h", "1/8", "--solver", "multigrid"]);
+        let warning =
+            |piece| format!("warning: {piece} of f lies outside [-0.5,0.5] and changes nothing\n");
+        assert_eq!((said.code, said.err.as_str()), (Some(0), &*named.map(warning).concat()));
+    }
+    project.scene("a", &TABLE.replace("else=-1", "disc(1,1,0.1)=1; else=-1"));
+    let said = project.run(&["run", "-n"]);
+    assert!(said.err.starts_with("warning: disc(1,1,0.1) of f in scene `a` lies"), "{said:?}");
 }
 
 #[test]

@@ -225,7 +225,7 @@ impl Chooser {
         let files = [
             "v.npy",
             "v.vti",
-            "vtk",
+            "vti",
             "/dev/null",
             "|",
             "v.svg",

@@ -139,6 +139,13 @@ fn the_parts_of_a_search_are_together_the_whole() {
             assert!(said.refusal().contains(why), "{why}: {said:?}");
         }
     }
+    let state = std::fs::read_to_string(project.path("p2.json")).unwrap();
+    let edited =
+        state.replace("\"part\":{\"number\":2,\"of\":3}", "\"part\":{\"number\":0,\"of\":0}");
+    assert_ne!(edited, state);
+    project.write("edited.json", edited);
+    let said = project.run(&["identify", "--merge", "edited.json"]);
+    assert!(said.refusal().contains("`0/0` is no part of a search"), "{said:?}");
     let one = ["identify", "--values", "-7:3:0.5", "--part", "2/3", "--checkpoint", "p2.json"];
     assert!(project.run(&one).refusal().contains("belongs to a different search"));
     std::fs::remove_file(project.path("p2.json")).unwrap();
@@ -168,8 +175,8 @@ fn wrong_input_is_refused_in_one_line() {
         (&["--budget", "-1"], "give seconds"),
         (&["--threads", "0"], "leave it out"),
         (&["--method", "anneal", "--chains", "0"], "--chains must be at least 1"),
-        (&["--chains", "4"], "means nothing to enumeration; leave it out, or add --method anneal"),
-        (&["--method", "anneal", "--exact-grids", "1"], "add --method enumerate"),
+        (&["--chains", "4"], "is for --method anneal, not enumerate; leave it out"),
+        (&["--method", "anneal", "--exact-grids", "1"], "is for --method enumerate, not anneal"),
         (&["--exact-grids", "9"], "the table has 2"),
         (&["--values", "1,2;3;4"], "--values has 3 lists for 2 values of f"),
         (&["--top", "0"], "--top must be at least 1"),

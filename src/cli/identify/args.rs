@@ -1,6 +1,7 @@
 //! The arguments of `identify`, and the request that they make.
 
 use super::refused;
+use crate::cli::output::check_options;
 use crate::identify::{Lattice, Method, Request, Space, Variant};
 use crate::pipeline::error::{Error, Result};
 use clap::{Args, ValueEnum};
@@ -94,26 +95,6 @@ pub(in crate::cli) struct IdentifyArgs {
     pub(super) json: bool,
 }
 
-/// Refuses an option that the other method has.
-fn check_options(args: &IdentifyArgs, way: Way) -> Result<()> {
-    let options = [
-        ("--chains", args.chains.is_some(), Way::Anneal),
-        ("--steps", args.steps.is_some(), Way::Anneal),
-        ("--seed", args.seed.is_some(), Way::Anneal),
-        ("--exact-grids", args.exact_grids.is_some(), Way::Enumerate),
-    ];
-    let [other, name] = match way {
-        Way::Enumerate => ["anneal", "enumeration"],
-        Way::Anneal => ["enumerate", "annealing"],
-    };
-    match options.iter().find(|(_, given, of)| *given && *of != way) {
-        None => Ok(()),
-        Some((option, ..)) => Err(Error::input(format!(
-            "{option} means nothing to {name}; leave it out, or add --method {other}"
-        ))),
-    }
-}
-
 /// What is asked, of tables with so many `grids`.
 pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
     let space: Space = args.space.parse().map_err(refused)?;
@@ -128,7 +109,14 @@ pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
         if n == 0 { Err(Error::input(format!("--{name} must be at least 1"))) } else { Ok(n) }
     };
     let way = args.method.unwrap_or(way);
-    check_options(args, way)?;
+    let (anneal, enumerate) = (&[Way::Anneal][..], &[Way::Enumerate][..]);
+    let options = [
+        ("--chains", args.chains.is_some(), anneal),
+        ("--steps", args.steps.is_some(), anneal),
+        ("--seed", args.seed.is_some(), anneal),
+        ("--exact-grids", args.exact_grids.is_some(), enumerate),
+    ];
+    check_options("--method", way, &options)?;
     let exact_grids = args.exact_grids.unwrap_or(2.min(grids));
     if exact_grids > grids {
         return Err(Error::input(format!("--exact-grids {exact_grids}: the table has {grids}")));

@@ -77,6 +77,14 @@ impl Domain {
         }
     }
 
+    /// The pieces of f that change nothing.
+    pub(super) fn outside(&self) -> Vec<String> {
+        match self {
+            Self::Square { f, .. } => f.outside(),
+            Self::Cube { f } => f.outside(),
+        }
+    }
+
     /// The integrals of f and of |f|.
     pub(super) fn integrals(&self) -> [f64; 2] {
         match self {

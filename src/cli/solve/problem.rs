@@ -4,6 +4,7 @@ use super::accuracy::Accuracy;
 use super::domain::Domain;
 use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
+use crate::cli::output::{check_options, warn_of_outside};
 use crate::discrete::grid::nested;
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::transfer::Prolongation;
@@ -45,6 +46,7 @@ impl Problem {
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
         let domain = domain(args, scene, &mut overridden)?;
+        warn_of_outside(args.scene.as_deref(), &domain.outside());
         let [integral, of_size] = domain.integrals();
         let integral = solvable(integral, of_size)?;
         let default = match (args.accuracy(), &domain) {
@@ -52,7 +54,7 @@ impl Problem {
             _ => Solver::Multigrid,
         };
         let solver = args.solver.unwrap_or(default);
-        check_options(args, solver)?;
+        check_solver_options(args, solver)?;
         let given = args.h.as_deref().map(cells).transpose()?;
         let of_scene = scene.map(|s| s.finest().cells());
         let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
@@ -102,9 +104,9 @@ impl Problem {
 }
 
 /// Refuses an option that the solver has no use for.
-fn check_options(args: &SolveArgs, solver: Solver) -> Result<()> {
+fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     const MULTIGRID: &[Solver] = &[Solver::Multigrid];
-    let options = [
+    let options: [(_, _, &[Solver]); 10] = [
         ("--r", args.r.is_some(), Solver::NESTED),
         ("--stop", args.stop.is_some(), Solver::NESTED),
         ("--max-iterations", args.max_iterations.is_some(), Solver::NESTED),
@@ -113,17 +115,14 @@ fn check_options(args: &SolveArgs, solver: Solver) -> Result<()> {
         ("--accuracy-energy", args.accuracy_energy.is_some(), MULTIGRID),
         ("--h", args.h.is_some(), &Solver::ON_GRIDS),
         ("--load", args.load.is_some(), &Solver::ON_GRIDS),
+        ("--recover", args.recover, &Solver::ON_GRIDS),
         ("--out", args.out.is_some(), &Solver::ON_GRIDS),
     ];
-    match options.iter().find(|(_, given, takers)| *given && !takers.contains(&solver)) {
-        None => Ok(()),
-        Some((option, _, takers)) => {
-            let takers = takers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ");
-            Err(Error::input(format!(
-                "{option} is for --solver {takers}, not {solver}; leave it out, or change --solver"
-            )))
-        }
+    check_options("--solver", solver, &options)?;
+    if args.recover && args.out.is_none() {
+        return Err(Error::input("--recover is about the file that --out names; add --out FILE"));
     }
+    Ok(())
 }
 
 fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {

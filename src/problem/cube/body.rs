@@ -2,7 +2,9 @@
 
 use super::exact::Exact;
 use crate::problem::region::Region;
-use crate::problem::shape::{Convex, Shape, SourceError, half_line, numbers, run, scaled};
+use crate::problem::shape::{
+    Convex, INSIDE, Shape, SourceError, half_line, misses, numbers, run, scaled,
+};
 use std::fmt;
 use std::ops::Range;
 
@@ -83,6 +85,10 @@ impl Shape for Body {
             Self::Ball { radius, .. } => radius <= 0.0,
             Self::HalfSpace { normal, .. } => normal == [0.0; 3],
         }
+    }
+
+    fn is_outside(&self) -> bool {
+        misses(self.extent([INSIDE; 2]))
     }
 }
 
