@@ -97,6 +97,19 @@ fn converged_is_said_only_where_the_conditions_hold() {
 }
 
 #[test]
+fn a_load_without_a_solution_is_refused_alike_whatever_the_solver() {
+    let project = Project::with(TABLE);
+    // Positive at one node only, where f is not so much as that of the node.
+    let f = "rect(-0.06,0.06,-0.06,0.06)=60; else=-1";
+    for solver in ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set"] {
+        let args = ["solve", "--f", f, "--load", "nodal", "--h", "1/4", "--solver", solver];
+        let said = project.run(&args);
+        let why = "error: custom: the load vector sums to +2.812e0 on grid 1/4, where the discrete problem has no solution; use --load exact, another --h, or a lower f\n";
+        assert_eq!((said.code, said.err.as_str()), (Some(3), why), "{solver}");
+    }
+}
+
+#[test]
 fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
     let project = Project::with(TABLE);
     // Contact everywhere, and v r is a rounding error there.

@@ -102,7 +102,10 @@ impl Answer {
         let (name, finest) = (problem.name(), problem.finest());
         let Level { ref stop, kkt, energy, sum_load, .. } = self.solved.levels[last];
         let mut verdict = None;
-        if stop.ends_with("-limit") {
+        if sum_load >= 0.0 {
+            verdict = Some("no-solution");
+            self.failure = Some(problem.without_solution(sum_load));
+        } else if stop.ends_with("-limit") {
             let remedy = if problem.solver.is_nested() {
                 "raise --max-iterations, or use --solver multigrid"
             } else {
@@ -110,11 +113,6 @@ impl Answer {
             };
             self.failure =
                 Some(format!("{name}: stopped at the {stop} on grid 1/{finest}; {remedy}"));
-        } else if sum_load >= 0.0 {
-            verdict = Some("no-solution");
-            self.failure = Some(format!(
-                "{name}: the load vector sums to {sum_load:+.3e} on grid 1/{finest}, where the discrete problem has no solution; use --load exact, another --h, or a lower f"
-            ));
         } else if problem.accuracy.is_some() {
             // A guaranteed bound has been reached; residuals of single nodes take nothing from it.
         } else if let Some(why) = self.disagreement(kkt.relative, energy) {
@@ -169,16 +167,12 @@ impl Answer {
                 coarse.iter().filter(|l| which(l)).map(|l| format!("1/{}", l.cells)).collect();
             (!of.is_empty()).then(|| of.join(", "))
         };
-        let mut warnings = Vec::new();
-        if let Some(grids) = list(&|level| level.sum_load >= 0.0) {
-            warnings.push(format!(
-                "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
-            ));
-        }
-        if let Some(grids) = list(&|level| level.stop != "converged") {
-            warnings.push(format!("the stopping rule was not met on {grids}"));
-        }
-        self.warnings.extend(warnings);
+        let unsolvable = list(&|level| level.sum_load >= 0.0).map(|grids| format!(
+            "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
+        ));
+        let unmet = list(&|level| level.stop != "converged")
+            .map(|grids| format!("the stopping rule was not met on {grids}"));
+        self.warnings.extend([unsolvable, unmet].into_iter().flatten());
     }
 
     /// Where the load vector is that of another f.

@@ -131,17 +131,26 @@ impl Problem {
         Ok(Solved { levels: vec![level], pair: Pair { y, a }, flux, work_units })
     }
 
+    /// That no nodal vector solves the discrete problem for a load vector with this sum; whichever solver finds it,
+    /// the answer is none.
+    pub(super) fn without_solution(&self, sum_load: f64) -> String {
+        let lower = match self.domain {
+            Domain::Square { .. } => "use --load exact, another --h, or a lower f",
+            Domain::Cube { .. } => "lower f somewhere",
+        };
+        let (name, n) = (self.name(), self.finest());
+        format!(
+            "{name}: the load vector sums to {sum_load:+.3e} on grid 1/{n}, where the discrete problem has no solution; {lower}"
+        )
+    }
+
     fn refused(&self, e: &InputError) -> Error {
-        let (option, lower) = match self.domain {
-            Domain::Square { .. } => ("--f", "use --load exact, another --h, or a lower f"),
-            Domain::Cube { .. } => ("--cube", "lower f somewhere"),
-        };
-        let remedy = match e {
-            InputError::NotCoercive(_) => lower,
-            InputError::GridSize(..) => return Error::input(format!("--h: {e}; choose another")),
-            _ => "check f",
-        };
+        let option = if self.domain.dimension() == 2 { "--f" } else { "--cube" };
         let place = self.scene.as_deref().unwrap_or(option);
-        Error::input(format!("{place}: {e}; {remedy}"))
+        match e {
+            InputError::NotCoercive(sum) => Error::Stage(vec![self.without_solution(*sum)]),
+            InputError::GridSize(..) => Error::input(format!("--h: {e}; choose another")),
+            _ => Error::input(format!("{place}: {e}; check f")),
+        }
     }
 }
