@@ -6,7 +6,7 @@ mod machine;
 use super::CacheArgs;
 use super::diff::comparisons;
 use super::output::{OutputFile, is_there, say, talk};
-use super::pipeline::{Scope, Workplace};
+use super::pipeline::{Scope, Workplace, outside_report};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, hash};
 use crate::replication::comparison::TableComparison;
@@ -60,6 +60,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
         Some(folder) => is_there(folder).map(|()| folder.clone())?,
         None => workplace.project.root.join("codecheck"),
     };
+    outside_report(&workplace.project.root, &folder, "the certificate")?;
     if !args.force && folder.join(MANIFEST).exists() {
         return Err(Error::input(format!(
             "{} is there already; move it away, or overwrite it with --force",

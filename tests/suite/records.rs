@@ -110,6 +110,8 @@ fn a_certificate_is_refused_unless_everything_is_up_to_date() {
     project.write("pipeline/lock.toml", lock);
     let said = project.run(&["certificate", "--output", "nowhere"]);
     assert!(said.refusal().contains("--output nowhere: no such folder; make it with `mkdir"));
+    let said = project.run(&["certificate", "--output", "report"]);
+    assert!(said.refusal().contains("the certificate would lie in report/"), "{said:?}");
     fs::create_dir(project.path("here")).unwrap();
     project.run(&["certificate", "--output", "here"]).lines();
     assert!(project.path("here/codecheck.yml").exists() && !project.path("codecheck").exists());
