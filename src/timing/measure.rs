@@ -132,7 +132,8 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
     let mut measured = Vec::new();
     for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest) {
         say(&format!("multigrid, h = 1/{cells}"));
-        let (grid, load) = timed(cells)?;
+        let grid = Grid::new(cells).map_err(|e| e.to_string())?;
+        let load = load(grid, &Source::Exact(TIMED), LoadRule::default());
         let mut workspace = Multigrid::<Square>::new(cells).map_err(|e| e.to_string())?;
         let mut y = vec![0.0; load.len()];
         for &threads in &threads {
@@ -161,11 +162,6 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
         }
     }
     Ok(measured)
-}
-
-fn timed(cells: usize) -> Result<(Grid, Vec<f64>), String> {
-    let grid = Grid::new(cells).map_err(|e| e.to_string())?;
-    Ok((grid, load(grid, &Source::Exact(TIMED), LoadRule::default())))
 }
 
 struct Case {

@@ -5,6 +5,7 @@ use crate::experiments::work::REACHED;
 use crate::multigrid;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Deserializer, Serialize};
+use std::collections::BTreeMap;
 
 /// Path in the project.
 pub const PATH: &str = "pipeline/timings.toml";
@@ -243,16 +244,13 @@ pub struct Peer {
 pub const PUBLISHED: &str = "published stop";
 
 /// Per grid, the least time in which the error came down to that of the discretisation.
-pub fn to_discretisation(lines: &[&Reached]) -> impl Iterator<Item = (usize, f64)> {
-    let mut grids: Vec<usize> = lines.iter().map(|line| line.cells).collect();
-    grids.sort_unstable();
-    grids.dedup();
-    grids.into_iter().filter_map(|cells| {
-        let there = lines
-            .iter()
-            .filter(|line| line.cells == cells && line.error <= REACHED * line.discretisation);
-        Some((cells, there.map(|line| line.seconds).min_by(f64::total_cmp)?))
-    })
+pub fn to_discretisation(lines: &[&Reached]) -> BTreeMap<usize, f64> {
+    let mut least = BTreeMap::new();
+    for line in lines.iter().filter(|line| line.error <= REACHED * line.discretisation) {
+        let seconds = least.entry(line.cells).or_insert(line.seconds);
+        *seconds = seconds.min(line.seconds);
+    }
+    least
 }
 
 /// A number that a median or a norm can be.

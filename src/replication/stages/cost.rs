@@ -134,7 +134,7 @@ pub(super) fn cost(timings: &Timings) -> Picture {
     let solvers = COMPARED.map(|solver| {
         let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
         let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        Curve::new(Marked, solver.in_words(), to_discretisation(&mine).map(per_unknown))
+        Curve::new(Marked, solver.in_words(), to_discretisation(&mine).into_iter().map(per_unknown))
     });
     let axes = ["unknowns", "nanoseconds per unknown"];
     let panels = [

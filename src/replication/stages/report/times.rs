@@ -148,7 +148,7 @@ fn fits(timings: &Timings) -> Vec<Fit> {
 fn comparison(problem: &str, lines: &[Reached]) -> Value {
     let times = Solver::ON_GRIDS.map(|solver| {
         let mine = lines.iter().filter(|l| l.solver == solver && l.problem == problem);
-        to_discretisation(&mine.collect::<Vec<_>>()).collect::<BTreeMap<_, _>>()
+        to_discretisation(&mine.collect::<Vec<_>>())
     });
     let grids: BTreeSet<_> = times.iter().flat_map(BTreeMap::keys).collect();
     let row = |cells: &usize| {
