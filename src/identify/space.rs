@@ -2,6 +2,7 @@
 
 use super::IdentifyError;
 use crate::discrete::load::integral;
+use crate::problem::region::QUADRANTS;
 use crate::problem::shape::Shape;
 use crate::problem::source::{Region, Source};
 use serde::{Deserialize, Serialize};
@@ -28,7 +29,7 @@ impl Space {
 
     /// The geometries of the family; all have the same number of values.
     pub fn geometries(self) -> Vec<Geometry> {
-        let quadrant = |q: usize| Region::Quadrant { right: q % 2 == 1, upper: q / 2 == 1 };
+        let quadrants = QUADRANTS.map(|(_, quadrant)| quadrant);
         let lines = [-0.5, -0.25, 0.0, 0.25, 0.5];
         let rect = |x: [usize; 2], y: [usize; 2]| Region::Rect {
             x: x.map(|i| lines[i]),
@@ -36,10 +37,10 @@ impl Space {
         };
         match self {
             Self::Quadrants => {
-                vec![Geometry { regions: (0..4).map(quadrant).collect(), rest: false }]
+                vec![Geometry { regions: quadrants.into(), rest: false }]
             }
             Self::OddQuadrant => {
-                (0..4).map(|q| Geometry { regions: vec![quadrant(q)], rest: true }).collect()
+                quadrants.map(|one| Geometry { regions: vec![one], rest: true }).into()
             }
             Self::Rectangles => {
                 let spans = || (0..5).flat_map(|p| (p + 1..5).map(move |q| [p, q]));
@@ -87,7 +88,7 @@ impl Geometry {
     /// any other f.
     pub fn of_quadrants(f: &Source) -> Option<(Self, Vec<f64>)> {
         let Source::Pieces { background, pieces } = f else { return None };
-        let quadrant = |(region, _): &(Region, f64)| matches!(region, Region::Quadrant { .. });
+        let quadrant = |(region, _): &(Region, f64)| QUADRANTS.iter().any(|(_, q)| q == region);
         if pieces.is_empty() || !pieces.iter().all(quadrant) {
             return None;
         }

@@ -10,10 +10,8 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "fields are the arguments of the notation")]
 pub enum Region {
-    /// `rect(x0,x1,y0,y1)`.
+    /// `rect(x0,x1,y0,y1)`; without bounds towards two sides, one of the [`QUADRANTS`].
     Rect { x: [f64; 2], y: [f64; 2] },
-    /// `quadrant(ll|lr|ul|ur)`: a quarter of the plane, axes through the centre of the square.
-    Quadrant { right: bool, upper: bool },
     /// `halfplane(a,b,c)`: all points with `a x + b y <= c`.
     HalfPlane { a: f64, b: f64, c: f64 },
     /// `disc(x,y,radius)`.
@@ -21,25 +19,16 @@ pub enum Region {
 }
 
 impl Region {
-    /// A quadrant as an unbounded rectangle, any other region as it is.
-    fn plain(self) -> Self {
-        let half = |plus: bool| if plus { [0.0, f64::INFINITY] } else { [f64::NEG_INFINITY, 0.0] };
-        match self {
-            Self::Quadrant { right, upper } => Self::Rect { x: half(right), y: half(upper) },
-            other => other,
-        }
-    }
-
     /// The region as an intersection of half-planes `a x + b y <= c`, `[a, b, c]` each, to draw it: a disc
     /// becomes the regular polygon of the same area with 360 sides, within 2e-5 radii of the circle.
     pub fn half_planes(&self) -> Vec<[f64; 3]> {
         match *self {
             Self::Rect { x, y } => {
-                vec![[-1.0, 0.0, -x[0]], [1.0, 0.0, x[1]], [0.0, -1.0, -y[0]], [0.0, 1.0, y[1]]]
-            }
-            Self::Quadrant { right, upper } => {
-                let side = |plus: bool| if plus { -1.0 } else { 1.0 };
-                vec![[side(right), 0.0, 0.0], [0.0, side(upper), 0.0]]
+                // By subtraction, since the negative of zero is another zero.
+                let [left, bottom] = [0.0 - x[0], 0.0 - y[0]];
+                let sides =
+                    [[-1.0, 0.0, left], [1.0, 0.0, x[1]], [0.0, -1.0, bottom], [0.0, 1.0, y[1]]];
+                sides.into_iter().filter(|[.., c]| c.is_finite()).collect()
             }
             Self::HalfPlane { a, b, c } => vec![[a, b, c]],
             Self::Disc { centre: [cx, cy], radius } => {
@@ -62,7 +51,7 @@ impl Shape for Region {
     const EXAMPLE: &'static str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 
     fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        match self.plain() {
+        match *self {
             Self::Rect { x: [left, right], y: [bottom, top] } => {
                 left <= x && x <= right && bottom <= y && y <= top
             }
@@ -71,7 +60,6 @@ impl Shape for Region {
                 let (dx, dy) = (x - cx, y - cy);
                 dx * dx + dy * dy <= radius * radius
             }
-            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
         }
     }
 
@@ -102,7 +90,6 @@ impl Shape for Region {
             Self::Rect { x, y } => x[0] >= x[1] || y[0] >= y[1],
             Self::HalfPlane { a, b, .. } => a == 0.0 && b == 0.0,
             Self::Disc { radius, .. } => radius <= 0.0,
-            Self::Quadrant { .. } => false,
         }
     }
 
@@ -115,17 +102,19 @@ impl Shape for Region {
     }
 }
 
-/// The quadrants, each with its name: lower or upper, left or right.
-const QUADRANTS: [(&str, Region); 4] = [
-    ("ll", Region::Quadrant { right: false, upper: false }),
-    ("lr", Region::Quadrant { right: true, upper: false }),
-    ("ul", Region::Quadrant { right: false, upper: true }),
-    ("ur", Region::Quadrant { right: true, upper: true }),
+/// The quarters of the plane, axes through the centre of the square, each with its name: lower or upper, left or right.
+pub const QUADRANTS: [(&str, Region); 4] = [
+    ("ll", Region::Rect { x: NEGATIVE, y: NEGATIVE }),
+    ("lr", Region::Rect { x: POSITIVE, y: NEGATIVE }),
+    ("ul", Region::Rect { x: NEGATIVE, y: POSITIVE }),
+    ("ur", Region::Rect { x: POSITIVE, y: POSITIVE }),
 ];
+const NEGATIVE: [f64; 2] = [f64::NEG_INFINITY, 0.0];
+const POSITIVE: [f64; 2] = [0.0, f64::INFINITY];
 
 impl Convex<1> for Region {
     fn along(&self, xs: &[f64], [y]: [f64; 1]) -> Range<usize> {
-        let turn = match self.plain() {
+        let turn = match *self {
             Self::Rect { x: [left, right], y: [bottom, top] } => {
                 let start = xs.partition_point(|&x| x < left);
                 let held = bottom <= y && y <= top;
@@ -140,7 +129,7 @@ impl Convex<1> for Region {
     }
 
     fn extent(&self, [y]: [[f64; 2]; 1]) -> Option<[f64; 2]> {
-        match self.plain() {
+        match *self {
             Self::Rect { x, y: [bottom, top] } => (bottom <= y[1] && y[0] <= top).then_some(x),
             Self::HalfPlane { a, b, c } => {
                 let ([a, b], c) = scaled([a, b], c);
@@ -151,12 +140,11 @@ impl Convex<1> for Region {
                 let half = ((radius - away) * (radius + away)).sqrt();
                 (away <= radius).then_some([cx - half, cx + half])
             }
-            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
         }
     }
 
     fn seen_from(&self, x: f64, [y]: [f64; 1], unit: f64) -> Self {
-        match self.plain() {
+        match *self {
             Self::Rect { x: [left, right], y: [bottom, top] } => Self::Rect {
                 x: [(left - x) / unit, (right - x) / unit],
                 y: [(bottom - y) / unit, (top - y) / unit],
@@ -168,19 +156,17 @@ impl Convex<1> for Region {
             Self::Disc { centre: [cx, cy], radius } => {
                 Self::Disc { centre: [(cx - x) / unit, (cy - y) / unit], radius: radius / unit }
             }
-            Self::Quadrant { .. } => unreachable!("a plain region is no quadrant"),
         }
     }
 }
 
 impl fmt::Display for Region {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((name, _)) = QUADRANTS.iter().find(|(_, quadrant)| quadrant == self) {
+            return write!(out, "quadrant({name})");
+        }
         match self {
             Self::Rect { x, y } => write!(out, "rect({},{},{},{})", x[0], x[1], y[0], y[1]),
-            Self::Quadrant { .. } => {
-                let named = QUADRANTS.iter().find(|(_, quadrant)| quadrant == self);
-                write!(out, "quadrant({})", named.map_or("", |(name, _)| name))
-            }
             Self::HalfPlane { a, b, c } => write!(out, "halfplane({a},{b},{c})"),
             Self::Disc { centre, radius } => {
                 write!(out, "disc({},{},{radius})", centre[0], centre[1])

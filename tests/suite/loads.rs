@@ -7,7 +7,7 @@ use signorini::discrete::cube;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini::problem::cube::{Body, Source as CubeSource};
-use signorini::problem::region::Region;
+use signorini::problem::region::{QUADRANTS, Region};
 use signorini::problem::shape::{Convex, Shape};
 use signorini::problem::source::Source;
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ impl Random {
         match (4.0 * self.next() + 2.0) as usize {
             0 => Region::Rect { x: self.interval(), y: self.interval() },
             1 => Region::HalfPlane { a: self.next(), b: self.next(), c: 0.5 * self.next() },
-            2 => Region::Quadrant { right: self.next() > 0.0, upper: self.next() > 0.0 },
+            2 => QUADRANTS[(4.0 * self.next() + 2.0) as usize].1,
             _ => Region::Disc {
                 centre: [1.2 * self.next(), 1.2 * self.next()],
                 radius: 0.31 + 0.6 * self.next(),
@@ -66,9 +66,6 @@ fn heights(pieces: &Pieces, x: f64) -> Vec<(f64, usize)> {
             Region::Rect { x: [left, right], y } => {
                 let within = there(left < x && x < right);
                 found.extend([(y[0], 4 * k), (y[1], 4 * k + 1), (within, 4 * k + 2)]);
-            }
-            Region::Quadrant { right, .. } => {
-                found.extend([(0.0, 4 * k), (there((x > 0.0) == right), 4 * k + 1)]);
             }
             Region::HalfPlane { a, b, c } => found.push(((c - a * x) / b, 4 * k)),
             Region::Disc { centre, radius } => {
