@@ -4,7 +4,6 @@ mod bench;
 mod certificate;
 mod dag;
 mod diff;
-mod formats;
 mod identify;
 mod init;
 mod interrupt;

@@ -1,7 +1,7 @@
 //! What leaves the program: data on standard output, talk on standard error, files that the user named.
 
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::files::write_atomically;
+use crate::pipeline::files::{folder_of, write_atomically};
 pub(super) use crate::pipeline::talk;
 use clap::ValueEnum;
 use std::fs::{self, OpenOptions};
@@ -96,8 +96,7 @@ impl OutputFile {
         let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
             return wrong("it is a folder; name a file");
         };
-        let folder = path.parent().filter(|folder| *folder != Path::new(""));
-        let folder = folder.unwrap_or(Path::new("."));
+        let folder = folder_of(path);
         if !folder.is_dir() {
             return wrong("no such folder; make it, or name another file");
         }

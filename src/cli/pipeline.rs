@@ -6,8 +6,8 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Exports, Hashes, Lock, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times,
-    execute, work,
+    Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times, execute,
+    work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan};
@@ -105,7 +105,9 @@ impl Workplace {
                 return Ok(summary);
             }
         }
-        let _locks = self.lock()?;
+        // To write to project and cache is only for a project that can be run.
+        self.project.check()?;
+        let _locks = [Exports::lock(root)?, self.store.lock()?];
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
             summary.differences = known.differences(&summary.lock_file());
@@ -144,12 +146,6 @@ impl Workplace {
         }
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
         work(&plan, asked, &self.store, progress)
-    }
-
-    /// The right to write to project and cache, for a project that can be run.
-    fn lock(&self) -> Result<[Lock; 2]> {
-        self.project.check()?;
-        Ok([Exports::lock(&self.project.root)?, self.store.lock()?])
     }
 
     /// What killed runs left behind, in the cache and where exports go.

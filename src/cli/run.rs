@@ -125,7 +125,9 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
 /// Says what a run would do, and about how long it would take.
 fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) -> Result<u8> {
     let summary = workplace.judge(tasks, scope, options.force)?;
-    if let Some(time) = expected(workplace, &summary, jobs(options.jobs)) {
+    let tasks = summary.not_fresh().map(|judged| judged.task.as_str());
+    let times = Times::read(workplace.store.folder());
+    if let Some(time) = times.ahead(tasks, jobs(options.jobs)).left() {
         talk(&format!("about {}, if all that waits has to run", brief(time)));
     }
     say(&verdicts(&summary))
@@ -133,14 +135,6 @@ fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) 
 
 /// The first page of the book.
 const BOOK: &str = "report/book/index.html";
-
-/// How long a run of what is stale, or waits for what is, may take.
-fn expected(workplace: &Workplace, summary: &Summary, threads: usize) -> Option<Duration> {
-    let stale = summary.not_fresh();
-    let mut tasks = stale.map(|judged| judged.task.as_str()).peekable();
-    tasks.peek()?;
-    Times::read(workplace.store.folder()).ahead(tasks, threads).left()
-}
 
 /// One line per stage that ran: how many tasks, how long, why.
 fn what_ran(summary: &Summary) -> String {

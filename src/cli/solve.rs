@@ -8,7 +8,6 @@ mod problem;
 mod solvers;
 mod spectral;
 
-use super::formats::Format;
 use super::output::{OutputFile, say, say_json};
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::experiments::solver::Solver;
@@ -18,6 +17,7 @@ use crate::saddle::Method;
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
+use domain::Format;
 use problem::Problem;
 use std::path::PathBuf;
 

@@ -34,7 +34,8 @@ pub(super) fn write_by_way_of(scratch: &Path, path: &Path, bytes: &[u8]) -> Resu
     write().context("write", path)
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder of a file, which may be named without one.
+pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 

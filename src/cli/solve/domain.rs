@@ -2,7 +2,6 @@
 
 use super::Solver;
 use crate::bounds::{Bounds, bounds, recovery};
-use crate::cli::formats::{Format, picture};
 use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
@@ -10,6 +9,7 @@ use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::load::{self, LoadRule, load};
 use crate::discrete::norms::{Errors, errors, multiplier_error};
 use crate::discrete::transfer::prolong_boundary;
+use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
@@ -17,6 +17,8 @@ use crate::replication::scene::MAX_CELLS;
 use crate::report::Fields;
 use crate::saddle::Pair;
 use crate::timing::machine;
+use clap::ValueEnum;
+use std::path::Path;
 
 /// The square or the cube, with f and its quadrature.
 pub(super) enum Domain {
@@ -185,8 +187,33 @@ impl Domain {
                 Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vti")
             }),
             Format::Vti => Ok(fields.vti(name)),
-            Format::Svg => picture(square(n), pair, name),
+            Format::Svg => {
+                let (grid, azimuth) = (square(n), uphill(square(n), &pair.y));
+                let surface = Surface { title: name, grid, pair, azimuth, range: None };
+                let drawn = surfaces(2, &[surface]).svg(name, "Made by `signorini solve`.");
+                drawn.map(String::into_bytes).map_err(Error::input)
+            }
         }
+    }
+}
+
+/// A kind of file, by its ending: VTK image data for ParaView, one NumPy array, several, a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    Vti,
+    Npy,
+    Npz,
+    Svg,
+}
+
+impl Format {
+    /// The format that the ending of `path` names.
+    pub(super) fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        Self::from_str(ending, false).map_err(|_| {
+            let path = path.display();
+            Error::input(format!("--out {path}: unknown ending; use one of .vti, .npy, .npz, .svg"))
+        })
     }
 }
 
