@@ -150,15 +150,26 @@ pub(super) fn colour_bar(
 /// Height of one row of a legend.
 pub(super) const LEGEND_ROW: f64 = 19.0;
 
-/// What a legend explains: a name, and the colour of its stroke, which may be dashed.
+/// How what a legend explains is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sample {
+    Line,
+    Dashed,
+    Ring,
+}
+
+/// What a legend explains.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'a> {
     pub(super) label: &'a str,
     pub(super) color: RGBColor,
-    pub(super) dashed: bool,
+    pub(super) sample: Sample,
 }
 
-/// A legend of coloured strokes: where each entry begins, in rows no wider than `width`.
+/// Radius of the ring at a point that no line leads to: it must be seen.
+pub(super) const LONE: f64 = 6.0;
+
+/// A legend of coloured samples: where each entry begins, in rows no wider than `width`.
 pub(super) struct Legend<'a> {
     entries: Vec<(Entry<'a>, Place)>,
     pub(super) rows: usize,
@@ -169,7 +180,7 @@ const STROKE: f64 = 22.0;
 impl<'a> Legend<'a> {
     /// Lays out `labels`, in the order of the colours of [`series`].
     pub(super) fn new(labels: impl IntoIterator<Item = &'a str>, width: f64) -> Self {
-        let solid = |(k, label)| Entry { label, color: series(k), dashed: false };
+        let solid = |(k, label)| Entry { label, color: series(k), sample: Sample::Line };
         Self::of(labels.into_iter().enumerate().map(solid), width)
     }
 
@@ -189,10 +200,16 @@ impl<'a> Legend<'a> {
 
     /// Draws it with the first entry's middle height at `at`.
     pub(super) fn draw(&self, picture: &mut Picture, (left, top): Place) {
-        for &(Entry { label, color, dashed }, (x, y)) in &self.entries {
+        for &(Entry { label, color, sample }, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);
-            let parts: &[(f64, f64)] =
-                if dashed { &[(0.0, 0.4), (0.6, 1.0)] } else { &[(0.0, 1.0)] };
+            let parts: &[(f64, f64)] = match sample {
+                Sample::Line => &[(0.0, 1.0)],
+                Sample::Dashed => &[(0.0, 0.4), (0.6, 1.0)],
+                Sample::Ring => &[],
+            };
+            if sample == Sample::Ring {
+                picture.ring((x + 0.5 * STROKE, y), LONE, color);
+            }
             for (from, to) in parts {
                 picture.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);
             }

@@ -1,13 +1,14 @@
 //! Charts of measured numbers: panels side by side under one legend, logarithmic axes.
 
-use super::axes::{Entry, Frame, LEGEND_ROW, Legend};
-use super::palette::{MUTED, RULE, series, solver};
+use super::axes::{Entry, Frame, LEGEND_ROW, LONE, Legend, Sample};
+use super::palette::{INK, MUTED, RULE, series, solver};
 use super::picture::{
     END, LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain,
 };
 use super::table::of_charts;
 use super::text::power_of_ten;
 use super::{Chart, Curve, Stroke, decade};
+use crate::experiments::Range;
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 260.0;
@@ -25,14 +26,16 @@ const BELOW: f64 = 50.0;
 /// Panels without points are left out.
 pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let panels: Vec<_> = panels.iter().filter(|panel| points(panel).next().is_some()).collect();
+    let curves = || panels.iter().flat_map(|panel| &panel.curves);
     let mut labels: Vec<&str> = Vec::new();
-    for curve in panels.iter().flat_map(|panel| &panel.curves) {
+    for curve in curves() {
         let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
         if named && !labels.contains(&&*curve.label) {
             labels.push(&curve.label);
         }
     }
-    let entries = entries(&labels);
+    let lone = |label: &str| curves().filter(|c| c.label == label).all(|c| c.points.len() < 2);
+    let entries = entries(&labels, lone);
     let columns = panels.len().clamp(1, 2);
     let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
     let head = 12.0 + LEGEND_ROW * legend.rows as f64;
@@ -56,16 +59,20 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
 }
 
 /// A colour for each label: that of its solver, or one that no solver here has. A solver that occurs
-/// under several names is dashed from the second on.
-fn entries<'a>(labels: &[&'a str]) -> Vec<Entry<'a>> {
+/// under several names is dashed from the second on. What is `lone` has no line in any panel.
+fn entries<'a>(labels: &[&'a str], lone: impl Fn(&str) -> bool) -> Vec<Entry<'a>> {
     let taken: Vec<usize> = labels.iter().filter_map(|label| solver(label)).collect();
     let mut free = (0..).filter(|place| !taken.contains(place));
     let mut seen = Vec::new();
     let mut entry = |label: &'a str| {
         let place = solver(label).unwrap_or_else(|| free.next().unwrap_or(0));
-        let dashed = seen.contains(&place);
+        let sample = match seen.contains(&place) {
+            _ if lone(label) => Sample::Ring,
+            true => Sample::Dashed,
+            false => Sample::Line,
+        };
         seen.push(place);
-        Entry { label, color: series(place), dashed }
+        Entry { label, color: series(place), sample }
     };
     labels.iter().map(|label| entry(label)).collect()
 }
@@ -75,8 +82,8 @@ fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) 
     let references = || curves().filter(|curve| curve.stroke == Stroke::Reference);
     let entry = |curve: &Curve| entries.iter().find(|entry| entry.label == curve.label);
     let measured = || curves().filter_map(|curve| Some((curve, entry(curve)?)));
-    let line = |picture: &mut Picture, dashed: bool| {
-        for (curve, entry) in measured().filter(|(_, entry)| entry.dashed == dashed) {
+    let lines = |picture: &mut Picture, sample: Sample| {
+        for (curve, entry) in measured().filter(|(_, entry)| entry.sample == sample) {
             if curve.points.len() > 1 {
                 picture.path(places(frame, curve), entry.color, 2.0);
             }
@@ -88,18 +95,20 @@ fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) 
             picture.path(places(frame, curve), MUTED, 1.0);
         }
     });
-    picture.group("stroke-dasharray=\"28 16\"", |picture| line(picture, true));
-    for curve in references() {
-        name_reference(picture, frame, curve);
-    }
-    line(picture, false);
+    picture.group("stroke-dasharray=\"28 16\"", |picture| lines(picture, Sample::Dashed));
+    lines(picture, Sample::Line);
     for (curve, entry) in measured().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
-        // A point that no line leads to must be seen.
-        let radius = if curve.points.len() > 1 { 3.5 } else { 6.0 };
+        let radius = if curve.points.len() > 1 { 3.5 } else { LONE };
         for at in places(frame, curve) {
             picture.ring(at, radius, entry.color);
         }
     }
+    // On the curves that it meets, with an edge of paper that keeps it legible.
+    picture.group("stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"", |picture| {
+        for curve in references() {
+            name_reference(picture, frame, curve);
+        }
+    });
     frame.outline(picture);
 }
 
@@ -109,8 +118,8 @@ fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
 
 /// The ends of an axis: all values with some air, whole decades if they are few.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let ends = values.map(|value| (decade(value), decade(value)));
-    let (low, high) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 1.0));
+    let whole = Range { least: 0.0, greatest: 1.0 };
+    let Range { least: low, greatest: high } = Range::of(values.map(decade)).unwrap_or(whole);
     let air = 0.03 * (high - low);
     match high - low < 2.0 {
         true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),
@@ -128,6 +137,13 @@ fn ticks((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
+/// The multiples of powers of ten on an axis on which so few of these are that its steps could pass for equal.
+fn multiples((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+    let decades = if high - low < 3.0 { low.floor() as i32..high.ceil() as i32 } else { 0..0 };
+    let all = decades.flat_map(|e| (2..10).map(move |m| f64::from(e) + libm::log10(f64::from(m))));
+    all.filter(move |x| (low..=high).contains(x))
+}
+
 /// Everything but the data.
 fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     let title = (frame.across.0, frame.down.0 - 14.0);
@@ -138,6 +154,12 @@ fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     frame.verticals(picture, x.iter().map(|tick| tick.0), RULE);
     frame.label_left(picture, y);
     frame.label_below(picture, x);
+    for x in multiples(frame.x).map(|x| frame.right(x)) {
+        picture.path([(x, frame.down.1), (x, frame.down.1 + 2.5)], INK, 0.75);
+    }
+    for y in multiples(frame.y).map(|y| frame.up(y)) {
+        picture.path([(frame.across.0 - 2.5, y), (frame.across.0, y)], INK, 0.75);
+    }
     let (x, y) = frame.middle();
     picture.text(panel.axes[0], (x, frame.down.1 + 32.0), plain(NORMAL));
     picture.text(panel.axes[1], (frame.across.0 - 55.0, y), plain(NORMAL).transform(UPWARDS));

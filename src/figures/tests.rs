@@ -59,6 +59,8 @@ fn a_solver_has_one_colour_and_a_second_line_of_it_is_dashed() {
     let legend: Vec<_> = svg.lines().filter(|l| l.starts_with("<polyline")).take(4).collect();
     assert!(legend[..3].iter().all(|line| line.contains("#0072B2")), "{legend:?}");
     assert!(!legend[3].contains("#0072B2"), "{legend:?}");
+    let before = |name: &str| svg[..svg.find(name).unwrap()].lines().rev().nth(1);
+    assert!(before(">one</text>").unwrap().starts_with("<circle"), "a point without a line");
     assert!(!svg.contains(">none</text>"), "a curve without points has no name");
     assert!(svg.contains("prefers-color-scheme:dark"));
 }
