@@ -73,7 +73,7 @@ impl Project {
         }
         if let Some(text) = self.templates.get("book.toml") {
             from_toml::<toml::Table>("report/book.toml", text)?;
-            report::settings(text).map_err(|error| Error::input(error.to_string()))?;
+            report::settings(text).map_err(Error::input)?;
         }
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! mdBook, run in this process in a folder of its own, from bytes to bytes.
 
-use super::ReportError;
 use super::mathml::{Labels, collect_labels, convert};
 use crate::pipeline::files::{read_tree, temporary_folder};
 use mdbook_driver::MDBook;
@@ -17,22 +16,22 @@ use std::str::FromStr;
 /// at the end, also on errors.
 ///
 /// # Errors
-/// [`ReportError`] if a formula or a reference is wrong, mdBook refuses the book, or the disk does.
+/// A sentence if a formula or a reference is wrong, mdBook refuses the book, or the disk does.
 pub fn build(
     files: &BTreeMap<String, Vec<u8>>,
     scratch: &Path,
-) -> Result<BTreeMap<String, Vec<u8>>, ReportError> {
+) -> Result<BTreeMap<String, Vec<u8>>, String> {
     let mut pages = BTreeMap::new();
     let mut labels = Labels::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
         let text = std::str::from_utf8(bytes);
-        let text = text.map_err(|_| ReportError::at(name, "not UTF-8 text"))?;
+        let text = text.map_err(|_| format!("{name}: not UTF-8 text"))?;
         collect_labels(name, text, &mut labels)?;
         pages.insert(name, text);
     }
     let mut config = match files.get("book.toml") {
         Some(bytes) => settings(bytes)?,
-        None => return Err(ReportError::at("mdBook", "no book.toml among the files")),
+        None => return Err("mdBook: no book.toml among the files".into()),
     };
     config.build.create_missing = false;
 
@@ -47,15 +46,14 @@ pub fn build(
     let built = scratch.join(&config.build.build_dir);
     MDBook::load_with_config(scratch, config)
         .and_then(|book| book.build())
-        .map_err(|error| ReportError::at("mdBook", format!("{error:#}")))?;
+        .map_err(|error| format!("mdBook: {error:#}"))?;
     read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
 }
 
 /// Reads `book.toml`.
-pub(crate) fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
-    let wrong = |message: String| ReportError::at("report/book.toml", message);
-    let text = std::str::from_utf8(book_toml).map_err(|_| wrong("not UTF-8 text".into()))?;
-    let config = Config::from_str(text).map_err(|error| wrong(format!("{error:#}")))?;
+pub(crate) fn settings(book_toml: &[u8]) -> Result<Config, String> {
+    let text = std::str::from_utf8(book_toml).map_err(|_| "report/book.toml: not UTF-8 text")?;
+    let config = Config::from_str(text).map_err(|error| format!("report/book.toml: {error:#}"))?;
     // mdBook empties the first folder and may write to the second: they must be ours.
     for (setting, folder, ours) in [
         ("build.build-dir", &config.build.build_dir, "book"),
@@ -63,20 +61,17 @@ pub(crate) fn settings(book_toml: &[u8]) -> Result<Config, ReportError> {
     ] {
         if folder != Path::new(ours) {
             let folder = folder.display();
-            return Err(wrong(format!("{setting} is `{folder}`, but must be `{ours}`")));
+            return Err(format!("report/book.toml: {setting} is `{folder}`, but must be `{ours}`"));
         }
     }
     Ok(config)
 }
 
-fn io(path: &Path, error: std::io::Error) -> ReportError {
-    ReportError::at(
-        path.display(),
-        format!("{error}; building the book needs this folder for itself"),
-    )
+fn io(path: &Path, error: std::io::Error) -> String {
+    format!("{}: {error}; building the book needs this folder for itself", path.display())
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let folder = path.parent().unwrap_or(path);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(path, bytes))

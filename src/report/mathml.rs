@@ -1,6 +1,5 @@
 //! LaTeX between dollars becomes MathML, and `eq:n` links find their equation.
 
-use super::ReportError;
 use pulldown_cmark::{Event, Options, Parser, Tag};
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser as Latex, Storage, push_mathml};
@@ -15,15 +14,15 @@ pub(super) fn collect_labels(
     chapter: &str,
     markdown: &str,
     labels: &mut Labels,
-) -> Result<(), ReportError> {
+) -> Result<(), String> {
     for (event, _) in parse(markdown) {
         if let Event::DisplayMath(latex) = event
             && let (_, Some(label)) = split_tag(&latex)
             && let Some(first) = labels.insert(label.into(), chapter.into())
         {
-            let twice =
-                format!("equation ({label}) is numbered already in {first}; tags must be unique");
-            return Err(ReportError::at(chapter, twice));
+            return Err(format!(
+                "{chapter}: equation ({label}) is numbered already in {first}; tags must be unique"
+            ));
         }
     }
     Ok(())
@@ -33,11 +32,7 @@ pub(super) fn collect_labels(
 ///
 /// `$...$` is inline, `$$...$$` displayed, `\$` a dollar; `\tag{n}` at the end of a displayed
 /// formula numbers it. The result is Markdown again.
-pub(super) fn convert(
-    chapter: &str,
-    markdown: &str,
-    labels: &Labels,
-) -> Result<String, ReportError> {
+pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<String, String> {
     let mut out = String::with_capacity(2 * markdown.len());
     let mut done = 0;
     let mut replace = |range: Range<usize>, text: &str| {
@@ -71,11 +66,11 @@ pub(super) fn convert(
             }
             Event::Start(Tag::Link { dest_url, .. }) => {
                 if let Some(label) = dest_url.strip_prefix("eq:") {
-                    let nowhere = || {
-                        format!("no equation is tagged ({label}), but `eq:{label}` refers to it")
-                    };
-                    let home = labels.get(label);
-                    let home = home.ok_or_else(|| ReportError::at(chapter, nowhere()))?;
+                    let home = labels.get(label).ok_or_else(|| {
+                        format!(
+                            "{chapter}: no equation is tagged ({label}), but `eq:{label}` refers to it"
+                        )
+                    })?;
                     // Chapters lie side by side in one folder.
                     let file = home.rsplit('/').next().unwrap_or(home);
                     replace(range, &format!("[({label})]({file}#eq-{label})"));
@@ -84,9 +79,8 @@ pub(super) fn convert(
             Event::Text(_) => {
                 if let Some(at) = bare_dollar(markdown, range) {
                     let line = 1 + markdown[..at].matches('\n').count();
-                    return Err(ReportError::at(
-                        format!("{chapter}:{line}"),
-                        "unpaired `$`; write `\\$` for a dollar, or close the formula",
+                    return Err(format!(
+                        "{chapter}:{line}: unpaired `$`; write `\\$` for a dollar, or close the formula"
                     ));
                 }
             }
@@ -132,10 +126,10 @@ fn bare_dollar(markdown: &str, range: Range<usize>) -> Option<usize> {
     range.clone().find(|&at| markdown.as_bytes()[at] == b'$' && !markdown[..at].ends_with('\\'))
 }
 
-fn set(chapter: &str, latex: &str, display_mode: DisplayMode) -> Result<String, ReportError> {
+fn set(chapter: &str, latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let failed = |message: String| {
         let formula = latex.trim();
-        ReportError::at(chapter, format!("cannot set the formula `{formula}`: {message}"))
+        format!("{chapter}: cannot set the formula `{formula}`: {message}")
     };
     let storage = Storage::new();
     let events: Vec<_> = Latex::new(latex, &storage)
@@ -189,7 +183,7 @@ fn shield(mathml: &str) -> String {
 mod tests {
     use super::*;
 
-    fn converted(markdown: &str) -> Result<String, ReportError> {
+    fn converted(markdown: &str) -> Result<String, String> {
         let mut labels = Labels::new();
         collect_labels("src/a.md", markdown, &mut labels)?;
         convert("src/a.md", markdown, &labels)
@@ -233,7 +227,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_named() {
-        let message = |text: &str| converted(text).unwrap_err().to_string();
+        let message = |text: &str| converted(text).unwrap_err();
         let formula = message("fine $x$ and $\\frac{1}$");
         assert!(formula.starts_with("src/a.md: cannot set the formula `\\frac{1}`: "), "{formula}");
         assert!(message("\nlone $ sign").starts_with("src/a.md:2: unpaired `$`"));

@@ -1,5 +1,5 @@
 //! Templates and computed data become Markdown, Markdown becomes a book that needs no network; knows nothing
-//! of this paper.
+//! of this paper. Errors are sentences that begin with the place to look at: a file, and where it is known a line.
 
 mod build;
 mod fields;
@@ -14,19 +14,3 @@ pub(crate) use fields::Fields;
 pub use pages::pages;
 pub(crate) use pages::stubs;
 pub(crate) use tables::with_data;
-
-/// Why no book came out.
-#[derive(Debug, thiserror::Error)]
-#[error("{place}: {message}")]
-pub struct ReportError {
-    /// The place to look at: a file, and where it is known a line in it.
-    pub place: String,
-    /// What is wrong there, and how it is mended.
-    pub message: String,
-}
-
-impl ReportError {
-    fn at(place: impl ToString, message: impl ToString) -> Self {
-        Self { place: place.to_string(), message: message.to_string() }
-    }
-}

@@ -1,6 +1,6 @@
 //! Templates and data become Markdown.
 
-use super::{ReportError, filters};
+use super::filters;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
@@ -13,11 +13,11 @@ const PAGE: &str = ".md.tera";
 /// `report`, in the book's source folder, as [`super::build`] takes them.
 ///
 /// # Errors
-/// [`ReportError`] with file and line of what does not parse, or asks for something the data do not have.
+/// A sentence with file and line of what does not parse, or asks for something the data do not have.
 pub fn pages(
     templates: &BTreeMap<String, String>,
     context: &Context,
-) -> Result<BTreeMap<String, String>, ReportError> {
+) -> Result<BTreeMap<String, String>, String> {
     let mut tera = Tera::new();
     filters::register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
@@ -40,8 +40,8 @@ pub(crate) fn stubs(
 /// The pages among `templates`, those that end with [`PAGE`] made from their name and text.
 fn made(
     templates: &BTreeMap<String, String>,
-    make: impl Fn(&str, &str) -> Result<String, ReportError>,
-) -> Result<BTreeMap<String, String>, ReportError> {
+    make: impl Fn(&str, &str) -> Result<String, String>,
+) -> Result<BTreeMap<String, String>, String> {
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
         if name.ends_with(".md") || name.ends_with(".js") {
@@ -54,14 +54,14 @@ fn made(
 }
 
 /// The error with its place; in a component, with the page that called it as well.
-fn located(page: &str, error: &tera::Error) -> ReportError {
+fn located(page: &str, error: &tera::Error) -> String {
     let (file, line, message) = match error.kind() {
         ErrorKind::SyntaxError(at) | ErrorKind::RenderingError(at) => {
-            (at.filename(), at.span().start_line, at.message().into())
+            (at.filename(), at.span().start_line, at.message().to_owned())
         }
         other => (page, 0, other.to_string()),
     };
     let caller =
         if page.is_empty() || page == file { String::new() } else { format!(" (for {page})") };
-    ReportError::at(format!("report/templates/{file}:{line}"), message + &caller)
+    format!("report/templates/{file}:{line}: {message}{caller}")
 }

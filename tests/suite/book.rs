@@ -120,8 +120,8 @@ fn what_no_longer_holds_stops_the_build_with_its_place() {
     assert_eq!(pages(&page(holds), &context).unwrap()["src/a.md"], "one\ntwo\n");
     let fails = "one\n\n{{ require(that=exact == 50, what=\"every count\") }}\n";
     let error = pages(&page(fails), &context).unwrap_err();
-    assert_eq!(error.place, "report/templates/a.md.tera:3");
-    assert!(error.to_string().contains("no longer holds: every count"), "{error}");
+    assert!(error.starts_with("report/templates/a.md.tera:3: "), "{error}");
+    assert!(error.contains("no longer holds: every count"), "{error}");
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn what_the_data_lack_is_an_error_that_says_where() {
     for (text, place) in [("one\n{{ nothing }}\n", 2), ("\n\n{% if %}\n", 3)] {
         let broken = BTreeMap::from([("a.md.tera".to_owned(), text.to_owned())]);
         let error = pages(&broken, &Context::new()).unwrap_err();
-        assert_eq!(error.place, format!("report/templates/a.md.tera:{place}"), "{error}");
+        assert!(error.starts_with(&format!("report/templates/a.md.tera:{place}: ")), "{error}");
     }
 }
 
