@@ -17,8 +17,8 @@ use std::sync::atomic::AtomicBool;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Questions {
-    /// The blind search: its space, by name.
-    pub space: String,
+    /// The space of the blind search.
+    pub space: Space,
     /// Its values, as [`Lattice::parse_all`] reads them.
     pub values: String,
     /// How many candidates it keeps.
@@ -79,7 +79,7 @@ pub fn findings(
     let quadrants = &space[0];
     let on_quadrants = quadrant_values(f);
     let blind = Request {
-        space: questions.space.parse()?,
+        space: questions.space,
         values: Lattice::parse_all(&questions.values)?,
         variant: *variant,
         method: Method::Enumerate,

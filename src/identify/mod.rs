@@ -93,9 +93,6 @@ pub enum IdentifyError {
         /// Values that f takes.
         pieces: usize,
     },
-    /// A space without such a name.
-    #[error("there is no space `{0}`; choose one of {names}", names = Space::NAMES.join(", "))]
-    UnknownSpace(String),
     /// An f that is not made of quadrants.
     #[error("f = {0} is not made of quadrants; leave `identify` out of the scene's outputs")]
     Pieces(String),

@@ -5,12 +5,11 @@ use crate::discrete::load::integral;
 use crate::problem::region::QUADRANTS;
 use crate::problem::shape::Shape;
 use crate::problem::source::{Region, Source};
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::str::FromStr;
 
 /// A family of right-hand sides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Space {
     /// Four values, on the quadrants of the square: lower left, lower right, upper left, upper right.
@@ -24,9 +23,6 @@ pub enum Space {
 }
 
 impl Space {
-    /// The names [`Space::from_str`] knows.
-    pub const NAMES: [&str; 4] = ["quadrants", "odd-quadrant", "rectangles", "blocks4"];
-
     /// The geometries of the family; all have the same number of values.
     pub fn geometries(self) -> Vec<Geometry> {
         let quadrants = QUADRANTS.map(|(_, quadrant)| quadrant);
@@ -56,22 +52,6 @@ impl Space {
                 vec![Geometry { regions: (0..16).map(block).collect(), rest: false }]
             }
         }
-    }
-}
-
-impl FromStr for Space {
-    type Err = IdentifyError;
-
-    fn from_str(name: &str) -> Result<Self, IdentifyError> {
-        let all = [Self::Quadrants, Self::OddQuadrant, Self::Rectangles, Self::Blocks4];
-        let at = Self::NAMES.iter().position(|known| *known == name);
-        at.map(|i| all[i]).ok_or_else(|| IdentifyError::UnknownSpace(name.into()))
-    }
-}
-
-impl fmt::Display for Space {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(Self::NAMES[*self as usize])
     }
 }
 
@@ -258,16 +238,13 @@ mod tests {
 
     #[test]
     fn pieces_of_every_geometry_fill_the_square() {
-        for name in Space::NAMES {
-            let space: Space = name.parse().unwrap();
-            assert_eq!(space.to_string(), name);
+        for space in Space::value_variants() {
             for geometry in space.geometries() {
                 let whole: f64 = geometry.areas().iter().sum();
-                assert!((whole - 1.0).abs() < 1e-12, "{name}: {whole}");
+                assert!((whole - 1.0).abs() < 1e-12, "{space:?}: {whole}");
             }
         }
         assert_eq!(Space::Rectangles.geometries().len(), 99);
-        assert!("discs".parse::<Space>().unwrap_err().to_string().contains("odd-quadrant"));
     }
 
     #[test]

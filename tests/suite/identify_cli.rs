@@ -169,7 +169,6 @@ fn wrong_input_is_refused_in_one_line() {
     project.write("later.json", "{\"schema\":2,\"problems\":{}}");
     for (args, remedy) in [
         (&["--problem", "1"][..], "has no table 1; it has 2"),
-        (&["--space", "discs"], "choose one of quadrants"),
         (&["--values", "1:2"], "write a range such as"),
         (&["--values", "2:1:0.1"], "write MIN:MAX:STEP with MIN <= MAX"),
         (&["--budget", "-1"], "give seconds"),
@@ -190,6 +189,8 @@ fn wrong_input_is_refused_in_one_line() {
         let said = project.run(&[&["identify"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
     }
+    let said = project.run(&["identify", "--space", "discs"]);
+    assert!(said.code == Some(2) && said.err.contains("possible values: quadrants"), "{said:?}");
 }
 
 #[test]

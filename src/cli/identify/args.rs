@@ -42,8 +42,8 @@ pub(in crate::cli) struct IdentifyArgs {
         value_parser = ["1", "2", "both"])]
     pub(super) problem: String,
     /// Family of f; see below
-    #[arg(long, default_value = "odd-quadrant")]
-    space: String,
+    #[arg(long, value_enum, hide_possible_values = true, default_value = "odd-quadrant")]
+    space: Space,
     /// Values f may take: MIN:MAX:STEP or a comma-separated list; with `;`, one such per piece
     /// [default: -8:4:0.005, or coarser where the space is large]
     #[arg(long, allow_hyphen_values = true, value_name = "LIST|MIN:MAX:STEP")]
@@ -97,9 +97,8 @@ pub(in crate::cli) struct IdentifyArgs {
 
 /// What is asked, of tables with so many `grids`.
 pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
-    let space: Space = args.space.parse().map_err(refused)?;
     // Where few values are asked for, all of them; and lattices that take about a minute.
-    let (way, values) = match space {
+    let (way, values) = match args.space {
         Space::OddQuadrant => (Way::Enumerate, "-8:4:0.005"),
         Space::Rectangles => (Way::Enumerate, "-8:4:0.1"),
         Space::Quadrants => (Way::Anneal, "-8:4:0.01"),
@@ -122,7 +121,7 @@ pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
         return Err(Error::input(format!("--exact-grids {exact_grids}: the table has {grids}")));
     }
     Ok(Request {
-        space,
+        space: args.space,
         values: Lattice::parse_all(args.values.as_deref().unwrap_or(values)).map_err(refused)?,
         variant: Variant::default(),
         method: match way {
