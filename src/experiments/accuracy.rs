@@ -8,7 +8,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::multigrid::square::Square;
-use crate::multigrid::{Geometry, Goal, Multigrid, MultigridParams, Outcome};
+use crate::multigrid::{Geometry, Goal, Multigrid, MultigridParams, Outcome, StopReason};
 use crate::problem::exact::Exact;
 use crate::spectral::Params;
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ pub struct Spent {
     /// Natural residual, not relative: in the units of the load, f h^2.
     pub kkt: f64,
     /// How it ended.
-    pub stop: String,
+    pub stop: StopReason,
 }
 
 /// Ranges over problems and grids.
@@ -220,7 +220,7 @@ pub(super) fn cost<G: Geometry>(
 impl Spent {
     fn of(outcome: &Outcome) -> Self {
         let Outcome { stop, cycles, kkt, work_units, .. } = *outcome;
-        Self { work_units, cycles, kkt, stop: stop.name().into() }
+        Self { work_units, cycles, kkt, stop }
     }
 }
 

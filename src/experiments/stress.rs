@@ -107,8 +107,8 @@ pub struct Stress {
     /// What rounding leaves, over the cells per side: `multigrid`, and on coarse grids `strict` after many
     /// iterations.
     pub floors: Series<f64>,
-    /// The same in single precision.
-    pub single_floors: Vec<Attained>,
+    /// The same in single precision, judged in double: `single`.
+    pub single_floors: Series<f64>,
     /// Starts far from the solution, by their names: `strict`, `multigrid`.
     pub starts: Series<String>,
     /// Over the size of a jump of f beside 1: `multigrid`.
@@ -123,17 +123,6 @@ pub struct Stress {
     pub tally: Tally,
     /// What the prose of the book rests on.
     pub summary: Summary,
-}
-
-/// What a run of the paper's method in single precision comes to, judged in double.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Attained {
-    /// Cells per side.
-    pub cells: usize,
-    /// Natural residual over `|F|_inf`.
-    pub kkt: f64,
-    /// Natural residual over `max |y|` and the epsilon of single precision.
-    pub floor: f64,
 }
 
 /// A table in single precision.
@@ -178,7 +167,7 @@ pub struct Tally {
 }
 
 impl Stress {
-    /// Every run.
+    /// Every run of a method in double precision but the random problems.
     pub fn trials(&self) -> impl Iterator<Item = &Trial> {
         fn of<'a, X: 'a>(
             series: impl IntoIterator<Item = &'a Series<X>>,

@@ -2,6 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::simd::Largest;
 use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::saddle::batch::{self, AsDefined, End, Job, run};
@@ -19,7 +20,8 @@ pub struct Trial {
     pub work: f64,
     /// Natural residual over `|F|_inf`; none if it is not finite.
     pub kkt: Option<f64>,
-    /// Natural residual over `EPSILON * max |y|`, about 1 to 10 where only rounding is left.
+    /// Natural residual over `EPSILON * max |y|`, EPSILON that of the run's precision: about 1 to 10 where only
+    /// rounding is left.
     pub floor: Option<f64>,
     /// `max |y|`; none if it is not finite.
     pub size: Option<f64>,
@@ -37,20 +39,21 @@ impl Trial {
         y: &[f64],
         stop: &str,
         (steps, work): (usize, f64),
+        epsilon: f64,
         claim: impl FnOnce(f64) -> Option<f64>,
     ) -> Self {
         let Judgement { kkt, flux, .. } = judge(grid, y, load);
-        let size = y
-            .iter()
-            .fold(0.0, |size: f64, y| if y.abs() > size || y.is_nan() { y.abs() } else { size });
+        let mut largest = Largest::default();
+        largest.see(1.0, y);
+        let size = largest.value();
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let slack = SLACK * f64::EPSILON * size;
+        let slack = SLACK * epsilon * size;
         Self {
             stop: stop.into(),
             steps,
             work,
             kkt: finite(kkt.relative),
-            floor: finite(kkt.natural / (f64::EPSILON * size)),
+            floor: finite(kkt.natural / (epsilon * size)),
             size: finite(size),
             contact: grid.boundary().zip(&flux).filter(|&(node, flux)| *flux > y[node]).count(),
             holds: claim(size).map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
@@ -78,7 +81,7 @@ impl Trial {
             _ => None,
         };
         let cost = (end.sweeps, end.sweeps as f64);
-        Self::of(grid, job.load, &end.pair.y, &stop.to_string(), cost, claim)
+        Self::of(grid, job.load, &end.pair.y, &stop.to_string(), cost, f64::EPSILON, claim)
     }
 }
 
@@ -93,6 +96,14 @@ pub fn saddle(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
     jobs.iter().zip(ends).map(|(job, end)| Trial::of_saddle(grid, job, &end)).collect()
 }
 
+/// A run of the paper's iteration in single precision, judged in double with the unrounded `load`.
+pub fn single(grid: Grid, load: &[f64], job: Job<f32>) -> Trial {
+    let end = run(grid, &[job], &mut AsDefined).remove(0);
+    let cost = (end.sweeps, end.sweeps as f64);
+    let stop = end.stop.to_string();
+    Trial::of(grid, load, &end.pair.y, &stop, cost, f32::EPSILON.into(), |_| None)
+}
+
 /// Multigrid, by nested iteration or from `start`.
 pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
@@ -105,7 +116,7 @@ pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Tri
         _ => None,
     };
     let cost = (outcome.cycles, outcome.work_units);
-    Trial::of(grid, load, &y, outcome.stop.name(), cost, claim)
+    Trial::of(grid, load, &y, outcome.stop.name(), cost, f64::EPSILON, claim)
 }
 
 /// By how much two ways to compute a residual may differ, adding in another order, in units of

@@ -45,7 +45,7 @@ pub(super) fn objective(misfit: f64, delta_a_misfit: f64, complexity: u32) -> f6
     misfit + DELTA_A_WEIGHT * delta_a_misfit + COMPLEXITY_WEIGHT * f64::from(complexity)
 }
 
-/// Least objective that a run with this count misfit can have.
+/// The largest count misfit of a run with this objective: it is attained with the right Delta a and one value.
 pub(super) fn count_misfit_below(objective: f64) -> f64 {
     (objective - COMPLEXITY_WEIGHT).max(0.0)
 }

@@ -23,8 +23,11 @@ mod transfer;
 pub use hierarchy::{Geometry, Multigrid, solve};
 pub use input::InputError;
 
+use serde::{Deserialize, Serialize};
+
 /// Why the iteration ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum StopReason {
     /// The goal was reached; a tolerance was checked in full.
     Converged,

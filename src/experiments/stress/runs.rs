@@ -1,19 +1,16 @@
 //! The runs of the experiments, one function per kind of stress.
 
-use super::{Attained, Case, Changed, Plan, Series, Single};
+use super::{Case, Changed, Plan, Series, Single};
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{Discrete, Problem, nodal_load};
-use crate::experiments::trial::{Trial, multi, saddle};
+use crate::experiments::trial::{self, Trial, multi, saddle};
 use crate::identify::random::Random;
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
-use crate::saddle::batch::{
-    AsDefined, End, Goal as Until, Job, LANES, Nested, Number, run, run_nested,
-};
+use crate::saddle::batch::{AsDefined, End, Goal as Until, Job, LANES, Nested, Number, run_nested};
 use crate::saddle::{Method, Pair, StopRule};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -194,7 +191,7 @@ impl<'a> Runs<'a> {
     }
 
     /// The paper's iteration in single precision.
-    pub(super) fn single_floors(&self) -> Vec<Attained> {
+    pub(super) fn single_floors(&self) -> Series<f64> {
         let of_grid = |&cells: &usize| {
             let (grid, load, cap) = self.to_the_floor(cells);
             let narrow = narrowed(&load);
@@ -202,11 +199,8 @@ impl<'a> Runs<'a> {
             let goal = Until::Rule(StopRule::Signed, f64::NEG_INFINITY);
             let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
             let job = Job { load: &narrow, start, method, r: R, goal, cap };
-            let ends = run(grid, &[job], &mut AsDefined);
-            let y = &ends[0].pair.y;
-            let judged = kkt(grid, y, &load);
-            let unit = f64::from(f32::EPSILON) * largest(y);
-            Attained { cells, kkt: judged.relative, floor: judged.natural / unit }
+            let trials = BTreeMap::from([("single".to_owned(), trial::single(grid, &load, job))]);
+            Case { x: cells as f64, trials }
         };
         GRIDS.par_iter().filter(|&&cells| cells <= FINEST_SADDLE).map(of_grid).collect()
     }

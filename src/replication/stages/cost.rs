@@ -1,5 +1,6 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
+use crate::experiments::Range;
 use crate::experiments::accuracy::{self, Findings};
 use crate::experiments::solver::Solver;
 use crate::experiments::truth::{Elements, Level, Truth};
@@ -16,14 +17,11 @@ use std::collections::BTreeSet;
 /// of the one that comes nearest.
 fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
     let points = || lines.iter().flat_map(|line| &line.points);
-    let ends = points().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p.0), b.max(p.0)));
-    let scaled = points().map(|(x, y)| y / libm::pow(*x, power));
-    let constant = match factor < 1.0 {
-        true => factor * scaled.fold(f64::MAX, f64::min),
-        false => factor * scaled.fold(0.0, f64::max),
-    };
+    let x = Range::of(points().map(|point| point.0)).unwrap_or_default();
+    let scaled = Range::of(points().map(|(x, y)| y / libm::pow(*x, power))).unwrap_or_default();
+    let constant = factor * if factor < 1.0 { scaled.least } else { scaled.greatest };
     let at = |x: f64| (x, constant * libm::pow(x, power));
-    Curve::new(Reference, label, [at(ends.0), at(ends.1)])
+    Curve::new(Reference, label, [at(x.least), at(x.greatest)])
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
@@ -69,9 +67,9 @@ pub(super) fn work(found: &Findings) -> Picture {
     };
     let mut errors = trace(|iterate| iterate.error);
     let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
-    let ends = work.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
-    let error = compared.discretisation;
-    errors.push(Curve::new(Reference, "discretisation error", [(ends.0, error), (ends.1, error)]));
+    let Range { least, greatest } = Range::of(work).unwrap_or_default();
+    let ends = [least, greatest].map(|work| (work, compared.discretisation));
+    errors.push(Curve::new(Reference, "discretisation error", ends));
     let reached = |run: &Run| {
         let points = run.reached.iter().map(|reached| (reached.visits, reached.error));
         Curve::new(Marked, &run.method, points)

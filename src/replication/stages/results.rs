@@ -121,15 +121,24 @@ impl Results {
     }
 }
 
-/// A scene under a rule with an r on a grid: the number of the grid from 1, and what was solved there.
-type Row<'a> = (&'a Scene, StopRule, f64, usize, Outcome);
+/// What was solved on a grid.
+struct Row<'a> {
+    scene: &'a Scene,
+    rule: StopRule,
+    r: f64,
+    /// The number of the grid, from 1.
+    level: usize,
+    outcome: Outcome,
+}
 
 fn rows<'a>(inputs: &Inputs, parts: &'a [(Scene, StopRule)]) -> Result<Vec<Row<'a>>, String> {
     let mut rows = Vec::new();
     for (scene, rule) in parts {
         for &r in &scene.r {
             let solved: Outcomes = from_json(inputs, &solve::id(scene, *rule, r), OUTCOMES)?;
-            rows.extend((1..).zip(solved.levels).map(|(level, o)| (scene, *rule, r, level, o)));
+            let levels = (1..).zip(solved.levels);
+            let row = |(level, outcome)| Row { scene, rule: *rule, r, level, outcome };
+            rows.extend(levels.map(row));
         }
     }
     Ok(rows)
@@ -137,10 +146,12 @@ fn rows<'a>(inputs: &Inputs, parts: &'a [(Scene, StopRule)]) -> Result<Vec<Row<'
 
 /// The rows of [`Results`].
 fn joined(rows: &[Row], paper: &Paper) -> PolarsResult<DataFrame> {
-    let float = |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.4)).collect::<Vec<_>>();
-    let count =
-        |of: fn(&Outcome) -> usize| rows.iter().map(|row| of(&row.4) as i64).collect::<Vec<_>>();
-    let published = rows.iter().map(|&(scene, _, r, level, _)| {
+    let float =
+        |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.outcome)).collect::<Vec<_>>();
+    let count = |of: fn(&Outcome) -> usize| {
+        rows.iter().map(|row| of(&row.outcome) as i64).collect::<Vec<_>>()
+    };
+    let published = rows.iter().map(|&Row { scene, r, level, .. }| {
         let table = paper.published(scene.paper_table?).ok()?;
         let k = paper.r.iter().position(|&printed| printed == r)?;
         let count = *table.counts[k].get(level - 1)? as i64;
@@ -148,13 +159,13 @@ fn joined(rows: &[Row], paper: &Paper) -> PolarsResult<DataFrame> {
     });
     let published: Vec<_> = published.collect();
     df!(
-        "problem" => rows.iter().map(|row| &*row.0.name).collect::<Vec<_>>(),
-        "rule" => rows.iter().map(|row| row.1.name()).collect::<Vec<_>>(),
-        "r" => rows.iter().map(|row| row.2).collect::<Vec<_>>(),
+        "problem" => rows.iter().map(|row| &*row.scene.name).collect::<Vec<_>>(),
+        "rule" => rows.iter().map(|row| row.rule.name()).collect::<Vec<_>>(),
+        "r" => rows.iter().map(|row| row.r).collect::<Vec<_>>(),
         "cells" => count(|o| o.cells),
-        "tolerance" => rows.iter().map(|row| tolerance(row.3)).collect::<Vec<_>>(),
+        "tolerance" => rows.iter().map(|row| tolerance(row.level)).collect::<Vec<_>>(),
         "iterations" => count(|o| o.iterations),
-        "stop" => rows.iter().map(|row| row.4.stop.to_string()).collect::<Vec<_>>(),
+        "stop" => rows.iter().map(|row| row.outcome.stop.to_string()).collect::<Vec<_>>(),
         "gradient_signed" => float(|o| o.gradient_signed),
         "gradient_abs" => float(|o| o.gradient_abs),
         "delta_a" => float(|o| o.delta_a),

@@ -1,6 +1,6 @@
 //! Pictures of the experiment on stability.
 
-use crate::experiments::stress::{Attained, Case, Series, Stress};
+use crate::experiments::stress::{Case, Series, Stress};
 use crate::experiments::trial::Trial;
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
@@ -79,16 +79,15 @@ pub(super) fn deficits(found: &Stress) -> Picture {
 
 /// What rounding leaves of the residual, over the grids.
 pub(super) fn precision(found: &Stress) -> Picture {
-    let curves = |double: fn(&Trial) -> Option<f64>, single: fn(&Attained) -> f64| {
-        let single = |of: &Attained| (of.cells as f64, single(of));
+    let curves = |value: fn(&Trial) -> Option<f64>| {
         vec![
-            marked("multigrid, double", &found.floors, "multigrid", double),
-            marked("Arrow-Hurwicz, double", &found.floors, "strict", double),
-            Curve::new(Marked, "Arrow-Hurwicz, single", found.single_floors.iter().map(single)),
+            marked("multigrid, double", &found.floors, "multigrid", value),
+            marked("Arrow-Hurwicz, double", &found.floors, "strict", value),
+            marked("Arrow-Hurwicz, single", &found.single_floors, "single", value),
         ]
     };
-    let residual = curves(|trial| trial.kkt, |single| single.kkt);
-    let units = curves(|trial| trial.floor, |single| single.floor);
+    let residual = curves(|trial| trial.kkt);
+    let units = curves(|trial| trial.floor);
     let parts = [
         Chart::new("Over the load", ["1/h", "KKT residual"], residual),
         Chart::new("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
