@@ -56,35 +56,26 @@ pub struct Slice {
     pub exact: Vec<Vec<usize>>,
 }
 
-/// Maps the neighbourhood of the f with these `values` on the pieces of the evaluator's first geometry.
-///
-/// # Panics
-/// If there is not one value per piece.
-pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64]) -> Identifiability {
-    let held = |all: &[Vec<f64>]| evaluator.held(0, all);
-    let here = held(&[values.to_vec()]).remove(0);
-    let size = largest(values);
-    let pieces = (0..values.len()).map(Some).chain([None]);
-    let directions = pieces.map(|piece| Direction { piece, values, size }).collect::<Vec<_>>();
-    let directions = along(&directions, &here, &held);
-    Identifiability { values: values.to_vec(), exact: count(&here), directions }
-}
-
-/// One value, or the factor of all, that moves.
-struct Direction<'a> {
-    piece: Option<usize>,
+/// One side of a direction: a value, or the factor of all, that moves down or up.
+struct Side<'a> {
     values: &'a [f64],
-    /// The largest value of f.
-    size: f64,
+    piece: Option<usize>,
+    /// -1 for down, 1 for up.
+    sign: f64,
+    /// What a relative move of one is.
+    unit: f64,
+    /// The longest move known to change no count, and the shortest known to change one, both relative; the largest
+    /// tried where none changes any.
+    between: [f64; 2],
+    /// As in [`Breaks`].
+    first: Option<Cell>,
+    /// How far each count that comes out at f lets it move.
+    cells: Vec<Option<f64>>,
 }
 
-impl Direction<'_> {
-    /// What a relative move of one is.
-    fn unit(&self) -> f64 {
-        if self.piece.is_some() { self.size } else { 1.0 }
-    }
-
-    fn moved(&self, by: f64) -> Vec<f64> {
+impl Side<'_> {
+    fn moved(&self, step: f64) -> Vec<f64> {
+        let by = self.sign * step * self.unit;
         let mut moved = self.values.to_vec();
         match self.piece {
             Some(p) => moved[p] += by,
@@ -92,117 +83,71 @@ impl Direction<'_> {
         }
         moved
     }
-}
 
-/// The counts that come out for many f at once.
-type Tried<'a> = &'a dyn Fn(&[Vec<f64>]) -> Vec<Held>;
-
-/// How many counts come out.
-fn count(held: &[Vec<bool>]) -> usize {
-    held.iter().flatten().filter(|&&held| held).count()
-}
-
-/// One side of a direction on which a count changes.
-struct Side {
-    direction: usize,
-    /// 0 for down, 1 for up.
-    side: usize,
-    /// The longest move known to change no count, and the shortest known to change one.
-    between: [f64; 2],
-}
-
-/// Up or down.
-fn sign(side: usize) -> f64 {
-    if side == 0 { -1.0 } else { 1.0 }
-}
-
-/// The counts that come out here, of which moves may change some.
-struct Kept<'a> {
-    directions: &'a [Direction<'a>],
-    cells: Vec<Cell>,
-}
-
-impl Kept<'_> {
-    fn broken(&self, held: &[Vec<bool>]) -> Option<Cell> {
-        self.cells.iter().copied().find(|&(k, level)| !held[k][level])
-    }
-
-    fn moved(&self, direction: usize, side: usize, step: f64) -> Vec<f64> {
-        let direction = &self.directions[direction];
-        direction.moved(sign(side) * step * direction.unit())
-    }
-
-    /// Tries the same moves in all directions; writes down which counts they change, and returns the sides on
-    /// which one does.
-    fn scan(&self, breaks: &mut [Breaks], held: Tried) -> Vec<Side> {
-        let steps: Vec<f64> = std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
-            .take_while(|step| *step <= REACH[1])
-            .collect();
-        let sides = || (0..self.directions.len()).flat_map(|d| [(d, 0), (d, 1)]);
-        let moves = sides().flat_map(|(d, side)| steps.iter().map(move |&step| (d, side, step)));
-        let tried: Vec<_> = moves.map(|(d, side, step)| self.moved(d, side, step)).collect();
-        let found = held(&tried);
-        let mut open = Vec::new();
-        for ((d, side), found) in sides().zip(found.chunks(steps.len())) {
-            let (breaks, mut before) = (&mut breaks[d], 0.0);
-            for (now, &step) in found.iter().zip(&steps) {
-                if breaks.first[side].is_none()
-                    && let Some(cell) = self.broken(now)
-                {
-                    breaks.first[side] = Some(cell);
-                    open.push(Side { direction: d, side, between: [before, step] });
-                }
-                for &(k, level) in &self.cells {
-                    let range = &mut breaks.cells[k][level][side];
-                    if range.is_none() && !now[k][level] {
-                        *range = Some(before * self.directions[d].unit());
+    /// Writes down which of the counts `kept` these moves change, from the counts that come out after each.
+    fn scan(&mut self, kept: &[Cell], steps: &[f64], found: &[Held]) {
+        let mut before = 0.0;
+        for (now, &step) in found.iter().zip(steps) {
+            for (&(k, level), range) in kept.iter().zip(&mut self.cells) {
+                if !now[k][level] {
+                    range.get_or_insert(before * self.unit);
+                    if self.first.is_none() {
+                        (self.first, self.between) = (Some((k, level)), [before, step]);
                     }
                 }
-                before = step;
             }
-        }
-        open
-    }
-
-    /// Halves what is left between moves that change no count and those that do, on all sides at once.
-    fn halve(&self, open: &mut [Side], breaks: &mut [Breaks], held: Tried) {
-        let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
-        for _ in 0..HALVINGS {
-            let tried: Vec<_> = open
-                .iter()
-                .map(|of| self.moved(of.direction, of.side, middle(of.between)))
-                .collect();
-            for (of, found) in open.iter_mut().zip(held(&tried)) {
-                let middle = middle(of.between);
-                match self.broken(&found) {
-                    Some(cell) => {
-                        of.between[1] = middle;
-                        breaks[of.direction].first[of.side] = Some(cell);
-                    }
-                    None => of.between[0] = middle,
-                }
-            }
+            before = step;
         }
     }
 }
 
-/// All directions at once, down and up.
-fn along(directions: &[Direction], here: &[Vec<bool>], held: Tried) -> Vec<Breaks> {
+/// Maps the neighbourhood of the f with these `values` on the pieces of the evaluator's first geometry.
+///
+/// # Panics
+/// If there is not one value per piece.
+pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64]) -> Identifiability {
+    let here = evaluator.held(0, &[values.to_vec()]).remove(0);
     let cells = (0..here.len()).flat_map(|k| (0..here[k].len()).map(move |level| (k, level)));
-    let kept = Kept { directions, cells: cells.filter(|&(k, level)| here[k][level]).collect() };
-    let nothing = |direction: &Direction| Breaks {
-        piece: direction.piece,
-        range: [REACH[1] * direction.unit(); 2],
-        first: [None; 2],
-        cells: here.iter().map(|row| vec![[None; 2]; row.len()]).collect(),
+    let kept: Vec<Cell> = cells.filter(|&(k, level)| here[k][level]).collect();
+    let size = largest(values);
+    let side = |piece: Option<usize>, sign: f64| {
+        let unit = if piece.is_some() { size } else { 1.0 };
+        let (between, cells) = ([REACH[1]; 2], vec![None; kept.len()]);
+        Side { values, piece, sign, unit, between, first: None, cells }
     };
-    let mut breaks: Vec<Breaks> = directions.iter().map(nothing).collect();
-    let mut open = kept.scan(&mut breaks, held);
-    kept.halve(&mut open, &mut breaks, held);
-    for Side { direction, side, between } in open {
-        breaks[direction].range[side] = between[0] * directions[direction].unit();
+    let pieces = (0..values.len()).map(Some).chain([None]);
+    let mut sides: Vec<Side> =
+        pieces.flat_map(|piece| [side(piece, -1.0), side(piece, 1.0)]).collect();
+    // The same moves on all sides at once, so that no vector lane is idle.
+    let steps: Vec<f64> = std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
+        .take_while(|step| *step <= REACH[1])
+        .collect();
+    let moves = sides.iter().flat_map(|side| steps.iter().map(|&step| side.moved(step)));
+    let found = evaluator.held(0, &moves.collect::<Vec<_>>());
+    for (side, found) in sides.iter_mut().zip(found.chunks(steps.len())) {
+        side.scan(&kept, &steps, found);
     }
-    breaks
+    let mut open: Vec<&mut Side> = sides.iter_mut().filter(|side| side.first.is_some()).collect();
+    for _ in 0..HALVINGS {
+        let middle = |side: &Side| 0.5 * (side.between[0] + side.between[1]);
+        let moves: Vec<_> = open.iter().map(|side| side.moved(middle(side))).collect();
+        for (side, held) in open.iter_mut().zip(evaluator.held(0, &moves)) {
+            let broken = kept.iter().copied().find(|&(k, level)| !held[k][level]);
+            side.between[usize::from(broken.is_some())] = middle(side);
+            side.first = broken.or(side.first);
+        }
+    }
+    let breaks = |sides: &[Side]| {
+        let [down, up] = sides else { unreachable!("two sides of each direction") };
+        let mut cells: Vec<_> = here.iter().map(|row| vec![[None; 2]; row.len()]).collect();
+        for (&(k, level), range) in kept.iter().zip(down.cells.iter().zip(&up.cells)) {
+            cells[k][level] = [*range.0, *range.1];
+        }
+        let range = [down, up].map(|side| side.between[0] * side.unit);
+        Breaks { piece: down.piece, range, first: [down.first, up.first], cells }
+    };
+    let directions = sides.chunks(2).map(breaks).collect();
+    Identifiability { values: values.to_vec(), exact: kept.len(), directions }
 }
 
 /// Counts that come out when the values of two pieces of the evaluator's first geometry vary by up to `reach`,
@@ -230,7 +175,8 @@ pub fn slice(
         moved
     };
     let all: Vec<_> = y.iter().flat_map(|&v| x.iter().map(move |&u| (v, u))).map(moved).collect();
-    let counts: Vec<usize> = evaluator.held(0, &all).iter().map(|held| count(held)).collect();
+    let count = |held: &Held| held.iter().flatten().filter(|&&held| held).count();
+    let counts: Vec<usize> = evaluator.held(0, &all).iter().map(count).collect();
     let exact = counts.chunks(points.max(1)).map(<[usize]>::to_vec).collect();
     Slice { pieces, x, y, exact }
 }

@@ -62,12 +62,9 @@ impl Checkpoint {
         target: &Target,
         plan: &Plan,
     ) -> Result<Self, IdentifyError> {
-        match resume {
-            Some(state) if state.request == *request && state.target == *target => {
-                return Ok(state);
-            }
-            Some(_) => return Err(IdentifyError::ForeignCheckpoint),
-            None => {}
+        if let Some(state) = resume {
+            let own = state.request == *request && state.target == *target;
+            return if own { Ok(state) } else { Err(IdentifyError::ForeignCheckpoint) };
         }
         Ok(Self {
             request: request.clone(),
