@@ -93,15 +93,19 @@ pub enum NoBound {
     /// The continuous problem has no, or no unique, solution.
     #[error("the integral of f is not negative")]
     NotCoercive,
-    /// A sum overflowed, or the vector holds no number somewhere.
+    /// A sum overflowed, squares underflow, or the vector holds no number somewhere.
     #[error("numbers exceed the range of double precision")]
     NotFinite,
 }
 
+/// Least integral of |f|: below, what underflows from squares is no longer small beside rounding errors of the energy,
+/// `sqrt(f64::MIN_POSITIVE / f64::EPSILON)`.
+const LEAST_MASS: f64 = 1e-146;
+
 /// Bounds for the nodal vector `y` as an approximation of the solution for f, however it came about.
 ///
 /// # Errors
-/// If the integral of f is not negative, or a number is not finite.
+/// If the integral of f is not negative, or numbers exceed the range of double precision.
 ///
 /// # Panics
 /// If `y.len() != grid.nodes()`.
@@ -134,6 +138,9 @@ fn summed(
     let (v, moved) = admissible(grid, y);
     let walk::Total { sums, work, trace, residual, largest, mass } =
         walk::total(grid, f, &v, recovered)?;
+    if mass < LEAST_MASS {
+        return Err(NoBound::NotFinite);
+    }
     let size = sums.recovered + 2.0 * largest * mass;
     // No sum has more terms one after the other than a row of cells has, and some.
     let rounding = (n + 300) as f64 * f64::EPSILON * size;

@@ -348,3 +348,27 @@ fn what_has_no_solution_has_no_bound() {
         assert_eq!(bounds(grid, &Source::constant(-1.0), &nan), Err(NoBound::NotFinite));
     }
 }
+
+#[test]
+fn no_bound_is_given_where_squares_underflow() {
+    let text = "quadrant(ll)=3; else=-1.25";
+    let f: Source = text.parse().unwrap();
+    let (grid, y) = solved(16, &f, EXACT, Goal::RoundingFloor);
+    let [low, high] = bounds(grid, &f, &y).unwrap().energy;
+    // Powers of two, by which f and y are exact and the energies are scaled twice.
+    for (power, known) in [(-400, true), (-480, true), (-490, false), (-530, false), (-1000, false)]
+    {
+        let factor = 2f64.powi(power);
+        let f =
+            format!("quadrant(ll)={:e}; else={:e}", 3.0 * factor, -1.25 * factor).parse().unwrap();
+        let y: Vec<f64> = y.iter().map(|value| factor * value).collect();
+        match bounds(grid, &f, &y) {
+            Ok(Bounds { energy, .. }) => {
+                let energy = energy.map(|e| e / factor / factor);
+                let far = (energy[0] - low).abs() + (energy[1] - high).abs();
+                assert!(known && far <= 1e-9 * low.abs(), "2^{power}: {energy:?} {low} {high}");
+            }
+            Err(refused) => assert!(!known && refused == NoBound::NotFinite, "2^{power}"),
+        }
+    }
+}
