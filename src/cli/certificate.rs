@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use tera::{Context, Kwargs, State, Tera};
 
 const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
-const TITLE: &str = "The study of the semicoercive Signorini problem by the Arrow-Hurwicz method \
+const TITLE: &str = "The study semicoercive Signorini problem by Arrow-Hurwicz method \
     (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
 const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
 

@@ -37,8 +37,8 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// The multiplier at the boundary nodes: the flux over the `measure` of a node's part of the boundary
-    /// where `y` is in contact. It is zero elsewhere, where the flux of a solution is rounding error.
+    /// The multiplier at the boundary nodes: the flux over the `measure` of a node's part of the boundary in contact,
+    /// where the flux is more than `y`. It is zero elsewhere, where the flux of a solution is rounding error.
     pub fn multiplier(
         &self,
         boundary: impl IntoIterator<Item = usize>,
@@ -46,7 +46,7 @@ impl Judgement {
         measure: f64,
     ) -> Vec<f64> {
         let of_node = |(node, flux): (usize, &f64)| {
-            if y[node] > 0.0 { 0.0 } else { flux.max(0.0) / measure }
+            if y[node] < *flux { flux.max(0.0) / measure } else { 0.0 }
         };
         boundary.into_iter().zip(&self.flux).map(of_node).collect()
     }

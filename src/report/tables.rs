@@ -30,15 +30,23 @@ pub(crate) fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec
             Event::InlineMath(latex) => cell += &number(&latex),
             Event::InlineHtml(tag) if &*tag == "<small>" => cell += " (",
             Event::InlineHtml(tag) if &*tag == "</small>" => cell.push(')'),
+            Event::InlineHtml(tag) if &*tag == "<br>" => cell += "; ",
+            // The link to an equation has no text of its own: its number comes later.
+            Event::Start(Tag::Link { dest_url, .. }) if dest_url.starts_with("eq:") => {
+                cell += &format!("({})", &dest_url["eq:".len()..]);
+            }
             Event::End(TagEnd::TableCell) => {
                 // Narrow spaces part digits, and a dash stands for no number.
                 let text = cell.replace('\u{202f}', "").replace('\u{2265}', ">=");
                 let text = text.trim();
-                row.push(if text == "\u{2013}" { String::new() } else { quoted(text) });
+                row.push(if text == "\u{2013}" { String::new() } else { text.to_owned() });
             }
-            Event::End(TagEnd::TableHead | TagEnd::TableRow) => {
-                csv += &(row.join(",") + "\n");
-                row.clear();
+            Event::End(end @ (TagEnd::TableHead | TagEnd::TableRow)) => {
+                if end == TagEnd::TableHead {
+                    number_repeated(&mut row);
+                }
+                let cells: Vec<_> = row.drain(..).map(|cell| quoted(&cell)).collect();
+                csv += &(cells.join(",") + "\n");
             }
             Event::End(TagEnd::Table) => {
                 let file = format!("{name}-{}.csv", files.len() + 1);
@@ -63,7 +71,21 @@ fn number(latex: &str) -> String {
         Some(_) => text.replacen('}', "", 1),
         None => text,
     };
-    text.replace(r"\infty", "inf").replace(r"\,", "").trim().into()
+    let signs =
+        [(r"\infty", "inf"), (r"\,", ""), (r"\ge", ">="), (r"\lvert", "|"), (r"\rvert", "|")];
+    let marks = [("^{(n)}", ""), (r"\tilde ", ""), ("\\", "")];
+    let plain = |text: String, (from, to): (&str, &str)| text.replace(from, to);
+    signs.into_iter().chain(marks).fold(text, plain).trim().into()
+}
+
+/// Names of columns are told apart by numbers, as the readers of CSV ask for.
+fn number_repeated(names: &mut [String]) {
+    for k in (1..names.len()).rev() {
+        let before = names[..k].iter().filter(|name| **name == names[k]).count();
+        if before > 0 {
+            names[k] += &format!(" {}", before + 1);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -91,6 +113,12 @@ mod tests {
     }
 
     #[test]
+    fn columns_have_names_of_their_own() {
+        let (_, files) = with_data("p", "| h | order | v | order |\n| --- | --- | --- | --- |\n");
+        assert_eq!(files["p-1.csv"], b"h,order,v,order 2\n");
+    }
+
+    #[test]
     fn cells_lose_their_mark_up() {
         for (cell, text) in [
             (r" $1.6 \cdot 10^{-4}$ ", "1.6e-4"),
@@ -99,7 +127,8 @@ mod tests {
             (" 4\u{202f}225 ", "4225"),
             (" \u{2013} ", ""),
             (" &gt; 100 ", "> 100"),
-            (r" $\max \lvert x\rvert$ ", r"\max \lvert x\rvert"),
+            (r" $\max \lvert \Delta a^{(n)} \rvert$ ", "max | Delta a |"),
+            (" with [](eq:13)<br>and ", "with (13); and"),
             (" $h = 1/64$ ", "h = 1/64"),
             (r" `a \| b` ", "a | b"),
         ] {

@@ -274,7 +274,7 @@ impl Solution {
         })
     }
 
-    /// v and dv/dn at a point of the border; dv/dn in a corner is that on one of its sides.
+    /// v and dv/dn at the point of the border nearest to this one; dv/dn in a corner is that on one of its sides.
     pub fn on_border(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         self.trace.at(Place::of(Complex::new(x, y)))
     }
@@ -285,7 +285,11 @@ impl Solution {
     }
 
     /// v at a point inside the square; at a distance d from a corner, to about 1e-16 / d^2.
+    ///
+    /// # Panics
+    /// If the point does not lie in the square.
     pub fn value(&self, x: f64, y: f64) -> f64 {
+        assert!(x.abs() <= 0.5 && y.abs() <= 0.5, "({x}, {y}) lies outside of the square");
         let z = Complex::new(x, y);
         self.problem.psi(z, &self.trace.rules) + self.trace.harmonic(z)
     }

@@ -257,7 +257,10 @@ impl Answer {
             Value::String(text) => format!("{name} {text}"),
             value => format!("{name} {value}"),
         });
-        text += &format!("{}\n", settings.collect::<Vec<_>>().join(", "));
+        let settings: Vec<_> = settings.collect();
+        if !settings.is_empty() {
+            text += &format!("{}\n", settings.join(", "));
+        }
         if !problem.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", problem.overridden.join(", "));
         }
@@ -276,7 +279,7 @@ impl Answer {
             }
             text.push('\n');
         }
-        text += &bound::text(&self.bounds, self.last().energy);
+        text += &bound::text(&self.bounds, self.last().energy, self.errors.is_some());
         self.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
         text
     }

@@ -3,8 +3,9 @@
 use crate::bounds::Bounds;
 use crate::discrete::contact::ContactArc;
 
-/// The bounds as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong.
-pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
+/// The bounds as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong. A `smooth` f
+/// enters them by quadrature, pieces exactly.
+pub(super) fn text(bound: &Result<Bounds, String>, energy: f64, smooth: bool) -> String {
     let bound = match bound {
         Ok(bound) => bound,
         Err(reason) => return format!("no bound of the error: {reason}\n"),
@@ -12,8 +13,9 @@ pub(super) fn text(bound: &Result<Bounds, String>, energy: f64) -> String {
     let [low, high] = bound.energy;
     let [least, most] = bound.error;
     let relative = 100.0 * bound.relative();
+    let guaranteed = if smooth { "guaranteed, but for the quadrature of f" } else { "guaranteed" };
     let mut text = format!(
-        "guaranteed: true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
+        "{guaranteed}: true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
     );
     text += &if relative < 100.0 {
         format!(", at most {relative:.2} % of the solution\n")

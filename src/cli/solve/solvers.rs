@@ -84,8 +84,8 @@ impl Problem {
             kkt: end.kkt,
         };
         let levels = outcomes.iter().map(level).collect();
-        let flux = self.domain.judge(self.finest(), &pair.y, &loads[loads.len() - 1]).flux;
-        Ok(Solved { levels, pair, flux, work_units: None })
+        let judgement = self.domain.judge(self.finest(), &pair.y, &loads[loads.len() - 1]);
+        Ok(self.solved(levels, pair.y, judgement, None))
     }
 
     /// Runs a solver that works on the finest grid alone.
@@ -116,9 +116,7 @@ impl Problem {
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
         let judgement = self.domain.judge(n, &y, load);
-        let measure = (n as f64).powi(1 - i32::from(self.domain.dimension()));
-        let a = judgement.multiplier(self.domain.boundary(n), &y, measure);
-        let Judgement { kkt, energy, flux } = judgement;
+        let Judgement { kkt, energy, .. } = judgement;
         let level = Level {
             cells: n,
             iterations,
@@ -128,7 +126,21 @@ impl Problem {
             sum_load: load.iter().sum(),
             kkt,
         };
-        Ok(Solved { levels: vec![level], pair: Pair { y, a }, flux, work_units })
+        Ok(self.solved(vec![level], y, judgement, work_units))
+    }
+
+    /// The solution with the multiplier that follows from it, whatever multiplier the solver carried along.
+    fn solved(
+        &self,
+        levels: Vec<Level>,
+        y: Vec<f64>,
+        judgement: Judgement,
+        work_units: Option<f64>,
+    ) -> Solved {
+        let n = self.finest();
+        let measure = (n as f64).powi(1 - i32::from(self.domain.dimension()));
+        let a = judgement.multiplier(self.domain.boundary(n), &y, measure);
+        Solved { levels, pair: Pair { y, a }, flux: judgement.flux, work_units }
     }
 
     /// That no nodal vector solves the discrete problem for a load vector with this sum; whichever solver finds it,
