@@ -13,11 +13,11 @@ use crate::discrete::load::{Diagonal, LoadRule};
 use crate::experiments::solver::Solver;
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Tie;
-use crate::saddle::Method;
+use crate::saddle::{Method, Pair};
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use domain::Format;
+use domain::{Format, square};
 use problem::Problem;
 use std::path::PathBuf;
 
@@ -68,7 +68,7 @@ pub(super) struct SolveArgs {
     #[arg(long)]
     json: bool,
     /// Write the solution: .vti for ParaView, .npz (v, multiplier, f) or .npy (v) for NumPy, .svg for a
-    /// picture; or vti, npz, npy, svg alone
+    /// picture; or vti, npz, npy, svg alone. The spectral solver's is written at the nodes of --h
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
@@ -93,6 +93,22 @@ impl SolveArgs {
             ));
         }
         Ok(Some((OutputFile::check(&path)?, format)))
+    }
+
+    /// Writes the file, if one is asked for, with a solution on the grid with so many cells per side.
+    fn write(
+        &self,
+        problem: &Problem,
+        file: Option<(OutputFile, Format)>,
+        solution: impl FnOnce() -> Result<(usize, Pair)>,
+    ) -> Result<u8> {
+        let Some((file, format)) = file else { return Ok(0) };
+        let (n, pair) = solution()?;
+        file.write(&problem.domain.file(format, n, &pair, problem.name())?)?;
+        if !self.json {
+            say(&format!("wrote {}\n", file.path().display()))?;
+        }
+        Ok(0)
     }
 
     fn accuracy(&self) -> Option<Accuracy> {
@@ -170,10 +186,11 @@ fn rule_name(rule: &LoadRule) -> String {
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let mut problem = Problem::read(args)?;
-    if problem.solver == Solver::Spectral {
-        return spectral::solve(args, &problem);
-    }
     let file = args.file(&problem)?;
+    if problem.solver == Solver::Spectral {
+        let (n, solution) = (problem.finest(), spectral::solve(args, &problem)?);
+        return args.write(&problem, file, || Ok((n, spectral::on_grid(&solution, square(n)))));
+    }
     let answer = match problem.accuracy {
         Some(accuracy) => problem.solve_to(accuracy)?,
         None => problem.solve()?,
@@ -183,17 +200,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     } else {
         say(&answer.text(&problem))?;
     }
-    if let Some((file, format)) = file {
-        let (domain, n) = (&problem.domain, problem.finest());
-        let (n, pair) = match args.recover {
-            true => (2 * n, domain.recovered(n, &answer.solved.pair)?),
-            false => (n, answer.solved.pair),
-        };
-        file.write(&domain.file(format, n, &pair, problem.name())?)?;
-        if !args.json {
-            say(&format!("wrote {}\n", file.path().display()))?;
-        }
-    }
+    let (n, pair) = (problem.finest(), answer.solved.pair);
+    args.write(&problem, file, || match args.recover {
+        true => Ok((2 * n, problem.domain.recovered(n, &pair)?)),
+        false => Ok((n, pair)),
+    })?;
     answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
 }
 

@@ -106,6 +106,26 @@ fn the_recovered_solution_is_written_at_twice_the_nodes() {
     assert!(String::from_utf8_lossy(&bytes[..80]).contains("(33, 33)"));
 }
 
+/// Numbers as NPY and VTI files have them.
+fn doubles(bytes: &[u8]) -> Vec<f64> {
+    bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap())).collect()
+}
+
+#[test]
+fn the_true_solution_is_written_at_the_nodes_that_h_asks_for() {
+    let project = Project::with(TABLE);
+    let written = |solver: &str| {
+        let args = ["solve", "--f", BUMP, "--h", "1/32", "--solver", solver, "--out", "v.npy"];
+        assert_eq!(project.run(&args).code, Some(0));
+        let bytes = fs::read(project.path("v.npy")).unwrap();
+        doubles(&bytes[bytes.len() - 8 * 33 * 33..])
+    };
+    let (truth, ours) = (written("spectral"), written("multigrid"));
+    let greatest = truth.iter().copied().fold(0.0, f64::max);
+    let error = truth.iter().zip(&ours).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(0.0 < error && error < 0.02 * greatest, "{error} of {greatest}");
+}
+
 #[test]
 fn uzawa_solvers_agree_with_arrow_hurwicz_and_count_their_sweeps() {
     let project = Project::with(TABLE);
@@ -150,9 +170,6 @@ fn solutions_are_written_for_numpy_and_paraview() {
         let said = project.run(&["solve", "a", "--solver", "multigrid", "--out", name]);
         assert!(said.lines().contains(&format!("wrote {name}").as_str()), "{said:?}");
     }
-    let doubles = |bytes: &[u8]| -> Vec<f64> {
-        bytes.chunks_exact(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap())).collect()
-    };
     let npy = fs::read(project.path("v.npy")).unwrap();
     assert_eq!(&npy[..8], b"\x93NUMPY\x01\x00");
     let data = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
@@ -296,8 +313,7 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--solver", "multigrid", "--r", "5"], "--r is for --solver arrow-"),
         (&["--f", "else=-1", "--solver", "active-set", "--stop", "signed"], "not active-set"),
         (&["--f", "else=-1", "--solver", "spectral", "--max-iterations", "5"], "not spectral"),
-        (&["--f", "else=-1", "--solver", "spectral", "--out", "v.npy"], "not spectral"),
-        (&["--f", "else=-1", "--solver", "spectral", "--h", "1/65536"], "not spectral"),
+        (&["--f", "else=-1", "--solver", "spectral", "--h", "1/64"], "--h is about the file"),
         (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
         (&["--f", "else=-1", "--accuracy-energy", "nan"], "must be between 0 and 1"),
         (&["--f", "else=-1", "--accuracy-energy", "1e-15"], "too fine for memory; 1/8192 reaches"),

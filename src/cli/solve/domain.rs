@@ -31,8 +31,6 @@ impl Domain {
     pub(super) fn check_solver(&self, solver: Solver, finest: usize) -> Result<()> {
         // Finest grids on which a nodal vector or two, or a Cholesky factor, fit comfortably in memory.
         let most = match (self, solver) {
-            // It has no grid.
-            (Self::Square { .. }, Solver::Spectral) => return Ok(()),
             (Self::Square { .. }, Solver::ActiveSet) => 1024,
             (Self::Square { .. }, _) => MAX_CELLS,
             (Self::Cube { .. }, Solver::Multigrid) => 512,

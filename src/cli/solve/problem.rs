@@ -106,23 +106,25 @@ impl Problem {
 /// Refuses an option that the solver has no use for.
 fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     const MULTIGRID: &[Solver] = &[Solver::Multigrid];
-    let options: [(_, _, &[Solver]); 10] = [
+    let options: [(_, _, &[Solver]); 8] = [
         ("--r", args.r.is_some(), Solver::NESTED),
         ("--stop", args.stop.is_some(), Solver::NESTED),
         ("--max-iterations", args.max_iterations.is_some(), Solver::NESTED),
         ("--tolerance", args.tolerance.is_some(), MULTIGRID),
         ("--accuracy", args.accuracy.is_some(), MULTIGRID),
         ("--accuracy-energy", args.accuracy_energy.is_some(), MULTIGRID),
-        ("--h", args.h.is_some(), &Solver::ON_GRIDS),
         ("--load", args.load.is_some(), &Solver::ON_GRIDS),
         ("--recover", args.recover, &Solver::ON_GRIDS),
-        ("--out", args.out.is_some(), &Solver::ON_GRIDS),
     ];
     check_options("--solver", solver, &options)?;
-    if args.recover && args.out.is_none() {
-        return Err(Error::input("--recover is about the file that --out names; add --out FILE"));
+    let of_the_file =
+        [("--recover", args.recover), ("--h", args.h.is_some() && solver == Solver::Spectral)];
+    match of_the_file.iter().find(|(_, given)| *given && args.out.is_none()) {
+        None => Ok(()),
+        Some((option, _)) => Err(Error::input(format!(
+            "{option} is about the file that --out names; add --out FILE"
+        ))),
     }
-    Ok(())
 }
 
 fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {

@@ -5,12 +5,15 @@ use super::bound::contact;
 use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
+use crate::discrete::grid::Grid;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::shown_integral;
+use crate::saddle::Pair;
 use crate::spectral::{Params, Solution, SpectralError, spectral};
 use std::time::Instant;
 
-pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
+/// Says what the solution is, and returns it.
+pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
@@ -20,7 +23,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
-        return say_json(&serde_json::json!({
+        say_json(&serde_json::json!({
             "schema": 1,
             "scene": problem.name(),
             "f": f.to_string(),
@@ -40,7 +43,8 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
             },
             "checks": finer.checks,
             "seconds": { "solve": seconds },
-        }));
+        }))?;
+        return Ok(finer);
     }
     let integral = shown_integral(problem.integral);
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
@@ -49,7 +53,20 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<u8> {
         "checks: {}\nsolved in {seconds:.4} s, {} Newton steps\n",
         finer.checks, solution.steps
     );
-    say(&text)
+    say(&text)?;
+    Ok(finer)
+}
+
+/// v at the nodes of a grid, and the multiplier at those of its boundary.
+pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
+    let multiplier = |b: usize| {
+        let (i, j) = grid.boundary_node(b);
+        let [_, multiplier] = solution.on_border([grid.coordinate(i), grid.coordinate(j)]);
+        // Rounding errors are not to look like a pull.
+        multiplier.max(0.0)
+    };
+    let a = (0..grid.boundary_nodes()).map(multiplier).collect();
+    Pair { y: solution.at_nodes(grid.cells()), a }
 }
 
 fn table(solution: &Solution) -> String {
