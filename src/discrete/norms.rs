@@ -76,6 +76,13 @@ pub fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
+/// The largest absolute value of some numbers, NaN if one is.
+pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut largest = Largest::default();
+    values.into_iter().for_each(|value| largest.put(value));
+    largest.value()
+}
+
 /// Errors of the nodal vector `y` on triangles cut by rising diagonals.
 ///
 /// The sums are taken row by row, in the same order on any number of threads.

@@ -5,7 +5,7 @@ use super::known::{Errors, KnownSolution, SAMPLED};
 use super::problems::{CONTACT, paper_loads, stress_loads};
 use super::work::{self, Comparison, CostLaw};
 use crate::discrete::grid::Grid;
-use crate::discrete::norms::lumped;
+use crate::discrete::norms::{lumped, worst};
 use crate::discrete::stiffness::energy;
 use crate::multigrid::square::Square;
 use crate::multigrid::{Geometry, Goal, Multigrid, MultigridParams, Outcome, StopReason};
@@ -253,7 +253,7 @@ impl Ranges {
             [f64::min, f64::max]
                 .map(|f| observed().reduce(|a, b| map2(&a, &b, f)).unwrap_or_default())
         };
-        let ratio = |k: usize| fine().filter_map(|level| level.algebraic[k]).fold(0.0, f64::max);
+        let ratio = |k: usize| worst(fine().filter_map(|level| level.algebraic[k]));
         let last = || levels().filter(|level| level.cost.cells == finest);
         Self {
             tolerance: TOLERANCE,

@@ -2,7 +2,7 @@
 
 use super::accuracy::{Cost, Known, cost};
 use crate::discrete::cube::{Grid, errors, load};
-use crate::discrete::norms::Errors;
+use crate::discrete::norms::{Errors, worst};
 use crate::multigrid::cube::Cube;
 use crate::problem::cube::Exact;
 use rayon::prelude::*;
@@ -55,10 +55,10 @@ pub fn cube(plan: &Plan) -> Result<Findings, String> {
         Exact::ALL.into_par_iter().map(|exact| known(exact, &plan.cells)).collect();
     let problems = known?;
     let finest = || problems.iter().filter_map(|problem| problem.levels.last());
-    let greatest = |of: &dyn Fn(&Level) -> f64| finest().map(of).fold(0.0, f64::max);
+    let greatest = |of: &dyn Fn(&Level) -> f64| worst(finest().map(of));
     let off = |level: &Level| {
         let orders = level.orders.unwrap_or([f64::NAN; 3]);
-        orders.iter().zip([2.0, 1.0, 2.0]).map(|(p, best)| (p - best).abs()).fold(0.0, f64::max)
+        worst(orders.iter().zip([2.0, 1.0, 2.0]).map(|(p, best)| p - best))
     };
     Ok(Findings {
         most: [0, 1, 2].map(|goal| greatest(&|level| level.cost.goals[goal].work_units)),

@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::discrete::norms::{self, multiplier_error};
+use crate::discrete::norms::{self, multiplier_error, worst};
 use crate::discrete::stiffness::energy;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
@@ -152,7 +152,7 @@ impl Spectral {
         let error = |(i, j): (usize, usize)| {
             y[grid.index(i * ours, j * ours)] - samples[j * theirs * (SAMPLED + 1) + i * theirs]
         };
-        nodes.map(|node| error(node).abs()).fold(0.0, f64::max)
+        worst(nodes.map(error))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::known::Errors;
 use super::{accuracy, cube};
+use crate::discrete::norms::worst;
 use serde::{Deserialize, Serialize};
 
 /// Work units in which multigrid is to reach the goals of [`accuracy`], on grids from 1/64 on.
@@ -54,7 +55,7 @@ pub fn of_accuracy(found: &accuracy::Findings) -> Vec<Target> {
     let ranges = &found.ranges;
     let off = |orders: &[Errors], order: fn(&Errors) -> Option<f64>, best: f64| {
         let orders = orders.iter().filter_map(order);
-        orders.map(|order| (order - best).abs()).fold(0.0, f64::max)
+        worst(orders.map(|order| order - best))
     };
     let (smooth, all) = (&ranges.orders, [ranges.orders, ranges.contact].concat());
     let mut targets = vec![

@@ -9,6 +9,7 @@ pub use reference::{Arc, Reference, Value};
 
 use super::known::KnownSolution;
 use super::problems::CONTACT;
+use crate::discrete::norms::worst;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::spectral::{Params, spectral};
@@ -79,9 +80,7 @@ pub struct Summary {
 
 impl Summary {
     fn of(references: &[Reference], elements: &[Elements]) -> Self {
-        let worst = |of: fn(&Reference) -> f64| {
-            references.iter().map(|one| of(one).abs()).fold(0.0, f64::max)
-        };
+        let worst = |of: fn(&Reference) -> f64| worst(references.iter().map(of));
         let held = || elements.iter().flat_map(|one| &one.levels).filter_map(|level| level.holds);
         Self {
             green: worst(|one| one.green),
