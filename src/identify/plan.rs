@@ -2,7 +2,7 @@
 
 use super::evaluate::Evaluator;
 use super::random::Random;
-use super::rank::{Best, Found, Ranked, evaluate, explain};
+use super::rank::{Best, Found, Ranked, count_misfit_below, evaluate, explain};
 use super::request::{Method, Part, Request};
 use super::space::{Candidate, Geometry, Lattice, Space, decimals};
 use super::variant::Order;
@@ -34,7 +34,7 @@ pub(super) struct Live<'a> {
 impl<'a> Live<'a> {
     /// Before a batch is begun that follows upon these candidates.
     pub(super) fn new(stop: &'a AtomicBool, halt: &'a AtomicBool, best: &Best) -> Self {
-        let best = best.list().first().map_or(f64::INFINITY, |ranked| ranked.objective);
+        let best = best.list().iter().map(|ranked| ranked.rank.1).fold(f64::INFINITY, f64::min);
         Self { stop, halt, tried: AtomicU64::new(0), best: AtomicU64::new(best.to_bits()) }
     }
 
@@ -44,7 +44,7 @@ impl<'a> Live<'a> {
         ![self.stop, self.halt].iter().any(|flag| flag.load(Ordering::Relaxed))
     }
 
-    fn note(&self, objective: f64) {
+    fn note(&self, Ranked { rank: (_, objective), .. }: &Ranked) {
         self.best.fetch_min(objective.to_bits(), Ordering::Relaxed);
     }
 }
@@ -213,9 +213,9 @@ impl<'a> Plan<'a> {
                 return (tried, false);
             }
             tried += 1;
-            if let Some(objective) = evaluate(evaluator, &candidate, best.bar()) {
-                live.note(objective);
-                best.offer(Ranked { objective, candidate });
+            if let Some(ranked) = evaluate(evaluator, candidate, best.misfit_limit()) {
+                live.note(&ranked);
+                best.offer(ranked);
             }
         }
         // The last candidate may have been given up.
@@ -257,12 +257,13 @@ impl<'a> Plan<'a> {
             // Metropolis's rule, turned round: the draw comes first, and bounds what is worth running.
             let bar = here - temperature * libm::log(random.unit());
             let bar = if here.is_finite() { bar } else { f64::MAX };
-            if let Some(objective) = evaluate(evaluator, &candidate, bar) {
-                live.note(objective);
+            if let Some(ranked) = evaluate(evaluator, candidate, count_misfit_below(bar)) {
+                live.note(&ranked);
+                let (_, objective) = ranked.rank;
                 if objective <= bar {
                     (at, here) = (next, objective);
                 }
-                best.offer(Ranked { objective, candidate });
+                best.offer(ranked);
             }
         }
         (steps, live.go_on(0))
@@ -280,17 +281,12 @@ impl<'a> Plan<'a> {
         self.transposable && self.lattices[1] == self.lattices[2] && ticks[2] < ticks[1]
     }
 
-    /// Scores in full, by counts that come out first, what was kept.
+    /// Scores in full what was kept.
     pub(super) fn explain(mut self, best: &Best) -> Vec<Found> {
         let explained = |Ranked { candidate, .. }: &Ranked| {
             explain(&mut self.evaluator, &self.geometries[candidate.geometry], candidate)
         };
-        let mut found: Vec<_> = best.list().iter().map(explained).collect();
-        // Counts come before everything else, however slightly one is missed.
-        found.sort_by(|a, b| {
-            b.score.exact.cmp(&a.score.exact).then(a.score.total().total_cmp(&b.score.total()))
-        });
-        found
+        best.list().iter().map(explained).collect()
     }
 }
 

@@ -41,7 +41,7 @@ impl Score {
 }
 
 /// [`Score::total`] from its parts.
-pub(super) fn objective(misfit: f64, delta_a_misfit: f64, complexity: u32) -> f64 {
+fn objective(misfit: f64, delta_a_misfit: f64, complexity: u32) -> f64 {
     misfit + DELTA_A_WEIGHT * delta_a_misfit + COMPLEXITY_WEIGHT * f64::from(complexity)
 }
 
@@ -67,19 +67,25 @@ pub struct Found {
     pub integral: f64,
 }
 
+/// Whether a count is missed, and the objective: the smaller, the better.
+type Rank = (bool, f64);
+
+fn by_rank(a: &Rank, b: &Rank) -> Ordering {
+    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+}
+
 /// A candidate as the search keeps it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Ranked {
-    pub(super) objective: f64,
+    pub(super) rank: Rank,
     pub(super) candidate: Candidate,
 }
 
 impl Ranked {
-    /// Smaller objective first; the candidate itself decides ties, so that the order is total.
-    pub(super) fn order(&self, other: &Self) -> Ordering {
+    /// Smaller rank first; the candidate itself decides ties, so that the order is total.
+    fn order(&self, other: &Self) -> Ordering {
         let key = |c: &Candidate| (c.geometry, c.ticks.clone(), c.places);
-        self.objective
-            .total_cmp(&other.objective)
+        by_rank(&self.rank, &other.rank)
             .then_with(|| key(&self.candidate).cmp(&key(&other.candidate)))
     }
 }
@@ -89,8 +95,8 @@ impl Ranked {
 pub(super) struct Best {
     most: usize,
     list: Vec<Ranked>,
-    /// Objective above which nothing is wanted, whatever the list; `None` for no such limit.
-    ceiling: Option<f64>,
+    /// Rank beyond which nothing is wanted, whatever the list; `None` for no such limit.
+    ceiling: Option<Rank>,
 }
 
 impl Best {
@@ -100,22 +106,30 @@ impl Best {
 
     /// An empty list that takes only what this one would.
     pub(super) fn successor(&self) -> Self {
-        let bar = self.bar();
-        Self { ceiling: bar.is_finite().then_some(bar), ..Self::new(self.most) }
+        Self { ceiling: self.bar(), ..Self::new(self.most) }
     }
 
     pub(super) fn list(&self) -> &[Ranked] {
         &self.list
     }
 
-    /// Objective above which a candidate has no place.
-    pub(super) fn bar(&self) -> f64 {
-        let worst = self.list.get(self.most - 1).map_or(f64::INFINITY, |last| last.objective);
-        self.ceiling.map_or(worst, |ceiling| ceiling.min(worst))
+    /// Rank beyond which a candidate has no place, if there is one.
+    fn bar(&self) -> Option<Rank> {
+        let ranks = self.list.get(self.most - 1).map(|last| last.rank).into_iter();
+        ranks.chain(self.ceiling).min_by(by_rank)
+    }
+
+    /// Count misfit above which a candidate has no place.
+    pub(super) fn misfit_limit(&self) -> f64 {
+        match self.bar() {
+            None => f64::INFINITY,
+            Some((true, objective)) => count_misfit_below(objective),
+            Some((false, _)) => 0.0,
+        }
     }
 
     pub(super) fn offer(&mut self, new: Ranked) {
-        if new.objective > self.bar() {
+        if self.bar().is_some_and(|bar| new.rank > bar) {
             return;
         }
         if let Err(at) = self.list.binary_search_by(|old| old.order(&new)) {
@@ -142,20 +156,20 @@ pub(super) fn delta_a_misfit(target: &Target, delta_a: &[f64]) -> f64 {
     delta_a.iter().zip(&target.delta_a).map(one).sum()
 }
 
-/// The objective of a candidate, or `None` if its count misfit alone passes `bar`.
+/// A candidate with its rank, or `None` if its count misfit passes `limit`.
 pub(super) fn evaluate(
     evaluator: &mut Evaluator<'_>,
-    candidate: &Candidate,
-    bar: f64,
-) -> Option<f64> {
-    let limit = count_misfit_below(bar);
+    candidate: Candidate,
+    limit: f64,
+) -> Option<Ranked> {
     let Forced { delta_a, total, .. } =
         evaluator.forced(candidate.geometry, &candidate.values(), limit);
     if delta_a.is_empty() || total > limit {
         return None;
     }
     let misfit = delta_a_misfit(evaluator.target(), &delta_a);
-    Some(objective(total, misfit, candidate.complexity()))
+    let objective = objective(total, misfit, candidate.complexity());
+    Some(Ranked { rank: (total > 0.0, objective), candidate })
 }
 
 /// The full score of a candidate, with a free run; `geometry` is its own.

@@ -150,7 +150,7 @@ pub struct Report {
     pub tried: u64,
     /// Runs that reached each grid: how the screening went.
     pub entered: Vec<u64>,
-    /// The best, in order: by counts that come out, then by [`super::Score::total`].
+    /// The best, in order: those with every count first, then by [`super::Score::total`].
     pub found: Vec<Found>,
 }
 

@@ -181,6 +181,22 @@ fn enumeration_finds_the_values_of_problem_2() {
     assert_eq!((best.score.exact, best.score.cells, best.score.delta_a_exact), (25, 25, 4));
 }
 
+#[test]
+fn the_first_found_does_not_depend_on_how_many_are_kept() {
+    let target = published(2);
+    let five = Request {
+        space: Space::OddQuadrant,
+        ..request("-6.02:-5.98:0.005; 1.985:2:0.005", Method::Enumerate)
+    };
+    let all = run(&five, &target, 1).found;
+    assert!(all.iter().any(|found| found.score.exact < 25), "one misses a count");
+    for top in 1..5 {
+        let found = run(&Request { top, ..five.clone() }, &target, 1).found;
+        assert_eq!(found, all[..top], "{top}");
+        assert_eq!(found[0].score.exact, 25);
+    }
+}
+
 /// Plants f, hides it, and searches the table of its first three grids.
 #[test]
 fn a_planted_f_or_an_equivalent_one_is_recovered() {

@@ -25,7 +25,7 @@ Examples:\n  \
   signorini identify --values -8:4:0.002 --checkpoint long.json\n  \
   signorini identify --values -8:4:0.001 --part 2/8 --checkpoint 2.json\n  \
   signorini identify --merge [1-8].json\n\n\
-The table ranks by counts that come out, then by total = misfit + 0.3 (misfit of Delta a) + 0.005 \
+The table has f with all counts first, then ranks by total = misfit + 0.3 (misfit of Delta a) + 0.005 \
 (complexity); complexity counts distinct values and their decimal places. The same command finds the \
 same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
