@@ -150,15 +150,11 @@ impl<'a> Evaluator<'a> {
         change
     }
 
-    /// Prepares all rows for one f, each where it starts.
-    fn enter(&mut self, geometry: usize, level: usize, values: &[f64], starts: &[Pair]) {
-        self.entered[level] += 1;
-        let at = &mut self.levels[level];
-        let mut load = vec![0.0; at.grid.nodes()];
+    /// The load vector of the f with these values.
+    fn load(&self, geometry: usize, level: usize, values: &[f64]) -> Vec<f64> {
+        let mut load = vec![0.0; self.levels[level].grid.nodes()];
         combine(&mut load, &self.basis[geometry][level], values);
-        for (row, (&r, start)) in self.target.r.iter().zip(starts).enumerate() {
-            at.lanes.enter(row, r, &load, 0.0, start);
-        }
+        load
     }
 
     /// Prepares one row for an f in each lane, from zero or from what the grid before has come to.

@@ -4,7 +4,7 @@ use super::evaluate::Evaluator;
 use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
 
-/// Per row and grid, whether a published count comes out.
+/// Per row and grid, whether a published count comes out in a free run.
 type Held = Vec<Vec<bool>>;
 
 /// Smallest and largest move tried, relative to the largest value of f.
@@ -27,8 +27,8 @@ pub struct Breaks {
     pub range: [f64; 2],
     /// Count that changes first, down and up; `None` if none did within reach.
     pub first: [Option<Cell>; 2],
-    /// `cells[k][level]`: how far this count alone lets it move, down and up, to within a factor
-    /// of 1.25; `None` if it never changes within reach.
+    /// `cells[k][level]`: the largest of the moves tried, down and up, up to which this count comes out; the next
+    /// one is 1.25 times as large. `None` if it comes out after every move within reach.
     pub cells: Vec<Vec<[Option<f64>; 2]>>,
 }
 
@@ -43,7 +43,7 @@ pub struct Identifiability {
     pub directions: Vec<Breaks>,
 }
 
-/// Number of counts that come out on a lattice in the plane of two values.
+/// Number of counts that come out in free runs, on a lattice in the plane of two values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slice {
     /// Pieces whose values vary along x and along y.

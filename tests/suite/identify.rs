@@ -323,6 +323,27 @@ fn neighbours_are_distinct_and_described() {
 }
 
 #[test]
+fn counts_are_held_where_free_runs_give_them() {
+    let target = published(2);
+    let mut evaluator = evaluator(&target, &Variant::default());
+    // More f than lanes; the last goes on and on.
+    let moved = |k: i32| vec![-6.0 + 0.0155 * f64::from(k), 1.998, 1.998, 1.998];
+    let all: Vec<_> = (-4..5).map(moved).chain([vec![9.0; 4]]).collect();
+    let held = evaluator.held(0, &all);
+    for (values, held) in all.iter().zip(&held) {
+        let counts = evaluator.free(0, values).counts;
+        let rows = counts.iter().zip(&target.counts);
+        let same = rows.map(|(ours, published)| {
+            ours.iter().zip(published).map(|(ours, n)| *ours == Some(*n)).collect::<Vec<_>>()
+        });
+        assert_eq!(*held, same.collect::<Vec<_>>(), "{values:?}");
+    }
+    // At -5.969 the counts for the largest r are 2, 4, 7, 15, 35: a first miss starts the next grid elsewhere.
+    assert_eq!(all[6][0], -5.969);
+    assert_eq!(held[6][0], [false, false, true, false, false]);
+}
+
+#[test]
 fn room_ends_where_a_count_changes() {
     let target = published(2);
     let values = [-6.0, 2.0, 2.0, 2.0];
@@ -349,6 +370,8 @@ fn room_ends_where_a_count_changes() {
     let plane = slice(&evaluator, &values, [0, 3], [0.1; 2], 5);
     assert_eq!(plane.exact[2][2], 25);
     assert!(plane.exact[0][0] < 25);
+    let below = slice(&evaluator, &[-6.0, 1.986, 1.986, 1.986], [0, 3], [0.0; 2], 1);
+    assert_eq!(below.exact, [[20]], "a forced run would give 22");
 }
 
 #[test]

@@ -32,7 +32,11 @@ impl Evaluator<'_> {
         let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
         let mut pairs = vec![Pair::zero(grid(0)); rows];
         for level in 0..grids {
-            self.enter(geometry, level, values, &pairs);
+            self.entered[level] += 1;
+            let load = self.load(geometry, level, values);
+            for (row, (&r, start)) in self.target.r.iter().zip(&pairs).enumerate() {
+                self.levels[level].lanes.enter(row, r, &load, 0.0, start);
+            }
             let mut delta_a = vec![0.0; rows];
             let last = (0..rows).map(|row| self.last(row, level)).collect::<Vec<_>>();
             let tolerance = tolerance(level + 1);
@@ -75,45 +79,43 @@ impl Evaluator<'_> {
         forced
     }
 
-    /// For each of many f, given by their values, which counts come out in a forced run: by row and grid, every
-    /// count whatever comes of the others.
+    /// For each of many f, given by their values, which counts come out in a free run: by row and grid.
     ///
     /// # Panics
     /// As [`Self::forced`].
     pub fn held(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<bool>>> {
-        let (rows, grids) = (self.target.r.len(), self.target.levels());
-        let batches: Vec<(&[Vec<f64>], usize)> =
-            all.chunks(LANES).flat_map(|some| (0..rows).map(move |row| (some, row))).collect();
-        let run = |evaluator: &mut Self, &(some, row): &(&[Vec<f64>], usize)| {
-            evaluator.held_in_lanes(geometry, in_lanes(some), row, grids, true)
-        };
+        let rows = self.target.r.len();
+        // Runs of one row end about together.
+        let row = |row| all.iter().map(move |values| (&values[..], row));
+        let runs: Vec<_> = (0..rows).flat_map(row).collect();
+        let batches: Vec<_> = runs.chunks(LANES).collect();
+        let run = |evaluator: &mut Self, batch: &&[_]| evaluator.free_in_lanes(geometry, batch);
         let done: Vec<_> = batches.par_iter().map_init(|| self.clone(), run).collect();
-        let of = |k: usize| {
-            let rows = done[k / LANES * rows..][..rows].iter();
-            rows.map(|grids| grids.iter().map(|held| held[k % LANES]).collect()).collect()
+        let done: Vec<_> = done.into_iter().flatten().collect();
+        let of_row = |k: usize, row: usize| {
+            let (counts, _) = &done[row * all.len() + k];
+            let pairs = counts.iter().zip(&self.target.counts[row]);
+            pairs.map(|(ours, published)| *ours == Some(*published)).collect()
         };
-        (0..all.len()).map(of).collect()
+        (0..all.len()).map(|k| (0..rows).map(|row| of_row(k, row)).collect()).collect()
     }
 
-    /// In which lanes the counts of a row come out, grid by grid.
-    ///
-    /// Unless every count is wanted, the run ends as soon as there is no lane in which all did.
+    /// In which lanes the counts of a row come out on all grids up to one, in a forced run that ends as soon as there
+    /// is no such lane.
     fn held_in_lanes(
         &mut self,
         geometry: usize,
         values: [&[f64]; LANES],
         row: usize,
-        grids: usize,
-        every: bool,
-    ) -> Vec<[bool; LANES]> {
-        let mut all = vec![[false; LANES]; grids];
-        for (level, held) in all.iter_mut().enumerate() {
+        finest: usize,
+    ) -> [bool; LANES] {
+        let mut held = [true; LANES];
+        for level in 0..=finest {
             self.enter_all(geometry, level, values, row);
             let (last, tolerance) = (self.last(row, level), tolerance(level + 1));
-            *held = [true; LANES];
             for n in 1..=last {
-                if self.is_halted() || !every && *held == [false; LANES] {
-                    return all;
+                if self.is_halted() || held == [false; LANES] {
+                    return [false; LANES];
                 }
                 let counted = n > self.variant.uncounted;
                 self.iterate(level, |at, measure| {
@@ -121,12 +123,12 @@ impl Evaluator<'_> {
                         let Level { lanes, witness, .. } = at;
                         let bounds = held.map(|held| held.then_some(tolerance));
                         let within = lanes.all_within(measure, bounds, witness);
-                        *held = from_fn(|k| held[k] && within[k] == (n == last));
+                        held = from_fn(|k| held[k] && within[k] == (n == last));
                     }
                 });
             }
         }
-        all
+        held
     }
 
     /// Places of those among many f, given by their values on the pieces, that give all counts on so many coarse
@@ -149,9 +151,8 @@ impl Evaluator<'_> {
                 let mut held = Vec::with_capacity(passed.len());
                 for some in passed.chunks(LANES) {
                     let values: Vec<_> = some.iter().map(|&k| &all[k]).collect();
-                    let run =
-                        self.held_in_lanes(geometry, in_lanes(&values), row, level + 1, false);
-                    held.extend(some.iter().zip(run[level]).filter(|(_, held)| *held));
+                    let run = self.held_in_lanes(geometry, in_lanes(&values), row, level);
+                    held.extend(some.iter().zip(run).filter(|(_, held)| *held));
                 }
                 passed = held.into_iter().map(|(&k, _)| k).collect();
             }
@@ -166,39 +167,55 @@ impl Evaluator<'_> {
     /// # Panics
     /// If there is no such geometry, or not one value per piece.
     pub fn free(&mut self, geometry: usize, values: &[f64]) -> Table {
-        let (rows, grids) = (self.target.r.len(), self.target.levels());
-        let mut table = Table { counts: vec![vec![None; grids]; rows], delta_a: vec![0.0; rows] };
-        let mut pairs = vec![Pair::zero(grid(0)); rows];
-        for level in 0..grids {
-            self.enter(geometry, level, values, &pairs);
-            let most = (0..rows).map(|k| self.target.counts[k][level]).max().unwrap_or(0);
-            let mut done = vec![false; rows];
+        let rows: Vec<_> = (0..self.target.r.len()).map(|row| (values, row)).collect();
+        let (counts, delta_a) = self.free_in_lanes(geometry, &rows).into_iter().unzip();
+        Table { counts, delta_a }
+    }
+
+    /// Free runs side by side, each of an f given by its values and of a row: its counts, and its last change of the
+    /// multiplier on the finest grid.
+    fn free_in_lanes(
+        &mut self,
+        geometry: usize,
+        runs: &[(&[f64], usize)],
+    ) -> Vec<(Vec<Option<usize>>, f64)> {
+        let mut ends = vec![(Vec::new(), 0.0); runs.len()];
+        let mut pairs = vec![Pair::zero(grid(0)); runs.len()];
+        for level in 0..self.target.levels() {
+            for (lane, (&(values, row), start)) in runs.iter().zip(&pairs).enumerate() {
+                let load = self.load(geometry, level, values);
+                self.levels[level].lanes.enter(lane, self.target.r[row], &load, 0.0, start);
+            }
+            let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
+            let tolerance = tolerance(level + 1);
+            let mut open: [bool; LANES] = from_fn(|k| k < runs.len());
+            let mut counts = [None; LANES];
             for n in 1..=FREE_FACTOR * most + FREE_EXTRA {
-                let mut stops = vec![false; rows];
+                let mut stops = [false; LANES];
                 let change = self.iterate(level, |at, measure| {
-                    for k in (0..rows).filter(|&k| !done[k]) {
-                        let tolerance = tolerance(level + 1);
-                        stops[k] = at.lanes.within(k, measure, tolerance, &mut at.witness[k]);
-                    }
+                    let bounds = open.map(|open| open.then_some(tolerance));
+                    stops = at.lanes.all_within(measure, bounds, &mut at.witness);
                 });
-                (0..rows).filter(|&k| !done[k]).for_each(|k| table.delta_a[k] = change[k]);
+                (0..runs.len()).filter(|&k| open[k]).for_each(|k| ends[k].1 = change[k]);
                 let Some(counted) = n.checked_sub(self.variant.uncounted).filter(|&c| c > 0) else {
                     continue;
                 };
-                for k in (0..rows).filter(|&k| stops[k]) {
-                    done[k] = true;
-                    table.counts[k][level] = Some(counted);
+                for k in (0..runs.len()).filter(|&k| stops[k]) {
+                    (open[k], counts[k]) = (false, Some(counted));
                     pairs[k] = self.passed_on(level, k);
                 }
-                if done.iter().all(|&done| done) {
+                if open == [false; LANES] {
                     break;
                 }
             }
-            for k in (0..rows).filter(|&k| !done[k]) {
-                pairs[k] = self.passed_on(level, k);
+            for k in 0..runs.len() {
+                ends[k].0.push(counts[k]);
+                if open[k] {
+                    pairs[k] = self.passed_on(level, k);
+                }
             }
         }
-        table
+        ends
     }
 }
 

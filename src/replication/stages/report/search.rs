@@ -20,12 +20,12 @@ pub(super) fn fixed(findings: &Findings) -> Value {
             "first": b.first.map(cell),
         })
     };
-    // The smallest move of a single value that changes a count.
-    let least = |k: usize, level: usize| {
+    // Up to which move of the ladder a count stays, whichever single value moves.
+    let stays = |k: usize, level: usize| {
         let single = map.directions.iter().filter(|b| b.piece.is_some());
         single.flat_map(|b| b.cells[k][level]).flatten().min_by(f64::total_cmp)
     };
-    let row = |k| (0..target.levels()).map(|level| least(k, level)).collect::<Vec<_>>();
+    let row = |k| (0..target.levels()).map(|level| stays(k, level)).collect::<Vec<_>>();
     let holds: Vec<_> = (0..target.r.len()).map(row).collect();
     let percent = 0.01 * largest(&map.values);
     // Alternatives for which every count comes out: the most values of Delta a to both digits.
@@ -36,7 +36,7 @@ pub(super) fn fixed(findings: &Findings) -> Value {
     };
     json!({
         "directions": map.directions.iter().map(direction).collect::<Vec<_>>(),
-        // Counts that no single value changes within 1 % of the largest one.
+        // Counts that no move of a single value by up to 1 % of the largest one changes.
         "loose": holds.iter().flatten().filter(|h| h.is_none_or(|h| h > percent)).count(),
         "holds": holds,
         "percent": percent,
