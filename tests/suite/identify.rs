@@ -168,6 +168,18 @@ fn both_published_tables_come_out_exactly() {
     }
 }
 
+/// As the book says: only Table 2 tells whether the gradient is taken before or after the dual step.
+#[test]
+fn table_1_also_comes_out_with_the_gradient_before_the_dual_step() {
+    let before = Variant { residual: ResidualTime::BeforeDual, ..Variant::default() };
+    for (problem, values, exact) in
+        [(1, [3.0, -1.002, -1.002, -1.002], true), (2, [-6.0, 1.998, 1.998, 1.998], false)]
+    {
+        let target = published(problem);
+        assert_eq!(evaluator(&target, &before).forced(0, &values, 0.0).is_exact(), exact);
+    }
+}
+
 #[test]
 fn enumeration_finds_the_values_of_problem_2() {
     let target = published(2);
