@@ -107,7 +107,7 @@ impl OutputFile {
         if let Err(e) = OpenOptions::new().append(true).open(&path)
             && e.kind() != ErrorKind::NotFound
         {
-            return wrong(&format!("{e}; name another file"));
+            return wrong(&format!("{e}; make it writable, or name another file"));
         }
         let trial = folder.join(format!(".{}.trial{}", name.to_string_lossy(), std::process::id()));
         if let Err(e) = OpenOptions::new().write(true).create_new(true).open(&trial) {

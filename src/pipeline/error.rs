@@ -29,7 +29,7 @@ pub enum Error {
     #[error("{}", .0.join("\n"))]
     Stage(Vec<String>),
     /// Ctrl-C.
-    #[error("interrupted; what was finished is kept, run again to go on")]
+    #[error("interrupted; what was finished is kept, repeat the command to go on")]
     Interrupted,
 }
 

@@ -116,6 +116,21 @@ fn is_not_ours(path: &str) -> bool {
     path.rsplit('/').next().is_some_and(|name| name.starts_with('.')) || GENERATED.contains(&path)
 }
 
+/// Refuses two scenes for one published table: the chapters and figures on the paper would be about either.
+fn refuse_second_of_a_table(scenes: &[Scene]) -> Result<()> {
+    for (k, scene) in scenes.iter().enumerate() {
+        let Some(number) = scene.paper_table else { continue };
+        let Some(first) = scenes[..k].iter().find(|one| one.paper_table == Some(number)) else {
+            continue;
+        };
+        return Err(Error::input(format!(
+            "pipeline/scenes: `{}` and `{}` both have `paper_table = {number}`; leave it out of the one that is not the paper's",
+            first.name, scene.name
+        )));
+    }
+    Ok(())
+}
+
 /// Reads every `pipeline/scenes/*.toml`, sorted by name.
 fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
     let folder = root.join("pipeline").join("scenes");
@@ -140,5 +155,6 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
         return Err(Error::input(format!("no scenes in {folder}; add one as the README shows")));
     }
     scenes.sort_by(|a, b| a.name.cmp(&b.name));
+    refuse_second_of_a_table(&scenes)?;
     Ok((scenes, files))
 }

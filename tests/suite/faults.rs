@@ -265,6 +265,14 @@ fn what_lies_where_a_folder_is_to_be_is_named_with_the_remedy() {
 }
 
 #[test]
+fn a_second_scene_for_a_published_table_is_refused() {
+    let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
+    project.scene("copy", &(wanting(EVERYTHING) + "paper_table = 1\n"));
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("`a` and `copy` both have `paper_table = 1`"), "{said:?}");
+}
+
+#[test]
 fn a_project_without_a_problem_or_with_a_third_table_runs_and_its_book_says_what_is_left_out() {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
     project.write("report/book.toml", "[book]\ntitle = \"Short\"\n[output.html]\n");

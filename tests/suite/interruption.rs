@@ -151,7 +151,9 @@ fn ctrl_c_keeps_finished_cells() {
     reader.read_to_string(&mut said).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
     assert!(
-        said.ends_with("error: interrupted; what was finished is kept, run again to go on\n"),
+        said.ends_with(
+            "error: interrupted; what was finished is kept, repeat the command to go on\n"
+        ),
         "{said}"
     );
     let finished = said.lines().filter(|line| line.starts_with("ran ")).count();

@@ -23,6 +23,12 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
         return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
     }
     problems.iter().find_map(|scene| {
+        if scene.r != project.paper.r {
+            let (name, r) = (&scene.name, &project.paper.r);
+            return Some(format!(
+                "they show scene `{name}` for the paper's r; let it have r = {r:?}"
+            ));
+        }
         let rule = chapters::RULES.iter().find(|rule| !scene.stop.contains(rule));
         let mut kinds = figures::KINDS.iter().map(|kind| kind.0).chain([Output::Table]);
         let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
