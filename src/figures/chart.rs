@@ -66,10 +66,10 @@ fn entries<'a>(labels: &[&'a str], lone: impl Fn(&str) -> bool) -> Vec<Entry<'a>
     let mut seen = Vec::new();
     let mut entry = |label: &'a str| {
         let place = solver(label).unwrap_or_else(|| free.next().unwrap_or(0));
-        let sample = match seen.contains(&place) {
-            _ if lone(label) => Sample::Ring,
-            true => Sample::Dashed,
-            false => Sample::Line,
+        let sample = match (lone(label), seen.contains(&place)) {
+            (true, _) => Sample::Ring,
+            (false, true) => Sample::Dashed,
+            (false, false) => Sample::Line,
         };
         seen.push(place);
         Entry { label, color: series(place), sample }

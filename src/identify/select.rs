@@ -15,7 +15,8 @@ pub struct Selection {
     pub variant: Variant,
     /// The same in words.
     pub description: String,
-    /// First candidate of the search per table, in the order of the targets; `None` if the search was stopped before it had one.
+    /// First candidate of the search per table, in the order of the targets; `None` if the search was stopped before
+    /// it had one.
     pub best: Vec<Option<Found>>,
     /// Candidates tried.
     pub tried: u64,
