@@ -494,8 +494,8 @@
   new ResizeObserver(() => show()).observe(root);
   new MutationObserver(() => show()).observe(document.documentElement, { attributeFilter: ["class"] });
 
-  // A link may say what to show: explore.html#problem=2&r=1&rule=printed&finest=32
-  for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
+  // A link may say what to show, not after a #, which the page for printing keeps for places of its own: explore.html?problem=2&r=1&rule=printed&finest=32
+  for (const [name, value] of new URLSearchParams(location.search)) {
     if (name === "truth") form.truth.checked = value === "1";
     else if (form.elements[name]) form.elements[name].value = value;
   }

@@ -62,7 +62,8 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
     let book = book();
     let tables = match browser() {
         Some(browser) => {
-            let page = opened(&browser, book, PRESS_ALL, 10_000);
+            let page = opened(&browser, book, "?problem=2&r=1", PRESS_ALL, 10_000);
+            assert!(page.contains("published 5.8·10⁻²"), "the link's problem is not shown");
             let out = page.split(r#"class="explore-all" data-tables=""#).nth(1);
             let out = out.unwrap_or_else(|| panic!("no tables in the page: {page}"));
             let (text, rest) = out.split_once('"').unwrap();
@@ -118,7 +119,7 @@ fn the_controls_do_what_they_say() {
         skip("no chromium; nobody has pressed the buttons of explore.html");
         return;
     };
-    let page = opened(&browser, book(), GO_THROUGH, 40_000);
+    let page = opened(&browser, book(), "", GO_THROUGH, 40_000);
     let log = page.split(r#"data-log=""#).nth(1).unwrap_or_else(|| panic!("no log in {page}"));
     let log: Vec<[String; 3]> =
         serde_json::from_str(&unescaped(log.split('"').next().unwrap())).unwrap();
@@ -217,8 +218,9 @@ fn browser() -> Option<PathBuf> {
     names.iter().flat_map(|name| folders.iter().map(move |f| f.join(name))).find(|p| p.is_file())
 }
 
-/// The page's elements after `script` has run at its end for so many milliseconds of its own time.
-fn opened(browser: &Path, book: &Path, script: &str, budget: u32) -> String {
+/// The elements of the page that a link asks by `query` after `script` has run at its end for so many
+/// milliseconds of its own time.
+fn opened(browser: &Path, book: &Path, query: &str, script: &str, budget: u32) -> String {
     let profile = tempfile::tempdir().unwrap();
     let source = fs::read_to_string(book.join("explore.html")).unwrap();
     // Beside the page itself, so that all it loads is where it expects it.
@@ -232,7 +234,7 @@ fn opened(browser: &Path, book: &Path, script: &str, budget: u32) -> String {
         .args(["--hide-scrollbars", "--window-size=900,1600", "--dump-dom"])
         .arg(format!("--virtual-time-budget={budget}"))
         .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("file://{}", page.display()))
+        .arg(format!("file://{}{query}", page.display()))
         .stdin(Stdio::null())
         .output()
         .expect("the browser starts");
