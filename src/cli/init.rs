@@ -1,6 +1,6 @@
 //! `init`: begins a study of one's own, with what the program carries.
 
-use super::output::say;
+use super::output::{quoted, say};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 use clap::Args;
@@ -43,7 +43,7 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
     say(&format!(
         "a study with one scene, pipeline/scenes/plate.toml, and one page, report/templates/plate.md\n\
         next: cd {} && signorini run\n",
-        folder.display()
+        quoted(folder)
     ))
 }
 

@@ -75,10 +75,21 @@ pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> 
     rows.iter().map(line).collect()
 }
 
+/// A path as a shell reads it, to be copied into a command.
+pub(super) fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let text = if text.starts_with('-') { format!("./{text}") } else { text };
+    match text.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c)) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
 /// Refuses a folder to write to that is not there: a misspelt name is not to make one.
 pub(super) fn is_there(folder: &Path) -> Result<()> {
     let shown = folder.display();
-    let remedy = || format!("--output {shown}: no such folder; make it with `mkdir -p {shown}`");
+    let remedy =
+        || format!("--output {shown}: no such folder; make it with `mkdir -p {}`", quoted(folder));
     if folder.is_dir() { Ok(()) } else { Err(Error::input(remedy())) }
 }
 

@@ -5,7 +5,7 @@ use super::output::{OutputFile, say, talk, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited, jobs, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, Times, brief, why};
-use crate::replication::project::PAPER;
+use crate::replication::project::Project;
 use crate::replication::stages::{Stage, report};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -34,8 +34,8 @@ pub(super) struct RunArgs {
     /// After a failure, go on with what does not depend on it
     #[arg(short, long)]
     keep_going: bool,
-    /// Threads [default: one per core]; results do not depend on it
-    #[arg(short, long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    /// Threads; 0 is one per core. Results do not depend on it
+    #[arg(short, long, value_name = "N", default_value_t = 0)]
     jobs: usize,
     /// Fail if the results differ from pipeline/lock.toml, instead of updating it
     #[arg(long, conflicts_with_all = ["scenes", "only", "dry_run"])]
@@ -113,24 +113,26 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         std::mem::forget((workplace, tasks, summary));
         return say("nothing to do\n");
     }
-    let left_out = report::left_out(&workplace.project);
-    let of_paper = workplace.project.files.contains_key(PAPER);
-    if let Some(reason) = left_out.filter(|_| of_paper && summary.exports.files.contains_key(BOOK))
-    {
-        talk(&format!("the book leaves out its chapters on the paper: {reason}"));
-    }
-    say(&what_ran(&summary))
+    say(&(left_out(&workplace.project, &tasks) + &what_ran(&summary)))
+}
+
+/// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.
+fn left_out(project: &Project, tasks: &Plan) -> String {
+    let may = |name: &String| name.ends_with(report::TEMPLATE) && tasks.task(report::ID).is_some();
+    let reason = report::left_out(project).filter(|_| project.templates.keys().any(may));
+    let line = |why| format!("the book leaves out all pages from *{}: {why}\n", report::TEMPLATE);
+    reason.map_or(String::new(), line)
 }
 
 /// Says what a run would do, and about how long it would take.
 fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) -> Result<u8> {
     let summary = workplace.judge(tasks, scope, options.force)?;
-    let tasks = summary.not_fresh().map(|judged| judged.task.as_str());
+    let late = summary.not_fresh().map(|judged| judged.task.as_str());
     let times = Times::read(workplace.store.folder());
-    if let Some(time) = times.ahead(tasks, jobs(options.jobs)).left() {
+    if let Some(time) = times.ahead(late, jobs(options.jobs)).left() {
         talk(&format!("about {}, if all that waits has to run", brief(time)));
     }
-    say(&verdicts(&summary))
+    say(&(left_out(&workplace.project, tasks) + &verdicts(&summary)))
 }
 
 /// The first page of the book.
@@ -155,12 +157,13 @@ fn what_ran(summary: &Summary) -> String {
             why(&reasons)
         );
     }
-    let (written, removed) = summary.exports.counts();
-    for (count, done) in [(written, "written to"), (removed, "removed from")] {
-        if count > 0 {
-            let files = if count == 1 { "file" } else { "files" };
-            text += &format!("{count} {files} {done} figures/ and report/\n");
-        }
+    match summary.exports.to_write() {
+        0 => {}
+        1 => text += "1 file written to figures/ and report/\n",
+        count => text += &format!("{count} files written to figures/ and report/\n"),
+    }
+    if let Some(files) = to_remove(summary) {
+        text += &format!("removed {files}\n");
     }
     if summary.lock_file_changed && summary.ran.is_empty() {
         text += "pipeline/lock.toml brought up to date\n";
@@ -181,14 +184,27 @@ fn verdicts(summary: &Summary) -> String {
     text + &exports(summary)
 }
 
+/// The files that belong to nothing any more, if there are any: those that may be committed by their names.
+fn to_remove(summary: &Summary) -> Option<String> {
+    let is_figure = |path: &&String| path.starts_with("figures/");
+    let (mut files, others): (Vec<_>, Vec<_>) =
+        summary.exports.to_remove().iter().partition(is_figure);
+    let others = match others.len() {
+        0 => None,
+        count => Some(format!("{count} of report/")),
+    };
+    files.extend(&others);
+    (!files.is_empty())
+        .then(|| files.iter().map(|file| file.as_str()).collect::<Vec<_>>().join(", "))
+}
+
 pub(super) fn exports(summary: &Summary) -> String {
     let mut text = String::new();
-    let (written, removed) = summary.exports.counts();
-    if written > 0 {
+    if summary.exports.to_write() > 0 {
         text += "files in figures/ or report/ are missing or old\n";
     }
-    if removed > 0 {
-        text += "files in figures/ or report/ belong to nothing any more\n";
+    if let Some(files) = to_remove(summary) {
+        text += &format!("to be removed: {files}\n");
     }
     summary.exports.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
     text

@@ -137,14 +137,19 @@ impl Exports {
         leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
-    /// How many files there are to write, and how many to remove.
-    pub fn counts(&self) -> (usize, usize) {
-        (self.write.len(), self.remove.len())
+    /// How many files there are to write.
+    pub fn to_write(&self) -> usize {
+        self.write.len()
+    }
+
+    /// Paths of the files to remove.
+    pub fn to_remove(&self) -> &BTreeSet<String> {
+        &self.remove
     }
 
     /// Whether the project folder already shows everything, as far as it may be changed.
     pub fn is_empty(&self) -> bool {
-        self.counts() == (0, 0)
+        self.write.is_empty() && self.remove.is_empty()
     }
 
     /// Writes and removes files; the caller holds the lock of the project.

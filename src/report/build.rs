@@ -1,5 +1,6 @@
 //! mdBook, run in this process in a folder of its own, from bytes to bytes.
 
+use super::links;
 use super::mathml::{Labels, collect_labels, convert};
 use crate::pipeline::files::{read_tree, temporary_folder};
 use mdbook_driver::MDBook;
@@ -16,7 +17,7 @@ use std::str::FromStr;
 /// at the end, also on errors.
 ///
 /// # Errors
-/// A sentence if a formula or a reference is wrong, mdBook refuses the book, or the disk does.
+/// A sentence if a formula, a reference or a link is wrong, mdBook refuses the book, or the disk does.
 pub fn build(
     files: &BTreeMap<String, Vec<u8>>,
     scratch: &Path,
@@ -47,7 +48,9 @@ pub fn build(
     MDBook::load_with_config(scratch, config)
         .and_then(|book| book.build())
         .map_err(|error| format!("mdBook: {error:#}"))?;
-    read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))
+    let built = read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))?;
+    pages.iter().try_for_each(|(name, text)| links::check(name, text, &built))?;
+    Ok(built)
 }
 
 /// Reads `book.toml`.

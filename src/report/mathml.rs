@@ -15,13 +15,14 @@ pub(super) fn collect_labels(
     markdown: &str,
     labels: &mut Labels,
 ) -> Result<(), String> {
-    for (event, _) in parse(markdown) {
+    for (event, range) in parse(markdown) {
         if let Event::DisplayMath(latex) = event
             && let (_, Some(label)) = split_tag(&latex)
             && let Some(first) = labels.insert(label.into(), chapter.into())
         {
+            let at = place(chapter, markdown, range.start);
             return Err(format!(
-                "{chapter}: equation ({label}) is numbered already in {first}; tags must be unique"
+                "{at}: equation ({label}) is numbered already in {first}; tags must be unique"
             ));
         }
     }
@@ -41,9 +42,11 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
         done = range.end;
     };
     for (event, range) in parse(markdown) {
+        let start = range.start;
+        let wrong = |what: String| format!("{}: {what}", place(chapter, markdown, start));
         match event {
             Event::InlineMath(latex) => {
-                let math = set(chapter, &latex, DisplayMode::Inline)?;
+                let math = set(&latex, DisplayMode::Inline).map_err(wrong)?;
                 // Browsers break a line between a formula and the mark after it.
                 match markdown[range.end..].chars().next().filter(|c| ",.;:)".contains(*c)) {
                     Some(mark) => replace(
@@ -55,7 +58,7 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
             }
             Event::DisplayMath(latex) => {
                 let (body, label) = split_tag(&latex);
-                let math = set(chapter, body, DisplayMode::Block)?;
+                let math = set(body, DisplayMode::Block).map_err(wrong)?;
                 let equation = match label {
                     Some(n) => format!(
                         r#"<span class="equation" id="eq-{n}">{math}<span class="tag">({n})</span></span>"#
@@ -67,9 +70,9 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
             Event::Start(Tag::Link { dest_url, .. }) => {
                 if let Some(label) = dest_url.strip_prefix("eq:") {
                     let home = labels.get(label).ok_or_else(|| {
-                        format!(
-                            "{chapter}: no equation is tagged ({label}), but `eq:{label}` refers to it"
-                        )
+                        wrong(format!(
+                            "no equation is tagged ({label}), but `eq:{label}` refers to it"
+                        ))
                     })?;
                     // Chapters lie side by side in one folder.
                     let file = home.rsplit('/').next().unwrap_or(home);
@@ -78,9 +81,9 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
             }
             Event::Text(_) => {
                 if let Some(at) = bare_dollar(markdown, range) {
-                    let line = 1 + markdown[..at].matches('\n').count();
+                    let at = place(chapter, markdown, at);
                     return Err(format!(
-                        "{chapter}:{line}: unpaired `$`; write `\\$` for a dollar, or close the formula"
+                        "{at}: unpaired `$`; write `\\$` for a dollar, or close the formula"
                     ));
                 }
             }
@@ -112,6 +115,11 @@ pub(super) fn parse(markdown: &str) -> impl Iterator<Item = (Event<'_>, Range<us
     })
 }
 
+/// File and line of a byte in the text of a chapter.
+pub(super) fn place(chapter: &str, markdown: &str, at: usize) -> String {
+    format!("{chapter}:{}", 1 + markdown[..at].matches('\n').count())
+}
+
 /// The formula without its closing `\tag{n}`, and n.
 fn split_tag(latex: &str) -> (&str, Option<&str>) {
     let trimmed = latex.trim();
@@ -126,10 +134,10 @@ fn bare_dollar(markdown: &str, range: Range<usize>) -> Option<usize> {
     range.clone().find(|&at| markdown.as_bytes()[at] == b'$' && !markdown[..at].ends_with('\\'))
 }
 
-fn set(chapter: &str, latex: &str, display_mode: DisplayMode) -> Result<String, String> {
+fn set(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let failed = |message: String| {
         let formula = latex.trim();
-        format!("{chapter}: cannot set the formula `{formula}`: {message}")
+        format!("cannot set the formula `{formula}`: {message}")
     };
     let storage = Storage::new();
     let events: Vec<_> = Latex::new(latex, &storage)
@@ -229,9 +237,12 @@ mod tests {
     fn mistakes_are_named() {
         let message = |text: &str| converted(text).unwrap_err();
         let formula = message("fine $x$ and $\\frac{1}$");
-        assert!(formula.starts_with("src/a.md: cannot set the formula `\\frac{1}`: "), "{formula}");
+        assert!(
+            formula.starts_with("src/a.md:1: cannot set the formula `\\frac{1}`: "),
+            "{formula}"
+        );
         assert!(message("\nlone $ sign").starts_with("src/a.md:2: unpaired `$`"));
-        assert!(message("[](eq:99)").contains("no equation is tagged (99)"));
+        assert!(message("\n[](eq:99)").starts_with("src/a.md:2: no equation is tagged (99)"));
         let twice = message("$$ a \\tag{1} $$\n\n$$ b \\tag{1} $$");
         assert!(twice.contains("(1) is numbered already in src/a.md"), "{twice}");
     }

@@ -4,6 +4,7 @@
 mod build;
 mod fields;
 mod filters;
+mod links;
 mod mathml;
 mod pages;
 mod tables;
@@ -12,5 +13,5 @@ pub use build::build;
 pub(crate) use build::settings;
 pub(crate) use fields::Fields;
 pub use pages::pages;
-pub(crate) use pages::stubs;
+pub(crate) use pages::{PAGE as TEMPLATE, in_template, stubs};
 pub(crate) use tables::with_data;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
 /// Ending of the templates that become a page each; the others hold components.
-const PAGE: &str = ".md.tera";
+pub(crate) const PAGE: &str = ".md.tera";
 
 /// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`.
 ///
@@ -25,16 +25,41 @@ pub fn pages(
     made(templates, |name, _| tera.render(name, context).map_err(|error| located(name, &error)))
 }
 
-/// The same pages in a project without what the chapters tell about: each says why it was left out.
+/// The same pages in a project without the data that templates need: each says why it was left out.
+///
+/// # Errors
+/// A sentence if two templates make one page.
 pub(crate) fn stubs(
     templates: &BTreeMap<String, String>,
     reason: &str,
-) -> BTreeMap<String, String> {
-    let stub = |_: &str, text: &str| {
+) -> Result<BTreeMap<String, String>, String> {
+    made(templates, |_, text| {
         let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
-        Ok(format!("{title}\n\nLeft out, as are all chapters on the paper: {reason}.\n"))
+        Ok(format!(
+            "{title}\n\nLeft out, as are all pages from `*{PAGE}`: {reason}. A page without results in its text is a `*.md`.\n"
+        ))
+    })
+}
+
+/// A mistake that was found in a page, with its place in the template: the line, if the page has it from there.
+pub(crate) fn in_template(
+    mistake: String,
+    pages: &BTreeMap<String, String>,
+    templates: &BTreeMap<String, String>,
+) -> String {
+    let found = || {
+        let (stem, rest) = mistake.strip_prefix("src/")?.split_once(".md:")?;
+        let (number, what) = rest.split_once(": ")?;
+        let mut lines = pages.get(&format!("src/{stem}.md"))?.lines();
+        let wrong = lines.nth(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+        let endings = [PAGE, ".md"].into_iter();
+        let (name, text) =
+            endings.filter_map(|end| templates.get_key_value(&format!("{stem}{end}"))).next()?;
+        let line = text.lines().position(|line| line == wrong);
+        let line = line.map_or(String::new(), |line| format!(":{}", line + 1));
+        Some(format!("report/templates/{name}{line}: {what}"))
     };
-    made(templates, stub).unwrap_or_default()
+    found().unwrap_or(mistake)
 }
 
 /// The pages among `templates`, those that end with [`PAGE`] made from their name and text.
@@ -44,10 +69,18 @@ fn made(
 ) -> Result<BTreeMap<String, String>, String> {
     let mut pages = BTreeMap::new();
     for (name, text) in templates {
-        if name.ends_with(".md") || name.ends_with(".js") {
-            pages.insert(format!("src/{name}"), text.clone());
+        let there = if name.ends_with(".md") || name.ends_with(".js") {
+            pages.insert(format!("src/{name}"), text.clone())
         } else if let Some(stem) = name.strip_suffix(PAGE) {
-            pages.insert(format!("src/{stem}.md"), make(name, text)?);
+            pages.insert(format!("src/{stem}.md"), make(name, text)?)
+        } else {
+            continue;
+        };
+        if there.is_some() {
+            let same = name.trim_end_matches(".tera");
+            return Err(format!(
+                "report/templates/{name}: {same} makes the same page; remove one of them"
+            ));
         }
     }
     Ok(pages)

@@ -100,8 +100,9 @@ fn twice_gives_the_same_bytes() {
     for name in ["book.toml", "theme/book.css", "theme/fonts/latinmodern-math.woff2"] {
         sources.insert(name.into(), fs::read(report.join(name)).unwrap());
     }
-    let pictures = once.iter().filter(|(name, _)| name.starts_with("figures/"));
-    sources.extend(pictures.map(|(name, bytes)| (format!("src/{name}"), bytes.clone())));
+    let is_linked = |name: &str| name.starts_with("figures/") || name.starts_with("data/");
+    let linked = once.iter().filter(|(name, _)| is_linked(name));
+    sources.extend(linked.map(|(name, bytes)| (format!("src/{name}"), bytes.clone())));
     sources.insert("src/results.csv".into(), once["results.csv"].clone());
     let scratch = tempfile::tempdir().unwrap();
     let twice = build(&sources, scratch.path()).unwrap();

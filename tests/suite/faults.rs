@@ -74,7 +74,7 @@ fn a_figure_edited_by_hand_is_never_lost() {
     let line = project.run(&["run"]);
     assert_eq!(
         line.refusal(),
-        "error: figures/a-source.svg was edited by hand; move it away, or overwrite it with --force"
+        "error: figures/a-source.svg was edited by hand; move it away, or overwrite it by `signorini run --force`"
     );
     assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), b"<svg>mine</svg>");
     // Neither a new f nor a lost cache changes that.
@@ -116,9 +116,9 @@ fn figures_of_a_deleted_scene_go_unless_somebody_edited_them() {
     project.run(&["run", "b"]).lines();
     assert!(project.path("figures/a-surface.svg").exists(), "one scene alone removes nothing");
     let said = project.run(&["run", "--dry-run"]);
-    assert!(said.lines().contains(&"files in figures/ or report/ belong to nothing any more"));
+    assert!(said.lines().contains(&"to be removed: figures/a-surface.svg"));
     let said = project.run(&["run"]);
-    assert!(said.lines().contains(&"1 file removed from figures/ and report/"), "{said:?}");
+    assert!(said.lines().contains(&"removed figures/a-surface.svg"), "{said:?}");
     assert!(!said.out.contains("written"), "{said:?}");
     let left: Vec<String> = project.files("figures").into_keys().collect();
     assert_eq!(left, ["a-source.svg", "notes.txt"]);
@@ -149,7 +149,7 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
     }
     place.write(lock, text);
     let said = run(&["run"]);
-    assert!(said.lines().contains(&"1 file removed from figures/ and report/"), "{said:?}");
+    assert!(said.lines().contains(&"removed figures/old.svg"), "{said:?}");
     assert!(!place.path("study/figures/old.svg").exists());
     for path in kept {
         assert!(place.path(&format!("study/{path}")).exists(), "{path}");
@@ -282,7 +282,7 @@ fn a_project_without_a_problem_or_with_a_third_table_runs_and_its_book_says_what
     let reason = "they need two scenes, one with `paper_table = 1` and one with 2";
     let said = project.run(&["run"]);
     assert!(
-        said.lines().contains(&"the book: report/book/index.html") && said.err.contains(reason)
+        said.lines().contains(&"the book: report/book/index.html") && said.out.contains(reason)
     );
     let page = fs::read_to_string(project.path("report/book/verdict.html")).unwrap();
     assert!(page.contains("Left out") && page.contains("What came out"), "{page}");
@@ -555,4 +555,44 @@ fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
             .refusal()
             .contains("begin a study with `signorini init FOLDER`, or use `signorini solve")
     );
+}
+
+#[test]
+fn what_goes_with_an_output_that_the_chapters_show_is_named() {
+    let project = Project::whole();
+    let scene = fs::read_to_string(project.path("pipeline/scenes/problem1.toml")).unwrap();
+    let without = scene.replace("\"history\", ", "");
+    assert_ne!(without, scene);
+    project.scene("problem1", &without);
+    let reason = "the book leaves out all pages from *.md.tera: they show scene `problem1`; add \"history\" to `outputs`";
+    assert_eq!(project.run(&["run", "--dry-run"]).lines()[0], reason);
+    let said = project.run(&["run"]);
+    let lines = said.lines();
+    let removed = lines.iter().find(|line| line.starts_with("removed figures/accuracy.csv, "));
+    assert!(
+        lines[0] == reason && removed.is_some_and(|line| line.contains("figures/work.svg")),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn arguments_that_cannot_be_meant_are_refused() {
+    let project = Project::with(TABLE);
+    for id in ["123", "0000-0002-1825-0098", "00000002-1825-0097", "0000-0002-X825-0097", ""] {
+        let said = project.run(&["certificate", &format!("--orcid={id}")]);
+        assert!(said.refusal().contains(&format!("--orcid {id}: no ORCID")), "{said:?}");
+    }
+    for id in ["0000-0002-1825-0097", "0000-0002-1694-233X"] {
+        let said = project.run(&["certificate", "--orcid", id]);
+        assert!(said.refusal().contains("tasks are not up to date"), "{said:?}");
+    }
+    let said = project.run(&["solve"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("<SCENE|--f <F>|--cube <F>>"), "{said:?}");
+    for all in [["a", "--f", "else=-1"], ["a", "--cube", "else=-1"]] {
+        let said = project.run(&["solve", all[0], all[1], all[2]]);
+        assert!(said.code == Some(2) && said.err.contains("cannot be used with"), "{said:?}");
+    }
+    project.write("pipeline/paper.toml", PAPER.replace("[10.0, 1.0]", "[10.0, 10.0]"));
+    assert!(project.run(&["run"]).refusal().contains("positive numbers, each once"));
 }

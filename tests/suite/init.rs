@@ -13,7 +13,7 @@ fn a_new_study_runs() {
     };
     let ran = run(&["run"]);
     assert_eq!(ran.lines().last(), Some(&"the book: report/book/index.html"));
-    assert!(!ran.err.contains("left out") && !ran.err.contains("leaves out"), "{ran:?}");
+    assert!(!ran.out.contains("leaves out"), "{ran:?}");
     assert_eq!(run(&["run"]).lines(), ["nothing to do"]);
     // What the page points to is in the book.
     let book = place.path("new/study/report/book");
@@ -36,7 +36,56 @@ fn a_study_begins_in_an_empty_folder() {
         assert!(said.refusal().contains(taken), "{said:?}");
         assert_eq!(place.times(), before);
     }
+    for (folder, command) in [("it's new", r"cd 'it'\''s new' && "), ("-x", "cd ./-x && ")] {
+        let said = place.run(&["init", "--", folder]);
+        assert_eq!(said.lines()[1], format!("next: {command}signorini run"));
+    }
     // Where there is no cache yet, none is to be moved.
     let said = place.run(&["init", "pipeline/scenes/a.toml/study"]);
     assert!(said.refusal().ends_with("; name a folder in another place"), "{said:?}");
+}
+
+#[test]
+fn a_mistake_in_a_page_is_named_with_the_line_of_the_file_that_has_it() {
+    let place = Project::with(TABLE);
+    place.run(&["init", "study"]).lines();
+    let page = "study/report/templates/plate.md";
+    let text = fs::read_to_string(place.path(page)).unwrap();
+    let run = || -> Said {
+        place.command(&["run"]).current_dir(place.path("study")).output().unwrap().into()
+    };
+    let table = "\n| a |\n| --- |\n| b |\n\n";
+    let line = 2 + (text.clone() + table).lines().count();
+    for (mistake, what) in [
+        ("[x](nowhere.md)", "the link to `nowhere.md` leads nowhere: the book has no nowhere.html"),
+        (
+            "![x](figures/no.svg)",
+            "the link to `figures/no.svg` leads nowhere: the book has no figures/no.svg",
+        ),
+        (
+            "[x](plate.md#x)",
+            "the link to `plate.md#x` leads nowhere: plate.html has no heading or other element with this id",
+        ),
+        ("[](eq:7)", "no equation is tagged (7), but `eq:7` refers to it"),
+        ("$5 for tea", "unpaired `$`; write `\\$` for a dollar, or close the formula"),
+    ] {
+        // A table grows by a line that leads to its data.
+        place.write(page, format!("{text}{table}\n{mistake}\n"));
+        let said = run();
+        let error = format!("error: report/book: report/templates/plate.md:{line}: {what}");
+        assert_eq!((said.code, said.err.lines().last()), (Some(3), Some(&*error)), "{said:?}");
+    }
+    place.write(page, text + table + "[top](#pushed-up-in-the-middle), [all](results.csv)\n");
+    run().lines();
+    // A template, which a study without the paper has no data for.
+    place.write("study/report/templates/SUMMARY.md", "- [P](plate.md)\n- [Mine](mine.md)\n");
+    place.write("study/report/templates/mine.md.tera", "# Mine\n");
+    let line = "the book leaves out all pages from *.md.tera: they need two scenes, one with `paper_table = 1` and one with 2";
+    assert_eq!(run().lines()[0], line);
+    let made = fs::read_to_string(place.path("study/report/src/mine.md")).unwrap();
+    assert!(made.starts_with("# Mine\n\nLeft out, as are all pages from `*.md.tera`: they need"));
+    place.write("study/report/templates/mine.md", "# Mine\n");
+    let said = run();
+    let error = "error: report/book: report/templates/mine.md.tera: mine.md makes the same page; remove one of them";
+    assert_eq!((said.code, said.err.lines().last()), (Some(3), Some(error)));
 }

@@ -10,10 +10,14 @@ use crate::pipeline::{Artifacts, Graph, Inputs, Task, hash};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::report;
+pub(crate) use crate::report::TEMPLATE;
 use std::collections::BTreeMap;
 
+/// The task that makes the pages and the book.
+pub(crate) const ID: &str = "report/book";
+
 /// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
-/// what one of them does not ask for, they are left out of the book.
+/// what one of them does not ask for, all pages made from templates are left out of the book.
 pub(crate) fn left_out(project: &Project) -> Option<String> {
     let problems = project.problems();
     let [first, second] = problems[..] else {
@@ -50,13 +54,13 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     files.extend(project.templates.iter().map(report_file));
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
-    graph.0.push(("report/book".into(), needs.clone()));
+    graph.0.push((ID.into(), needs.clone()));
     // By hash: whoever asks what changed does not want to read it all, old and new.
     let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
     let commands = project.commands;
     let work = move |inputs: &Inputs| {
         if let Some(reason) = &left_out {
-            let stubs = |templates: &_| Ok(report::stubs(templates, reason));
+            let stubs = |templates: &_| Ok(report::stubs(templates, reason)?);
             return book(inputs, Artifacts::new(), stubs);
         }
         let (solutions, data) = solutions::all(inputs, &problems, &others)?;
@@ -68,7 +72,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
             Ok(report::pages(templates, &context)?)
         })
     };
-    Task { files, export: Some("report"), ..Task::new("report/book", parameters, needs, work) }
+    Task { files, export: Some("report"), ..Task::new(ID, parameters, needs, work) }
 }
 
 /// The pages made of the templates, and the book made of the pages and of `data`, files by name.
@@ -106,7 +110,8 @@ fn book(
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
         files.insert(format!("src/{}", results::FILE), csv.into());
     }
-    let built = report::build(&files, inputs.scratch)?;
+    let built = report::build(&files, inputs.scratch)
+        .map_err(|mistake| report::in_template(mistake, &pages, &templates))?;
     let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));
     Ok(pages
         .chain(built.into_iter().map(|(name, bytes)| (format!("book/{name}"), bytes)))

@@ -1,0 +1,107 @@
+//! Links and pictures of a page must lead somewhere.
+
+use super::mathml::{parse, place};
+use percent_encoding::percent_decode_str;
+use pulldown_cmark::{Event, LinkType, Tag};
+use std::collections::BTreeMap;
+
+/// Refuses a link or a picture of a chapter that leads to no file of the `built` book, or to no place in it.
+///
+/// Links to other sites are not followed, and tags of HTML are not looked into.
+pub(super) fn check(
+    chapter: &str,
+    markdown: &str,
+    built: &BTreeMap<String, Vec<u8>>,
+) -> Result<(), String> {
+    let page = html(chapter.strip_prefix("src/").unwrap_or(chapter));
+    if !built.contains_key(&page) {
+        return Ok(());
+    }
+    for (event, range) in parse(markdown) {
+        let Event::Start(
+            Tag::Link { link_type, dest_url, .. } | Tag::Image { link_type, dest_url, .. },
+        ) = event
+        else {
+            continue;
+        };
+        if link_type != LinkType::Email
+            && let Err(why) = follow(&page, &dest_url, built)
+        {
+            let at = place(chapter, markdown, range.start);
+            return Err(format!("{at}: the link to `{dest_url}` leads nowhere: {why}"));
+        }
+    }
+    Ok(())
+}
+
+/// The file that mdBook makes of a page.
+fn html(file: &str) -> String {
+    file.strip_suffix(".md").map_or(file.into(), |stem| format!("{stem}.html"))
+}
+
+/// Follows a link of the file `page` of the book; why that fails, if it does.
+fn follow(page: &str, target: &str, built: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
+    let elsewhere = |scheme: &str| scheme.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-');
+    if target.starts_with("//") || target.split_once(':').is_some_and(|(s, _)| elsewhere(s)) {
+        return Ok(());
+    }
+    let decoded = |part: &str| percent_decode_str(part).decode_utf8_lossy().into_owned();
+    let (path, id) = target.split_once('#').unwrap_or((target, ""));
+    let path = decoded(path.split('?').next().unwrap_or_default());
+    let mut steps: Vec<&str> = page.split('/').collect();
+    if !path.is_empty() {
+        steps.pop();
+    }
+    for step in path.split('/').filter(|step| !["", "."].contains(step)) {
+        match step {
+            ".." => _ = steps.pop(),
+            step => steps.push(step),
+        }
+    }
+    let file = html(&steps.join("/"));
+    let Some(bytes) = built.get(&file) else {
+        return Err(format!("the book has no {file}"));
+    };
+    let text = String::from_utf8_lossy(bytes);
+    let id = decoded(id);
+    match id.is_empty() || text.contains(&format!(" id=\"{id}\"")) {
+        true => Ok(()),
+        false => Err(format!("{file} has no heading or other element with this id")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_leads_nowhere_is_named_with_its_line() {
+        let page = b"<h1 id=\"one\"></h1><h2 id=\"gr\xc3\xb6\xc3\x9fe\"></h2>".to_vec();
+        let files = ["a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
+        let built = BTreeMap::from(files.map(|name| (name.to_owned(), page.clone())));
+        let a = |link: &str| check("src/a.md", &format!("# One\n\n{link}\n"), &built);
+        let b = |link: &str| check("src/sub/b.md", link, &built);
+        for link in [
+            "[x](sub/b.md), [x](sub/b.html?q#one), [x](#one), [x](#größe), [x](#gr%C3%B6%C3%9Fe), [x]()",
+            "[x](./results.csv), ![x](figures/my%20plate.svg), ![x](<figures/my plate.svg>)",
+            "[x](https://nowhere.md), [x](//nowhere.md), <a@b.c>, [x](mailto:a@b.c), `[x](nowhere.md)`",
+            "[x][y]\n\n[y]: a.md#one",
+        ] {
+            assert_eq!(a(link), Ok(()), "{link}");
+        }
+        assert_eq!(b("[x](../a.md), [x](b.md#one) and ![x](../figures/my%20plate.svg)"), Ok(()));
+        for (link, why) in [
+            ("[x](nowhere.md)", "`nowhere.md` leads nowhere: the book has no nowhere.html"),
+            ("![x](figures/no.svg)", "the book has no figures/no.svg"),
+            ("[x](#two)", "`#two` leads nowhere: a.html has no heading"),
+            ("[x](sub/b.md#two)", "sub/b.html has no heading or other element with this id"),
+            ("[x][y]\n\n[y]: b.md", "the book has no b.html"),
+        ] {
+            let error = a(link).unwrap_err();
+            assert!(error.starts_with("src/a.md:3: ") && error.contains(why), "{error}");
+        }
+        assert!(b("[x](a.md)").unwrap_err().contains("the book has no sub/a.html"));
+        // What is in no book is not checked.
+        assert_eq!(check("src/SUMMARY.md", "[x](nowhere.md)", &built), Ok(()));
+    }
+}
