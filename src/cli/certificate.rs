@@ -41,7 +41,7 @@ pub(super) struct CertificateArgs {
     /// Who checked
     #[arg(long, value_name = "NAME", default_value = "(name of the codechecker)")]
     name: String,
-    /// Their ORCID
+    /// Their ORCID, such as 0000-0002-1825-0097
     #[arg(long, value_name = "ID")]
     orcid: Option<String>,
     /// Where the code is published
@@ -55,6 +55,7 @@ pub(super) struct CertificateArgs {
 }
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
+    args.orcid.as_deref().map_or(Ok(()), check_orcid)?;
     let workplace = Workplace::open(&args.cache)?;
     let folder = match &args.output {
         Some(folder) => is_there(folder).map(|()| folder.clone())?,
@@ -81,6 +82,21 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     say(&[PAGE, MANIFEST].map(|name| format!("{}\n", folder.join(name).display())).concat())?;
     talk(&format!("{count} files with their hashes; {}", sentences(&tables)));
     Ok(0)
+}
+
+/// Refuses what is no ORCID: its last digit, X for ten, checks the others by ISO 7064 MOD 11-2.
+fn check_orcid(id: &str) -> Result<()> {
+    let groups: Vec<usize> = id.split('-').map(str::len).collect();
+    let digit =
+        |(place, digit)| if (place, digit) == (15, 'X') { Some(10) } else { digit.to_digit(10) };
+    let mut digits = id.chars().filter(|c| *c != '-').enumerate().map(digit);
+    let sum = digits.try_fold(0, |sum, digit| Some((2 * sum + digit?) % 11));
+    if (&groups[..], sum) == (&[4; 4], Some(1)) {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "--orcid {id}: no ORCID, or mistyped, for its check digit is another; write it as 0000-0002-1825-0097"
+    )))
 }
 
 /// Writes the bundle, all of it or, where a file is in the way, nothing.

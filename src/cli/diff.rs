@@ -53,8 +53,9 @@ pub(super) fn comparisons(
     let mut tables = Vec::new();
     for manifest in manifests.values().filter(|manifest| manifest.outputs.contains_key(DIFF)) {
         let artifacts = workplace.store.artifacts(&manifest.task, &manifest.outputs)?;
-        let table: TableComparison = serde_json::from_slice(&artifacts[DIFF])
-            .map_err(|e| Error::input(format!("{}: {e}; run again with --force", manifest.task)))?;
+        let table: TableComparison = serde_json::from_slice(&artifacts[DIFF]).map_err(|e| {
+            Error::input(format!("{}: {e}; do `signorini run --force`", manifest.task))
+        })?;
         tables.push(table);
     }
     if tables.is_empty() {

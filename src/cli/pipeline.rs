@@ -212,7 +212,7 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
         [] => Ok(()),
         [one] => Err(Error::input(edited(one))),
         all => Err(Error::input(format!(
-            "{} files were edited by hand: {}; move them away, or overwrite them with --force",
+            "{} files were edited by hand: {}; move them away, or overwrite them by `signorini run --force`",
             all.len(),
             all.join(", ")
         ))),
@@ -220,7 +220,7 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
 }
 
 pub(super) fn edited(path: &str) -> String {
-    format!("{path} was edited by hand; move it away, or overwrite it with --force")
+    format!("{path} was edited by hand; move it away, or overwrite it by `signorini run --force`")
 }
 
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {

@@ -16,22 +16,22 @@ use crate::problem::source::Tie;
 use crate::saddle::{Method, Pair};
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use domain::{Format, square};
 use problem::Problem;
 use std::path::PathBuf;
 
 #[derive(Args)]
+#[command(group = ArgGroup::new("problem").required(true).args(["scene", "f", "cube"]))]
 pub(super) struct SolveArgs {
     /// A scene of the project; r is its `draw_r`, the stopping rule its first, all else as it says
-    #[arg(required_unless_present_any = ["f", "cube"])]
     scene: Option<String>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5'
-    #[arg(long, conflicts_with = "scene")]
+    #[arg(long)]
     f: Option<String>,
     /// A right-hand side on the unit cube, e.g. 'ball(0,0,0,0.25)=2; else=-1'
     #[arg(long, value_name = "F",
-        conflicts_with_all = ["scene", "f", "load", "r", "stop", "max_iterations"])]
+        conflicts_with_all = ["load", "r", "stop", "max_iterations"])]
     cube: Option<String>,
     /// Width of the finest grid, 1/256 or 0.00390625, or its cells per side, 256 [default: the scene's,
     /// or 1/64]

@@ -118,7 +118,10 @@ impl Plan {
         let mut index = BTreeMap::new();
         for (k, task) in tasks.iter().enumerate() {
             if !files::is_plain(&task.id) {
-                return Err(Error::input(format!("`{}` cannot name a task", task.id)));
+                return Err(Error::input(format!(
+                    "`{}` cannot name a task; rename the scene",
+                    task.id
+                )));
             }
             if let Some(need) = task.needs.iter().find(|need| !index.contains_key(*need)) {
                 let id = &task.id;

@@ -40,8 +40,9 @@ impl Paper {
     pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
         let paper: Self = from_toml("pipeline/paper.toml", text)?;
         let wrong = |what: &str| Err(Error::input(format!("pipeline/paper.toml: {what}")));
-        if paper.r.is_empty() || !paper.r.iter().all(|r| r.is_finite() && *r > 0.0) {
-            return wrong("`r` must list positive numbers");
+        let new = |(k, r): (usize, &f64)| r.is_finite() && *r > 0.0 && !paper.r[..k].contains(r);
+        if paper.r.is_empty() || !paper.r.iter().enumerate().all(new) {
+            return wrong("`r` must list positive numbers, each once");
         }
         for (k, t) in paper.table.iter().enumerate() {
             let number = t.number;
