@@ -32,7 +32,11 @@ pub fn build(
     }
     let mut config = match files.get("book.toml") {
         Some(bytes) => settings(bytes)?,
-        None => return Err("mdBook: no book.toml among the files".into()),
+        None => {
+            return Err(
+                "report/book.toml is missing; the book needs one, if only with a title".into()
+            );
+        }
     };
     config.build.create_missing = false;
 
@@ -45,9 +49,10 @@ pub fn build(
         }
     }
     let built = scratch.join(&config.build.build_dir);
-    MDBook::load_with_config(scratch, config)
-        .and_then(|book| book.build())
-        .map_err(|error| format!("mdBook: {error:#}"))?;
+    MDBook::load_with_config(scratch, config).and_then(|book| book.build()).map_err(|error| {
+        let copies = format!("{}/src/", scratch.display());
+        format!("mdBook: {error:#}").replace(&copies, "report/templates/")
+    })?;
     let built = read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))?;
     pages.iter().try_for_each(|(name, text)| links::check(name, text, &built))?;
     Ok(built)

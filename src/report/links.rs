@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// Refuses a link or a picture of a chapter that leads to no file of the `built` book, or to no place in it.
 ///
-/// Links to other sites are not followed, and tags of HTML are not looked into.
+/// Links to other sites and to the top of this one are not followed, and tags of HTML are not looked into.
 pub(super) fn check(
     chapter: &str,
     markdown: &str,
@@ -42,7 +42,7 @@ fn html(file: &str) -> String {
 /// Follows a link of the file `page` of the book; why that fails, if it does.
 fn follow(page: &str, target: &str, built: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
     let elsewhere = |scheme: &str| scheme.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-');
-    if target.starts_with("//") || target.split_once(':').is_some_and(|(s, _)| elsewhere(s)) {
+    if target.starts_with('/') || target.split_once(':').is_some_and(|(s, _)| elsewhere(s)) {
         return Ok(());
     }
     let decoded = |part: &str| percent_decode_str(part).decode_utf8_lossy().into_owned();
@@ -60,13 +60,17 @@ fn follow(page: &str, target: &str, built: &BTreeMap<String, Vec<u8>>) -> Result
     }
     let file = html(&steps.join("/"));
     let Some(bytes) = built.get(&file) else {
-        return Err(format!("the book has no {file}"));
+        let remedy =
+            if file.ends_with(".html") { "; its pages are those in SUMMARY.md" } else { "" };
+        return Err(format!("the book has no {file}{remedy}"));
     };
     let text = String::from_utf8_lossy(bytes);
     let id = decoded(id);
     match id.is_empty() || text.contains(&format!(" id=\"{id}\"")) {
         true => Ok(()),
-        false => Err(format!("{file} has no heading or other element with this id")),
+        false => Err(format!(
+            "{file} has no heading with this id, its text in small letters and - for spaces"
+        )),
     }
 }
 
@@ -84,7 +88,7 @@ mod tests {
         for link in [
             "[x](sub/b.md), [x](sub/b.html?q#one), [x](#one), [x](#größe), [x](#gr%C3%B6%C3%9Fe), [x]()",
             "[x](./results.csv), ![x](figures/my%20plate.svg), ![x](<figures/my plate.svg>)",
-            "[x](https://nowhere.md), [x](//nowhere.md), <a@b.c>, [x](mailto:a@b.c), `[x](nowhere.md)`",
+            "[x](https://nowhere.md), [x](//nowhere.md), [x](/nowhere), <a@b.c>, [x](mailto:a@b.c), `[x](nowhere.md)`",
             "[x][y]\n\n[y]: a.md#one",
         ] {
             assert_eq!(a(link), Ok(()), "{link}");
@@ -93,8 +97,8 @@ mod tests {
         for (link, why) in [
             ("[x](nowhere.md)", "`nowhere.md` leads nowhere: the book has no nowhere.html"),
             ("![x](figures/no.svg)", "the book has no figures/no.svg"),
-            ("[x](#two)", "`#two` leads nowhere: a.html has no heading"),
-            ("[x](sub/b.md#two)", "sub/b.html has no heading or other element with this id"),
+            ("[x](#two)", "`#two` leads nowhere: a.html has no heading with this id"),
+            ("[x](sub/b.md#two)", "sub/b.html has no heading"),
             ("[x][y]\n\n[y]: b.md", "the book has no b.html"),
         ] {
             let error = a(link).unwrap_err();

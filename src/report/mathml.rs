@@ -74,9 +74,10 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
                             "no equation is tagged ({label}), but `eq:{label}` refers to it"
                         ))
                     })?;
-                    // Chapters lie side by side in one folder.
-                    let file = home.rsplit('/').next().unwrap_or(home);
-                    replace(range, &format!("[({label})]({file}#eq-{label})"));
+                    // Both begin with the folder of the pages.
+                    let up = "../".repeat(chapter.matches('/').count().saturating_sub(1));
+                    let file = home.strip_prefix("src/").unwrap_or(home);
+                    replace(range, &format!("[({label})](<{up}{file}#eq-{label}>)"));
                 }
             }
             Event::Text(_) => {
@@ -230,7 +231,9 @@ mod tests {
         let home = convert("src/b.md", "$$ x \\tag{7} $$", &labels).unwrap();
         assert!(home.contains(r#"id="eq-7""#) && home.contains("(7)</span>"));
         let away = convert("src/a.md", "see [](eq:7).", &labels).unwrap();
-        assert_eq!(away, "see [(7)](b.md#eq-7).");
+        assert_eq!(away, "see [(7)](<b.md#eq-7>).");
+        let below = convert("src/sub/a.md", "[](eq:7)", &labels).unwrap();
+        assert_eq!(below, "[(7)](<../b.md#eq-7>)");
     }
 
     #[test]

@@ -13,9 +13,10 @@ const RUN: &str = "signorini run";
 /// A page with a line below each of its tables that leads to the data, and the data: files of the folder
 /// `data`, by name.
 ///
-/// `page` is Markdown; `name` is that of its file, without ending. Numbers keep the digits of the page.
+/// `page` is Markdown; `name` is that of its file, by its path among the pages and without ending. Numbers keep the digits of the page.
 pub(crate) fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec<u8>>) {
     let (mut out, mut files) = (String::new(), BTreeMap::new());
+    let up = "../".repeat(name.matches('/').count());
     let (mut command, mut done) = (RUN.to_owned(), 0);
     let (mut csv, mut row, mut cell) = (String::new(), Vec::new(), String::new());
     for (event, range) in parse(page) {
@@ -52,7 +53,7 @@ pub(crate) fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec
                 let file = format!("{name}-{}.csv", files.len() + 1);
                 out += page[done..range.end].trim_end();
                 out += &format!(
-                    "\n\n<p class=\"data\"><a href=\"data/{file}\">Data</a> | made by <code>{command}</code></p>\n\n"
+                    "\n\n<p class=\"data\"><a href=\"{up}data/{file}\">Data</a> | made by <code>{command}</code></p>\n\n"
                 );
                 done = range.end;
                 files.insert(file, std::mem::take(&mut csv).into_bytes());
@@ -103,6 +104,13 @@ mod tests {
         assert!(text.ends_with("\n\ntext\n"));
         assert_eq!(files["p-1.csv"], b"r,count\n1e6,12 (13)\n");
         assert_eq!(with_data("p", "```text\n| a |\n| - |\n```\n").1.len(), 0);
+    }
+
+    #[test]
+    fn a_page_in_a_folder_leads_out_of_it() {
+        let (text, files) = with_data("sub/p", "| a |\n| --- |\n| b |\n");
+        assert!(text.contains("<a href=\"../data/sub/p-1.csv\">Data</a>"), "{text}");
+        assert!(files.contains_key("sub/p-1.csv"));
     }
 
     #[test]

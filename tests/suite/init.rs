@@ -57,14 +57,17 @@ fn a_mistake_in_a_page_is_named_with_the_line_of_the_file_that_has_it() {
     let table = "\n| a |\n| --- |\n| b |\n\n";
     let line = 2 + (text.clone() + table).lines().count();
     for (mistake, what) in [
-        ("[x](nowhere.md)", "the link to `nowhere.md` leads nowhere: the book has no nowhere.html"),
+        (
+            "[x](nowhere.md)",
+            "the link to `nowhere.md` leads nowhere: the book has no nowhere.html; its pages are those in SUMMARY.md",
+        ),
         (
             "![x](figures/no.svg)",
             "the link to `figures/no.svg` leads nowhere: the book has no figures/no.svg",
         ),
         (
             "[x](plate.md#x)",
-            "the link to `plate.md#x` leads nowhere: plate.html has no heading or other element with this id",
+            "the link to `plate.md#x` leads nowhere: plate.html has no heading with this id, its text in small letters and - for spaces",
         ),
         ("[](eq:7)", "no equation is tagged (7), but `eq:7` refers to it"),
         ("$5 for tea", "unpaired `$`; write `\\$` for a dollar, or close the formula"),
@@ -88,4 +91,30 @@ fn a_mistake_in_a_page_is_named_with_the_line_of_the_file_that_has_it() {
     let said = run();
     let error = "error: report/book: report/templates/mine.md.tera: mine.md makes the same page; remove one of them";
     assert_eq!((said.code, said.err.lines().last()), (Some(3), Some(error)));
+}
+
+#[test]
+fn pages_may_lie_in_folders_and_show_pictures_of_their_own() {
+    let place = Project::with(TABLE);
+    place.run(&["init", "study"]).lines();
+    let templates = "study/report/templates";
+    fs::create_dir(place.path(&format!("{templates}/sub"))).unwrap();
+    let write = |name: &str, text: &[u8]| place.write(&format!("{templates}/{name}"), text);
+    let run = || -> Said {
+        place.command(&["run"]).current_dir(place.path("study")).output().unwrap().into()
+    };
+    write("SUMMARY.md", b"- [P](plate.md)\n- [S](sub/one.md)\n");
+    write("plate.md", b"# P\n\n$$ x \\tag{1} $$\n");
+    write("sub/photo.png", b"\x89PNG\xff");
+    write("sub/one.md", b"# One\n\n[](eq:1) ![photo](photo.png)\n\n| a |\n| --- |\n| b |\n");
+    run().lines();
+    let book = place.path("study/report/book");
+    let page = fs::read_to_string(book.join("sub/one.html")).unwrap();
+    for target in ["../plate.html#eq-1", "photo.png", "../data/sub/one-1.csv"] {
+        assert!(page.contains(&format!("=\"{target}\"")), "{target}: {page}");
+        assert!(book.join("sub").join(target.split('#').next().unwrap()).exists(), "{target}");
+    }
+    fs::remove_file(place.path(&format!("{templates}/SUMMARY.md"))).unwrap();
+    let said = run();
+    assert!(said.err.contains("failed to read `report/templates/SUMMARY.md`"), "{said:?}");
 }

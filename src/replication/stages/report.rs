@@ -85,12 +85,15 @@ fn book(
     let mut files = Artifacts::new();
     for (path, bytes) in inputs.files {
         let Some(name) = path.strip_prefix("report/") else { continue };
-        if let Some(template) = name.strip_prefix("templates/") {
-            let text =
-                String::from_utf8(bytes.clone()).map_err(|_| format!("{path} is not UTF-8"))?;
-            templates.insert(template.to_owned(), text);
-        } else {
-            files.insert(name.into(), bytes.clone());
+        match name.strip_prefix("templates/") {
+            Some(page) if [".md", ".tera", ".js"].iter().any(|ending| page.ends_with(ending)) => {
+                let text = String::from_utf8(bytes.clone());
+                let text = text.map_err(|_| format!("{path} is not UTF-8; save it as UTF-8"))?;
+                templates.insert(page.to_owned(), text);
+            }
+            // What pages show besides, such as a photograph.
+            Some(other) => _ = files.insert(format!("src/{other}"), bytes.clone()),
+            None => _ = files.insert(name.into(), bytes.clone()),
         }
     }
     let mut pages = pages(&templates)?;
