@@ -3,6 +3,9 @@
 //! Logarithms and the like come from the `libm` crate, in loops that vectorise from the spectral solver's own series:
 //! the C library's differ in the last bit from one machine to the next, and artifacts are compared by hash.
 //!
+//! The mathematics, `problem` to `identify`, stands alone: without the feature `program`, which is on unless
+//! `default-features = false` says otherwise, nothing else is built, and of the dependencies about a quarter.
+//!
 //! ```
 //! use signorini::bounds::bounds;
 //! use signorini::discrete::grid::Grid;
@@ -27,16 +30,24 @@
 //! ```
 
 pub mod bounds;
-pub mod cli;
 pub mod discrete;
-pub mod experiments;
-pub(crate) mod figures;
 pub mod identify;
 pub mod multigrid;
-pub mod pipeline;
 pub mod problem;
-pub mod replication;
-pub mod report;
 pub mod saddle;
 pub mod spectral;
+
+#[cfg(feature = "program")]
+pub mod cli;
+#[cfg(feature = "program")]
+pub mod experiments;
+#[cfg(feature = "program")]
+pub(crate) mod figures;
+#[cfg(feature = "program")]
+pub mod pipeline;
+#[cfg(feature = "program")]
+pub mod replication;
+#[cfg(feature = "program")]
+pub mod report;
+#[cfg(feature = "program")]
 pub mod timing;

@@ -39,8 +39,7 @@ pub enum Method {
         /// Bound on the absolute value of every component that is always small enough, in units of F.
         inner: f64,
         /// Whether a tenth of the gradient (8) at the last step of the multiplier, and of the largest
-        /// component of F before the first, is enough as well: further costs more and gains nothing
-        /// (see [`claims`](crate::experiments::claims)).
+        /// component of F before the first, is enough as well: further costs more and gains nothing.
         loose: bool,
     },
 }
