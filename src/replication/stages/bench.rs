@@ -115,9 +115,7 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
     let Some(text) = project.files.get(PATH) else { return Vec::new() };
     let picture = |name, title: &str, draw: fn(&Timings) -> Picture| Task {
         files: Artifacts::from([(PATH.into(), text.clone())]),
-        ..drawing(name, title.into(), Vec::new(), move |inputs| {
-            Ok(draw(&times(inputs)?.ok_or("nothing has been recorded")?))
-        })
+        ..drawing(name, title.into(), Vec::new(), move |inputs| Ok(draw(&times(inputs)?)))
     };
     vec![
         picture("cost", "Time per unknown against the number of unknowns", cost::cost),
@@ -125,9 +123,9 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
     ]
 }
 
-/// The record of times among the files of a task, if it is there.
-pub(super) fn times(inputs: &Inputs) -> Result<Option<Timings>, Failure> {
-    Ok(inputs.files.get(PATH).map(Timings::parse).transpose()?)
+/// The record of times among the files of a task.
+pub(super) fn times(inputs: &Inputs) -> Result<Timings, Failure> {
+    Ok(Timings::parse(inputs.files.get(PATH).ok_or("nothing has been recorded")?)?)
 }
 
 fn id(experiment: &str) -> String {

@@ -11,13 +11,14 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::report;
 pub(crate) use crate::report::TEMPLATE;
+use crate::timing::recorded;
 use std::collections::BTreeMap;
 
 /// The task that makes the pages and the book.
 pub(crate) const ID: &str = "report/book";
 
-/// What the chapters lack in this project, if they lack anything: with the paper's problems, or with
-/// what one of them does not ask for, all pages made from templates are left out of the book.
+/// What the chapters lack in this project, if they lack anything: with the paper's problems, with recorded times,
+/// or with what one of the problems does not ask for, all pages made from templates are left out of the book.
 pub(crate) fn left_out(project: &Project) -> Option<String> {
     let problems = project.problems();
     let [first, second] = problems[..] else {
@@ -25,6 +26,11 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     };
     if first.grids != second.grids {
         return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
+    }
+    if !project.files.contains_key(recorded::PATH) {
+        return Some(
+            "they show recorded times; record some with `signorini bench --record`".into(),
+        );
     }
     problems.iter().find_map(|scene| {
         if scene.r != project.paper.r {

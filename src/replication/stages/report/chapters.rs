@@ -66,15 +66,14 @@ pub(super) fn context(
     Ok(context)
 }
 
-/// What was recorded of times, if anything was, and what was to be reached.
+/// What was recorded of times, and what was to be reached.
 fn times_and_targets(inputs: &Inputs, context: &mut Context) -> Result<(), Failure> {
     let accuracy = bench::result(inputs, "accuracy")?;
     let mut all = targets::of_accuracy(&accuracy);
-    if let Some(timings) = bench::times(inputs)? {
-        all.extend(time_targets(&timings));
-        context.insert("cost", &times(&timings, &accuracy));
-        context.insert("timings", &timings);
-    }
+    let timings = bench::times(inputs)?;
+    all.extend(time_targets(&timings));
+    context.insert("cost", &times(&timings, &accuracy));
+    context.insert("timings", &timings);
     all.extend(targets::of_cube(&bench::result(inputs, "cube")?));
     context.insert("targets", &all);
     Ok(())
