@@ -30,7 +30,8 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
             return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
         }
         let mut entries = fs::read_dir(folder).context("list", folder).map_err(elsewhere)?;
-        if entries.next().is_some() {
+        // A repository that has just been made holds nothing else.
+        if entries.any(|entry| entry.map_or(true, |entry| entry.file_name() != ".git")) {
             return Err(Error::input(format!(
                 "{} is not empty; name a folder that is, or one that is not there yet",
                 folder.display()

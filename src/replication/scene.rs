@@ -4,6 +4,7 @@ use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, integral};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::problems::Problem;
+use crate::identify::COARSEST;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
@@ -42,7 +43,7 @@ pub struct Scene {
     /// File name without its ending.
     #[serde(skip_deserializing)]
     pub name: String,
-    /// One line for people.
+    /// A line for people.
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
@@ -152,6 +153,16 @@ impl Scene {
         self.outputs.sort();
         if self.wants(Output::Identify) && self.paper_table.is_none() {
             return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
+        }
+        // Counts on other grids are no less many, and would be compared all the same.
+        if self.paper_table.is_some() && self.grids[0].cells() != COARSEST {
+            return Err(format!(
+                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave out `paper_table`"
+            )
+            .into());
+        }
+        if self.title.chars().any(char::is_control) {
+            return Err("`title` must be a single line".into());
         }
         Ok(())
     }
@@ -265,6 +276,9 @@ mod tests {
         assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
         assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));
         assert!(error(&GOOD.replace("table", "identify")).contains("add `paper_table`"));
+        let other_grids = format!("{GOOD}paper_table = 1\ngrids = [3, 6, 12, 24, 48]\n");
+        assert!(error(&other_grids).contains("let `grids` begin with 4"));
+        assert!(error(&GOOD.replace("\"t\"", "\"t\\nu\"")).contains("a single line"));
         assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("unknown variant `never`"));
     }
 }

@@ -317,6 +317,7 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--accuracy", "1e-7"], "too fine for memory; 1/8192 reaches about"),
         (&["--f", "else=-1", "--accuracy-energy", "nan"], "must be between 0 and 1"),
         (&["--f", "else=-1", "--accuracy-energy", "1e-15"], "too fine for memory; 1/8192 reaches"),
+        (&["--f", "else=-1", "--accuracy-energy", "1e-300"], "takes a grid finer than 1/1000000,"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");

@@ -28,7 +28,8 @@ fn a_new_study_runs() {
 #[test]
 fn a_study_begins_in_an_empty_folder() {
     let place = Project::with(TABLE);
-    fs::create_dir(place.path("empty")).unwrap();
+    // As `git init` leaves it.
+    fs::create_dir_all(place.path("empty/.git")).unwrap();
     place.run(&["init", "empty"]).lines();
     for taken in ["empty", ".", "pipeline/scenes/a.toml"] {
         let before = place.times();

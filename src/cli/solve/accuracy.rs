@@ -78,8 +78,12 @@ impl Accuracy {
         let last = MAX_CELLS as f64;
         if finest == MAX_CELLS || (finest >= SETTLED && needed > 1.02 * last) {
             let best = reached * libm::pow(finest as f64 / last, order);
+            let grid = match needed < 1e6 {
+                true => format!("of about 1/{needed:.0}"),
+                false => "finer than 1/1000000".into(),
+            };
             return Err(Error::input(format!(
-                "{self} takes a grid of about 1/{needed:.0}, too fine for memory; 1/{MAX_CELLS} reaches about {best:.1e}, and --solver spectral needs no grid"
+                "{self} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} reaches about {best:.1e}, and --solver spectral needs no grid"
             )));
         }
         Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS))
