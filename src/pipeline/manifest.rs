@@ -3,6 +3,7 @@
 use super::files::is_plain;
 use super::{Hashes, Plan, Task, hash, stage};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
@@ -156,7 +157,45 @@ impl fmt::Display for Change {
             PROGRAM => "the program changed",
             input => input,
         };
-        write!(out, "{subject}: {} -> {}", brief(&self.old), brief(&self.new))
+        let parts = [&self.old, &self.new].map(|value| serde_json::from_str(value.as_ref()?).ok());
+        let mut differences = Vec::new();
+        if let [Some(old), Some(new)] = &parts {
+            compare(subject, old, new, &mut differences);
+        }
+        match &differences[..] {
+            [(place, old, new), rest @ ..] if place != subject => {
+                write!(out, "{place}: {old} -> {new}")?;
+                out.write_str(if rest.is_empty() { "" } else { ", and elsewhere" })
+            }
+            // Of one part, and as it was written.
+            _ => write!(out, "{subject}: {} -> {}", brief(&self.old), brief(&self.new)),
+        }
+    }
+}
+
+/// Finds the parts in which two values differ: objects with the same keys and arrays of the same length are taken
+/// apart, lists of plain values are not.
+fn compare<'a>(
+    place: &str,
+    old: &'a Value,
+    new: &'a Value,
+    found: &mut Vec<(String, &'a Value, &'a Value)>,
+) {
+    match (old, new) {
+        _ if old == new => {}
+        (Value::Object(old), Value::Object(new)) if old.keys().eq(new.keys()) => {
+            for (key, value) in old {
+                compare(&format!("{place}.{key}"), value, &new[key], found);
+            }
+        }
+        (Value::Array(old), Value::Array(new))
+            if old.len() == new.len() && old.iter().any(|v| v.is_object() || v.is_array()) =>
+        {
+            for (k, (old, new)) in old.iter().zip(new).enumerate() {
+                compare(&format!("{place}[{k}]"), old, new, found);
+            }
+        }
+        _ => found.push((place.into(), old, new)),
     }
 }
 
@@ -236,6 +275,27 @@ mod tests {
             inputs: BTreeMap::from([("parameter r".into(), "10".into())]),
             outputs: BTreeMap::from([("cell.json".into(), hash(b"x"))]),
         }
+    }
+
+    #[test]
+    fn of_a_value_with_parts_only_the_changed_ones_are_told() {
+        let told = |old: &str, new: &str| {
+            let [old, new] = [old, new].map(|value| Some(value.to_owned()));
+            Change { input: "parameter p".into(), old, new }.to_string()
+        };
+        assert_eq!(told("1e6", "10"), "parameter p: 1e6 -> 10");
+        assert_eq!(told("[4, 8]", "[3, 8]"), "parameter p: [4, 8] -> [3, 8]");
+        let plan =
+            |r: f64, cap: usize| format!(r#"[{{"r":[{r:?},1.0],"cap":5}},{{"r":[],"cap":{cap}}}]"#);
+        assert_eq!(
+            told(&plan(1e6, 7), &plan(0.5, 7)),
+            "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0]"
+        );
+        assert_eq!(
+            told(&plan(1e6, 7), &plan(0.5, 8)),
+            "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0], and elsewhere"
+        );
+        assert_eq!(told(&plan(1.0, 7), "[]"), format!("parameter p: {} -> []", plan(1.0, 7)));
     }
 
     #[test]
