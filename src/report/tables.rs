@@ -13,7 +13,8 @@ const RUN: &str = "signorini run";
 /// A page with a line below each of its tables that leads to the data, and the data: files of the folder
 /// `data`, by name.
 ///
-/// `page` is Markdown; `name` is that of its file, by its path among the pages and without ending. Numbers keep the digits of the page.
+/// `page` is Markdown; `name` is that of its file, by its path among the pages and without ending. Numbers keep the
+/// digits of the page.
 pub(crate) fn with_data(name: &str, page: &str) -> (String, BTreeMap<String, Vec<u8>>) {
     let (mut out, mut files) = (String::new(), BTreeMap::new());
     let up = "../".repeat(name.matches('/').count());
