@@ -191,7 +191,8 @@ fn to_remove(summary: &Summary) -> Option<String> {
         summary.exports.to_remove().iter().partition(is_figure);
     let others = match others.len() {
         0 => None,
-        count => Some(format!("{count} of report/")),
+        1 => Some("1 file of report/".into()),
+        count => Some(format!("{count} files of report/")),
     };
     files.extend(&others);
     (!files.is_empty())
