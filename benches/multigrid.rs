@@ -4,14 +4,14 @@
 //! and with `--f F TOLERANCE` on one, to that KKT residual over the largest load, as JSON: the solution alone, and
 //! from f to the solution.
 
-use signorini::discrete::grid::Grid;
-use signorini::discrete::kkt::kkt;
-use signorini::discrete::load::{LoadRule, load};
-use signorini::experiments::problems;
-use signorini::multigrid::square::Square;
-use signorini::multigrid::{self, Goal, Multigrid, MultigridParams, Outcome};
-use signorini::problem::exact::Exact;
-use signorini::problem::source::Source;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::experiments::problems;
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridParams, Outcome};
+use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::source::Source;
 use std::time::Instant;
 
 const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];

@@ -1,53 +1,14 @@
 //! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
 //!
-//! Logarithms and the like come from the `libm` crate, in loops that vectorise from the spectral solver's own series:
-//! the C library's differ in the last bit from one machine to the next, and artifacts are compared by hash.
-//!
-//! The mathematics, `problem` to `identify`, stands alone: without the feature `program`, which is on unless
-//! `default-features = false` says otherwise, nothing else is built, and of the dependencies about a quarter.
-//!
-//! ```
-//! use signorini::bounds::bounds;
-//! use signorini::discrete::grid::Grid;
-//! use signorini::discrete::kkt::kkt;
-//! use signorini::discrete::load::{Diagonal, LoadRule, load};
-//! use signorini::multigrid::square::Square;
-//! use signorini::multigrid::{self, MultigridParams};
-//! use signorini::problem::source::Source;
-//! use signorini::spectral::{self, spectral};
-//!
-//! let f: Source = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
-//! let grid = Grid::new(128)?;
-//! // The default is the paper's rule, f at the nodes, whose sum may be positive though the integral is not.
-//! let load = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::default() });
-//! let (y, outcome) = multigrid::solve::<Square>(128, &load, None, &MultigridParams::default())?;
-//! assert!(kkt(grid, &y, &load).relative < 1e-10);
-//! assert!(outcome.work_units < 60.0);
-//! let [low, high] = bounds(grid, &f, &y)?.energy;
-//! let truth = spectral(&f, spectral::Params::default())?;
-//! assert!(low <= truth.energy && truth.energy <= high);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! The mathematics is a package of its own, whose rooms are named here as if they were this one's.
 
-pub mod bounds;
-pub mod discrete;
-pub mod identify;
-pub mod multigrid;
-pub mod problem;
-pub mod saddle;
-pub mod spectral;
+pub use signorini_mathematics::{
+    bounds, discrete, experiments, identify, multigrid, problem, saddle, spectral,
+};
 
-#[cfg(feature = "program")]
 pub mod cli;
-#[cfg(feature = "program")]
-pub mod experiments;
-#[cfg(feature = "program")]
 pub(crate) mod figures;
-#[cfg(feature = "program")]
 pub mod pipeline;
-#[cfg(feature = "program")]
 pub mod replication;
-#[cfg(feature = "program")]
 pub mod report;
-#[cfg(feature = "program")]
 pub mod timing;

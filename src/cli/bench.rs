@@ -2,12 +2,12 @@
 
 use super::current_folder;
 use super::output::{OutputFile, columns, say, say_json, talk};
-use crate::experiments::solver::Solver;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing::measure::{Plan, TIMED, measure};
 use crate::timing::recorded::{self, Peer, Timings};
+use crate::timing::solver::Solver;
 use clap::{Args, ValueEnum};
 
 #[derive(Args)]

@@ -10,10 +10,10 @@ mod spectral;
 
 use super::output::{OutputFile, say, say_json};
 use crate::discrete::load::{Diagonal, LoadRule};
-use crate::experiments::solver::Solver;
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Tie;
 use crate::saddle::{Method, Pair};
+use crate::timing::solver::Solver;
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -42,7 +42,7 @@ pub(super) struct SolveArgs {
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or exact]
     #[arg(long, value_enum)]
-    load: Option<LoadRule>,
+    load: Option<Rule>,
     /// Duality parameter [default: the scene's, or 10]
     #[arg(long, allow_negative_numbers = true)]
     r: Option<f64>,
@@ -153,27 +153,32 @@ impl Solver {
     }
 }
 
-/// The rules by the names of `--load`; what a rule leaves open is as by default.
-impl ValueEnum for LoadRule {
+/// A rule by its name in `--load`; what a rule leaves open is as by default.
+#[derive(Clone, Copy, Debug)]
+struct Rule(LoadRule);
+
+impl ValueEnum for Rule {
     fn value_variants<'a>() -> &'a [Self] {
         const DIAGONAL: Diagonal = Diagonal::Rising;
         &[
-            Self::Nodal { tie: Tie::LowerLeft, diagonal: Some(DIAGONAL) },
-            Self::Exact { diagonal: DIAGONAL },
-            Self::Bilinear {},
-            Self::LumpedAverage {},
+            Self(LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: Some(DIAGONAL) }),
+            Self(LoadRule::Exact { diagonal: DIAGONAL }),
+            Self(LoadRule::Bilinear {}),
+            Self(LoadRule::LumpedAverage {}),
         ]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self {
-            Self::Nodal { .. } => ("nodal", "f at the nodes; on a jump from the left and below"),
-            Self::Exact { .. } => ("exact", "Integrals of f times the hat functions"),
-            Self::Bilinear {} => (
+        let (name, help) = match self.0 {
+            LoadRule::Nodal { .. } => {
+                ("nodal", "f at the nodes; on a jump from the left and below")
+            }
+            LoadRule::Exact { .. } => ("exact", "Integrals of f times the hat functions"),
+            LoadRule::Bilinear {} => (
                 "bilinear",
                 "Integrals of f times bilinear hat functions: bounds are closer than with exact",
             ),
-            Self::LumpedAverage {} => ("lumped-average", "Mean of f around each node"),
+            LoadRule::LumpedAverage {} => ("lumped-average", "Mean of f around each node"),
         };
         Some(PossibleValue::new(name).help(help))
     }
@@ -181,7 +186,7 @@ impl ValueEnum for LoadRule {
 
 /// The name of a rule among those that `--load` takes.
 fn rule_name(rule: &LoadRule) -> String {
-    rule.to_possible_value().expect("no rule is hidden").get_name().into()
+    Rule(*rule).to_possible_value().expect("no rule is hidden").get_name().into()
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {

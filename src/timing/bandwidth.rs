@@ -1,5 +1,6 @@
 //! The memory bandwidth of the machine.
 
+use crate::discrete::streams;
 use crate::timing::recorded::Bandwidth;
 use std::hint::black_box;
 use std::time::Instant;
@@ -12,15 +13,11 @@ pub(crate) fn bandwidth(entries: usize, runs: usize) -> Bandwidth {
     let (mut triad, mut update) = (0.0_f64, 0.0_f64);
     for _ in 0..runs {
         let start = Instant::now();
-        for ((a, b), c) in a.iter_mut().zip(&b).zip(&c) {
-            *a = b + 0.5 * c;
-        }
+        streams::triad(&mut a, &b, &c);
         triad = triad.max(rate(24.0, start.elapsed().as_secs_f64()));
         black_box(&mut a);
         let start = Instant::now();
-        for a in &mut a {
-            *a *= 0.999;
-        }
+        streams::update(&mut a);
         update = update.max(rate(16.0, start.elapsed().as_secs_f64()));
         black_box(&mut a);
     }

@@ -13,7 +13,6 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::known::KnownSolution;
 use crate::experiments::problems::{CONTACT, PAPER};
-use crate::experiments::solver::Solver;
 use crate::experiments::work::{OnGrid, R};
 use crate::multigrid::square::Square;
 use crate::multigrid::{Multigrid, MultigridParams};
@@ -24,6 +23,7 @@ use crate::spectral::{self, spectral};
 use crate::timing::recorded::{
     Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
 };
+use crate::timing::solver::Solver;
 use goals::goals;
 use std::time::Instant;
 

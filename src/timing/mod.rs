@@ -4,6 +4,7 @@ mod bandwidth;
 pub mod machine;
 pub mod measure;
 pub mod recorded;
+pub mod solver;
 
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};

@@ -1,9 +1,9 @@
 //! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
 
-use crate::experiments::solver::Solver;
 use crate::experiments::work::REACHED;
 use crate::multigrid;
 use crate::pipeline::error::{Error, Result, from_toml};
+use crate::timing::solver::Solver;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 

@@ -4,7 +4,10 @@ use super::refused;
 use crate::cli::output::check_options;
 use crate::identify::{Lattice, Method, Request, Space, Variant};
 use crate::pipeline::error::{Error, Result};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use serde::Deserialize;
+use serde::de::{IntoDeserializer, value};
 use std::path::PathBuf;
 
 /// What `identify --help` ends with.
@@ -29,6 +32,13 @@ The table has f with all counts first, then ranks by total = misfit + 0.3 (misfi
 (complexity); complexity counts distinct values and their decimal places. The same command finds the \
 same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
+/// The names of the spaces, as in JSON.
+const SPACES: [&str; 4] = ["odd-quadrant", "quadrants", "rectangles", "blocks4"];
+
+fn space(name: String) -> std::result::Result<Space, value::Error> {
+    Space::deserialize(name.into_deserializer())
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Way {
     Enumerate,
@@ -42,7 +52,8 @@ pub(in crate::cli) struct IdentifyArgs {
         value_parser = ["1", "2", "both"])]
     pub(super) problem: String,
     /// Family of f; see below
-    #[arg(long, value_enum, hide_possible_values = true, default_value = "odd-quadrant")]
+    #[arg(long, hide_possible_values = true, default_value = "odd-quadrant",
+        value_parser = PossibleValuesParser::new(SPACES).try_map(space))]
     space: Space,
     /// Values f may take: MIN:MAX:STEP or a comma-separated list; with `;`, one such per piece
     /// [default: -8:4:0.005, or coarser where the space is large]

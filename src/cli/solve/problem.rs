@@ -139,7 +139,7 @@ fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
     };
     // An accuracy is asked of the solution for f, whatever load vector a scene takes.
     const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
-    let given = args.load.or(args.accuracy().map(|_| EXACT));
+    let given = args.load.map(|rule| rule.0).or(args.accuracy().map(|_| EXACT));
     let rule = choose("load", given, scene.map(|s| s.load), rule_name, overridden);
     Ok(Domain::Square { f, rule: rule.unwrap_or(EXACT) })
 }

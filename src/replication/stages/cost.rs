@@ -2,7 +2,6 @@
 
 use crate::experiments::Range;
 use crate::experiments::accuracy::{self, Findings};
-use crate::experiments::solver::Solver;
 use crate::experiments::truth::{Elements, Level, Truth};
 use crate::experiments::work::{CostLaw, Iterate, Run};
 use crate::figures::Stroke::{Line, Marked, Reference};
@@ -11,6 +10,7 @@ use crate::problem::exact::Exact;
 use crate::timing::recorded::{
     Goal, PUBLISHED, Reached, Scaling, Timings, nodes, ns_per_node, to_discretisation,
 };
+use crate::timing::solver::Solver;
 use std::collections::BTreeSet;
 
 /// A line of slope `power` over the range of the others, all of which it passes by at this `factor`

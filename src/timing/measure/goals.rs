@@ -3,13 +3,13 @@
 use crate::discrete::kkt::kkt;
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
-use crate::experiments::solver::Solver;
 use crate::experiments::work::{OnGrid, R};
 use crate::multigrid::active_set::active_set;
 use crate::multigrid::square::Square;
 use crate::multigrid::{self, MultigridParams};
 use crate::saddle::{Method, Pair};
 use crate::timing::recorded::Goal;
+use crate::timing::solver::Solver;
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];

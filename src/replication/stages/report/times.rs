@@ -1,11 +1,11 @@
 //! What the chapter on cost says about recorded times: fits, crossovers, and what was to be reached.
 
 use crate::experiments::accuracy::Findings;
-use crate::experiments::solver::Solver;
 use crate::experiments::targets::Target;
 use crate::experiments::{Range, exponent};
 use crate::timing::measure::TIMED;
 use crate::timing::recorded::{self, Goal, Reached, Scaling, Timings, to_discretisation};
+use crate::timing::solver::Solver;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};

@@ -10,7 +10,6 @@ pub mod known;
 pub mod problems;
 pub mod rounding;
 pub mod saddle;
-pub mod solver;
 pub mod stress;
 pub mod strips;
 pub mod targets;

@@ -26,9 +26,11 @@ mod contact;
 mod surface;
 mod transfer;
 
-use super::hierarchy::Geometry;
+use super::hierarchy::{Geometry, Multigrid};
+use super::input::InputError;
 use super::layout::Dimension;
 use super::level::Level;
+use super::{MultigridParams, Outcome};
 
 /// The unit cube.
 pub struct Cube;
@@ -52,5 +54,18 @@ impl Geometry for Cube {
 
     fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
         contact::set_springs(n, in_contact, levels)
+    }
+
+    fn allocated(n: usize) -> Result<Multigrid<Self>, InputError> {
+        Multigrid::allocate(n)
+    }
+
+    fn solved(
+        grids: &mut Multigrid<Self>,
+        load: &[f64],
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<Outcome, InputError> {
+        grids.run(load, start, params)
     }
 }

@@ -147,12 +147,14 @@ pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
 }
 
 /// A problem with known solution on one grid.
-pub(crate) struct OnGrid {
-    pub(crate) grid: Grid,
-    pub(crate) load: Vec<f64>,
+pub struct OnGrid {
+    /// The grid.
+    pub grid: Grid,
+    /// Its load vector.
+    pub load: Vec<f64>,
     measure: Measure,
     /// Error of the discrete solution.
-    pub(crate) discretisation: f64,
+    pub discretisation: f64,
 }
 
 /// By what errors are measured.
@@ -165,7 +167,7 @@ enum Measure {
 
 impl OnGrid {
     /// Errors are measured at the nodes where there is a formula, and in the energy elsewhere.
-    pub(crate) fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
+    pub fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
         let side = grid.side();
         let measure = match known {
             KnownSolution::Formula(exact) => {
@@ -184,7 +186,7 @@ impl OnGrid {
 
     /// The error of `y` in the discrete L2 norm; or, where there is no formula, what the energy is too
     /// large by, relative to it, with values that are negative on the boundary set to zero.
-    pub(crate) fn error(&self, y: &[f64]) -> f64 {
+    pub fn error(&self, y: &[f64]) -> f64 {
         match &self.measure {
             Measure::Nodes(exact) => {
                 let wrong: Vec<f64> = y.iter().zip(exact).map(|(a, b)| a - b).collect();

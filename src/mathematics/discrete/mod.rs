@@ -9,4 +9,5 @@ pub mod load;
 pub mod norms;
 pub(crate) mod simd;
 pub mod stiffness;
+pub mod streams;
 pub mod transfer;

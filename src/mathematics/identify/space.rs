@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 /// A family of right-hand sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Space {
     /// Four values, on the quadrants of the square: lower left, lower right, upper left, upper right.

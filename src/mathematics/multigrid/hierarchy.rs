@@ -17,7 +17,7 @@ use super::transfer::Weighting;
 use super::{Goal, MultigridParams, Outcome};
 
 /// What differs between the square and the cube, beside the stencil and the transfers.
-pub trait Geometry: Weighting {
+pub trait Geometry: Weighting + Sized {
     /// What `n` must be.
     const CELLS: &str;
     /// Over-relaxation inside, on the colour that the transfers beside it do not rely on.
@@ -37,6 +37,17 @@ pub trait Geometry: Weighting {
     /// Sets `1 / (2 d + spring)` on all `levels`, coarsest first, for a contact set of a finer grid with `n`
     /// cells per side; returns the work in visits of unknowns.
     fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64;
+
+    /// `allocate`, not generic: compiled and optimised with this package, not with that of the caller.
+    fn allocated(n: usize) -> Result<Multigrid<Self>, InputError>;
+
+    /// `run`, not generic for the same reason.
+    fn solved(
+        grids: &mut Multigrid<Self>,
+        load: &[f64],
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<Outcome, InputError>;
 }
 
 /// Preallocated grids for problems with `n` cells per side.
@@ -63,6 +74,10 @@ impl<G: Geometry> Multigrid<G> {
     /// # Errors
     /// If `n` is not a power of two (at least 2) times 1 or 3, on the square also 5 or 7.
     pub fn new(n: usize) -> Result<Self, InputError> {
+        G::allocated(n)
+    }
+
+    pub(super) fn allocate(n: usize) -> Result<Self, InputError> {
         let coarsest = G::coarsest(n).ok_or(InputError::GridSize(n, G::CELLS))?;
         let cells = std::iter::successors(Some(coarsest), |cells| Some(2 * cells));
         Ok(Self {
@@ -95,6 +110,15 @@ impl<G: Geometry> Multigrid<G> {
     /// # Errors
     /// If a length is wrong, a number is not finite, or the load does not have a negative sum.
     pub fn solve(
+        &mut self,
+        load: &[f64],
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<Outcome, InputError> {
+        G::solved(self, load, start, params)
+    }
+
+    pub(super) fn run(
         &mut self,
         load: &[f64],
         start: Option<&[f64]>,
