@@ -2,7 +2,6 @@
 //! of this paper. Errors are sentences that begin with the place to look at: a file, and where it is known a line.
 
 mod build;
-mod fields;
 mod filters;
 mod links;
 mod mathml;
@@ -11,7 +10,6 @@ mod tables;
 
 pub use build::build;
 pub(crate) use build::settings;
-pub(crate) use fields::Fields;
 pub use pages::pages;
 pub(crate) use pages::{PAGE as TEMPLATE, in_template, stubs};
 pub(crate) use tables::with_data;

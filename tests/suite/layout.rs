@@ -1,4 +1,6 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
+//!
+//! The first eight are a package of their own, the mathematics; the program names them as if they were its own.
 
 use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,9 +35,14 @@ fn source_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// The module that a source file holds, as a path from the root of the crate.
+fn mathematics() -> PathBuf {
+    source_folder().join("mathematics")
+}
+
+/// The module that a source file holds, as a path from the root of its crate.
 fn module(file: &Path) -> Vec<String> {
-    let path = file.strip_prefix(source_folder()).unwrap().with_extension("");
+    let path = file.strip_prefix(mathematics()).or_else(|_| file.strip_prefix(source_folder()));
+    let path = path.unwrap().with_extension("");
     let mut parts: Vec<_> = path.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
     if parts.last().is_some_and(|last| last == "mod") {
         parts.pop();
@@ -57,10 +64,10 @@ fn names_after<'a>(text: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a s
 fn rooms_use_only_rooms_before_them() {
     let place = |room: &str| ROOMS.iter().position(|&known| known == room);
     let mut wrong = BTreeSet::new();
-    for room in fs::read_dir(source_folder()).unwrap() {
-        let room = room.unwrap().path();
+    let inside = [source_folder(), mathematics()].map(|folder| fs::read_dir(folder).unwrap());
+    for room in inside.into_iter().flatten().map(|room| room.unwrap().path()) {
         let name = room.file_stem().unwrap().to_str().unwrap().to_owned();
-        if !room.is_dir() {
+        if !room.is_dir() || room == mathematics() {
             continue;
         }
         let here =

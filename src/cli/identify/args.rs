@@ -33,7 +33,7 @@ The table has f with all counts first, then ranks by total = misfit + 0.3 (misfi
 same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
 /// The names of the spaces, as in JSON.
-const SPACES: [&str; 4] = ["odd-quadrant", "quadrants", "rectangles", "blocks4"];
+const SPACES: [&str; 4] = ["quadrants", "odd-quadrant", "rectangles", "blocks4"];
 
 fn space(name: String) -> std::result::Result<Space, value::Error> {
     Space::deserialize(name.into_deserializer())

@@ -14,8 +14,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
 use crate::replication::scene::MAX_CELLS;
-use crate::report::Fields;
-use crate::saddle::Pair;
+use crate::saddle::{Fields, Pair};
 use crate::timing::machine;
 use clap::ValueEnum;
 use std::path::Path;
@@ -122,11 +121,7 @@ impl Domain {
     pub(super) fn boundary(&self, n: usize) -> Vec<usize> {
         match self {
             Self::Square { .. } => square(n).boundary().collect(),
-            Self::Cube { .. } => {
-                let grid = cube(n);
-                let nodes = grid.indices().enumerate();
-                nodes.filter(|&(_, at)| grid.on_boundary(at)).map(|(node, _)| node).collect()
-            }
+            Self::Cube { .. } => cube(n).boundary(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Saddle-point methods for the modified Lagrange functional (7), and their run over nested grids.
 
 pub mod batch;
+mod fields;
 mod gradient;
 mod method;
 mod outcome;
@@ -8,6 +9,7 @@ mod plain;
 mod stopping;
 mod sweep;
 
+pub use fields::Fields;
 pub use method::{Iteration, Method, OnIteration, Params, Steps, arrow_hurwicz, solve};
 pub use outcome::Outcome;
 pub use plain::Plain;

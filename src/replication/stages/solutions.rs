@@ -3,7 +3,7 @@
 use super::solve;
 use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::scene::{Output, Scene};
-use crate::report::Fields;
+use crate::saddle::Fields;
 use serde_json::{Value, json};
 
 /// What the book says of the solutions that it gives away, and each as .npz and as .vti, by name.

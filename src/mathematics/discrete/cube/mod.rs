@@ -56,9 +56,11 @@ impl Grid {
         planes.flat_map(move |(j, k)| (0..=self.n).map(move |i| [i, j, k]))
     }
 
-    /// Whether a node with these indices lies on the boundary.
-    pub fn on_boundary(self, indices: [usize; 3]) -> bool {
-        indices.iter().any(|&i| i == 0 || i == self.n)
+    /// Positions of the boundary nodes in a nodal vector.
+    pub fn boundary(self) -> Vec<usize> {
+        let nodes = self.indices().enumerate();
+        let outer = |at: [usize; 3]| at.iter().any(|&i| i == 0 || i == self.n);
+        nodes.filter(|&(_, at)| outer(at)).map(|(node, _)| node).collect()
     }
 
     /// Part of the cell around a node that lies inside the cube: 1, on faces 1/2, edges 1/4, corners 1/8.

@@ -1,11 +1,11 @@
 //! Solutions as files for other programs: NPY and NPZ for NumPy, VTK image data for ParaView.
 
+use super::Pair;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
-use crate::saddle::Pair;
 
 /// A solution on the square or the cube, x running fastest in every array.
-pub(crate) struct Fields<'a> {
+pub struct Fields<'a> {
     /// Cells along x, y and z; none along an axis that is not there.
     cells: [usize; 3],
     f: Box<dyn Fn([f64; 3]) -> f64 + 'a>,
@@ -16,7 +16,7 @@ pub(crate) struct Fields<'a> {
 impl<'a> Fields<'a> {
     /// A solution on the square or, if `dimension` is 3, the cube with `n` cells per side: v, and its multiplier at
     /// the nodes `boundary`.
-    pub(crate) fn new(
+    pub fn new(
         dimension: u32,
         n: usize,
         f: impl Fn([f64; 3]) -> f64 + 'a,
@@ -28,7 +28,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A solution on the square, with its multiplier at the boundary nodes.
-    pub(crate) fn square(grid: Grid, f: &'a Source, pair: &'a Pair) -> Self {
+    pub fn square(grid: Grid, f: &'a Source, pair: &'a Pair) -> Self {
         let boundary = grid.boundary().collect();
         Self::new(2, grid.cells(), |[x, y, _]| f.at([x, y]), boundary, pair)
     }
@@ -58,14 +58,14 @@ impl<'a> Fields<'a> {
     }
 
     /// v alone, in NPY format.
-    pub(crate) fn npy(&self) -> Vec<u8> {
+    pub fn npy(&self) -> Vec<u8> {
         npy(&self.shape(1), &self.pair.y)
     }
 
     /// `v`, `multiplier` and `f` in NPZ format: NPY files in an archive that is not compressed.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
-    pub(crate) fn npz(&self) -> Option<Vec<u8>> {
+    pub fn npz(&self) -> Option<Vec<u8>> {
         let numbers: usize = [1, 1, 0].map(|more| self.shape(more).iter().product()).iter().sum();
         (8 * numbers + 4096 <= u32::MAX as usize).then(|| {
             zip(&[
@@ -79,7 +79,7 @@ impl<'a> Fields<'a> {
     /// VTK XML image data: points with `v` and `multiplier`, cells with `f`; raw little-endian doubles.
     ///
     /// Axes without cells are at 0, the others centred there.
-    pub(crate) fn vti(&self, name: &str) -> Vec<u8> {
+    pub fn vti(&self, name: &str) -> Vec<u8> {
         let along = |of_axis: &dyn Fn(usize) -> String| self.cells.map(of_axis).join(" ");
         let extent = along(&|n| format!("0 {n}"));
         let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });
