@@ -6,7 +6,7 @@ use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
 use crate::discrete::kkt::Judgement;
-use crate::discrete::norms::largest;
+use crate::discrete::norms::{largest, sum};
 use crate::multigrid::active_set::{self, active_set};
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
@@ -123,7 +123,7 @@ impl Problem {
             sweeps: None,
             stop: stop.name().into(),
             energy,
-            sum_load: load.iter().sum(),
+            sum_load: sum(load),
             kkt,
         };
         Ok(self.solved(vec![level], y, judgement, work_units))

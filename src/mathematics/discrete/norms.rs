@@ -76,6 +76,11 @@ pub fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
+/// The sum of some numbers, added from the first to the last.
+pub fn sum(values: &[f64]) -> f64 {
+    values.iter().sum()
+}
+
 /// The largest absolute value of some numbers, NaN if one is.
 pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut largest = Largest::default();
