@@ -45,7 +45,10 @@ pub fn active_set<D: Dimension>(n: usize, load: &[f64]) -> Result<(Vec<f64>, Out
     if n < 2 {
         return Err(InputError::GridSize(n, "at least 2"));
     }
-    let network = &Network::new::<D>(n, coupling::<D>(n));
+    on_network(&Network::new(D::AXES, n, coupling::<D>(n)), load)
+}
+
+fn on_network(network: &Network, load: &[f64]) -> Result<(Vec<f64>, Outcome), InputError> {
     check_length(network.nodes(), load)?;
     Extent::of(load).check()?;
     let system = System::new(network, load);

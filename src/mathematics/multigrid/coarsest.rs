@@ -34,7 +34,7 @@ struct Node {
 
 impl Coarsest {
     pub(super) fn new<D: Dimension>(n: usize) -> Self {
-        let network = Network::new::<D>(n, 1.0);
+        let network = Network::new(D::AXES, n, 1.0);
         let (diagonal, full) = (network.diagonal(), diagonal::<D>());
         let band = (n + 1).pow(D::AXES as u32 - 1);
         let zeros = || Banded::zeros(network.nodes(), band);

@@ -4,8 +4,6 @@
 //! stiffness matrix has `-weight` beside the diagonal and rows that sum to zero. That is all a direct
 //! method needs to know of a grid.
 
-use super::layout::Dimension;
-
 /// Couplings of all nodes.
 pub(super) struct Network {
     /// Where the couplings of each node begin, and the end.
@@ -16,11 +14,11 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// The five- or seven-point stencil on `n` cells per side, x fastest; `weight` couples neighbours inside, on the
+    /// The five- or seven-point stencil on two or three axes with `n` cells each, x fastest; `weight` couples neighbours inside, on the
     /// boundary the part of it that their cells have inside.
-    pub(super) fn new<D: Dimension>(n: usize, weight: f64) -> Self {
+    pub(super) fn new(axes: usize, n: usize, weight: f64) -> Self {
         // No cells along an axis that does not exist.
-        let cells = [n, n, if D::AXES == 2 { 0 } else { n }];
+        let cells = [n, n, if axes == 2 { 0 } else { n }];
         let ends = |axis: usize, i: usize| cells[axis] > 0 && (i == 0 || i == cells[axis]);
         let share = |axis: usize, i: usize| if ends(axis, i) { 0.5 } else { 1.0 };
         let step = [1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)];
