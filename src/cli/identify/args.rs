@@ -4,10 +4,8 @@ use super::refused;
 use crate::cli::output::check_options;
 use crate::identify::{Lattice, Method, Request, Space, Variant};
 use crate::pipeline::error::{Error, Result};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use serde::Deserialize;
-use serde::de::{IntoDeserializer, value};
 use std::path::PathBuf;
 
 /// What `identify --help` ends with.
@@ -32,11 +30,28 @@ The table has f with all counts first, then ranks by total = misfit + 0.3 (misfi
 (complexity); complexity counts distinct values and their decimal places. The same command finds the \
 same f whatever the threads.\n\nExit codes: 0 done or out of budget, 2 wrong input, 130 interrupted.";
 
-/// The names of the spaces, as in JSON.
-const SPACES: [&str; 4] = ["quadrants", "odd-quadrant", "rectangles", "blocks4"];
+/// A space by its name in `--space`, as in JSON.
+#[derive(Clone, Copy, Debug)]
+struct Family(Space);
 
-fn space(name: String) -> std::result::Result<Space, value::Error> {
-    Space::deserialize(name.into_deserializer())
+impl ValueEnum for Family {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Self(Space::Quadrants),
+            Self(Space::OddQuadrant),
+            Self(Space::Rectangles),
+            Self(Space::Blocks4),
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(match self.0 {
+            Space::Quadrants => "quadrants",
+            Space::OddQuadrant => "odd-quadrant",
+            Space::Rectangles => "rectangles",
+            Space::Blocks4 => "blocks4",
+        }))
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -52,9 +67,8 @@ pub(in crate::cli) struct IdentifyArgs {
         value_parser = ["1", "2", "both"])]
     pub(super) problem: String,
     /// Family of f; see below
-    #[arg(long, hide_possible_values = true, default_value = "odd-quadrant",
-        value_parser = PossibleValuesParser::new(SPACES).try_map(space))]
-    space: Space,
+    #[arg(long, value_enum, hide_possible_values = true, default_value = "odd-quadrant")]
+    space: Family,
     /// Values f may take: MIN:MAX:STEP or a comma-separated list; with `;`, one such per piece
     /// [default: -8:4:0.005, or coarser where the space is large]
     #[arg(long, allow_hyphen_values = true, value_name = "LIST|MIN:MAX:STEP")]
@@ -109,7 +123,7 @@ pub(in crate::cli) struct IdentifyArgs {
 /// What is asked, of tables with so many `grids`.
 pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
     // Where few values are asked for, all of them; and lattices that take about a minute.
-    let (way, values) = match args.space {
+    let (way, values) = match args.space.0 {
         Space::OddQuadrant => (Way::Enumerate, "-8:4:0.005"),
         Space::Rectangles => (Way::Enumerate, "-8:4:0.1"),
         Space::Quadrants => (Way::Anneal, "-8:4:0.01"),
@@ -132,7 +146,7 @@ pub(super) fn request(args: &IdentifyArgs, grids: usize) -> Result<Request> {
         return Err(Error::input(format!("--exact-grids {exact_grids}: the table has {grids}")));
     }
     Ok(Request {
-        space: args.space,
+        space: args.space.0,
         values: Lattice::parse_all(args.values.as_deref().unwrap_or(values)).map_err(refused)?,
         variant: Variant::default(),
         method: match way {
