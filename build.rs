@@ -44,6 +44,12 @@ fn main() {
     if variable("CARGO_CFG_TARGET_OS") == "linux" && variable("CARGO_CFG_TARGET_ENV") == "gnu" {
         println!("cargo::rustc-link-arg-bins=-no-pie");
     }
+    // Functions that are compiled to the same code are kept once, where the linker is rustc's own, which can.
+    let chosen =
+        ["RUSTC_LINKER", "CARGO_ENCODED_RUSTFLAGS"].iter().any(|name| !variable(name).is_empty());
+    if variable("TARGET") == "x86_64-unknown-linux-gnu" && !chosen {
+        println!("cargo::rustc-link-arg-bins=-Wl,--icf=all");
+    }
 }
 
 /// What cargo says under this name.
