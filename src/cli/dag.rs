@@ -47,15 +47,17 @@ struct Form {
 }
 
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
-    let plan = Workplace::open(&args.cache)?.tasks(&[], None)?;
+    let workplace = Workplace::open(&args.cache)?;
+    let plan = workplace.tasks(&[], None)?;
+    let place = (&*workplace.project.root, &args.cache);
     let graph = || Graph::of(plan.tasks());
     let form = &args.form;
     say(&match () {
         () if form.mermaid => graph().mermaid(),
         () if form.dot => graph().dot(),
-        () if form.make => workflow(&plan, &args.cache, |engine| engine.make())?,
-        () if form.snakemake => workflow(&plan, &args.cache, |engine| engine.snakemake())?,
-        () if form.json => workflow(&plan, &args.cache, |engine| engine.json())?,
+        () if form.make => workflow(&plan, place, |engine| engine.make())?,
+        () if form.snakemake => workflow(&plan, place, |engine| engine.snakemake())?,
+        () if form.json => workflow(&plan, place, |engine| engine.json())?,
         () => list(&plan),
     })
 }
@@ -69,15 +71,16 @@ fn list(plan: &Plan) -> String {
     plan.tasks().iter().map(|task| format!("{}{}\n", task.id, line(&task.needs))).collect()
 }
 
-/// The plan for an engine, with a cache given by its name from everywhere, or in the project.
-fn workflow(plan: &Plan, cache: &CacheArgs, text: fn(&Engine) -> String) -> Result<String> {
+/// The plan for an engine, with a cache given by its name from everywhere, or in the project with this root.
+fn workflow(
+    plan: &Plan,
+    (root, cache): (&Path, &CacheArgs),
+    text: fn(&Engine) -> String,
+) -> Result<String> {
     let wrong =
         |e| Error::input(format!("the folder of the program or of the cache is gone ({e})"));
     let program = std::env::current_exe().map_err(wrong)?;
-    let usual = Path::new(CACHE);
-    let cache = match cache.cache_dir.as_deref() {
-        Some(folder) if folder != usual => absolute(folder).map_err(wrong)?,
-        _ => usual.to_path_buf(),
-    };
-    Ok(text(&Engine::new(plan, &program, &cache)?))
+    let elsewhere = cache.cache_dir.as_deref().map(absolute).transpose().map_err(wrong)?;
+    let elsewhere = elsewhere.filter(|folder| *folder != root.join(CACHE));
+    Ok(text(&Engine::new(plan, &program, elsewhere.as_deref().unwrap_or(Path::new(CACHE)))?))
 }

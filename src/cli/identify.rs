@@ -114,9 +114,17 @@ fn find(args: &IdentifyArgs, problems: Problems, request: &Request, budget: Budg
                 saved = Instant::now();
             }
         };
-        let report = search(request, &target, Budget { time, ..budget }, from, stop, &mut observe)
-            .map_err(refused)?;
+        let budget = Budget { time, ..budget };
+        let report = search(request, &target, budget, from, stop, &mut observe);
         watch.end();
+        let report = match report {
+            Ok(report) => report,
+            Err(e) if answers.is_empty() => return Err(refused(e)),
+            Err(e) => {
+                failure = failure.or(Some(refused(e)));
+                break;
+            }
+        };
         if let (None, Some(file)) = (&failure, &file) {
             failure = write_states(file, &states).err();
         }
@@ -124,7 +132,7 @@ fn find(args: &IdentifyArgs, problems: Problems, request: &Request, budget: Budg
         answers.push(Answer { problem: number, target, report, seconds, rates });
     }
     show(args, &answers)?;
-    // What was found is shown even where its checkpoint cannot be written.
+    // What was found is shown even where its checkpoint cannot be written, or the next table's search not go on.
     failure.map_or_else(|| ended(args), Err)
 }
 
@@ -140,8 +148,11 @@ fn show(args: &IdentifyArgs, answers: &[Answer]) -> Result<u8> {
 fn together(args: &IdentifyArgs) -> Result<u8> {
     let mut problems = BTreeMap::<u8, Vec<Checkpoint>>::new();
     for path in &args.merge {
-        let absent = || format!("there is no {}; name a checkpoint", path.display());
-        let states = read_states(path)?.ok_or_else(|| Error::input(absent()))?;
+        let wrong = |why: &str| Error::input(format!("{} {why}", path.display()));
+        let states = read_states(path)?.ok_or_else(|| wrong("is not there; name a checkpoint"))?;
+        if states.problems.is_empty() {
+            return Err(wrong("holds no search yet; let its part run to the end first"));
+        }
         for (number, state) in states.problems {
             problems.entry(number).or_default().push(state);
         }
@@ -190,7 +201,10 @@ fn ended(args: &IdentifyArgs) -> Result<u8> {
         (false, _) => Ok(0),
         (true, Some(_)) => Err(Error::Interrupted),
         (true, None) => {
-            talk("interrupted; with --checkpoint FILE the search could be resumed");
+            talk(match args.variants {
+                true => "interrupted; each variant has had less time than its share",
+                false => "interrupted; with --checkpoint FILE the search could be resumed",
+            });
             Ok(Error::Interrupted.exit_code())
         }
     }

@@ -214,7 +214,12 @@ fn dispatch(cli: Cli) -> Result<u8> {
         return run::run(&cli.run).map_err(|error| match (error, &cli.run.scenes[..]) {
             // What is no scene may be a command.
             (Error::Unknown(text), [word, ..]) => {
-                let meant = similar(word).map(|name| format!("; did you mean `signorini {name}`?"));
+                let meant = match Cli::command().find_subcommand(word) {
+                    Some(_) => {
+                        Some(format!("; options come after the command: `signorini {word} --help`"))
+                    }
+                    None => similar(word).map(|name| format!("; did you mean `signorini {name}`?")),
+                };
                 Error::Unknown(text + &meant.unwrap_or_default())
             }
             (error, _) => error,

@@ -25,12 +25,14 @@ pub(super) fn say_json(value: &impl serde::Serialize) -> Result<u8> {
     say(&(text + "\n"))
 }
 
-/// Says which pieces of an f, a scene's or the user's own, mean nothing: their numbers may be mistyped.
-pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) {
+/// Says which pieces of an f, a scene's or the user's own, mean nothing: their numbers may be mistyped. Returns what
+/// it said.
+pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) -> Vec<String> {
     let of = scene.map_or("f".to_owned(), |name| format!("f in scene `{name}`"));
-    for piece in pieces {
-        talk(&format!("warning: {piece} of {of} lies outside [-0.5,0.5] and changes nothing"));
-    }
+    let warning = |piece| format!("{piece} of {of} lies outside [-0.5,0.5] and changes nothing");
+    let warnings: Vec<String> = pieces.iter().map(warning).collect();
+    warnings.iter().for_each(|warning| talk(&format!("warning: {warning}")));
+    warnings
 }
 
 /// Refuses an option, with whether it is given and whom it is for, that whoever is chosen `by` another has no use for.
@@ -104,7 +106,9 @@ impl OutputFile {
     pub(super) fn check(path: &Path) -> Result<Self> {
         let wrong =
             |what: &str| Err(Error::input(format!("cannot write {}: {what}", path.display())));
-        let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
+        // Of `v.npy/` the last part would be `v.npy`.
+        let is_folder = path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
+        let Some(name) = path.file_name().filter(|_| !is_folder) else {
             return wrong("it is a folder; name a file");
         };
         let folder = folder_of(path);

@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::{OutputFile, say, talk, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited, jobs, outside_report};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Options, Plan, Progress, Summary, Times, brief, why};
+use crate::pipeline::{Options, Plan, Progress, Ran, Summary, Times, brief, why};
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, report};
 use clap::{Args, ValueEnum};
@@ -113,7 +113,12 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         std::mem::forget((workplace, tasks, summary));
         return say("nothing to do\n");
     }
-    say(&(left_out(&workplace.project, &tasks) + &what_ran(&summary)))
+    let mut text = left_out(&workplace.project, &tasks) + &what_ran(&summary);
+    let tabulated = |ran: &Ran| Stage::of(&ran.task) == Some(Stage::Tabulate);
+    if !args.scenes.is_empty() && summary.ran.iter().any(tabulated) {
+        text += "a run that names no scene writes all counts to report/results.csv\n";
+    }
+    say(&text)
 }
 
 /// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.

@@ -83,10 +83,10 @@ impl<T> IoContext<T> for io::Result<T> {
         self.map_err(|source| {
             let remedy = match source.kind() {
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                    "free some space (`signorini gc` helps) and run again: finished cells are kept"
+                    "free some space (`signorini gc` helps) and repeat the command: what a run has finished is kept"
                 }
                 io::ErrorKind::FileTooLarge => {
-                    "raise the limit on file sizes (`ulimit -f`) and run again: finished cells are kept"
+                    "raise the limit on file sizes (`ulimit -f`) and repeat the command: what a run has finished is kept"
                 }
                 io::ErrorKind::InvalidData => "save it as UTF-8",
                 io::ErrorKind::InvalidFilename => "rename it",

@@ -60,8 +60,10 @@ impl Paper {
     pub(crate) fn published(&self, number: u8) -> Result<&PublishedTable> {
         self.table.iter().find(|table| table.number == number).ok_or_else(|| {
             let known: Vec<_> = self.table.iter().map(|t| t.number.to_string()).collect();
-            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-            Error::input(format!("pipeline/paper.toml has no table {number}; it has {known}"))
+            Error::input(match known.is_empty() {
+                true => format!("there is no published table {number}: pipeline/paper.toml is missing or has no tables; put it back"),
+                false => format!("pipeline/paper.toml has no table {number}; it has {}", known.join(", ")),
+            })
         })
     }
 

@@ -29,6 +29,19 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("plain", |x: f64, _: Kwargs, _: &State| x.to_string());
     tera.register_function("require", require);
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
+    tera.register_filter("text", |text: String, _: Kwargs, _: &State| plain_text(&text));
+}
+
+/// A text of the user's as Markdown that shows it as it is.
+fn plain_text(text: &str) -> String {
+    let mut markdown = String::new();
+    for c in text.chars() {
+        if "\\`*_[]<>&|~$#".contains(c) {
+            markdown.push('\\');
+        }
+        markdown.push(c);
+    }
+    markdown
 }
 
 /// `{{ require(that=CONDITION, what="...") }}`: nothing, or an error that stops the build.

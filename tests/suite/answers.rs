@@ -97,6 +97,41 @@ fn converged_is_said_only_where_the_conditions_hold() {
 }
 
 #[test]
+fn what_is_to_be_known_of_an_answer_is_in_its_json_too() {
+    let project = Project::with(TABLE);
+    let solve = |args: &[&str]| {
+        let json = project.run(&[&["solve", "--json"], args].concat()).json();
+        let all = json["warnings"].as_array().unwrap().iter();
+        all.map(|warning| warning.as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let tiny = ["--f", "disc(0,0,1e-7)=1e15; else=-100"];
+    let poor = "the error may be as large as the solution; refine the grid";
+    assert_eq!(solve(&[&tiny[..], &["--solver", "multigrid"]].concat()), [poor]);
+    let outside = ["--f", "disc(2,2,1)=1; else=-1", "--h", "1/8", "--solver"];
+    for solver in ["multigrid", "spectral"] {
+        let args = &[&outside[..], &[solver]].concat();
+        let args =
+            if solver == "spectral" { [&args[..2], &args[4..]].concat() } else { args.clone() };
+        let said = "disc(2,2,1) of f lies outside [-0.5,0.5] and changes nothing";
+        assert_eq!(solve(&args)[0], said);
+    }
+}
+
+#[test]
+fn remedies_are_not_what_has_been_tried() {
+    let project = Project::with(TABLE);
+    let solve =
+        |args: &[&str]| project.run(&[&["solve", "--f", CORNER, "--h", "1/101"], args].concat());
+    for (rule, remedy) in [
+        ("printed", "; use --stop printed-dual, or --solver multigrid\n"),
+        ("printed-dual", "; use --solver multigrid\n"),
+    ] {
+        let said = solve(&["--stop", rule]);
+        assert!(said.code == Some(3) && said.err.ends_with(remedy), "{said:?}");
+    }
+}
+
+#[test]
 fn a_load_without_a_solution_is_refused_alike_whatever_the_solver() {
     let project = Project::with(TABLE);
     // Positive at one node only, where f is not so much as that of the node.
@@ -121,6 +156,12 @@ fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
         (&128.into(), &0.0.into())
     );
     assert_eq!(json["kkt"]["max_min"], 0.0);
+    // In a corner without load both v and r are zero, and the nodes beside it are in contact.
+    let f = "rect(-0.25,0.25,-0.25,0.25)=-4; else=0";
+    let json = project.run(&[&["solve", "--f", f], &args[3..]].concat()).json();
+    assert_eq!(json["contact_nodes"]["nodes"], json["contact_nodes"]["boundary_nodes"]);
+    let arcs = json["contact"].as_array().unwrap();
+    assert!(arcs.len() == 1 && arcs[0]["from"] == arcs[0]["to"], "{json}");
     // For a solution E = -<F, v> / 2 + <r, v> / 2, so that v r can be told from energies of scaled loads.
     let said = project.run(&["solve", "--f", CORNER, "--load", "nodal", "--h", "1/64", "--json"]);
     let json = said.json();
@@ -219,6 +260,17 @@ fn sizes_that_cannot_fit_are_refused_with_what_would() {
     let line = said.refusal();
     let fits = line.split("; 1/").nth(1).and_then(|rest| rest.strip_suffix(" would fit"));
     assert_eq!(solve(&format!("1/{}", fits.unwrap())).code, Some(0), "{line}");
+    // Writing takes memory too.
+    let recovered =
+        ["solve", "--f", "else=-1", "--h", "1/2048", "--solver", "multigrid", "--recover"];
+    for (args, code) in [(&recovered[..7], 0), (&[&recovered[..], &["--out", "v.vti"]].concat(), 2)]
+    {
+        let said = limited("ulimit -v 1000000", &project, args);
+        assert_eq!(said.code, Some(code), "{said:?}");
+    }
+    let accurate = ["solve", "--f", "quadrant(ll)=3; else=-1.1", "--accuracy", "2e-4"];
+    let said = limited("ulimit -v 700000", &project, &accurate);
+    assert!(said.refusal().starts_with("error: --accuracy 0.0002: grid 1/7168 takes"), "{said:?}");
     // What is not foreseen ends in a line as well, not in an abort.
     let said = limited("ulimit -v 140000", &project, &["bench", "--quick", "--finest", "8192"]);
     assert!(matches!(said.code, Some(2 | 3)) && said.err.contains("error: "), "{said:?}");
@@ -240,8 +292,9 @@ fn threads_beyond_reason_are_capped_and_said() {
 
 #[test]
 fn the_first_interrupt_answers_and_the_second_ends_at_once() {
-    // One cell that would take weeks.
-    let text = TABLE.replace("[4, 8]", "[64]").replace("[10, 1]", "[1e-9]");
+    // One cell that would take weeks: from far away, in steps of almost nothing.
+    let text = TABLE.replace("else=-1", "else=-1e9").replace("[4, 8]", "[64]");
+    let text = text.replace("[10, 1]", "[1e-9]");
     let project = Project::with(&(text + "stop = [\"printed\"]\nmax_iterations = 1000000000000\n"));
     let mut command = project.command(&["run", "-j", "1"]);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

@@ -3,6 +3,7 @@
 use crate::common::{PAPER, Project, Said, TABLE, commands};
 use crate::reference::REFERENCES;
 use expect_test::{expect, expect_file};
+use serde_json::Value;
 use std::fs;
 use std::process::Stdio;
 
@@ -86,6 +87,10 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     let json = project.run(&[&["solve", "--json"], &aligned[..]].concat()).json();
     assert!(json["bound"]["relative"]["energy"].as_f64() <= Some(1e-6), "{json}");
     assert_eq!(json["settings"]["accuracy-energy"], 1e-6);
+    // On coarse grids the error may be larger than the solution, which is no sign of rounding errors either.
+    let thin = ["--f", "rect(-0.5,0.5,-0.5,-0.499)=-3; else=0", "--accuracy-energy", "1e-2"];
+    let json = project.run(&[&["solve", "--json"], &thin[..]].concat()).json();
+    assert!(json["bound"]["relative"]["energy"].as_f64() <= Some(1e-2), "{json}");
     // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
     let f = "disc(0.125,0.2914,0.3053)=4; halfplane(-0.3227,-0.112,0.125)=0; quadrant(lr)=-4.09; rect(0.2757,1,0,0.3331)=4; else=-1.226";
     let json = project.run(&["solve", "--f", f, "--accuracy", "0.002", "--json"]).json();
@@ -124,6 +129,51 @@ fn the_true_solution_is_written_at_the_nodes_that_h_asks_for() {
     let greatest = truth.iter().copied().fold(0.0, f64::max);
     let error = truth.iter().zip(&ours).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(0.0 < error && error < 0.02 * greatest, "{error} of {greatest}");
+}
+
+#[test]
+fn the_true_solution_is_what_multigrid_brackets_and_comes_near() {
+    let project = Project::with(TABLE);
+    let f = "rect(-0.5,0,-0.5,0.25)=3; else=-2.5";
+    let solve =
+        |more: &[&str]| project.run(&[&["solve", "--f", f, "--json"], more].concat()).json();
+    let truth = solve(&["--solver", "spectral"]);
+    let ours = solve(&["--solver", "multigrid", "--h", "1/128", "--out", "v.npy"]);
+    let number = |json: &Value| json.as_f64().unwrap_or_else(|| panic!("{truth} {ours}"));
+    let [low, high] = [0, 1].map(|k| number(&ours["bound"]["energy"][k]));
+    assert!((low..=high).contains(&number(&truth["energy"])), "{truth} {ours}");
+    for field in ["scene", "f", "dimension", "integral_f"] {
+        assert_eq!(truth[field], ours[field]);
+    }
+    let [arcs, ours] = [&truth, &ours].map(|json| json["contact"].as_array().unwrap().as_slice());
+    let ([arc], [near]) = (arcs, ours) else { panic!("{arcs:?} {ours:?}") };
+    assert!((number(&arc["force"]) - number(&near["force"])).abs() < 1e-12);
+    for (end, k) in [("from", 0), ("from", 1), ("to", 0), ("to", 1)] {
+        let off = number(&arc[end][k]) - number(&near[end][k]);
+        assert!(off.abs() < 0.25 / 128.0, "{end} {k}: {off:e}");
+    }
+    let bytes = fs::read(project.path("v.npy")).unwrap();
+    let v = doubles(&bytes[bytes.len() - 8 * 129 * 129..]);
+    let places = [
+        ("lower_left", 0),
+        ("lower_right", 128),
+        ("centre", 64 * 130),
+        ("upper_left", 128 * 129),
+        ("upper_right", 129 * 129 - 1),
+    ];
+    for (place, node) in places {
+        assert!((number(&truth["value"][place]) - v[node]).abs() < 1e-3, "{place}: {truth}");
+    }
+    for check in ["green", "rellich", "resolution"] {
+        assert!(number(&truth["checks"][check]).abs() < 1e-11, "{truth}");
+    }
+    assert!(number(&truth["checks"]["least_multiplier"]) > -1e-12, "{truth}");
+    let small = ["solve", "--f", "else=-1e-30", "--solver", "spectral"];
+    let said = project.run(&small);
+    let energy = said.lines()[1].strip_prefix("energy ").unwrap().parse::<f64>().unwrap();
+    assert!((energy / 1e-60 + 0.017572128).abs() < 1e-8, "{said:?}");
+    let torsion = ["solve", "--f", "exact(torsion)", "--solver", "spectral"];
+    assert!(project.run(&torsion).refusal().contains("--solver multigrid"));
 }
 
 #[test]
@@ -220,7 +270,7 @@ fn multigrid_stops_at_the_tolerance_asked_for() {
             project.run(&[&args[..], more, &["--json"]].concat()).json()
         };
         let (floor, early) = (solve(&[]), solve(&["--tolerance", "1e-4"]));
-        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        let number = |value: &Value| value.as_f64().expect("a number");
         assert_eq!(
             (&floor["stop"], &early["stop"]),
             (&"rounding-floor".into(), &"converged".into())
@@ -243,7 +293,7 @@ fn the_cube_is_solved_by_both_its_solvers() {
         assert_eq!((&json["solver"], &json["h"]), (&solver.into(), &0.0625.into()));
         assert_eq!(json["unknowns"], 17 * 17 * 17);
         assert_eq!(json["work_units"].is_number(), solver == "multigrid");
-        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        let number = |value: &Value| value.as_f64().expect("a number");
         assert!(number(&json["kkt"]["relative"]) < 1e-12, "{json}");
         assert!(number(&json["kkt"]["min_y"]) == 0.0 && number(&json["integral_f"]) < 0.0);
         assert!(number(&json["seconds"]["solve"]) >= 0.0);
@@ -291,6 +341,7 @@ fn solve_refuses_in_one_line() {
             "--recover is for --solver arrow-hurwicz, ",
         ),
         (&["--f", "else=-1", "--h", "1/8", "--out", "no/v.npy"], "cannot write no/v.npy"),
+        (&["--f", "else=-1", "--h", "1/8", "--out", "v.npy/"], "it is a folder; name a file"),
         (&["nobody"], "no scene `nobody`; there are: a"),
         (&["--cube", "else=1"], "lower f somewhere"),
         (&["--cube", "disc(0,0,1)=1; else=-1"], "write e.g. 'box("),
@@ -327,6 +378,11 @@ fn solve_refuses_in_one_line() {
         misspelt.refusal().ends_with("there are: a; did you mean `signorini solve`?"),
         "{misspelt:?}"
     );
+    for args in [&["-q", "run"][..], &["-j", "1", "run", "a"]] {
+        let said = project.run(args);
+        let remedy = "; options come after the command: `signorini run --help`";
+        assert!(said.refusal().ends_with(remedy), "{said:?}");
+    }
     for word in ["nobody", "plat"] {
         assert!(project.run(&[word]).refusal().ends_with("there are: a"), "{word}");
     }

@@ -1,6 +1,6 @@
 //! The tasks run by engines of others, and by several processes on one cache: each once, to the same bytes.
 
-use crate::common::{EVERYTHING, Project, TABLE, absent, assert_same, skip, wanting};
+use crate::common::{EVERYTHING, Project, Said, TABLE, absent, assert_same, skip, wanting};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
@@ -226,6 +226,12 @@ fn names_that_engines_cannot_take_are_refused() {
         let said = project.run(&["dag", form, "--cache-dir", "a cache"]);
         assert!(said.refusal().contains("letters, digits and"), "{said:?}");
     }
+    fs::create_dir(project.path("sub")).unwrap();
+    // A folder is meant as seen from where the command is given.
+    let mut below = project.command(&["dag", "--json", "--cache-dir", ".signorini"]);
+    let json = Said::from(below.current_dir(project.path("sub")).output().unwrap()).json();
+    let stamp = json["tasks"][0]["stamp"].as_str().unwrap();
+    assert!(stamp.contains("/sub/.signorini/"), "{stamp}");
     // What the shell and make would take for theirs is quoted.
     project.scene("it's $HOME", TABLE);
     workflow(&project, "--make", "tasks.mk");
@@ -249,6 +255,12 @@ fn the_dag_as_json_has_a_stamp_for_each_task() {
     project.run(&["run", "--task", ids[0]]).lines();
     assert!(project.path("").join(stamp(0)).exists() && !project.path("").join(stamp(1)).exists());
     assert_eq!(dag(), json, "a run does not change what is to be made");
+    let snakefile = project.run(&["dag", "--snakemake"]).out;
+    for id in ids {
+        let stage = id.split('/').next().unwrap();
+        let rule = format!("rule {stage}:");
+        assert_eq!(snakefile.matches(&rule).count(), 1, "{snakefile}");
+    }
 }
 
 /// Runs Snakemake in the project; `None` where there is none.

@@ -69,6 +69,10 @@ fn readings_of_the_method_are_ranked() {
     let all = json["selection"].as_array().unwrap();
     assert!(all.len() > 10 && json["request"]["space"] == "odd-quadrant");
     assert!(all.iter().any(|one| one["description"] == "as selected"), "{json}");
+    let said = project().run(&["identify", "--variants", "--values", "-6,2"]);
+    for (line, one) in said.lines()[1..=all.len()].iter().zip(all) {
+        assert!(line.ends_with(one["description"].as_str().unwrap()), "{said:?}");
+    }
 }
 
 #[test]
@@ -132,7 +136,7 @@ fn the_parts_of_a_search_are_together_the_whole() {
         let refusals = [
             (&files[..2], "part 3/3 is missing; make it with --part 3/3"),
             (&["p1.json", "p2.json", "p1.json"], "part 1/3 is given twice"),
-            (&["p1.json", "p4.json"], "there is no p4.json"),
+            (&["p1.json", "p4.json"], "p4.json is not there"),
         ];
         for (files, why) in refusals {
             let said = merge(files);
@@ -146,6 +150,11 @@ fn the_parts_of_a_search_are_together_the_whole() {
     project.write("edited.json", edited);
     let said = project.run(&["identify", "--merge", "edited.json"]);
     assert!(said.refusal().contains("`0/0` is no part of a search"), "{said:?}");
+    // A part that was stopped before it had begun is not the whole.
+    let begun = ["identify", "--part", "1/2", "--budget", "0", "--checkpoint", "none.json"];
+    project.run(&begun);
+    let said = project.run(&["identify", "--merge", "none.json"]);
+    assert!(said.refusal().contains("none.json holds no search yet"), "{said:?}");
     let one = ["identify", "--values", "-7:3:0.5", "--part", "2/3", "--checkpoint", "p2.json"];
     assert!(project.run(&one).refusal().contains("belongs to a different search"));
     std::fs::remove_file(project.path("p2.json")).unwrap();

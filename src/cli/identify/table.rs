@@ -23,7 +23,11 @@ pub(super) fn found(answer: &Answer) -> String {
     grids.for_each(|(level, n)| out += &format!(", {n} on grid {}", level + 1));
     out += if report.complete { "\n" } else { "; stopped early\n" };
     if report.found.is_empty() {
-        return out + "nothing found; widen --values, lower --exact-grids or give more time\n";
+        return out
+            + match report.request.part {
+                Some(_) => "nothing found in this part; the others may have it\n",
+                None => "nothing found; widen --values, lower --exact-grids or give more time\n",
+            };
     }
     let rows =
         report.found.iter().enumerate().map(|(k, Found { score, integral, delta_a, f, .. })| {

@@ -68,7 +68,9 @@ impl Accuracy {
         // Of two grids of nearly the same width the coarser may be better, if the borders of f are among its lines.
         let before = tried.iter().filter(|(cells, _)| 2 * cells <= finest);
         let before = before.map(|&(_, reached)| reached).fold(f64::INFINITY, f64::min);
-        if finest > SETTLED && reached >= before {
+        // An error that may be as large as the solution has no size relative to it.
+        let settled = finest >= SETTLED && reached.is_finite();
+        if settled && finest > SETTLED && reached >= before {
             return Err(Error::input(format!(
                 "{self}: rounding errors leave {before:.1e}; ask for less, or use --solver spectral"
             )));
@@ -76,14 +78,17 @@ impl Accuracy {
         let order = self.order();
         let needed = finest as f64 * libm::pow(reached / self.wanted(), 1.0 / order);
         let last = MAX_CELLS as f64;
-        if finest == MAX_CELLS || (finest >= SETTLED && needed > 1.02 * last) {
-            let best = reached * libm::pow(finest as f64 / last, order);
+        if finest == MAX_CELLS || (settled && needed > 1.02 * last) {
+            let best = match reached * libm::pow(finest as f64 / last, order) {
+                f64::INFINITY => "does not reach half".into(),
+                best => format!("reaches about {best:.1e}"),
+            };
             let grid = match needed < 1e6 {
                 true => format!("of about 1/{needed:.0}"),
                 false => "finer than 1/1000000".into(),
             };
             return Err(Error::input(format!(
-                "{self} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} reaches about {best:.1e}, and --solver spectral needs no grid"
+                "{self} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} {best}, and --solver spectral needs no grid"
             )));
         }
         Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS))

@@ -57,7 +57,7 @@ pub(super) struct Answer {
     /// The sum of v r over the boundary, r the gradient of the energy: zero at the solution, and elsewhere,
     /// if all other conditions hold, a bound of the energy's error.
     complementarity: f64,
-    /// Boundary nodes with v < r, and all.
+    /// Boundary nodes with v <= r, and all.
     contact_nodes: [usize; 2],
     /// With ends estimated within the cell; `None` on the cube.
     contact: Option<Vec<ContactArc>>,
@@ -79,7 +79,7 @@ impl Answer {
         let boundary = || nodes.iter().map(|&node| y[node]).zip(&solved.flux);
         let mut answer = Self {
             complementarity: boundary().map(|(y, flux)| y * flux).sum(),
-            contact_nodes: [boundary().filter(|(y, flux)| y < flux).count(), nodes.len()],
+            contact_nodes: [boundary().filter(|(y, flux)| y <= flux).count(), nodes.len()],
             contact: problem.domain.contact(n, y, &solved.flux),
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
@@ -109,7 +109,7 @@ impl Answer {
             let remedy = if problem.solver.is_nested() {
                 "raise --max-iterations, or use --solver multigrid"
             } else {
-                "scale f, or choose another --h"
+                "choose another --h"
             };
             self.failure =
                 Some(format!("{name}: stopped at the {stop} on grid 1/{finest}; {remedy}"));
@@ -118,12 +118,14 @@ impl Answer {
         } else if let Some(why) = self.disagreement(kkt.relative, energy) {
             verdict = Some("not-solved");
             self.failure = Some(format!(
-                "{name}: the solver stopped as asked on grid 1/{finest}, but {why}; use --stop printed-dual, or --solver multigrid"
+                "{name}: the solver stopped as asked on grid 1/{finest}, but {why}; {}",
+                problem.closer()
             ));
         } else if kkt.relative > ROUGH {
             self.warnings.push(format!(
-                "the KKT residual on grid 1/{finest} is {:.2} of the load; --solver multigrid leaves rounding errors",
-                kkt.relative
+                "the KKT residual on grid 1/{finest} is {:.2} of the load; {}",
+                kkt.relative,
+                problem.closer()
             ));
         }
         if let Some(verdict) = verdict {
@@ -131,6 +133,9 @@ impl Answer {
         }
         self.warn_of_grids(problem);
         self.warn_of_load(problem, sum_load);
+        if let (Ok(bounds), None) = (&self.bounds, problem.accuracy) {
+            self.warnings.extend(bound::warnings(bounds, energy, problem.solver));
+        }
         if !energy.is_finite() {
             self.warnings.push(
                 "the energy grows with the square of f and is beyond double precision; scale f down".into(),
@@ -227,7 +232,7 @@ impl Answer {
                 })
             }),
             "contact": self.contact,
-            "warnings": self.warnings,
+            "warnings": problem.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
         if let Some(sweeps) = last.sweeps {
@@ -279,7 +284,7 @@ impl Answer {
             }
             text.push('\n');
         }
-        text += &bound::text(&self.bounds, self.last().energy, self.errors.is_some());
+        text += &bound::text(&self.bounds, self.errors.is_some());
         self.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
         text
     }

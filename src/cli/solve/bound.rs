@@ -2,10 +2,10 @@
 
 use crate::bounds::Bounds;
 use crate::discrete::contact::ContactArc;
+use crate::timing::solver::Solver;
 
-/// The bounds as text, with a warning if the bounds expose the answer, which gives `energy`, as wrong. A `smooth` f
-/// enters them by quadrature, pieces exactly.
-pub(super) fn text(bound: &Result<Bounds, String>, energy: f64, smooth: bool) -> String {
+/// The bounds as text. A `smooth` f enters them by quadrature, pieces exactly.
+pub(super) fn text(bound: &Result<Bounds, String>, smooth: bool) -> String {
     let bound = match bound {
         Ok(bound) => bound,
         Err(reason) => return format!("no bound of the error: {reason}\n"),
@@ -22,15 +22,31 @@ pub(super) fn text(bound: &Result<Bounds, String>, energy: f64, smooth: bool) ->
     } else {
         "\n".into()
     };
+    text
+}
+
+/// What the bounds say against an answer, which gives `energy`.
+pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let ([low, high], [_, most]) = (bound.energy, bound.error);
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {
-        text += "warning: the energy is further from the true one than the error explains: the load vector is not that of f; try --load exact\n";
+        warnings.push("the energy is further from the true one than the error explains: the load vector is not that of f; try --load exact".into());
     }
-    if bound.relative() >= POOR {
-        text += "warning: the error may be as large as the solution; refine the grid, or try --solver multigrid\n";
+    let relative = bound.relative();
+    if relative >= POOR {
+        let error = match relative < 1.0 {
+            true => format!("{:.0} % of the solution", 100.0 * relative),
+            false => "as large as the solution".into(),
+        };
+        let remedy = match solver {
+            Solver::Multigrid => "refine the grid",
+            _ => "refine the grid, or try --solver multigrid",
+        };
+        warnings.push(format!("the error may be {error}; {remedy}"));
     }
-    text
+    warnings
 }
 
 /// Where a part of the boundary is in contact, and with which force.
@@ -40,7 +56,7 @@ pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
         true => "everywhere".to_owned(),
         false => format!("anticlockwise from {from} to {to}"),
     };
-    format!("contact {place}, force {:.digits$}\n", arc.force)
+    format!("contact {place}, force {:.*e}\n", digits - 1, arc.force)
 }
 
 /// Part of the solution above which an error is warned of.

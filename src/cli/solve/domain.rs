@@ -15,7 +15,6 @@ use crate::problem;
 use crate::problem::source::Source;
 use crate::replication::scene::MAX_CELLS;
 use crate::saddle::{Fields, Pair};
-use crate::timing::machine;
 use clap::ValueEnum;
 use std::path::Path;
 
@@ -26,10 +25,10 @@ pub(super) enum Domain {
 }
 
 impl Domain {
-    /// Refuses a solver that the domain does not have, or that would take too much memory.
-    pub(super) fn check_solver(&self, solver: Solver, finest: usize) -> Result<()> {
-        // Finest grids on which a nodal vector or two, or a Cholesky factor, fit comfortably in memory.
-        let most = match (self, solver) {
+    /// Cells per side of the finest grid on which a nodal vector or two, or a Cholesky factor, fit comfortably in
+    /// memory; refuses a solver that the domain does not have.
+    pub(super) fn most_cells(&self, solver: Solver) -> Result<usize> {
+        Ok(match (self, solver) {
             (Self::Square { .. }, Solver::ActiveSet) => 1024,
             (Self::Square { .. }, _) => MAX_CELLS,
             (Self::Cube { .. }, Solver::Multigrid) => 512,
@@ -39,27 +38,7 @@ impl Domain {
                     "--solver {solver}: the cube has only multigrid and active-set"
                 )));
             }
-        };
-        if finest > most {
-            return Err(Error::input(format!(
-                "--h 1/{finest} needs too much memory; 1/{most} is the finest for {solver}"
-            )));
-        }
-        let bytes = |n: usize| {
-            let nodes = (n as u64 + 1).pow(self.dimension().into());
-            nodes * solver.bytes_per_node(self.dimension(), n as u64)
-        };
-        let left = machine::available_memory().unwrap_or(u64::MAX);
-        if bytes(finest) <= left {
-            return Ok(());
-        }
-        let fits = (1..).map(|k| finest >> k).find(|&n| n < 4 || bytes(n) <= left);
-        Err(Error::input(format!(
-            "--h 1/{finest} takes about {} MB of memory, where {} MB are left; 1/{} would fit",
-            bytes(finest) / 1_000_000,
-            left / 1_000_000,
-            fits.unwrap_or(2)
-        )))
+        })
     }
 
     pub(super) fn dimension(&self) -> u8 {

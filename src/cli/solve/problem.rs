@@ -13,6 +13,7 @@ use crate::problem::source::Source;
 use crate::replication::project::Project;
 use crate::replication::scene::{Scene, positive_r, solvable};
 use crate::saddle::{Params, StopRule};
+use crate::timing::machine;
 use serde_json::{Value, json};
 
 /// Cells per side of the finest grid, where neither the user nor a scene says it.
@@ -37,6 +38,10 @@ pub(super) struct Problem {
     pub accuracy: Option<Accuracy>,
     /// Where an option was given instead of what the scene says.
     pub overridden: Vec<String>,
+    /// What has been said of f already.
+    pub warnings: Vec<String>,
+    /// Bytes per node that writing the solution takes beside the solver's.
+    bytes_to_write: u64,
 }
 
 impl Problem {
@@ -46,7 +51,7 @@ impl Problem {
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
         let domain = domain(args, scene, &mut overridden)?;
-        warn_of_outside(args.scene.as_deref(), &domain.outside());
+        let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
         let [integral, of_size] = domain.integrals();
         let integral = solvable(integral, of_size)?;
         let default = match (args.accuracy(), &domain) {
@@ -59,9 +64,8 @@ impl Problem {
         let of_scene = scene.map(|s| s.finest().cells());
         let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
             .unwrap_or(DEFAULT_CELLS);
-        domain.check_solver(solver, finest)?;
         let params = params(args, scene, &mut overridden)?;
-        Ok(Self {
+        let problem = Self {
             scene: scene.map(|scene| scene.name.clone()),
             solver,
             grids: hierarchy(finest, scene)?,
@@ -70,9 +74,44 @@ impl Problem {
             tolerance: args.tolerance()?,
             accuracy: args.accuracy(),
             overridden,
+            warnings,
+            // Measured: a file's fields, and the recovered solution on four times as many nodes.
+            bytes_to_write: if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) },
             integral,
             domain,
-        })
+        };
+        problem.check_memory()?;
+        Ok(problem)
+    }
+
+    /// Refuses a solver that the domain does not have, or that would take too much memory on the finest grid.
+    pub(super) fn check_memory(&self) -> Result<()> {
+        let (solver, finest, dimension) = (self.solver, self.finest(), self.domain.dimension());
+        let most = self.domain.most_cells(solver)?;
+        let asked = match self.accuracy {
+            Some(accuracy) => format!("{accuracy}: grid 1/{finest}"),
+            None => format!("--h 1/{finest}"),
+        };
+        if finest > most {
+            return Err(Error::input(format!(
+                "{asked} needs too much memory; 1/{most} is the finest for {solver}"
+            )));
+        }
+        let bytes = |n: usize| {
+            let per_node = solver.bytes_per_node(dimension, n as u64) + self.bytes_to_write;
+            (n as u64 + 1).pow(dimension.into()) * per_node
+        };
+        let left = machine::available_memory().unwrap_or(u64::MAX);
+        if bytes(finest) <= left {
+            return Ok(());
+        }
+        let fits = (1..).map(|k| finest >> k).find(|&n| n < 4 || bytes(n) <= left);
+        Err(Error::input(format!(
+            "{asked} takes about {} MB of memory, where {} MB are left; 1/{} would fit",
+            bytes(finest) / 1_000_000,
+            left / 1_000_000,
+            fits.unwrap_or(2)
+        )))
     }
 
     /// Cells per side of the finest grid.
@@ -82,6 +121,15 @@ impl Problem {
 
     pub(super) fn name(&self) -> &str {
         self.scene.as_deref().unwrap_or("custom")
+    }
+
+    /// What leaves a smaller residual than the solver as it is asked to stop.
+    pub(super) fn closer(&self) -> &'static str {
+        match (self.solver.is_nested(), self.params.rule) {
+            (true, StopRule::PrintedDual) => "use --solver multigrid",
+            (true, _) => "use --stop printed-dual, or --solver multigrid",
+            (false, _) => "ask for a smaller --tolerance",
+        }
     }
 
     /// What the answer depends on besides f, the solver and the grids, by name.

@@ -38,7 +38,7 @@ impl Problem {
         let (mut finest, mut tried, mut levels) = (FIRST, Vec::new(), Vec::new());
         loop {
             self.grids = vec![finest];
-            self.domain.check_solver(self.solver, finest)?;
+            self.check_memory()?;
             let mut answer = self.solve()?;
             levels.append(&mut answer.solved.levels);
             let bounds = answer.bounds.as_ref().map_err(|reason| {

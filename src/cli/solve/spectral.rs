@@ -42,6 +42,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
                 "upper_left": upper_left,
             },
             "checks": finer.checks,
+            "warnings": problem.warnings,
             "seconds": { "solve": seconds },
         }))?;
         return Ok(finer);
@@ -70,9 +71,9 @@ pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
 }
 
 fn table(solution: &Solution) -> String {
-    let mut text = format!("energy {:.16}\n", solution.energy);
+    let mut text = format!("energy {:.15e}\n", solution.energy);
     solution.contact.iter().for_each(|arc| text += &contact(arc, 16));
-    text + &format!("v(0,0) {:.16}\n", solution.value(0.0, 0.0))
+    text + &format!("v(0,0) {:.15e}\n", solution.value(0.0, 0.0))
 }
 
 /// What cannot be solved is the user's to change; a solution that is not found is a failure.

@@ -13,12 +13,13 @@ pub struct ContactArc {
     pub force: f64,
 }
 
-/// The arcs of boundary nodes whose flux `A y - F` is more than their value, for the nodal vector `y` and the flux in
+/// The arcs of boundary nodes whose flux `A y - F` is no less than their value, for the nodal vector `y` and the flux in
 /// boundary order.
 pub fn arcs(grid: Grid, y: &[f64], flux: &[f64]) -> Vec<ContactArc> {
     let y: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
     let nodes = flux.len();
-    let carries = |b: usize| flux[b % nodes] > y[b % nodes];
+    // Both are zero in a corner without load between nodes in contact.
+    let carries = |b: usize| flux[b % nodes] >= y[b % nodes];
     if (0..nodes).all(carries) {
         let corner = point(grid, 0.0);
         return vec![ContactArc { from: corner, to: corner, force: flux.iter().sum() }];

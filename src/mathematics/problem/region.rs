@@ -1,7 +1,9 @@
 //! Regions of the plane on which f is constant; all are convex.
 
 use super::exact::Exact;
-use super::shape::{Convex, INSIDE, Shape, SourceError, half_line, misses, numbers, run, scaled};
+use super::shape::{
+    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, run, scaled,
+};
 use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Range;
@@ -90,6 +92,13 @@ impl Shape for Region {
             Self::Rect { x, y } => x[0] >= x[1] || y[0] >= y[1],
             Self::HalfPlane { a, b, .. } => a == 0.0 && b == 0.0,
             Self::Disc { radius, .. } => radius <= 0.0,
+        }
+    }
+
+    fn is_vast(&self) -> bool {
+        match *self {
+            Self::Disc { centre: [x, y], radius } => [x, y, radius].iter().any(|s| s.abs() > VAST),
+            _ => false,
         }
     }
 

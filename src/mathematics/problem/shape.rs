@@ -21,6 +21,9 @@ pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
     /// Whether it has no interior.
     fn is_empty(&self) -> bool;
 
+    /// Whether it is round and so large, or so far away, that where its border crosses the domain is lost to rounding.
+    fn is_vast(&self) -> bool;
+
     /// Whether it does not reach into the domain.
     fn is_outside(&self) -> bool;
 
@@ -63,7 +66,7 @@ pub(crate) fn run(xs: &[f64], turn: usize, inside: impl Fn(f64) -> bool) -> Rang
 }
 
 /// A half-plane or half-space `normal . p <= d` with a normal whose greatest component is 1 in size.
-pub(super) fn scaled<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64) {
+pub(crate) fn scaled<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64) {
     let scale = normal.iter().fold(0.0f64, |most, s| most.max(s.abs()));
     (normal.map(|s| s / scale), d / scale)
 }
@@ -124,6 +127,11 @@ pub enum SourceError {
         "`{0}` in f is no region; order its bounds, and give a size or a normal that is not zero"
     )]
     Empty(String),
+    /// A disc or ball beyond [`VAST`].
+    #[error(
+        "`{0}` in f: the centre and the radius of what is round are at most {VAST}; write a straight border as a half-plane or half-space"
+    )]
+    Vast(String),
     /// A name that is no known exact problem.
     #[error("`{name}` is no exact problem; choose one of {names}")]
     UnknownExact {
@@ -133,6 +141,9 @@ pub enum SourceError {
         names: String,
     },
 }
+
+/// The largest coordinate of a centre, and radius: the border of a disc or ball is then known to 1e-13.
+pub(super) const VAST: f64 = 1e3;
 
 /// A finite number.
 pub(super) fn number(text: &str) -> Result<f64, SourceError> {

@@ -172,9 +172,10 @@ fn one_line(text: &str) -> String {
 fn shape<S: Shape>(text: &str) -> Option<Result<S, SourceError>> {
     let (name, rest) = text.split_once('(')?;
     let shape = S::read(name.trim(), rest.strip_suffix(')')?)?;
-    Some(shape.and_then(|shape| match shape.is_empty() {
-        true => Err(SourceError::Empty(text.into())),
-        false => Ok(shape),
+    Some(shape.and_then(|shape| match (shape.is_empty(), shape.is_vast()) {
+        (true, _) => Err(SourceError::Empty(text.into())),
+        (_, true) => Err(SourceError::Vast(text.into())),
+        _ => Ok(shape),
     }))
 }
 
@@ -213,6 +214,7 @@ mod tests {
         assert!(message("rect(1,0,0,1)=2; else=1").contains("is no region"));
         assert!(message("rect(0,1,1,1)=2; else=1").contains("is no region"));
         assert!(message("disc(0,0,0)=2; else=1").contains("is no region"));
+        assert!(message("disc(1e4,0,1e4)=2; else=1").contains("as a half-plane"));
         assert!(message("halfplane(0,0,1)=2; else=1").contains("is no region"));
         assert!(message("else=nan").contains("not a finite number"));
         assert!(message("rect(0,inf,0,1)=1; else=1").contains("not a finite number"));

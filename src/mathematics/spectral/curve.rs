@@ -2,6 +2,7 @@
 
 use super::complex::Complex;
 use crate::problem::region::Region;
+use crate::problem::shape::scaled;
 use std::f64::consts::TAU;
 
 /// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at
@@ -162,6 +163,7 @@ pub(super) fn borders(region: &Region) -> Vec<Curve> {
         return vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }];
     }
     let side = |[a, b, c]: [f64; 3]| {
+        let ([a, b], c) = scaled([a, b], c);
         let normal = Complex::new(a, b);
         let scale = 1.0 / normal.norm();
         Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))

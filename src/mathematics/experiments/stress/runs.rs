@@ -269,8 +269,10 @@ impl<'a> Runs<'a> {
 pub(super) fn single(table: &Problem) -> Result<Single, String> {
     let Discrete { grids, loads: double, .. } = table.discrete()?;
     let single: Vec<Vec<f32>> = double.iter().map(|load| narrowed(load)).collect();
-    let (double, single) =
-        rayon::join(|| counts(table, &grids, &double), || counts(table, &grids, &single));
+    let double = counts(table, &grids, &double, table.max_iterations);
+    // Single precision may stall above the tolerance.
+    let most = double.iter().flatten().flatten().max().copied().unwrap_or_default();
+    let single = counts(table, &grids, &single, 10 * most);
     let mut changed = Vec::new();
     for (&r, (double, single)) in table.r.iter().zip(double.into_iter().zip(single)) {
         for (&cells, (double, single)) in table.grids.iter().zip(double.into_iter().zip(single)) {
@@ -284,10 +286,15 @@ pub(super) fn single(table: &Problem) -> Result<Single, String> {
 }
 
 /// Per r and grid, the iterations in the precision of the loads; none if the cap came first.
-fn counts<N: Number>(table: &Problem, grids: &[Grid], loads: &[Vec<N>]) -> Vec<Vec<Option<usize>>> {
+fn counts<N: Number>(
+    table: &Problem,
+    grids: &[Grid],
+    loads: &[Vec<N>],
+    cap: usize,
+) -> Vec<Vec<Option<usize>>> {
     let nested = |&r: &f64| Nested { loads, r, rule: StopRule::Signed };
     let runs: Vec<_> = table.r.iter().map(nested).collect();
-    let ends = run_nested(grids, &runs, table.prolongation, |_, _| 2000, &mut AsDefined);
+    let ends = run_nested(grids, &runs, table.prolongation, |_, _| cap, &mut AsDefined);
     ends.iter().map(|ends| ends.iter().map(End::count).collect()).collect()
 }
 

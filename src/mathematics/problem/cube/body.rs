@@ -3,7 +3,7 @@
 use super::exact::Exact;
 use crate::problem::region::Region;
 use crate::problem::shape::{
-    Convex, INSIDE, Shape, SourceError, half_line, misses, numbers, run, scaled,
+    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, run, scaled,
 };
 use std::fmt;
 use std::ops::Range;
@@ -84,6 +84,15 @@ impl Shape for Body {
             Self::Box(sides) => sides.iter().any(|[low, high]| low >= high),
             Self::Ball { radius, .. } => radius <= 0.0,
             Self::HalfSpace { normal, .. } => normal == [0.0; 3],
+        }
+    }
+
+    fn is_vast(&self) -> bool {
+        match *self {
+            Self::Ball { centre: [x, y, z], radius } => {
+                [x, y, z, radius].iter().any(|s| s.abs() > VAST)
+            }
+            _ => false,
         }
     }
 
