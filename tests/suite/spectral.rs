@@ -68,6 +68,27 @@ fn an_end_of_contact_that_coarse_grids_put_before_a_corner_is_found_behind_it() 
     assert!(compare(&f.parse().unwrap()).abs() < 0.15);
 }
 
+/// Where the integral of f nearly vanishes, v is nearly linear along a side: long arcs end little beyond a corner.
+#[test]
+fn a_nearly_vanishing_integral_is_solved() {
+    for f in [
+        "rect(0,0.5,-0.5,0.5)=1; else=-1.00008",
+        "rect(0,0.5,-0.5,0.5)=1; else=-1.0002",
+        "rect(0,0.5,-0.5,0.5)=1; else=-1.0003",
+        "halfplane(0,1,0)=4.999; else=-5",
+    ] {
+        let solution = solved(f, Params::default());
+        let force: f64 = solution.contact.iter().map(|arc| arc.force).sum();
+        close(force / -solution.integral, 1.0, 1e-8);
+        let finer = solution.at_resolution(Params::FINER).unwrap_or_else(|e| panic!("{f}: {e}"));
+        close(finer.energy / solution.energy, 1.0, 1e-12);
+        for (arc, other) in solution.contact.iter().zip(&finer.contact) {
+            close(arc.to[0] - other.to[0], 0.0, 1e-9);
+            close(arc.to[1] - other.to[1], 0.0, 1e-9);
+        }
+    }
+}
+
 #[test]
 fn gaps_round_a_corner_are_found_between_the_points_beside_it() {
     for f in [

@@ -127,7 +127,7 @@ pub enum SourceError {
         "`{0}` in f is no region; order its bounds, and give a size or a normal that is not zero"
     )]
     Empty(String),
-    /// A disc or ball beyond [`VAST`].
+    /// A disc or ball too large or too far away.
     #[error(
         "`{0}` in f: the centre and the radius of what is round are at most {VAST}; write a straight border as a half-plane or half-space"
     )]

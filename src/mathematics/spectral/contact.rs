@@ -17,20 +17,44 @@ pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
 /// Negative multipliers and values that count, relative to the largest.
 pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
 
-/// The ends of contact to a cell or so of the grid with `n` cells per side: beginnings and ends in turn, none where all
-/// of the border is in contact; `None` if the load has no negative sum.
-pub(super) fn on_grid(n: usize, f: &Source) -> Option<Vec<Place>> {
-    let grid = Grid::new(n).expect("not below the least");
-    let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
-    // At the ends of contact single nodes have large residuals, which the discretisation error does not feel.
-    let params = MultigridParams { goal: Goal::Kkt(0.05 * largest(&load)), ..Default::default() };
-    let (y, _) = multigrid::solve::<Square>(n, &load, None, &params).ok()?;
-    let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
-    let many = values.len();
+/// A start from a grid: what Newton's method is given first.
+#[derive(Clone, Copy)]
+pub(super) struct Start {
+    /// Cells per side.
+    pub(super) n: usize,
+    /// Multigrid goes on to rounding, and ends of contact little before a corner are moved behind it.
+    pub(super) careful: bool,
+}
 
+impl Start {
+    /// The ends of contact to a cell or so of the grid: beginnings and ends in turn, none where all of the border
+    /// is in contact; `None` if the load has no negative sum.
+    pub(super) fn ends(self, f: &Source) -> Option<Vec<Place>> {
+        let Self { n, careful } = self;
+        let grid = Grid::new(n).expect("not below the least");
+        let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
+        // At the ends of contact single nodes have large residuals, which the discretisation error does not feel;
+        // unless the integral of f nearly vanishes.
+        let quick = Goal::Kkt(0.05 * largest(&load));
+        let goal = if careful { Goal::RoundingFloor } else { quick };
+        let params = MultigridParams { goal, ..Default::default() };
+        let (y, _) = multigrid::solve::<Square>(n, &load, None, &params).ok()?;
+        let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
+        let mut places = changes(&values, &free_nodes(&values, n), n);
+        if careful {
+            places.iter_mut().enumerate().for_each(|(j, end)| *end = behind_corner(j, *end));
+        }
+        Some(places)
+    }
+}
+
+/// Which boundary nodes are free, anticlockwise, with the corners settled.
+fn free_nodes(values: &[f64], n: usize) -> Vec<bool> {
+    let many = values.len();
+    let found: Vec<bool> = values.iter().map(|&v| v > 0.0).collect();
     // A corner with f > 0 may be free so near to it that one node says nothing; and a corner alone in
     // contact need not be.
-    let mut free: Vec<bool> = values.iter().map(|&v| v > 0.0).collect();
+    let mut free = found.clone();
     for corner in [0, n, 2 * n, 3 * n] {
         let state = free[corner];
         let alike =
@@ -40,23 +64,34 @@ pub(super) fn on_grid(n: usize, f: &Source) -> Option<Vec<Place>> {
             (corner + many - before..=corner + many + after).for_each(|b| free[b % many] = !state);
         }
     }
-    if free.iter().all(|&free| free) {
-        free = values.iter().map(|&v| v > 0.0).collect();
-    }
-    let change = |b: usize| {
+    if free.contains(&false) { free } else { found }
+}
+
+/// The ends of contact between the free boundary nodes and the others, beginnings first.
+fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<Place> {
+    let many = values.len();
+    let end = |b: usize| {
         let (node, step) = if free[b] { (b + 1, many - 1) } else { (b, 1) };
         let next = [1, 2].map(|k| (node + k * step) % many);
         let corner = [node, next[0], next[1]].iter().any(|b| b % n == 0);
         let part = if corner { 0.5 } else { reach(next.map(|b| values[b])).clamp(-0.3, 0.9) };
-        Place::new(3, (node as f64 + if free[b] { -part } else { part }) * grid.h())
+        Place::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
     };
     let changes = (0..many).filter(|&b| free[b] != free[(b + 1) % many]);
-    let mut places: Vec<Place> = changes.map(change).collect();
+    let mut places: Vec<Place> = changes.map(end).collect();
     if !free[0] && !places.is_empty() {
-        // Beginnings of contact come first.
         places.rotate_left(1);
     }
-    Some(places)
+    places
+}
+
+/// An end of contact that lies little before a corner, seen from its arc, as far behind it: near to a corner the angle
+/// on the circle grows with the square of the distance, so that Newton's method crosses it from behind only.
+fn behind_corner(j: usize, end: Place) -> Place {
+    /// On a coarse grid ends of long arcs with little force are not known better.
+    const NEAR: f64 = 0.125;
+    let before = if j.is_multiple_of(2) { end.t } else { -end.t };
+    if (0.0..NEAR).contains(&before) { Place { t: -end.t, ..end } } else { end }
 }
 
 /// The contact set of a solution without the points where the multiplier is negative, and with those where v is:
