@@ -17,6 +17,9 @@ pub const PAPER: &str = "pipeline/paper.toml";
 /// Path of the record of the searches for f in the project.
 pub const IDENTIFIED: &str = "pipeline/identified.toml";
 
+/// Path of the digits of true solutions in the project.
+pub const TRUTH: &str = "pipeline/truth.toml";
+
 /// A folder with `pipeline/scenes/`, read and validated.
 #[derive(Debug)]
 pub struct Project {
@@ -27,7 +30,7 @@ pub struct Project {
     /// The published tables; none in a study of something else.
     pub paper: Paper,
     /// The files under `pipeline/` as read, by path in the project: scenes, and as far as they are there
-    /// the published tables and the records of the search and of times, which whoever needs them parses.
+    /// the published tables, the digits of true solutions, and the records of the search and of times, which whoever needs them parses.
     pub files: Artifacts,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
@@ -56,7 +59,7 @@ impl Project {
     /// [`Error::Io`] and [`Error::Input`] from its parts.
     pub fn read(root: PathBuf) -> Result<Self> {
         let (scenes, mut files) = read_scenes(&root)?;
-        for path in [PAPER, IDENTIFIED, recorded::PATH] {
+        for path in [PAPER, IDENTIFIED, TRUTH, recorded::PATH] {
             files.extend(read_if_there(&root.join(path))?.map(|text| (path.into(), text)));
         }
         let paper = files.get(PAPER).map(Paper::parse).transpose()?.unwrap_or_default();

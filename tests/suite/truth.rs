@@ -5,7 +5,7 @@ use signorini::discrete::load::LoadRule;
 use signorini::discrete::transfer::Prolongation;
 use signorini::experiments::problems::{PAPER, Problem};
 use signorini::experiments::strips::{self, strips};
-use signorini::experiments::truth::{Plan, Truth, Value, truth};
+use signorini::experiments::truth::{Numbers, Plan, Truth, Value, truth};
 use std::sync::OnceLock;
 
 fn found() -> &'static Truth {
@@ -32,17 +32,45 @@ fn printed_digits_are_right() {
     for name in ["problem 1", "problem 2", "two-discs", "corner-disc"] {
         let one = one(name);
         let known = REFERENCES.iter().find(|known| known.f == one.f).unwrap();
-        agrees(&one.energy, known.energy);
-        agrees(&one.centre, known.centre);
+        agrees(&one.numbers.energy, known.energy);
+        agrees(&one.numbers.centre, known.centre);
         // The coordinate of the first end that is not that of a side.
-        let (from, [known, _]) = (&one.contact[0].from, known.contact.unwrap());
+        let (from, [known, _]) = (&one.numbers.contact[0].from, known.contact.unwrap());
         let axis = usize::from(from[0].value.abs() == 0.5);
         agrees(&from[axis], known[axis]);
     }
-    assert_eq!(one("four-arcs").contact.len(), 4);
-    let corners = &one("problem 1").corners;
+    assert_eq!(one("four-arcs").numbers.contact.len(), 4);
+    let corners = &one("problem 1").numbers.corners;
     agrees(&corners[0], REFERENCES[3].corners[3]);
     assert_eq!(corners[2].digits, "0");
+}
+
+#[test]
+fn the_record_agrees_with_both_programs() {
+    let record: toml::Table = include_str!("../../pipeline/truth.toml").parse().unwrap();
+    let solutions = record["solution"].as_array().unwrap();
+    assert_eq!(solutions.len(), 6);
+    for solution in solutions {
+        let f = solution["f"].as_str().unwrap();
+        let mut theirs: Numbers<String> = solution.clone().try_into().unwrap();
+        // Of the second program and of one in quadruple precision: not the last bit of a double apart.
+        if let Some(known) = REFERENCES.iter().find(|known| known.f == f) {
+            let numbers = [(&theirs.energy, known.energy), (&theirs.centre, known.centre)];
+            for (digits, known) in numbers {
+                assert!(
+                    (digits.parse::<f64>().unwrap() - known).abs() <= 2e-16 * known.abs(),
+                    "{f}"
+                );
+            }
+        }
+        let ours = found().references.iter().find(|one| one.f == f).unwrap();
+        let mut ours = ours.numbers.clone();
+        assert_eq!(ours.contact.len(), theirs.contact.len(), "{f}");
+        for (ours, theirs) in ours.each().zip(theirs.each()) {
+            let error = (ours.value - theirs.parse::<f64>().unwrap()).abs();
+            assert!(error <= 2e-14, "{f}: {} is not {theirs}", ours.value);
+        }
+    }
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! The `report` stage: gathers what the other stages made, and turns it into pages and a book.
 
 mod chapters;
+mod digits;
 mod search;
 mod times;
 
 use super::{artifact, figures, results, solutions, to_json};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Graph, Inputs, Task, hash};
-use crate::replication::project::Project;
+use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::report;
 pub(crate) use crate::report::TEMPLATE;
@@ -17,8 +18,8 @@ use std::collections::BTreeMap;
 /// The task that makes the pages and the book.
 pub(crate) const ID: &str = "report/book";
 
-/// What the chapters lack in this project, if they lack anything: with the paper's problems, with recorded times,
-/// or with what one of the problems does not ask for, all pages made from templates are left out of the book.
+/// What the chapters lack in this project, if they lack anything: with the paper's problems, with recorded times
+/// or true solutions, or with what one of the problems does not ask for, all pages made from templates are left out of the book.
 pub(crate) fn left_out(project: &Project) -> Option<String> {
     let problems = project.problems();
     let [first, second] = problems[..] else {
@@ -30,6 +31,11 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     if !project.files.contains_key(recorded::PATH) {
         return Some(
             "they show recorded times; record some with `signorini bench --record`".into(),
+        );
+    }
+    if !project.files.contains_key(TRUTH) {
+        return Some(
+            "they show true solutions; restore pipeline/truth.toml, or make it with benches/peers/truth.py".into(),
         );
     }
     problems.iter().find_map(|scene| {

@@ -5,7 +5,7 @@ mod reference;
 
 pub(super) use elements::arc_length;
 pub use elements::{Elements, Level};
-pub use reference::{Arc, Reference, Value};
+pub use reference::{Arc, Numbers, Reference, Value};
 
 use super::known::KnownSolution;
 use super::problems::CONTACT;

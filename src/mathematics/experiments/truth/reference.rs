@@ -2,7 +2,7 @@
 
 use crate::discrete::contact::ContactArc;
 use crate::problem::source::Source;
-use crate::spectral::Solution;
+use crate::spectral::{Checks, Solution};
 use serde::{Deserialize, Serialize};
 
 /// A problem and its solution in numbers for others to compare with.
@@ -12,33 +12,51 @@ pub struct Reference {
     pub name: String,
     /// f in the notation of scenes.
     pub f: String,
-    /// J(v).
-    pub energy: Value,
-    /// v(0, 0).
-    pub centre: Value,
-    /// v in the corners: lower left, lower right, upper right, upper left.
-    pub corners: [Value; 4],
-    /// Contact, anticlockwise.
-    pub contact: Vec<Arc>,
+    /// The solution.
+    #[serde(flatten)]
+    pub numbers: Numbers<Value>,
     /// The total force plus the integral of f, over the latter: zero but for errors.
     pub green: f64,
     /// The energy by Rellich's identity less the energy, over the latter: zero but for errors.
     pub rellich: f64,
 }
 
-/// An arc of contact.
+/// A true solution in numbers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Arc {
-    /// Where it begins.
-    pub from: [Value; 2],
-    /// Where it ends; the same point as `from` if all of the boundary is in contact.
-    pub to: [Value; 2],
-    /// Integral of the multiplier over it.
-    pub force: Value,
+pub struct Numbers<V> {
+    /// J(v).
+    pub energy: V,
+    /// v(0, 0).
+    pub centre: V,
+    /// v in the corners: lower left, lower right, upper right, upper left.
+    pub corners: [V; 4],
+    /// Contact, anticlockwise, first the arc that ends first after the lower right corner.
+    pub contact: Vec<Arc<V>>,
 }
 
-/// Decimals that rounding leaves: beyond, both resolutions may make the same error (values in quadruple
-/// precision differ by up to 2e-14).
+/// An arc of contact.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Arc<V> {
+    /// Where it begins.
+    pub from: [V; 2],
+    /// Where it ends; the same point as `from` if all of the boundary is in contact.
+    pub to: [V; 2],
+    /// Integral of the multiplier over it.
+    pub force: V,
+}
+
+impl<V> Numbers<V> {
+    /// All of them, in the order of the fields.
+    pub fn each(&mut self) -> impl Iterator<Item = &mut V> {
+        let Self { energy, centre, corners, contact } = self;
+        let arcs = contact
+            .iter_mut()
+            .flat_map(|Arc { from, to, force }| from.iter_mut().chain(to).chain([force]));
+        [energy, centre].into_iter().chain(corners).chain(arcs)
+    }
+}
+
+/// Decimals that rounding leaves: beyond, both resolutions may make the same error.
 const DECIMALS: usize = 14;
 
 /// A number at the finer of two resolutions.
@@ -46,7 +64,7 @@ const DECIMALS: usize = 14;
 pub struct Value {
     /// As a double.
     pub value: f64,
-    /// The decimals on which both resolutions agree, at most `DECIMALS`, rounded.
+    /// The decimals on which both resolutions agree, at most 14, rounded; or those of a better program.
     pub digits: String,
 }
 
@@ -89,16 +107,14 @@ impl Reference {
             }
         };
         let arcs = rough.contact.len().min(fine.contact.len());
-        Self {
-            name: name.into(),
-            f: f.to_string(),
+        let numbers = Numbers {
             energy: value(&|s| s.energy),
             centre: value(&|s| s.value(0.0, 0.0)),
             corners,
             contact: (0..arcs).map(arc).collect(),
-            green: fine.checks.green,
-            rellich: fine.checks.rellich,
-        }
+        };
+        let Checks { green, rellich, .. } = fine.checks;
+        Self { name: name.into(), f: f.to_string(), numbers, green, rellich }
     }
 }
 

@@ -1,9 +1,11 @@
 //! What the templates of the chapters are given: plain data, everything computed, nothing formatted.
 
+use super::digits::compared;
 use super::search::{fixed, searched};
 use super::times::{targets as time_targets, times};
 use super::versions;
 use crate::discrete::load::integral;
+use crate::experiments::truth::Truth;
 use crate::experiments::{Range, targets};
 use crate::identify::Findings;
 use crate::identify::record::Record;
@@ -12,7 +14,7 @@ use crate::pipeline::{Inputs, hash};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::replication::comparison::TableComparison;
-use crate::replication::project::IDENTIFIED;
+use crate::replication::project::{IDENTIFIED, TRUTH};
 use crate::replication::scene::Scene;
 use crate::replication::stages::diff::{self, DIFF};
 use crate::replication::stages::identify::{self, FINDINGS};
@@ -60,6 +62,10 @@ pub(super) fn context(
     context.insert("searched", &searched(&record));
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
+    let Truth { mut references, .. } = bench::result(inputs, "truth")?;
+    let text = inputs.files.get(TRUTH).ok_or("no true solutions")?;
+    context.insert("digits", &compared(&mut references, text)?);
+    context.insert("references", &references);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs));
     times_and_targets(inputs, &mut context)?;
