@@ -40,7 +40,7 @@ pub(super) struct SolveArgs {
     /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
     #[arg(long, value_enum)]
     solver: Option<Solver>,
-    /// Quadrature of the load vector [default: the scene's, or exact]
+    /// Quadrature of the load vector [default: the scene's, or exact; for an accuracy, bilinear]
     #[arg(long, value_enum)]
     load: Option<Rule>,
     /// Duality parameter [default: the scene's, or 10]

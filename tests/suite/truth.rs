@@ -5,6 +5,7 @@ use signorini::discrete::load::LoadRule;
 use signorini::discrete::transfer::Prolongation;
 use signorini::experiments::problems::{PAPER, Problem};
 use signorini::experiments::strips::{self, strips};
+use signorini::experiments::targets::EFFECTIVITY;
 use signorini::experiments::truth::{Numbers, Plan, Truth, Value, truth};
 use std::sync::OnceLock;
 
@@ -85,6 +86,10 @@ fn bounds_hold_and_are_sharp() {
         // Cells that a circle cuts add more than those that a straight jump does.
         let most = if one.f.contains("disc") { 1.05 } else { 1.02 };
         assert!(below > 0.98 && above < most, "{}: {:?}", one.name, one.levels[2]);
+        // The load of an accuracy is what the flux balances.
+        let [below, above] = one.levels[2].bilinear;
+        assert!((0.98..=1.0 + 1e-9).contains(&below), "{}: {:?}", one.name, one.levels[2]);
+        assert!((1.0 - 1e-9..EFFECTIVITY).contains(&above), "{}: {:?}", one.name, one.levels[2]);
         let [error, energy, _] = one.orders;
         assert!((error.unwrap() - 1.0).abs() < 0.1, "{}: {:?}", one.name, one.orders);
         assert!(energy.is_none_or(|order| (order - 2.0).abs() < 0.1), "{:?}", one.orders);

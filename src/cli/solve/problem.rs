@@ -185,11 +185,12 @@ fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
         (None, Some(scene)) => scene.f.clone(),
         (None, None) => return Err(Error::input("give a scene or --f")),
     };
-    // An accuracy is asked of the solution for f, whatever load vector a scene takes.
-    const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
-    let given = args.load.map(|rule| rule.0).or(args.accuracy().map(|_| EXACT));
+    // An accuracy is asked of the solution for f, whatever load vector a scene takes; with this rule the bounds are
+    // closest, and the grids that they ask for coarsest.
+    let given = args.load.map(|rule| rule.0).or(args.accuracy().map(|_| LoadRule::Bilinear {}));
     let rule = choose("load", given, scene.map(|s| s.load), rule_name, overridden);
-    Ok(Domain::Square { f, rule: rule.unwrap_or(EXACT) })
+    let exact = LoadRule::Exact { diagonal: Diagonal::Rising };
+    Ok(Domain::Square { f, rule: rule.unwrap_or(exact) })
 }
 
 fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {

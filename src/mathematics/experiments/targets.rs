@@ -1,6 +1,7 @@
 //! Bounds that were set before anything was measured: one list for the tests and for the book.
 
 use super::known::Errors;
+use super::truth::{Elements, Level};
 use super::{accuracy, cube};
 use crate::discrete::norms::worst;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,11 @@ pub const ORDER: f64 = 0.05;
 pub const BYTES: [f64; 2] = [24.0, 40.0];
 /// On coarser grids of the square the rounding of rows to cache lines is much of a workspace.
 pub const BYTES_FROM: usize = 256;
+
+/// Guaranteed bound over error, from [`EFFECTIVE_FROM`] cells per side on.
+pub const EFFECTIVITY: f64 = 1.01;
+/// Cells per side from which the bound of the error is to be that close.
+pub const EFFECTIVE_FROM: usize = 64;
 
 /// A quantity, the bound it was to keep, and what it is.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -105,4 +111,18 @@ pub fn of_cube(found: &cube::Findings) -> Vec<Target> {
     }
     targets.push(Target::at_most("cube: bytes per unknown, one thread", BYTES[1], found.bytes));
     targets
+}
+
+/// The targets of the guaranteed bounds, with the load that is the default and with that of `--accuracy`.
+pub fn of_bounds(found: &[Elements]) -> Vec<Target> {
+    let target = |load: &str, of: fn(&Level) -> f64| {
+        let levels = found.iter().flat_map(|one| &one.levels);
+        let fine = levels.filter(|level| level.cells >= EFFECTIVE_FROM);
+        let name = format!("guaranteed bound over error from 1/{EFFECTIVE_FROM} on, load {load}");
+        Target::at_most(name, EFFECTIVITY, worst(fine.map(of)))
+    };
+    vec![
+        target("bilinear", |level| level.bilinear[1]),
+        target("exact", |level| level.effectivity[1]),
+    ]
 }

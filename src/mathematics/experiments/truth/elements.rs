@@ -4,6 +4,7 @@ use crate::bounds::bounds;
 use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::load::{self, LoadRule};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
 use crate::multigrid::square::Square;
@@ -33,6 +34,8 @@ pub struct Level {
     pub error: f64,
     /// The guaranteed bounds of it, over it: at most 1, and at least 1.
     pub effectivity: [f64; 2],
+    /// The same for the solution with the load against bilinear hats.
+    pub bilinear: [f64; 2],
     /// The energy of `v_h` less the true one, if that is known.
     pub energy: Option<f64>,
     /// Width of the guaranteed bracket of the true energy.
@@ -71,11 +74,16 @@ impl Level {
         let failed = |e: &dyn std::fmt::Display| format!("{}, h = 1/{cells}: {e}", known.name());
         let grid = Grid::new(cells).map_err(|e| failed(&e))?;
         let (f, load) = (known.f(), known.load(grid));
-        let params = MultigridParams::default();
-        let (y, _) =
-            multigrid::solve::<Square>(cells, &load, None, &params).map_err(|e| failed(&e))?;
-        let bounds = bounds(grid, &f, &y).map_err(|e| failed(&e))?;
-        let error = known.h1_error(grid, &y, &load);
+        // A solution, its error in the energy norm, and what is guaranteed of it.
+        let bounded = |its_load: &[f64]| {
+            let params = MultigridParams::default();
+            let (y, _) = multigrid::solve::<Square>(cells, its_load, None, &params)
+                .map_err(|e| failed(&e))?;
+            let bounds = bounds(grid, &f, &y).map_err(|e| failed(&e))?;
+            Ok::<_, String>((known.h1_error(grid, &y, &load), y, bounds))
+        };
+        let (error, y, bounds) = bounded(&load)?;
+        let closer = bounded(&load::load(grid, &f, LoadRule::Bilinear {}))?;
         let [low, high] = bounds.energy;
         let truth = known.solution();
         let Judgement { energy, flux, .. } = judge(grid, &y, &load);
@@ -84,6 +92,7 @@ impl Level {
             cells,
             error,
             effectivity: bounds.error.map(|bound| bound / error),
+            bilinear: closer.2.error.map(|bound| bound / closer.0),
             energy: truth.map(|truth| energy - truth.energy),
             bracket: high - low,
             holds: truth.map(|truth| low <= truth.energy && truth.energy <= high),

@@ -5,7 +5,7 @@ use super::search::{fixed, searched};
 use super::times::{targets as time_targets, times};
 use super::versions;
 use crate::discrete::load::integral;
-use crate::experiments::truth::Truth;
+use crate::experiments::truth::{Elements, Truth};
 use crate::experiments::{Range, targets};
 use crate::identify::Findings;
 use crate::identify::record::Record;
@@ -62,18 +62,22 @@ pub(super) fn context(
     context.insert("searched", &searched(&record));
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
-    let Truth { mut references, .. } = bench::result(inputs, "truth")?;
+    let Truth { mut references, elements, .. } = bench::result(inputs, "truth")?;
     let text = inputs.files.get(TRUTH).ok_or("no true solutions")?;
     context.insert("digits", &compared(&mut references, text)?);
     context.insert("references", &references);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs));
-    times_and_targets(inputs, &mut context)?;
+    times_and_targets(inputs, &elements, &mut context)?;
     Ok(context)
 }
 
 /// What was recorded of times, and what was to be reached.
-fn times_and_targets(inputs: &Inputs, context: &mut Context) -> Result<(), Failure> {
+fn times_and_targets(
+    inputs: &Inputs,
+    elements: &[Elements],
+    context: &mut Context,
+) -> Result<(), Failure> {
     let accuracy = bench::result(inputs, "accuracy")?;
     let mut all = targets::of_accuracy(&accuracy);
     let timings = bench::times(inputs)?;
@@ -81,6 +85,9 @@ fn times_and_targets(inputs: &Inputs, context: &mut Context) -> Result<(), Failu
     context.insert("cost", &times(&timings, &accuracy));
     context.insert("timings", &timings);
     all.extend(targets::of_cube(&bench::result(inputs, "cube")?));
+    let bounds = targets::of_bounds(elements);
+    context.insert("effectivity", &bounds.iter().map(|one| one.measured).collect::<Vec<_>>());
+    all.extend(bounds);
     context.insert("targets", &all);
     Ok(())
 }
