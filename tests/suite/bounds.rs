@@ -269,8 +269,8 @@ fn the_bound_of_the_error_is_effective() {
         for (n, rule) in
             [64, 128, 256].into_iter().flat_map(|n| [(n, EXACT), (n, LoadRule::Bilinear {})])
         {
-            // Along arcs the load against piecewise linear hats differs from that against bilinear ones.
-            let slack = if rule == EXACT && text.contains("disc") { 0.03 } else { 0.01 };
+            // Where arcs leave the square, what a load against linear hats differs by is left to the residual.
+            let slack = if rule == EXACT && text.contains("disc") { 0.012 } else { 0.01 };
             let allowed = 1.0 + slack * 64.0 / n as f64;
             let (grid, y) = solved(n, &f, rule, Goal::RoundingFloor);
             // With the exact load the energy of the discrete problem is that of v, and the reactions of the

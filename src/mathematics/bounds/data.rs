@@ -101,6 +101,34 @@ impl<'a> AllCells<'a> {
         Cow::Owned((0..self.grid.cells()).map(cell).collect())
     }
 
+    /// Whether the nodal vector `v` solves for the integrals of f times linear hat functions rather than bilinear
+    /// ones: told at some nodes beside cells that jumps cut, as elsewhere inside the two are the same.
+    pub(super) fn is_linear(&self, v: &[f64]) -> bool {
+        const NODES: usize = 16;
+        let rows = (1..self.ends.len()).map(|j| (j, &self.runs[self.ends[j - 1]..self.ends[j]]));
+        let cut = |(j, row): (usize, &[Run])| {
+            let cells = row.iter().filter(|run| !run.uniform && run.end > 1);
+            cells.map(|run| (run.end - 1, j)).collect::<Vec<_>>()
+        };
+        let nodes: Vec<_> = rows.flat_map(cut).collect();
+        let (mut linear, mut bilinear) = (0.0, 0.0);
+        for &(i, j) in nodes.iter().step_by(nodes.len().div_ceil(NODES).max(1)) {
+            let (below, above) = (self.row(j - 1), self.row(j));
+            let [[sw, se], [nw, ne]] = [below, above].map(|row| {
+                let mut cursor = Cursor(&row);
+                [i - 1, i].map(|cell| cursor.at(cell).f)
+            });
+            let load = ne.masses()[0] + nw.masses()[1] + se.masses()[2] + sw.masses()[3];
+            let ridges = (ne.ridge - nw.ridge) + (sw.ridge - se.ridge);
+            let (node, side) = (self.grid.index(i, j), self.grid.side());
+            let around = (v[node - 1] + v[node + 1]) + (v[node - side] + v[node + side]);
+            let residual = (4.0 * v[node] - around) - load;
+            linear += (residual - ridges).powi(2);
+            bilinear += residual.powi(2);
+        }
+        linear < bilinear
+    }
+
     /// Moments of a smooth f over cell (i, j), by quadrature.
     fn integrated(&self, i: usize, j: usize) -> Moments {
         let h = self.grid.h();

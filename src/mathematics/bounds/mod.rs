@@ -30,7 +30,8 @@
 //! What is left adds to `|grad w - sigma|`: the distance of f from a bilinear function in cells that a jump
 //! cuts, times `h / (2 pi)` (Poincaré's constant on bilinear complements); and the residual of the
 //! five-point equation, which holds iteration errors and what the load vector differs from the integrals
-//! against bilinear hats (`residual.rs`).
+//! against bilinear hats (`residual.rs`). If that vector has the integrals against linear hats, and jumps cut cells,
+//! the difference is the divergence of fluxes in closed form (`strip.rs`), which leave less of it than half.
 //!
 //! # The recovery
 //! w is the bilinear interpolant less a bubble on each edge that makes its slopes those of the flux, blended

@@ -1,4 +1,4 @@
-//! What the cells of a row have around them: the nodal vector, and the fluxes that f needs.
+//! What the cells of a row have around them: the nodal vector, and the fluxes that f and its load need.
 
 use super::cells::{LANES, Lanes, Special, second};
 use super::data::Run;
@@ -11,19 +11,28 @@ use super::recovery::{Extended, admissible};
 pub(super) struct Strip<'a> {
     pub v: Extended<'a>,
     fluxes: [NodeFluxes; 4],
+    /// What the integrals of f times linear hat functions are at the lower left corner of a cell above those times
+    /// bilinear ones, for the rows j - 1 to j + 2 of cells, empty if they do not exist; if the load of v is of
+    /// linear ones.
+    ridges: Option<[Vec<f64>; 4]>,
 }
 
 impl<'a> Strip<'a> {
-    /// Two rows below the first one, where nothing flows.
-    pub(super) fn new(v: Extended<'a>) -> Self {
+    /// Two rows below the first one, where nothing flows. `linear` says that v solves for a load against linear hats.
+    pub(super) fn new(v: Extended<'a>, linear: bool) -> Self {
         let fluxes = [0; 4].map(|_| NodeFluxes::zero(v.grid.cells()));
-        Self { v, fluxes }
+        Self { v, fluxes, ridges: linear.then(Default::default) }
     }
 
     /// Goes up one row. The nodes that come into sight lie between these rows of cells; one that is missing is empty.
     pub(super) fn advance(&mut self, below: &[Run], above: &[Run]) {
         self.fluxes.rotate_left(1);
         self.fluxes[3].set(below, above);
+        if let Some(ridges) = &mut self.ridges {
+            ridges.rotate_left(1);
+            ridges[3].clear();
+            above.iter().for_each(|run| ridges[3].resize(run.end, run.f.ridge));
+        }
     }
 
     /// Finds the cells of row `j` at the boundary, and those within two cells of a seam of f: inclusive ranges, from
@@ -66,10 +75,13 @@ impl<'a> Strip<'a> {
     ) -> f64 {
         let (lines, outer) = (self.v.around(i, j), self.outer(i, j));
         let seconds = lines.map(|lines| lines.map(second));
-        let (flux, bends) = match self.fluxes.iter().any(|row| !row.seams.is_empty()) {
+        let (mut flux, bends) = match self.fluxes.iter().any(|row| !row.seams.is_empty()) {
             true => (through_edges(&self.fluxes[1], &self.fluxes[2], i), self.bends(i, j)),
             false => Default::default(),
         };
+        if let Some(ridges) = &self.ridges {
+            flux.iter_mut().zip(between_hats(ridges, i)).for_each(|(flux, more)| *flux += more);
+        }
         for axis in 0..2 {
             for k in 0..2 {
                 let (line, bubble) = (lines[axis][k], 0.5 * seconds[axis][k] + bends[axis][k]);
@@ -102,4 +114,28 @@ impl<'a> Strip<'a> {
         let right = if i + 1 < n { changes(i + 1, 1)[1] } else { y };
         [[below, above].map(|near| 0.25 * (x + near)), [left, right].map(|near| 0.25 * (y + near))]
     }
+}
+
+/// The fluxes through the edges of cell `i` in the second of four rows, left, right, bottom and top, that move the
+/// residual of a load against linear hats to where bilinear ones have it.
+///
+/// With R the ridge of a cell, the former integrals differ from the latter by R, -R, -R, R at ll, lr, ul, ur. In the
+/// mean over a cell these differences are the mixed second difference of R over its neighbours, divided by four, and
+/// that is the divergence of these fluxes: none through the boundary, and none along it, where neighbours are missing.
+#[inline(always)]
+fn between_hats([below, here, above, _]: &[Vec<f64>; 4], i: usize) -> [f64; 4] {
+    let n = here.len();
+    let across = |i: usize| match i > 0 && i < n && !below.is_empty() && !above.is_empty() {
+        true => 0.125 * ((above[i - 1] + above[i]) - (below[i - 1] + below[i])),
+        false => 0.0,
+    };
+    let up = |lower: &[f64], upper: &[f64]| match i > 0
+        && i + 1 < n
+        && !lower.is_empty()
+        && !upper.is_empty()
+    {
+        true => 0.125 * ((lower[i + 1] + upper[i + 1]) - (lower[i - 1] + upper[i - 1])),
+        false => 0.0,
+    };
+    [across(i), across(i + 1), up(below, here), up(here, above)]
 }

@@ -46,7 +46,8 @@ pub(super) fn total(
     }
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
     let reactions = Reactions::new(grid, v, &outer, &data);
-    let walk = Walk::new(&data, Extended::new(grid, v, &reactions), recovered);
+    let strip = Strip::new(Extended::new(grid, v, &reactions), data.is_linear(v));
+    let walk = Walk::new(&data, strip, recovered);
     Ok(vectorised(
         #[inline(always)]
         || walk.run(),
@@ -78,12 +79,12 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(data: &'a AllCells<'a>, v: Extended<'a>, recovered: Option<&'a mut [f64]>) -> Self {
-        let (grid, n) = (v.grid, v.grid.cells());
+    fn new(data: &'a AllCells<'a>, strip: Strip<'a>, recovered: Option<&'a mut [f64]>) -> Self {
+        let (grid, n) = (strip.v.grid, strip.v.grid.cells());
         Self {
             grid,
             data,
-            strip: Strip::new(v),
+            strip,
             cells: Default::default(),
             special: Vec::new(),
             means: vec![0.0; n],
