@@ -139,3 +139,29 @@ fn between_hats([below, here, above, _]: &[Vec<f64>; 4], i: usize) -> [f64; 4] {
     };
     [across(i), across(i + 1), up(below, here), up(here, above)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fluxes_between_hats_take_up_the_mixed_differences() {
+        const N: usize = 7;
+        let ridge = |j: usize| (0..N).map(|i| libm::sin((7 * j + i) as f64 * 12.9898)).collect();
+        let rows: [Vec<f64>; 5] = std::array::from_fn(ridge);
+        let four = |j: usize| std::array::from_fn(|k| rows[(j + k).min(4)].clone());
+        let [lower, upper] = [four(0), four(1)];
+        for i in 1..N - 1 {
+            let [left, right, bottom, top] = between_hats(&lower, i);
+            let mixed = (rows[2][i + 1] - rows[2][i - 1]) - (rows[0][i + 1] - rows[0][i - 1]);
+            assert!(((right - left) + (top - bottom) - 0.25 * mixed).abs() < 1e-15);
+            // What leaves a cell enters the next.
+            assert_eq!(right, between_hats(&lower, i + 1)[0]);
+            assert_eq!(top, between_hats(&upper, i)[2]);
+        }
+        // Nothing through the boundary.
+        assert_eq!((between_hats(&lower, 0)[0], between_hats(&lower, N - 1)[1]), (0.0, 0.0));
+        let edge = [Vec::new(), rows[0].clone(), rows[1].clone(), rows[2].clone()];
+        assert_eq!(between_hats(&edge, 3)[..3], [0.0; 3]);
+    }
+}
