@@ -13,7 +13,7 @@ Positions on the border are perimeter coordinates p, anticlockwise from the lowe
 import os
 import sys
 
-from flint import acb, arb, ctx
+from flint import acb, arb, arb_mat, ctx
 
 ctx.dps = 60
 HALF, PI = arb(1) / 2, arb.pi()
@@ -29,9 +29,9 @@ def rectangle(x0, x1, y0, y1, value):
     return "rectangle", [arb(c) / 4 for c in (x0, x1, y0, y1)], value
 
 
-def quarter(x, y, tenths, value):
-    """The part of a disc about a corner of the square that lies in the square."""
-    return "disc", [arb(x) / 2, arb(y) / 2, arb(tenths) / 10], value
+def quarter(sign, tenths, value):
+    """The part of a disc about the corner (sign / 2, sign / 2) that lies in the square."""
+    return "disc", [arb(sign) / 2, arb(tenths) / 10], value
 
 
 def around(corner):
@@ -52,12 +52,12 @@ PROBLEMS = {
     ),
     "quadrant(ll)=6; else=-4": ([rectangle(-8, 0, -8, 0, 6)], arb(-4), around(5), ["1.24"]),
     "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5": (
-        [quarter(-1, -1, 4, 14), quarter(1, 1, 3, 16)],
+        [quarter(-1, 4, 14), quarter(1, 3, 16)],
         arb(-5),
         lambda a, b: [(3 + a, 5 - b), (5 + b, 7 - a)],
         ["0.7", "0.6"],
     ),
-    "disc(0.5,0.5,0.3)=4; else=-1": ([quarter(1, 1, 3, 4)], arb(-1), around(3), ["1.506"]),
+    "disc(0.5,0.5,0.3)=4; else=-1": ([quarter(1, 3, 4)], arb(-1), around(3), ["1.506"]),
 }
 
 
@@ -122,8 +122,8 @@ class Potential:
 
     def at(self, point):
         x, y = point
-        c = -self.elsewhere / 4
-        total = [c * (x * x + y * y), 2 * c * x, 2 * c * y]
+        bend = -self.elsewhere / 4
+        total = [bend * (x * x + y * y), 2 * bend * x, 2 * bend * y]
         for kind, shape, value in self.pieces:
             jump = value - self.elsewhere
             if kind == "rectangle":
@@ -132,8 +132,8 @@ class Potential:
                     terms = corner(x - a, y - b)
                     total = [t - sign * jump / (2 * PI) * term for t, term in zip(total, terms)]
             else:
-                a, b, radius = shape
-                x_, y_ = x - a, y - b
+                c, radius = shape
+                x_, y_ = x - c, y - c
                 square, bound = x_ * x_ + y_ * y_, radius * radius
                 if square < bound:
                     terms = (square - bound) / 4, x_ / 2, y_ / 2
@@ -148,7 +148,7 @@ class Potential:
             if kind == "rectangle":
                 yield from ((x, y) for x in shape[:2] for y in shape[2:])
             else:
-                yield tuple(shape[:2])
+                yield shape[0], shape[0]
 
     def crossings(self):
         """Where f jumps on the border."""
@@ -160,8 +160,9 @@ class Potential:
                 for y in (y for y in (y0, y1) if abs(y) < HALF):
                     yield from (p for x, p in ((x1, y + HALF), (x0, 2 + HALF - y)) if abs(x) > HALF)
             else:
-                at = {1: 1, -1: 3}[int((2 * shape[0]).unique_fmpz())]
-                yield from (at - shape[2], at + shape[2])
+                c, radius = shape
+                at = 1 if c > 0 else 3
+                yield from (at - radius, at + radius)
 
 
 # --- Gauss's rule and panels -------------------------------------------------------------------------------------
@@ -210,7 +211,7 @@ def distance(point, a, b):
 class Node:
     """A place on the border with all that integrals need there."""
 
-    __slots__ = ("p", "weight", "half", "slope", "gradient", "kernel", "root", "outer", "psi", "contact")
+    __slots__ = ("p", "weight", "half", "slope", "gradient", "kernel", "root", "outer", "psi", "arc", "contact")
 
 
 class Solver:
@@ -218,20 +219,16 @@ class Solver:
         self.psi, self.arcs, self.n = Potential(pieces, elsewhere), arcs, n
         self.m, self.start = len(arcs), arcs[0][0]
         wrap = lambda p: p - 4 * ((p - self.start) / 4).floor()
-        self.ends = [e for arc in arcs for e in arc]
+        ends = [e for arc in arcs for e in arc]
         kinks = [wrap(arb(k)) for k in range(4)] + [wrap(p) for p in self.psi.crossings()]
-        tags = [(e, AT_END) for e in self.ends] + [(k, AT_KINK) for k in kinks] + [(self.start + 4, AT_END)]
+        tags = [(e, AT_END) for e in ends] + [(k, AT_KINK) for k in kinks] + [(self.start + 4, AT_END)]
         self.special = sorted(tags, key=lambda tag: tag[0].mid())
-        self.angles = [self.turned(e)[0] for e in self.ends]
+        self.angles = [angle(*place(e)[:2])[0] for e in ends]
         self.cache = {}
         self.panels = [panel for pair in zip(self.special, self.special[1:]) for panel in self.cut(*pair)]
 
-    def turned(self, p):
-        side, y, *_ = place(p)
-        return angle(side, y)
-
     def cut(self, left, right):
-        """Panels between special points: (a, b, power, whether all is near a), none long beside what is near."""
+        """Panels between special points: (a, b, power), none long beside what is near."""
         (a, _), (b, _) = left, right
         near = [q + shift for q, _ in self.special for shift in (-4, 0, 4)]
 
@@ -255,12 +252,13 @@ class Solver:
         node.p, node.weight = p, weight
         node.half = (theta / 2).cos(), (theta / 2).sin()
         node.psi, *node.gradient = self.psi.at(point)
-        arc = max(k for k in range(self.m) if self.arcs[k][0] < p)
-        node.contact = bool(p < self.arcs[arc][1])
+        # The arc of contact that it is on, or in the gap after.
+        node.arc = max(k for k in range(self.m) if self.arcs[k][0] < p)
+        node.contact = bool(p < self.arcs[node.arc][1])
         product = arb(1)
         for end in self.angles:
             product *= 2 * ((theta - end) / 2).sin()
-        node.root = (-1) ** arc * abs(product).sqrt()
+        node.root = (-1) ** node.arc * abs(product).sqrt()
         node.outer = normal
         node.kernel = tangent if node.contact else (-normal[0], -normal[1])
         node.kernel = [weight / node.root * e for e in node.kernel]
@@ -312,7 +310,7 @@ class Solver:
     def solution(self):
         """The energy, v in the centre and in corners, the force of each arc."""
         n = self.n + 9
-        sums = {"energy": arb(0), "centre": arb(0)}
+        energy, centre = -self.particular() / 2, self.psi.at((arb(0), arb(0)))[0]
         forces, corners, v = [arb(0)] * self.m, {}, arb(0)
         for a, b, power in self.panels:
             backward = a > b
@@ -320,8 +318,7 @@ class Solver:
             rates = [self.rate(target) for target in targets]
             if targets[0].contact:
                 v, values = arb(0), [arb(0)] * n
-                arc = max(k for k in range(self.m) if self.arcs[k][0] < targets[0].p)
-                forces[arc] += sum(rate * target.weight for rate, target in zip(rates, targets))
+                forces[targets[0].arc] += sum(rate * target.weight for rate, target in zip(rates, targets))
             else:
                 if any(abs(arc[1] - min(a, b)) < 1e-30 for arc in self.arcs):
                     v = arb(0)
@@ -338,11 +335,9 @@ class Solver:
             for target, rate, value in zip(targets, rates, values):
                 outer = sum(g * e for g, e in zip(target.gradient, target.outer))
                 flux = rate if target.contact else 0
-                sums["energy"] -= target.weight * (target.psi * flux - value * outer) / 2
-                sums["centre"] += target.weight * target.slope * (value - target.psi) / (2 * PI)
-        sums["energy"] -= self.particular() / 2
-        sums["centre"] += self.psi.at((arb(0), arb(0)))[0]
-        return sums["energy"], sums["centre"], corners, forces
+                energy -= target.weight * (target.psi * flux - value * outer) / 2
+                centre += target.weight * target.slope * (value - target.psi) / (2 * PI)
+        return energy, centre, corners, forces
 
     def particular(self):
         """The integral of f psi, by Green's identity with |x|^2 / 4 on each piece."""
@@ -393,25 +388,17 @@ def outline(kind, shape):
             for one, other in zip(stops, stops[1:]):
                 yield line(point(one), point(other))
     else:
-        a, b, radius = shape
-        inward = [-2 * a, -2 * b]
-        tips = (a + inward[0] * radius, b), (a, b + inward[1] * radius)
+        c, radius = shape
+        inward, speed = -2 * c, radius * PI / 2
+
+        def arc(t):
+            x, y = inward * (t * PI / 2).cos(), inward * (t * PI / 2).sin()
+            return (c + radius * x, c + radius * y), (x * speed, y * speed)
+
         # Anticlockwise: out along one leg, round, and back along the other.
-        first, last = tips if inward[0] * inward[1] > 0 else tips[::-1]
-        from_, to = (1, 0), (0, 1)
-        if inward[0] * inward[1] < 0:
-            from_, to = to, from_
-        yield line((a, b), first)
-
-        def round_(t):
-            turn = t * PI / 2
-            x = inward[0] * (from_[0] * turn.cos() + to[0] * turn.sin())
-            y = inward[1] * (from_[1] * turn.cos() + to[1] * turn.sin())
-            speed = radius * PI / 2
-            return (a + radius * x, b + radius * y), (x * speed, y * speed)
-
-        yield round_
-        yield line(last, (a, b))
+        yield line((c, c), (c + inward * radius, c))
+        yield arc
+        yield line((c, c + inward * radius), (c, c))
 
 
 def second_moment(kind, shape):
@@ -419,9 +406,9 @@ def second_moment(kind, shape):
     if kind == "rectangle":
         x0, x1, y0, y1 = shape
         return ((x1**3 - x0**3) * (y1 - y0) + (y1**3 - y0**3) * (x1 - x0)) / 12
-    a, b, radius = shape
-    inward = -2 * a * a - 2 * b * b
-    return ((a * a + b * b) * PI * radius**2 / 4 + 2 * inward * radius**3 / 3 + PI * radius**4 / 8) / 4
+    # c^2 is 1/4, and the leg from (c, c) runs against c.
+    _, radius = shape
+    return (PI * radius**2 / 8 - 2 * radius**3 / 3 + PI * radius**4 / 8) / 4
 
 
 # --- the ends, and what is printed -------------------------------------------------------------------------------
@@ -438,13 +425,8 @@ def find_ends(pieces, elsewhere, arcs, guess, n):
         for k in range(len(distances)):
             moved = [d + (step if j == k else 0) for j, d in enumerate(distances)]
             columns.append([(there - value) / step for there, value in zip(at(moved), here)])
-        dot = lambda x, y: sum(a * b for a, b in zip(x, y))
-        if len(columns) == 1:
-            change = [dot(columns[0], here) / dot(columns[0], columns[0])]
-        else:
-            (a, b), (c, d) = [[dot(x, y) for y in columns] for x in columns]
-            x, y = [dot(column, here) for column in columns]
-            change = [(d * x - b * y) / (a * d - b * c), (a * y - c * x) / (a * d - b * c)]
+        rows = arb_mat(columns)
+        change = (rows * rows.transpose()).solve(rows * arb_mat([[value] for value in here])).entries()
         distances = [old - new for old, new in zip(distances, change)]
         if max(abs(c).mid() for c in change) < 1e-32:
             return [d.mid() for d in distances]
@@ -457,7 +439,7 @@ def solve(f, n):
     distances = find_ends(pieces, elsewhere, arcs, guess, n)
     arcs = arcs(*distances)
     energy, centre, corners, forces = Solver(pieces, elsewhere, arcs, n).solution()
-    point = lambda p: list(place(p - 4 * (p / 4).floor())[2])
+    point = lambda p: list(place(p)[2])
     return {
         "energy": energy,
         "centre": centre,
@@ -476,8 +458,6 @@ def written(value):
     """As TOML; exact halves and zeros without further decimals."""
     if isinstance(value, list):
         return "[" + ", ".join(written(one) for one in value) + "]"
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {written(one)}" for key, one in value.items()) + " }"
     if value.is_exact() and (2 * value).is_integer():
         return f'"{float(value):g}"'
     units = (value * 10**DECIMALS + HALF).floor().unique_fmpz()

@@ -91,11 +91,16 @@ impl<'a> AllCells<'a> {
         Self { outer, ..all }
     }
 
+    /// Row `j` from below, which is held.
+    fn held(&self, j: usize) -> &[Run] {
+        let start = if j > 0 { self.ends[j - 1] } else { 0 };
+        &self.runs[start..self.ends[j]]
+    }
+
     /// Row `j` from below.
     pub(super) fn row(&self, j: usize) -> Cow<'_, [Run]> {
-        if let Some(&end) = self.ends.get(j) {
-            let start = if j > 0 { self.ends[j - 1] } else { 0 };
-            return Cow::Borrowed(&self.runs[start..end]);
+        if j < self.ends.len() {
+            return Cow::Borrowed(self.held(j));
         }
         let cell = |i| Run::cut(i, self.integrated(i, j));
         Cow::Owned((0..self.grid.cells()).map(cell).collect())
@@ -105,17 +110,16 @@ impl<'a> AllCells<'a> {
     /// ones: told at some nodes beside cells that jumps cut, as elsewhere inside the two are the same.
     pub(super) fn is_linear(&self, v: &[f64]) -> bool {
         const NODES: usize = 16;
-        let rows = (1..self.ends.len()).map(|j| (j, &self.runs[self.ends[j - 1]..self.ends[j]]));
-        let cut = |(j, row): (usize, &[Run])| {
-            let cells = row.iter().filter(|run| !run.uniform && run.end > 1);
-            cells.map(|run| (run.end - 1, j)).collect::<Vec<_>>()
+        // The lower left ones of such cells.
+        let of_row = |j| {
+            let cut = self.held(j).iter().filter(|run| !run.uniform && run.end > 1);
+            cut.map(move |run| (run.end - 1, j))
         };
-        let nodes: Vec<_> = rows.flat_map(cut).collect();
+        let nodes: Vec<_> = (1..self.ends.len()).flat_map(of_row).collect();
         let (mut linear, mut bilinear) = (0.0, 0.0);
         for &(i, j) in nodes.iter().step_by(nodes.len().div_ceil(NODES).max(1)) {
-            let (below, above) = (self.row(j - 1), self.row(j));
-            let [[sw, se], [nw, ne]] = [below, above].map(|row| {
-                let mut cursor = Cursor(&row);
+            let [[sw, se], [nw, ne]] = [j - 1, j].map(|row| {
+                let mut cursor = Cursor(self.held(row));
                 [i - 1, i].map(|cell| cursor.at(cell).f)
             });
             let load = ne.masses()[0] + nw.masses()[1] + se.masses()[2] + sw.masses()[3];

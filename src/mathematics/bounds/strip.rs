@@ -129,11 +129,8 @@ fn between_hats([below, here, above, _]: &[Vec<f64>; 4], i: usize) -> [f64; 4] {
         true => 0.125 * ((above[i - 1] + above[i]) - (below[i - 1] + below[i])),
         false => 0.0,
     };
-    let up = |lower: &[f64], upper: &[f64]| match i > 0
-        && i + 1 < n
-        && !lower.is_empty()
-        && !upper.is_empty()
-    {
+    let inside = i > 0 && i + 1 < n;
+    let up = |lower: &[f64], upper: &[f64]| match inside && !lower.is_empty() && !upper.is_empty() {
         true => 0.125 * ((lower[i + 1] + upper[i + 1]) - (lower[i - 1] + upper[i - 1])),
         false => 0.0,
     };

@@ -83,7 +83,7 @@ impl Level {
             Ok::<_, String>((known.h1_error(grid, &y, &load), y, bounds))
         };
         let (error, y, bounds) = bounded(&load)?;
-        let closer = bounded(&load::load(grid, &f, LoadRule::Bilinear {}))?;
+        let (bilinear_error, _, closer) = bounded(&load::load(grid, &f, LoadRule::Bilinear {}))?;
         let [low, high] = bounds.energy;
         let truth = known.solution();
         let Judgement { energy, flux, .. } = judge(grid, &y, &load);
@@ -92,7 +92,7 @@ impl Level {
             cells,
             error,
             effectivity: bounds.error.map(|bound| bound / error),
-            bilinear: closer.2.error.map(|bound| bound / closer.0),
+            bilinear: closer.error.map(|bound| bound / bilinear_error),
             energy: truth.map(|truth| energy - truth.energy),
             bracket: high - low,
             holds: truth.map(|truth| low <= truth.energy && truth.energy <= high),

@@ -86,7 +86,7 @@ fn times_and_targets(
     context.insert("timings", &timings);
     all.extend(targets::of_cube(&bench::result(inputs, "cube")?));
     let bounds = targets::of_bounds(elements);
-    context.insert("effectivity", &bounds.iter().map(|one| one.measured).collect::<Vec<_>>());
+    context.insert("effectivity", &bounds);
     all.extend(bounds);
     context.insert("targets", &all);
     Ok(())

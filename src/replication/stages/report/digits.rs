@@ -100,7 +100,12 @@ contact = [{ from = ["0.5", "0"], to = ["0.5", "0"], force = "1" }]
 
     #[test]
     fn a_broken_record_is_refused() {
-        for (old, new) in [("-0.25", "quarter"), ("energy", "enrgy"), ("{ from", "{}, { from")] {
+        for (old, new) in [
+            ("-0.25", "quarter"),
+            ("energy", "enrgy"),
+            ("f =", "g = 1\nf ="),
+            ("{ from", "{}, { from"),
+        ] {
             assert!(of(&RECORD.replace(old, new)).1.is_err(), "{new}");
         }
         let twice = r#"{ from = ["0", "0"], to = ["0", "0"], force = "1" }, { from"#;
