@@ -4,6 +4,7 @@ mod exact;
 
 use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
+use super::threads::{TASK, items_per_task};
 use crate::problem::exact::Exact;
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
@@ -94,14 +95,12 @@ pub fn integral(f: &Source) -> f64 {
 /// first row and the block.
 fn by_rows(grid: Grid, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let mut vector = vec![0.0; grid.nodes()];
-    let rows = (BLOCK / grid.side()).max(8);
+    let rows = (TASK / grid.side()).max(8);
+    let each = items_per_task(grid.side().div_ceil(rows), rows * grid.side());
     let blocks = vector.par_chunks_mut(rows * grid.side()).enumerate();
-    blocks.for_each(|(block, values)| fill(block * rows, values));
+    blocks.with_min_len(each).for_each(|(block, values)| fill(block * rows, values));
     vector
 }
-
-/// Nodes in a block of rows: enough to be worth a thread's while.
-const BLOCK: usize = 16_384;
 
 fn weight(grid: Grid, diagonal: Option<Diagonal>, i: usize, j: usize) -> f64 {
     let on_border = |i: usize| i == 0 || i == grid.cells();

@@ -10,4 +10,5 @@ pub mod norms;
 pub(crate) mod simd;
 pub mod stiffness;
 pub mod streams;
+pub(crate) mod threads;
 pub mod transfer;

@@ -3,20 +3,23 @@
 use std::ops::Range;
 
 use super::buffers::Buffers;
-use super::layout::{At, Dimension, boundary_before, slab};
+use super::layout::{At, Dimension, boundary_before, nodes, slab};
 use super::rows::{Colour, MIN_PLACES, Rows};
 use super::stencil::{Boundary, Row, edges};
 use super::transfer::Weighting;
 use crate::discrete::simd::Largest;
+use crate::discrete::threads::stays;
 
 /// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;
 
 /// How many blocks a pass over `n + 1` slabs is cut into.
 pub(super) fn blocks<D: Dimension>(n: usize) -> usize {
-    let threads = rayon::current_num_threads();
+    if stays(nodes::<D>(n)) {
+        return 1;
+    }
     let slabs = MIN_BLOCK.max(MIN_PLACES.div_ceil(slab::<D>(n)));
-    if threads == 1 { 1 } else { (4 * threads).min((n + 1) / slabs).max(1) }
+    (4 * rayon::current_num_threads()).min((n + 1) / slabs).max(1)
 }
 
 /// Slabs at which the grid is cut: all even, except the last, `n + 1`.
@@ -132,9 +135,8 @@ impl Block<'_> {
         let mut see = |number: usize, contact| in_contact[number - first_edge] = contact;
         for at in At::of_slab::<D>(n, s) {
             let row = Row::new::<D>(at, Colour::Red, load[Colour::Red as usize], black, start);
-            let target = &mut target[at.in_slab()];
-            target.copy_from_slice(&red[at.in_slab()]);
-            row.replace_by_residual::<D>(boundary, target, natural, &mut see);
+            let (values, target) = (&red[at.in_slab()], &mut target[at.in_slab()]);
+            row.residual::<D>(boundary, values, target, natural, &mut see);
         }
         let [coarse_red, coarse_black] = &mut self.coarse_load;
         let coarse_load = (start.div_ceil(2), [&mut **coarse_red, &mut **coarse_black]);

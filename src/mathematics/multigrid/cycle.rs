@@ -9,6 +9,7 @@ use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
 use super::rows::Colour::{Black, Red};
 use super::stencil::for_each_boundary_node;
+use crate::discrete::threads::items_per_task;
 
 /// Nested iteration stays on a grid until the natural residual is below this part of the load.
 const SETTLED: f64 = 1.0;
@@ -102,7 +103,8 @@ impl<G: Geometry> Multigrid<G> {
             }
         });
         for half in &mut level.values {
-            half.par_iter_mut().with_min_len(1 << 14).for_each(|value| *value -= lowest);
+            let each = items_per_task(half.len(), 1);
+            half.par_iter_mut().with_min_len(each).for_each(|value| *value -= lowest);
         }
         level.in_contact[at] = true;
         let nodes = level.nodes as f64;

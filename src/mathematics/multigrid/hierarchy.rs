@@ -15,6 +15,7 @@ use super::stencil::{coupling, visit};
 use super::stopping::{self, Hierarchy};
 use super::transfer::Weighting;
 use super::{Goal, MultigridParams, Outcome};
+use crate::discrete::threads::among_threads;
 
 /// What differs between the square and the cube, beside the stencil and the transfers.
 pub trait Geometry: Weighting + Sized {
@@ -115,7 +116,7 @@ impl<G: Geometry> Multigrid<G> {
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<Outcome, InputError> {
-        G::solved(self, load, start, params)
+        among_threads(self.finest().nodes, || G::solved(self, load, start, params))
     }
 
     pub(super) fn run(
@@ -230,9 +231,12 @@ pub fn solve<G: Geometry>(
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, Outcome), InputError> {
     let mut workspace = Multigrid::<G>::new(n)?;
-    let outcome = workspace.solve(load, start, params)?;
     let mut solution = vec![0.0; load.len()];
-    workspace.write_solution(&mut solution);
+    let outcome = among_threads(load.len(), || {
+        let outcome = workspace.solve(load, start, params)?;
+        workspace.write_solution(&mut solution);
+        Ok(outcome)
+    })?;
     Ok((solution, outcome))
 }
 

@@ -52,22 +52,28 @@ impl Extent {
     /// values, at the speed of the memory.
     #[inline(always)]
     pub(super) fn of(values: &[f64]) -> Self {
-        const LANES: usize = 8;
+        // As many as `Largest` has, for the same reason.
+        const LANES: usize = 64;
         let mut largest = [0.0_f64; LANES];
         let (mut sums, mut losses) = ([0.0; LANES], [0.0; LANES]);
+        let mut see = |lane: usize, size: f64, sum: f64| {
+            largest[lane] = larger(size, largest[lane]);
+            (sums[lane], losses[lane]) = two_sum(sums[lane], losses[lane], sum);
+        };
         let (blocks, rest) = values.as_chunks::<{ 4 * LANES }>();
         for block in blocks {
+            let (a, b) = block.split_at(2 * LANES);
+            let ((a, b), (c, d)) = (a.split_at(LANES), b.split_at(LANES));
             for lane in 0..LANES {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|k| block[lane + k * LANES]);
+                let (a, b, c, d) = (a[lane], b[lane], c[lane], d[lane]);
                 let size = larger(larger(a.abs(), b.abs()), larger(c.abs(), d.abs()));
-                largest[lane] = larger(size, largest[lane]);
-                let sum = (a + b) + (c + d);
-                (sums[lane], losses[lane]) = two_sum(sums[lane], losses[lane], sum);
+                see(lane, size, (a + b) + (c + d));
             }
         }
-        for &value in rest {
-            largest[0] = larger(value.abs(), largest[0]);
-            (sums[0], losses[0]) = two_sum(sums[0], losses[0], value);
+        for row in rest.chunks(LANES) {
+            for (lane, &value) in row.iter().enumerate() {
+                see(lane, value.abs(), value);
+            }
         }
         let of_lane = |lane| Self { largest: largest[lane], sum: sums[lane], lost: losses[lane] };
         Self::join(&std::array::from_fn::<_, LANES, _>(of_lane))

@@ -14,10 +14,11 @@ use rayon::prelude::*;
 use super::blocks::{Block, Cuts, Target, blocks};
 use super::layout::{At, Dimension, slab};
 use super::level::Level;
-use super::rows::{self, CHUNK, Colour, MIN_PLACES, worse};
+use super::rows::{self, CHUNK, Colour, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
 use super::transfer::Weighting;
 use crate::discrete::simd::{Largest, vectorised};
+use crate::discrete::threads::items_per_task;
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -274,7 +275,8 @@ impl<D: Weighting> Walk<'_, D> {
 /// Natural residual `max |min(y, A y - F)|` over all nodes, interior ones without the `min`.
 pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
     let slab = slab::<D>(level.n);
-    let slabs = (0..level.n + 1).into_par_iter().with_min_len(MIN_PLACES.div_ceil(slab));
+    let each = items_per_task(level.n + 1, 2 * slab);
+    let slabs = (0..level.n + 1).into_par_iter().with_min_len(each);
     let of_slab = |residual: &mut Vec<f64>, s: usize| {
         vectorised(
             #[inline(always)]
@@ -291,11 +293,11 @@ fn slab_residual<D: Dimension>(level: &Level, s: usize, residual: &mut [f64]) ->
     let mut natural = Largest::default();
     for colour in [Colour::Red, Colour::Black] {
         let (own, other) = (colour as usize, &level.values[colour.other() as usize]);
-        residual.copy_from_slice(&level.values[own][s * slab..(s + 1) * slab]);
+        let values = &level.values[own][s * slab..(s + 1) * slab];
         for at in At::of_slab::<D>(n, s) {
             let row = Row::new::<D>(at, colour, &level.load[own], other, 0);
-            let target = &mut residual[at.in_slab()];
-            row.replace_by_residual::<D>(Boundary::Obstacle, target, &mut natural, |_, _| ());
+            let (values, target) = (&values[at.in_slab()], &mut residual[at.in_slab()]);
+            row.residual::<D>(Boundary::Obstacle, values, target, &mut natural, |_, _| ());
         }
     }
     natural.value()

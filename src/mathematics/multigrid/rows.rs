@@ -5,6 +5,7 @@ use std::ops::{Deref, DerefMut};
 use rayon::prelude::*;
 
 use crate::discrete::simd::vectorised;
+use crate::discrete::threads::{TASK, items_per_task};
 
 /// Nodes with an even sum of indices are red, the others black.
 ///
@@ -40,8 +41,8 @@ pub(super) fn stride(n: usize) -> usize {
     (n / 2 + LINE) / LINE * LINE
 }
 
-/// Places of one colour per task at least: fewer take no longer than waking a thread.
-pub(super) const MIN_PLACES: usize = 1 << 13;
+/// Places of one colour per task at least.
+pub(super) const MIN_PLACES: usize = TASK / 2;
 /// Places of one colour, at least, that a loop works on at a time: what it needs stays in the cache, and what it
 /// prepares is prepared for several short rows.
 pub(super) const CHUNK: usize = 1 << 11;
@@ -92,7 +93,7 @@ pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) {
     red.zip(black)
         .zip(natural.par_chunks_exact(n + 1))
         .enumerate()
-        .with_min_len(MIN_PLACES.div_ceil(stride))
+        .with_min_len(items_per_task(natural.len() / (n + 1), 2 * stride))
         .for_each(|(j, ((red, black), source))| {
             let [long, short] = long_and_short(j, [red, black]);
             deinterleave(source, long, short);
@@ -105,7 +106,8 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
         return;
     }
     for half in colours {
-        half.par_iter_mut().with_min_len(1 << 14).for_each(|value| *value *= factor);
+        let each = items_per_task(half.len(), 1);
+        half.par_iter_mut().with_min_len(each).for_each(|value| *value *= factor);
     }
 }
 
@@ -113,11 +115,12 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
     let (stride, rows) = (stride(n), CHUNK.div_ceil(stride(n)));
     assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
+    let chunks = colours[0].len().div_ceil(rows * stride);
     let [red, black] = colours.each_ref().map(|half| half.par_chunks(rows * stride));
     red.zip(black)
         .zip(natural.par_chunks_mut(rows * (n + 1)))
         .enumerate()
-        .with_min_len(MIN_PLACES / CHUNK)
+        .with_min_len(items_per_task(chunks, 2 * rows * stride))
         .for_each(|(chunk, ((red, black), target))| {
             vectorised(
                 #[inline(always)]

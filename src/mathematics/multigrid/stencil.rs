@@ -168,33 +168,35 @@ impl<'a> Row<'a> {
     /// Half a sweep; the factor acts inside, boundary unknowns are minimised exactly.
     #[inline(always)]
     pub(super) fn relax<D: Dimension>(self, boundary: Boundary, factor: f64, target: &mut [f64]) {
-        let edge = |edge, _, sum| boundary.relax::<D>(edge, sum);
+        let edge = |_, edge, sum| boundary.relax::<D>(edge, sum);
         if factor == 1.0 {
-            self.update::<D>(target, |_, sum| inverse::<D>() * sum, edge);
+            self.update::<D>(target, |_, _, sum| inverse::<D>() * sum, edge);
         } else {
             let (keep, take) = (1.0 - factor, inverse::<D>() * factor);
-            self.update::<D>(target, |value, sum| keep * value + take * sum, edge);
+            self.update::<D>(target, |_, value, sum| keep * value + take * sum, edge);
         }
     }
 
-    /// Replaces the values of the row by their residuals, zero where truncated; `natural` takes in the natural
-    /// residuals of an obstacle problem, in units of the load, and `see` is told of each of its boundary nodes
-    /// whether it is in contact.
+    /// Sets `target` to the residuals of the row, zero where truncated; `natural` takes in the natural residuals of
+    /// an obstacle problem, in units of the load, and `see` is told of each of its boundary nodes whether it is in
+    /// contact.
     #[inline(always)]
-    pub(super) fn replace_by_residual<D: Dimension>(
+    pub(super) fn residual<D: Dimension>(
         self,
         boundary: Boundary,
+        values: &[f64],
         target: &mut [f64],
         natural: &mut Largest,
         mut see: impl FnMut(usize, bool),
     ) {
-        let coupling = coupling::<D>(self.at.n);
+        let (half, coupling) = (self.at.n / 2, coupling::<D>(self.at.n));
+        let inside = &values[..half];
         self.update::<D>(
             target,
-            |value, sum| sum - diagonal::<D>() * value,
-            |edge, value, sum| {
+            |m, _, sum| sum - diagonal::<D>() * inside[m],
+            |m, edge, sum| {
                 let (residual, of_node, in_contact) =
-                    boundary.residual::<D>(edge, coupling, value, sum);
+                    boundary.residual::<D>(edge, coupling, values[m], sum);
                 if let Boundary::Obstacle = boundary {
                     natural.put(of_node);
                     see(edge.number, in_contact);
@@ -210,38 +212,32 @@ impl<'a> Row<'a> {
             if self.at.is_long(self.colour) {
                 target[0] = 0.0;
             }
-            natural.see(coupling, &target[..self.at.n / 2]);
+            natural.see(coupling, &target[..half]);
             target[0] = first;
         }
     }
 
-    /// Replaces each `t` of `target` by `inner(t, sum)` inside and `edge(node, t, sum)` on the boundary,
-    /// where `sum` is the load plus the neighbours.
+    /// Replaces each `t` of `target` by `inner(m, t, sum)` inside and `edge(m, node, sum)` on the boundary, where `m`
+    /// is its place and `sum` the load plus the neighbours.
     #[inline(always)]
     fn update<D: Dimension>(
         self,
         target: &mut [f64],
-        inner: impl Fn(f64, f64) -> f64,
-        mut edge: impl FnMut(Edge, f64, f64) -> f64,
+        inner: impl Fn(usize, f64, f64) -> f64,
+        mut edge: impl FnMut(usize, Edge, f64) -> f64,
     ) {
         let Self { at, colour, load, along, before, across } = self;
-        let (half, inside) = (at.n / 2, at.is_inner::<D>());
-        // The whole row, aligned; a long one begins with a place that is none, and gets its ends again.
-        let ends = [target[0], target[half]];
-        if inside {
+        let half = at.n / 2;
+        if at.is_inner::<D>() {
+            // The whole row, aligned; a long one begins with a place that is none, and gets its ends after it.
             let [west, east] = match at.is_long(colour) {
                 true => [before, along],
                 false => [along, &along[1..]],
             };
-            let across = across.map(|row| &row[..half]);
-            update_inner::<D>(&mut target[..half], &load[..half], [west, east], across, inner);
-            for ((m, node), value) in edges::<D>(at, colour).zip(ends) {
-                target[m] = edge(node, value, self.edge_sum::<D>(m));
-            }
-        } else {
-            for (m, node) in edges::<D>(at, colour) {
-                target[m] = edge(node, target[m], self.edge_sum::<D>(m));
-            }
+            update_inner::<D>(&mut target[..half], load, [west, east], across, inner);
+        }
+        for (m, node) in edges::<D>(at, colour) {
+            target[m] = edge(m, node, self.edge_sum::<D>(m));
         }
     }
 
@@ -268,7 +264,7 @@ fn update_inner<D: Dimension>(
     load: &[f64],
     [west, east]: [&[f64]; 2],
     [south, north, below, above]: [&[f64]; 4],
-    inner: impl Fn(f64, f64) -> f64,
+    inner: impl Fn(usize, f64, f64) -> f64,
 ) {
     let len = target.len();
     let (west, east, load) = (&west[..len], &east[..len], &load[..len]);
@@ -278,6 +274,6 @@ fn update_inner<D: Dimension>(
         if D::AXES == 3 {
             across += south[m] + north[m];
         }
-        target[m] = inner(target[m], load[m] + ((west[m] + east[m]) + across));
+        target[m] = inner(m, target[m], load[m] + ((west[m] + east[m]) + across));
     }
 }

@@ -72,12 +72,10 @@ pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -
         let cells = level.n;
         let springs = &mut springs[..4 * cells];
         find_springs(n, &around, &intervals, springs);
-        for (p, spring) in springs.iter().enumerate() {
-            level.inverse_diagonal[number(cells, p)] = match *spring {
-                0.0 => 0.25,
-                spring if spring < STIFFEST => 1.0 / (4.0 + spring),
-                _ => 0.0,
-            };
+        level.inverse_diagonal.fill(0.25);
+        for (p, &spring) in springs.iter().enumerate().filter(|(_, spring)| **spring != 0.0) {
+            let inverse = if spring < STIFFEST { 1.0 / (4.0 + spring) } else { 0.0 };
+            level.inverse_diagonal[number(cells, p)] = inverse;
         }
         work += springs.len() as f64;
     }

@@ -26,14 +26,15 @@ impl Weighting for Square {
 fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {
     let half = coarse.len() - 1;
     coarse[0] = middle[0] + 0.5 * (lower[0] + upper[0]);
-    coarse[half] = middle[half] + 0.5 * (lower[half - 1] + upper[half - 1]);
-    let (coarse, middle) = (&mut coarse[1..half], &middle[1..half]);
-    let (lower_west, lower_east) = (&lower[..half - 1], &lower[1..half]);
-    let (upper_west, upper_east) = (&upper[..half - 1], &upper[1..half]);
-    for k in 0..half - 1 {
+    // Up to the last one, which is replaced: whole vectors.
+    let (inner, middle_inner) = (&mut coarse[1..half + 1], &middle[1..half + 1]);
+    let (lower_west, lower_east) = (&lower[..half], &lower[1..half + 1]);
+    let (upper_west, upper_east) = (&upper[..half], &upper[1..half + 1]);
+    for k in 0..half {
         let diagonals = (lower_west[k] + lower_east[k]) + (upper_west[k] + upper_east[k]);
-        coarse[k] = middle[k] + 0.25 * diagonals;
+        inner[k] = middle_inner[k] + 0.25 * diagonals;
     }
+    coarse[half] = middle[half] + 0.5 * (lower[half - 1] + upper[half - 1]);
 }
 
 /// The black part of full weighting: half of the four nearest neighbours.
@@ -41,10 +42,12 @@ fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {
 fn weigh_black(coarse: &mut [f64], [along, below, above]: [&[f64]; 3]) {
     let half = coarse.len() - 1;
     coarse[0] += 0.5 * (2.0 * along[0] + (below[0] + above[0]));
-    coarse[half] += 0.5 * (2.0 * along[half - 1] + (below[half] + above[half]));
-    let (coarse, below, above) = (&mut coarse[1..half], &below[1..half], &above[1..half]);
-    let (west, east) = (&along[..half - 1], &along[1..half]);
-    for k in 0..half - 1 {
-        coarse[k] += 0.5 * ((west[k] + east[k]) + (below[k] + above[k]));
+    let last = coarse[half] + 0.5 * (2.0 * along[half - 1] + (below[half] + above[half]));
+    let (inner, below, above) =
+        (&mut coarse[1..half + 1], &below[1..half + 1], &above[1..half + 1]);
+    let (west, east) = (&along[..half], &along[1..half + 1]);
+    for k in 0..half {
+        inner[k] += 0.5 * ((west[k] + east[k]) + (below[k] + above[k]));
     }
+    coarse[half] = last;
 }
