@@ -18,12 +18,13 @@ pub(crate) fn on_threads<T: Send>(threads: usize, compute: impl FnOnce() -> T + 
     pool.expect("a pool").install(compute)
 }
 
-/// Fails if the result depends on the number of threads, in any bit.
+/// Fails if the result depends on the number of threads, in any bit, or on whether one of them asks.
 pub(crate) fn assert_threads_do_not_matter(solve: impl Fn() -> Vec<f64> + Sync) {
     let one = on_threads(1, &solve);
     for threads in [2, 3] {
         assert!(one == on_threads(threads, &solve), "{threads} threads");
     }
+    assert!(one == solve(), "from outside");
 }
 
 /// The largest difference of two vectors.
