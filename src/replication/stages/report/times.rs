@@ -14,8 +14,11 @@ use std::fmt::Display;
 /// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
 const WANTED: [f64; 2] = [8.0, 30.0];
 const THEIR_UPDATE: f64 = 60.0;
-/// Bounds: exponent of the growth of time, two threads over one, ns per node of a sweep, PETSc over ours.
+/// Bounds: exponent of the growth of time, time over that of the memory, a small grid over one that fills the caches, two
+/// threads over one, ns per node of a sweep, PETSc over ours.
 const PROPORTIONAL: f64 = 1.05;
+const STREAMING: f64 = 1.6;
+const SMALL: f64 = 2.0;
 const SPEEDUP: f64 = 1.6;
 const SWEEP: f64 = 1.5;
 const PEERS: f64 = 150.0;
@@ -23,6 +26,8 @@ const PEERS: f64 = 150.0;
 const FAR: f64 = 1e-10;
 /// Cells per side of the grid on which two threads are judged.
 const THREADS_AT: usize = 2048;
+/// Cells per side of a small grid, of one that fits into the caches, and of the first that does not.
+const GRIDS: [usize; 3] = [64, 512, 1024];
 /// Power laws are fitted to grids with at least so many unknowns.
 const FIT_FROM: usize = 100_000;
 
@@ -33,6 +38,7 @@ pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
     let comparison = |problem| comparison(problem, &timings.solver);
     json!({
         "grids": grids(timings).into_iter().filter_map(|n| grid(timings, n)).collect::<Vec<_>>(),
+        "cached": grid(timings, GRIDS[1]),
         "fits": fits(timings),
         "comparisons": problems.into_iter().map(comparison).collect::<Vec<_>>(),
         "noise": noise(timings),
@@ -56,6 +62,22 @@ pub(super) fn targets(timings: &Timings) -> Vec<Target> {
     for fit in fits(timings).iter().filter(|fit| fit.threads == 1) {
         let name = format!("exponent of time over unknowns, {}, one thread", fit.goal);
         targets.push(Target::at_most(name, PROPORTIONAL, fit.exponent));
+    }
+    let [small, cached, beyond] = GRIDS;
+    let beyond = grids(timings).into_iter().filter(|&cells| cells >= beyond);
+    let lines = beyond.filter_map(|cells| to_goals(timings, cells, 1)).flatten();
+    if let Some(ratios) = Range::of(lines.map(|line| line.ns() / stream(timings, line))) {
+        let name =
+            format!("time over streaming time, one thread, from 1/{} on, the greatest", GRIDS[2]);
+        targets.push(Target::at_most(name, STREAMING, ratios.greatest));
+    }
+    let near = |cells| find(timings, cells, 1, Goal::Discretisation);
+    if let (Some(one), Some(other)) = (near(small), near(cached)) {
+        let name = format!(
+            "time per unknown at 1/{small} over that at 1/{cached}, to the {}",
+            one.goal.in_words()
+        );
+        targets.push(Target::at_most(name, SMALL, one.ns() / other.ns()));
     }
     let [one, two] = [1, 2].map(|threads| to_goals(timings, THREADS_AT, threads));
     for (one, two) in one.into_iter().flatten().zip(two.into_iter().flatten()) {
@@ -105,8 +127,7 @@ fn grid(timings: &Timings, cells: usize) -> Option<Value> {
             // By threads: one, then two if there are.
             "ns": std::iter::once(one).chain(two).map(Scaling::ns).collect::<Vec<_>>(),
             "per_unit": one.ns() / one.work_units,
-            // Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
-            "stream": one.traffic / timings.bandwidth.update,
+            "stream": stream(timings, one),
         })
     };
     Some(json!({
@@ -115,6 +136,11 @@ fn grid(timings: &Timings, cells: usize) -> Option<Value> {
         "bytes": goals[1].bytes,
         "goals": goals.map(timed),
     }))
+}
+
+/// Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
+fn stream(timings: &Timings, line: &Scaling) -> f64 {
+    line.traffic / timings.bandwidth.update
 }
 
 /// A power law of multigrid's time.
