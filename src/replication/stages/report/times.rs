@@ -38,7 +38,8 @@ pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
     let comparison = |problem| comparison(problem, &timings.solver);
     json!({
         "grids": grids(timings).into_iter().filter_map(|n| grid(timings, n)).collect::<Vec<_>>(),
-        "cached": grid(timings, GRIDS[1]),
+        // The finest of those that fit into the caches.
+        "cached": grids(timings).into_iter().rfind(|&n| n <= GRIDS[1]).and_then(|n| grid(timings, n)),
         "fits": fits(timings),
         "comparisons": problems.into_iter().map(comparison).collect::<Vec<_>>(),
         "noise": noise(timings),
