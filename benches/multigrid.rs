@@ -7,12 +7,17 @@
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::memory::LargePages;
 use signorini_mathematics::experiments::problems;
 use signorini_mathematics::multigrid::square::Square;
 use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridParams, Outcome};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 use std::time::Instant;
+
+/// As the program has it.
+#[global_allocator]
+static ALLOCATOR: LargePages = LargePages;
 
 const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
 

@@ -6,6 +6,7 @@ pub mod cube;
 pub mod grid;
 pub mod kkt;
 pub mod load;
+pub mod memory;
 pub mod norms;
 pub(crate) mod simd;
 pub mod stiffness;
