@@ -17,7 +17,7 @@ use std::time::Instant;
 
 /// As the program has it.
 #[global_allocator]
-static ALLOCATOR: LargePages = LargePages;
+static ALLOCATOR: LargePages = LargePages { refused: None };
 
 const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
 

@@ -30,7 +30,8 @@ pub struct Project {
     /// The published tables; none in a study of something else.
     pub paper: Paper,
     /// The files under `pipeline/` as read, by path in the project: scenes, and as far as they are there
-    /// the published tables, the digits of true solutions, and the records of the search and of times, which whoever needs them parses.
+    /// the published tables, the digits of true solutions, and the records of the search and of times, which
+    /// whoever needs them parses.
     pub files: Artifacts,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,

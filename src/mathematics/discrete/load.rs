@@ -4,7 +4,7 @@ mod exact;
 
 use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
-use super::threads::{TASK, items_per_task};
+use super::threads::{TASK, in_tasks};
 use crate::problem::exact::Exact;
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
@@ -96,9 +96,8 @@ pub fn integral(f: &Source) -> f64 {
 fn by_rows(grid: Grid, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let mut vector = vec![0.0; grid.nodes()];
     let rows = (TASK / grid.side()).max(8);
-    let each = items_per_task(grid.side().div_ceil(rows), rows * grid.side());
     let blocks = vector.par_chunks_mut(rows * grid.side()).enumerate();
-    blocks.with_min_len(each).for_each(|(block, values)| fill(block * rows, values));
+    in_tasks(blocks, rows * grid.side()).for_each(|(block, values)| fill(block * rows, values));
     vector
 }
 

@@ -34,7 +34,7 @@ fn avx2<R>(work: impl FnOnce() -> R) -> R {
 
 /// Numbers that are compared side by side: too many for the compiler to write out one by one, after which it would
 /// gather those of several blocks in one vector.
-const LANES: usize = 64;
+pub(crate) const LANES: usize = 64;
 
 /// The largest absolute value of many rows, NaN if a number is; kept in independent lanes so that it vectorises.
 ///

@@ -1,5 +1,7 @@
 //! When work on nodal vectors is shared between threads.
 
+use rayon::iter::{IndexedParallelIterator, MinLen};
+
 /// Numbers that a task has at least: fewer take no longer than waking a thread.
 pub(crate) const TASK: usize = 1 << 14;
 /// Numbers from which on a caller that is none of the threads hands its work to them, and sleeps until it is done.
@@ -12,8 +14,14 @@ pub(crate) fn stays(numbers: usize) -> bool {
     rayon::current_num_threads() == 1 || (outside && numbers < WORTH_HANDING_OVER)
 }
 
+/// The items, each of `size` numbers, in tasks that are worth a thread's while.
+pub(crate) fn in_tasks<I: IndexedParallelIterator>(items: I, size: usize) -> MinLen<I> {
+    let each = items_per_task(items.len(), size);
+    items.with_min_len(each)
+}
+
 /// How many of some items, each of `size` numbers, a task has at least.
-pub(crate) fn items_per_task(items: usize, size: usize) -> usize {
+fn items_per_task(items: usize, size: usize) -> usize {
     if stays(items * size) { items } else { TASK.div_ceil(size) }
 }
 

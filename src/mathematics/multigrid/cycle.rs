@@ -1,15 +1,13 @@
 //! One cycle through the grids, and the nested iteration that leads to the finest.
 
-use rayon::prelude::*;
-
 use super::hierarchy::{Geometry, Multigrid};
 use super::layout::{boundary_nodes, rows_per_slab};
 use super::pass::Problem::{Correction, Obstacle};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, Problem, Stage};
+use super::rows;
 use super::rows::Colour::{Black, Red};
 use super::stencil::for_each_boundary_node;
-use crate::discrete::threads::items_per_task;
 
 /// Nested iteration stays on a grid until the natural residual is below this part of the load.
 const SETTLED: f64 = 1.0;
@@ -102,10 +100,7 @@ impl<G: Geometry> Multigrid<G> {
                 (lowest, at) = (value, number);
             }
         });
-        for half in &mut level.values {
-            let each = items_per_task(half.len(), 1);
-            half.par_iter_mut().with_min_len(each).for_each(|value| *value -= lowest);
-        }
+        rows::for_each(&mut level.values, |value| *value -= lowest);
         level.in_contact[at] = true;
         let nodes = level.nodes as f64;
         self.count(0.25 * nodes);

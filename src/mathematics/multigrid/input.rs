@@ -1,5 +1,7 @@
 //! What a load must satisfy before a solver accepts it.
 
+use crate::discrete::simd::LANES;
+
 /// What can be wrong with the input of a solver.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum InputError {
@@ -52,8 +54,6 @@ impl Extent {
     /// values, at the speed of the memory.
     #[inline(always)]
     pub(super) fn of(values: &[f64]) -> Self {
-        // As many as `Largest` has, for the same reason.
-        const LANES: usize = 64;
         let mut largest = [0.0_f64; LANES];
         let (mut sums, mut losses) = ([0.0; LANES], [0.0; LANES]);
         let mut see = |lane: usize, size: f64, sum: f64| {

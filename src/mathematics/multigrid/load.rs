@@ -9,7 +9,7 @@ use super::rows::{Colour, LINE, MIN_PLACES, Rows, deinterleave, long_and_short, 
 use super::stencil::coupling;
 use super::transfer::Weighting;
 use crate::discrete::simd::{Largest, vectorised};
-use crate::discrete::threads::items_per_task;
+use crate::discrete::threads::in_tasks;
 use std::ops::Range;
 
 /// Sets the load of a grid from `F` in natural order, divided by the couplings.
@@ -93,11 +93,10 @@ pub(super) fn norm(level: &Level) -> f64 {
             },
         )
     };
-    let each = items_per_task(level.load[0].len().div_ceil(MIN_PLACES), 2 * MIN_PLACES);
     let [red, black] = level.load.each_ref().map(|half| half.par_chunks(MIN_PLACES));
     // Side by side: one after the other they would be split between threads however short they are.
-    let sums = red.zip(black).with_min_len(each).map(|(red, black)| squares(red) + squares(black));
-    let sums: Vec<f64> = sums.collect();
+    let halves = in_tasks(red.zip(black), 2 * MIN_PLACES);
+    let sums: Vec<f64> = halves.map(|(red, black)| squares(red) + squares(black)).collect();
     sums.iter().sum::<f64>().sqrt()
 }
 
@@ -112,8 +111,7 @@ fn pieces(
     [red, black]: &mut [Rows; 2],
     places: usize,
 ) -> impl IndexedParallelIterator<Item = (&mut [f64], &mut [f64])> {
-    let each = items_per_task(red.len().div_ceil(places), 2 * places);
-    red.par_chunks_mut(places).zip(black.par_chunks_mut(places)).with_min_len(each)
+    in_tasks(red.par_chunks_mut(places).zip(black.par_chunks_mut(places)), 2 * places)
 }
 
 /// From `F` in natural order to the load of the mirrored stencil, for some slabs.

@@ -18,7 +18,7 @@ use super::rows::{self, CHUNK, Colour, worse};
 use super::stencil::{Boundary, Row, diagonal, edges};
 use super::transfer::Weighting;
 use crate::discrete::simd::{Largest, vectorised};
-use crate::discrete::threads::items_per_task;
+use crate::discrete::threads::in_tasks;
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -275,8 +275,7 @@ impl<D: Weighting> Walk<'_, D> {
 /// Natural residual `max |min(y, A y - F)|` over all nodes, interior ones without the `min`.
 pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
     let slab = slab::<D>(level.n);
-    let each = items_per_task(level.n + 1, 2 * slab);
-    let slabs = (0..level.n + 1).into_par_iter().with_min_len(each);
+    let slabs = in_tasks((0..level.n + 1).into_par_iter(), 2 * slab);
     let of_slab = |residual: &mut Vec<f64>, s: usize| {
         vectorised(
             #[inline(always)]

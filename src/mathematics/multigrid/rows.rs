@@ -5,7 +5,7 @@ use std::ops::{Deref, DerefMut};
 use rayon::prelude::*;
 
 use crate::discrete::simd::vectorised;
-use crate::discrete::threads::{TASK, items_per_task};
+use crate::discrete::threads::{TASK, in_tasks};
 
 /// Nodes with an even sum of indices are red, the others black.
 ///
@@ -90,24 +90,24 @@ pub(super) fn of(colours: &[Rows; 2]) -> [&[f64]; 2] {
 pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) {
     let stride = stride(n);
     let [red, black] = colours.each_mut().map(|half| half.par_chunks_exact_mut(stride));
-    red.zip(black)
-        .zip(natural.par_chunks_exact(n + 1))
-        .enumerate()
-        .with_min_len(items_per_task(natural.len() / (n + 1), 2 * stride))
-        .for_each(|(j, ((red, black), source))| {
-            let [long, short] = long_and_short(j, [red, black]);
-            deinterleave(source, long, short);
-        });
+    let rows = red.zip(black).zip(natural.par_chunks_exact(n + 1)).enumerate();
+    in_tasks(rows, 2 * stride).for_each(|(j, ((red, black), source))| {
+        let [long, short] = long_and_short(j, [red, black]);
+        deinterleave(source, long, short);
+    });
 }
 
 /// Multiplies an array of both colours by a number.
 pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
-    if factor == 1.0 {
-        return;
+    if factor != 1.0 {
+        for_each(colours, |value| *value *= factor);
     }
+}
+
+/// Changes every number of both colours.
+pub(super) fn for_each(colours: &mut [Rows; 2], change: impl Fn(&mut f64) + Sync) {
     for half in colours {
-        let each = items_per_task(half.len(), 1);
-        half.par_iter_mut().with_min_len(each).for_each(|value| *value *= factor);
+        in_tasks(half.par_iter_mut(), 1).for_each(&change);
     }
 }
 
@@ -115,28 +115,23 @@ pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
 pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
     let (stride, rows) = (stride(n), CHUNK.div_ceil(stride(n)));
     assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
-    let chunks = colours[0].len().div_ceil(rows * stride);
     let [red, black] = colours.each_ref().map(|half| half.par_chunks(rows * stride));
-    red.zip(black)
-        .zip(natural.par_chunks_mut(rows * (n + 1)))
-        .enumerate()
-        .with_min_len(items_per_task(chunks, 2 * rows * stride))
-        .for_each(|(chunk, ((red, black), target))| {
-            vectorised(
-                #[inline(always)]
-                || {
-                    let halves = red.chunks_exact(stride).zip(black.chunks_exact(stride));
-                    for (j, (halves, row)) in halves.zip(target.chunks_exact_mut(n + 1)).enumerate()
-                    {
-                        let [long, short] = long_and_short(chunk * rows + j, halves.into());
-                        interleave(long, short, row);
-                    }
-                    if factor != 1.0 {
-                        target.iter_mut().for_each(|value| *value *= factor);
-                    }
-                },
-            );
-        });
+    let chunks = red.zip(black).zip(natural.par_chunks_mut(rows * (n + 1))).enumerate();
+    in_tasks(chunks, 2 * rows * stride).for_each(|(chunk, ((red, black), target))| {
+        vectorised(
+            #[inline(always)]
+            || {
+                let halves = red.chunks_exact(stride).zip(black.chunks_exact(stride));
+                for (j, (halves, row)) in halves.zip(target.chunks_exact_mut(n + 1)).enumerate() {
+                    let [long, short] = long_and_short(chunk * rows + j, halves.into());
+                    interleave(long, short, row);
+                }
+                if factor != 1.0 {
+                    target.iter_mut().for_each(|value| *value *= factor);
+                }
+            },
+        );
+    });
 }
 
 /// Orders what belongs to the red and the black part of row `j` by the kind of row: a *long* row of a

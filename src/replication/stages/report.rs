@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 pub(crate) const ID: &str = "report/book";
 
 /// What the chapters lack in this project, if they lack anything: with the paper's problems, with recorded times
-/// or true solutions, or with what one of the problems does not ask for, all pages made from templates are left out of the book.
+/// or true solutions, or with what one of the problems does not ask for, all pages made from templates are left out
+/// of the book.
 pub(crate) fn left_out(project: &Project) -> Option<String> {
     let problems = project.problems();
     let [first, second] = problems[..] else {

@@ -14,8 +14,8 @@ use std::fmt::Display;
 /// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
 const WANTED: [f64; 2] = [8.0, 30.0];
 const THEIR_UPDATE: f64 = 60.0;
-/// Bounds: exponent of the growth of time, time over that of the memory, a small grid over one that fills the caches, two
-/// threads over one, ns per node of a sweep, PETSc over ours.
+/// Bounds: exponent of the growth of time, time over that of the memory, a small grid over one that fills the caches,
+/// two threads over one, ns per node of a sweep, PETSc over ours.
 const PROPORTIONAL: f64 = 1.05;
 const STREAMING: f64 = 1.6;
 const SMALL: f64 = 2.0;
@@ -27,7 +27,9 @@ const FAR: f64 = 1e-10;
 /// Cells per side of the grid on which two threads are judged.
 const THREADS_AT: usize = 2048;
 /// Cells per side of a small grid, of one that fits into the caches, and of the first that does not.
-const GRIDS: [usize; 3] = [64, 512, 1024];
+const SMALL_AT: usize = 64;
+const CACHED_AT: usize = 512;
+const STREAMING_FROM: usize = 1024;
 /// Power laws are fitted to grids with at least so many unknowns.
 const FIT_FROM: usize = 100_000;
 
@@ -39,7 +41,7 @@ pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
     json!({
         "grids": grids(timings).into_iter().filter_map(|n| grid(timings, n)).collect::<Vec<_>>(),
         // The finest of those that fit into the caches.
-        "cached": grids(timings).into_iter().rfind(|&n| n <= GRIDS[1]).and_then(|n| grid(timings, n)),
+        "cached": grids(timings).into_iter().rfind(|&n| n <= CACHED_AT).and_then(|n| grid(timings, n)),
         "fits": fits(timings),
         "comparisons": problems.into_iter().map(comparison).collect::<Vec<_>>(),
         "noise": noise(timings),
@@ -64,18 +66,18 @@ pub(super) fn targets(timings: &Timings) -> Vec<Target> {
         let name = format!("exponent of time over unknowns, {}, one thread", fit.goal);
         targets.push(Target::at_most(name, PROPORTIONAL, fit.exponent));
     }
-    let [small, cached, beyond] = GRIDS;
-    let beyond = grids(timings).into_iter().filter(|&cells| cells >= beyond);
+    let beyond = grids(timings).into_iter().filter(|&cells| cells >= STREAMING_FROM);
     let lines = beyond.filter_map(|cells| to_goals(timings, cells, 1)).flatten();
     if let Some(ratios) = Range::of(lines.map(|line| line.ns() / stream(timings, line))) {
-        let name =
-            format!("time over streaming time, one thread, from 1/{} on, the greatest", GRIDS[2]);
+        let name = format!(
+            "time over streaming time, one thread, from 1/{STREAMING_FROM} on, the greatest"
+        );
         targets.push(Target::at_most(name, STREAMING, ratios.greatest));
     }
     let near = |cells| find(timings, cells, 1, Goal::Discretisation);
-    if let (Some(one), Some(other)) = (near(small), near(cached)) {
+    if let (Some(one), Some(other)) = (near(SMALL_AT), near(CACHED_AT)) {
         let name = format!(
-            "time per unknown at 1/{small} over that at 1/{cached}, to the {}",
+            "time per unknown at 1/{SMALL_AT} over that at 1/{CACHED_AT}, to the {}",
             one.goal.in_words()
         );
         targets.push(Target::at_most(name, SMALL, one.ns() / other.ns()));
