@@ -8,8 +8,8 @@ use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
 use signorini::saddle::{
-    Monitor, Pair, Params, Plain, StopReason, StopRule, arrow_hurwicz, on_nested, solve_nested,
-    tolerance,
+    Monitor, Pair, Params, Plain, PlainEnd, StopReason, StopRule, arrow_hurwicz, on_nested,
+    solve_nested, tolerance,
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
@@ -63,7 +63,11 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
             });
         let made: Vec<_> = made
             .iter()
-            .map(|o| (o.iterations, o.stop == StopReason::Converged, o.delta_a))
+            .map(|outcome| PlainEnd {
+                iterations: outcome.iterations,
+                met: outcome.stop == StopReason::Converged,
+                delta_a: outcome.delta_a,
+            })
             .collect();
         assert_eq!(defined, made, "{name} {rule} r = {r}");
         let bits =

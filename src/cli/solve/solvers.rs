@@ -12,7 +12,7 @@ use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, InputError, MultigridParams};
 use crate::pipeline::error::{Error, Result};
-use crate::saddle::{self, Outcome, Pair, Params, StopReason, on_nested, tolerance};
+use crate::saddle::{self, Pair, Params, SaddleRun, StopReason, on_nested, tolerance};
 use std::time::Instant;
 
 impl Problem {
@@ -61,10 +61,11 @@ impl Problem {
             on_nested(&grids, loads, self.prolongation, |level, grid, load, pair| {
                 let params = Params { tolerance: tolerance(level), ..self.params };
                 let method = self.solver.method(params.tolerance);
-                let (end, sweeps) = saddle::solve(grid, load, method, &params, pair, None);
-                ((end, sweeps), end.stop)
+                let run = saddle::solve(grid, load, method, &params, pair, None);
+                (run, run.outcome.stop)
             });
-        if let Some((end, _)) = outcomes.last().filter(|(end, _)| end.stop == StopReason::Diverged)
+        if let Some(SaddleRun { outcome: end, .. }) =
+            outcomes.last().filter(|run| run.outcome.stop == StopReason::Diverged)
         {
             return Err(Error::Stage(vec![format!(
                 "{}: {} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
@@ -74,7 +75,7 @@ impl Problem {
                 end.iterations
             )]));
         }
-        let level = |&(end, sweeps): &(Outcome, usize)| Level {
+        let level = |&SaddleRun { outcome: end, sweeps }: &SaddleRun| Level {
             cells: end.cells,
             iterations: end.iterations,
             sweeps: Some(sweeps),

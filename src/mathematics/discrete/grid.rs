@@ -1,6 +1,6 @@
 //! Uniform P1 grids of the square (-1/2, 1/2)^2 and the order of their nodes.
 
-/// Coarsest grid that has an interior node.
+/// Cells per side of the coarsest grid that has an interior node.
 pub const MIN_CELLS: usize = 2;
 
 /// The uniform right-triangle grid with `n` cells of width `h = 1/n` along each side.
@@ -35,7 +35,7 @@ pub enum GridError {
 }
 
 impl Grid {
-    /// The grid with `n` cells per side.
+    /// Creates the grid with `n` cells per side.
     ///
     /// # Errors
     /// [`GridError::TooCoarse`] if `n` is below [`MIN_CELLS`].
@@ -93,6 +93,24 @@ impl Grid {
         }
     }
 
+    /// Number of the boundary node in column `i` and row `j`: the inverse of [`Grid::boundary_node`].
+    ///
+    /// The result has no meaning for an interior node.
+    #[inline]
+    pub fn boundary_index(self, i: usize, j: usize) -> usize {
+        let n = self.n;
+        debug_assert!(i == 0 || i == n || j == 0 || j == n, "node ({i}, {j}) is interior");
+        if j == 0 {
+            i
+        } else if i == n {
+            n + j
+        } else if j == n {
+            3 * n - i
+        } else {
+            4 * n - j
+        }
+    }
+
     /// Positions of the boundary nodes in a nodal vector, in boundary order.
     pub fn boundary(self) -> impl Iterator<Item = usize> {
         (0..self.boundary_nodes()).map(move |b| {
@@ -101,13 +119,13 @@ impl Grid {
         })
     }
 
-    /// Whether boundary node `b` is a corner of the square.
+    /// True if boundary node `b` is a corner of the square.
     pub fn is_corner(self, b: usize) -> bool {
         b.is_multiple_of(self.n)
     }
 }
 
-/// The nested grids with `cells[k]` cells per side, each the halving of the one before.
+/// Creates the nested grids with `cells[k]` cells per side, each the halving of the one before.
 ///
 /// # Errors
 /// [`GridError`] if the list is empty, a grid is too coarse, or two neighbours do not nest.
@@ -134,6 +152,17 @@ mod tests {
         assert_eq!(nodes[..5], [(0, 0), (1, 0), (2, 0), (3, 0), (4, 0)]);
         assert_eq!(nodes[5..9], [(4, 1), (4, 2), (4, 3), (4, 4)]);
         assert_eq!(nodes[9..], [(3, 4), (2, 4), (1, 4), (0, 4), (0, 3), (0, 2), (0, 1)]);
+    }
+
+    #[test]
+    fn boundary_nodes_are_numbered_both_ways() {
+        for n in [2, 3, 8] {
+            let grid = Grid::new(n).unwrap();
+            for b in 0..grid.boundary_nodes() {
+                let (i, j) = grid.boundary_node(b);
+                assert_eq!(grid.boundary_index(i, j), b);
+            }
+        }
     }
 
     #[test]

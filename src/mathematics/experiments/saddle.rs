@@ -39,7 +39,9 @@ pub fn sweeps_until(
             Method::Uzawa { .. } => 1,
         };
         for _ in 0..many {
-            steps.step(pair, checks.cap).ok()?;
+            if steps.step(pair, checks.cap).is_break() {
+                return None;
+            }
         }
     }
     Some(steps.sweeps())

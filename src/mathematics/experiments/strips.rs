@@ -83,7 +83,7 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
             let mut again = start;
             let mut steps = Steps::new(grid, load, Method::ArrowHurwicz, r);
             for _ in 0..outcome.iterations {
-                if steps.step(&mut again, usize::MAX).is_err() {
+                if steps.step(&mut again, usize::MAX).is_break() {
                     break;
                 }
                 contact.push(runs(&again.a));

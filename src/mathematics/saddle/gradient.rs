@@ -4,7 +4,7 @@ use super::Pair;
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::residual_row;
 
-/// `a <- (a - r y)^+` (12); the largest change, or `None` if a value is no longer finite.
+/// Replaces `a` by `(a - r y)^+` (12); returns the largest change, or `None` if a value is no longer finite.
 pub(super) fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) -> Option<f64> {
     let (mut change, mut finite) = (0.0f64, true);
     for (a, &node) in a.iter_mut().zip(boundary) {
@@ -17,11 +17,20 @@ pub(super) fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) ->
     finite.then_some(change)
 }
 
+/// Extrema of the gradient (8) over all nodes.
+#[derive(Clone, Copy)]
+pub(super) struct Extrema {
+    /// Largest component.
+    pub(super) signed: f64,
+    /// Largest absolute value.
+    pub(super) absolute: f64,
+}
+
 /// The gradient (8) of the modified functional with respect to y, evaluated row by row.
 pub(super) struct Gradient {
     grid: Grid,
     r: f64,
-    /// As in [`super::sweep::sweep`].
+    /// Lumped mass of the proximal term, added to the diagonal as in [`super::sweep::sweep`].
     shift: f64,
     row: Vec<f64>,
     /// Row that failed the last comparison: the likeliest to fail the next.
@@ -43,18 +52,24 @@ impl Gradient {
             self.row[0] -= 0.5 * mass * y[0];
             self.row[n] -= 0.5 * mass * y[n];
         }
-        let pull = |b: usize, i: usize| grid.h() * (pair.a[b] - self.r * y[i]).max(0.0);
-        if j == 0 {
-            (0..=n).for_each(|i| self.row[i] -= pull(i, i));
-        } else if j == n {
-            (0..=n).for_each(|i| self.row[i] -= pull(3 * n - i, i));
+        if j == 0 || j == n {
+            for i in 0..=n {
+                self.subtract_reaction(i, j, pair, y[i]);
+            }
         } else {
-            self.row[0] -= pull(4 * n - j, 0);
-            self.row[n] -= pull(n + j, n);
+            self.subtract_reaction(0, j, pair, y[0]);
+            self.subtract_reaction(n, j, pair, y[n]);
         }
     }
 
-    /// Whether every component, or its absolute value, is at most `tolerance`; NaN never is.
+    /// Subtracts `h (a - r y)^+`, the term of the boundary node in column `i` and row `j`, from the row.
+    #[inline(always)]
+    fn subtract_reaction(&mut self, i: usize, j: usize, pair: &Pair, y: f64) {
+        let a = pair.a[self.grid.boundary_index(i, j)];
+        self.row[i] -= self.grid.h() * (a - self.r * y).max(0.0);
+    }
+
+    /// True if every component, or its absolute value, is at most `tolerance`; NaN never is.
     pub(super) fn within(
         &mut self,
         load: &[f64],
@@ -81,19 +96,19 @@ impl Gradient {
         true
     }
 
-    /// Largest component and largest absolute value; NaN if any component is.
-    pub(super) fn extrema(&mut self, load: &[f64], pair: &Pair) -> (f64, f64) {
+    /// Returns the extrema over all components; both are NaN if any component is.
+    pub(super) fn extrema(&mut self, load: &[f64], pair: &Pair) -> Extrema {
         let (mut signed, mut absolute) = (f64::NEG_INFINITY, 0.0);
         for j in 0..self.grid.side() {
             self.evaluate(j, load, pair);
             for &g in &self.row {
                 if g.is_nan() {
-                    return (f64::NAN, f64::NAN);
+                    return Extrema { signed: f64::NAN, absolute: f64::NAN };
                 }
                 signed = signed.max(g);
                 absolute = g.abs().max(absolute);
             }
         }
-        (signed, absolute)
+        Extrema { signed, absolute }
     }
 }

@@ -1,51 +1,55 @@
-//! Saddle-point methods on one grid: a minimisation over y, then a step (12) of the multiplier, in turn.
+//! Saddle-point methods on one grid, in two alternating steps.
 //!
-//! Uzawa's algorithm minimises the functional M(., a) of (7) over y until its gradient is small. The
-//! paper's references descend inside; here it is the Gauss-Seidel sweep (9)-(11) with the multiplier held
-//! fixed, itself a descent, coordinate by coordinate. The paper's method sweeps once: it is Uzawa's
-//! algorithm with one inner sweep, and the sweep is the unit in which all methods are compared.
+//! 1. Minimise M(., a) of (7) over y, for a fixed multiplier a, by Gauss-Seidel sweeps (9)-(11).
+//! 2. Update the multiplier by (12), and evaluate the stopping rule.
 //!
-//! Requirements: r > 0; a load vector with negative sum. M(., a) then has a minimum, because a constant
-//! costs at least linearly upwards and quadratically downwards. It is not strongly convex, though: where
-//! no boundary node is penalised (`r y >= a` all around) its Hessian is the singular matrix A, and in the
-//! end each sweep only moves y down by `h^2 / 2` times the sum of F, until some node is. If F sums to
-//! zero or more M(., a) has no minimum; that drift goes up for ever and the run ends at its cap, as an
-//! outcome. With the proximal term each inner problem is well posed whatever F, and y^k drifts instead.
+//! Uzawa's algorithm sweeps in step 1 until the gradient of M(., a) is small (the paper's references use gradient
+//! descent there). The paper's method sweeps once: Arrow-Hurwicz is Uzawa's algorithm with one inner sweep. The sweep is
+//! the unit in which all methods are compared.
 //!
-//! References: N. N. Maksimova, equations (7)-(13); the misprints are mended as the report says.
+//! Requirements: r > 0, and a load vector with negative sum. M(., a) then has a minimum: as the constant part of y
+//! grows, M grows at least linearly, and as it falls, quadratically. M(., a) is not strongly convex: while
+//! `r y >= a` at every boundary node its Hessian is the singular matrix A, and a sweep only moves y down by `h^2 / 2`
+//! times the sum of F. If F sums to zero or more, M(., a) has no minimum: y grows without bound, and the run ends at the
+//! limit on sweeps. With the proximal term each inner problem has a minimum for every F, and the sequence y^k grows
+//! instead.
+//!
+//! References: N. N. Maksimova, equations (7)-(13), with the misprints corrected as in the book.
 //! D. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, for Uzawa's algorithm;
 //! R. V. Namm and A. S. Tkachenko, Izv. vuzov. Matematika, 2010, no. 4, for the proximal term (the
 //! paper's refs 5 and 6); G. Woo, R. V. Namm, S. A. Sachkoff, Comput. Math. Math. Phys. 46 (2006) 23-33.
 
-use super::gradient::{Gradient, dual_step};
+use super::gradient::{Extrema, Gradient, dual_step};
+use super::outcome::LastStep;
 use super::stopping::{StopReason, StopRule};
 use super::sweep::sweep;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 
-/// How far y is minimised before each step of the multiplier.
+/// Accuracy of the minimisation over y before each step of the multiplier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// One sweep: the paper's method.
     ArrowHurwicz,
     /// Sweeps until the gradient of M(., a), with the proximal term, is small enough.
     Uzawa {
-        /// Factor c >= 0 of the added term `c / 2 ||v - v^k||^2` in L2(Omega), v^k being the last
-        /// minimiser; zero for the plain algorithm. Unit: one over length squared. Lumped mass, `h^2`
-        /// at interior nodes, half on edges, a quarter at corners, keeps the term on the diagonal.
+        /// Factor c >= 0 of the added term `c / 2 ||v - v^k||^2` in L2(Omega), with the last minimiser v^k; zero for
+        /// the plain algorithm. Unit: one over length squared. The mass matrix is lumped and therefore diagonal: `h^2`
+        /// at interior nodes, half on edges, a quarter at corners.
         weight: f64,
-        /// Bound on the absolute value of every component that is always small enough, in units of F.
+        /// Bound on the absolute value of every component of the gradient, in units of F.
         inner: f64,
-        /// Whether a tenth of the gradient (8) at the last step of the multiplier, and of the largest
-        /// component of F before the first, is enough as well: further costs more and gains nothing.
+        /// True to relax the bound to a tenth of the gradient (8) after the last step of the multiplier (of the
+        /// largest component of F before the first): a more accurate minimisation does not reduce the total work.
         loose: bool,
     },
 }
 
 impl Method {
-    /// The proximal weight c.
+    /// Proximal weight c.
     pub(crate) fn weight(self) -> f64 {
         match self {
             Self::ArrowHurwicz => 0.0,
@@ -53,7 +57,7 @@ impl Method {
         }
     }
 
-    /// Bound on the inner gradient when the gradient (8) was `gradient`; none if one sweep is enough.
+    /// Bound on the inner gradient after the gradient (8) was `gradient`; `None` if one sweep is enough.
     pub(crate) fn inner_bound(self, gradient: f64) -> Option<f64> {
         match self {
             Self::ArrowHurwicz => None,
@@ -64,16 +68,16 @@ impl Method {
     }
 }
 
-/// What the iteration needs besides grid, load vector and method.
+/// Parameters of the iteration, besides grid, load vector and method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params {
     /// Duality parameter r > 0, the step of the multiplier.
     pub r: f64,
-    /// Bound of the stopping rule, tried after each step of the multiplier; the paper takes 10^-N on grid N.
+    /// Bound of the stopping rule, evaluated after each step of the multiplier; the paper takes 10^-N on grid N.
     pub tolerance: f64,
-    /// Which stopping rule; always with the gradient (8), without the proximal term.
+    /// Stopping rule. It uses the gradient (8), without the proximal term.
     pub rule: StopRule,
-    /// Sweeps after which to give up; an iteration of the paper is one sweep.
+    /// Limit on the number of sweeps; an iteration of the paper is one sweep.
     pub max_iterations: usize,
 }
 
@@ -83,27 +87,36 @@ impl Default for Params {
     }
 }
 
-/// What the monitor sees after each iteration.
+/// State after one iteration, as a monitor receives it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iteration {
     /// Iterations done on this grid.
     pub number: usize,
     /// `max_i dM/dy_i` at (y^(n), a^(n)).
     pub gradient_signed: f64,
-    /// `max_i |dM/dy_i|` there.
+    /// `max_i |dM/dy_i|` at the same pair.
     pub gradient_abs: f64,
     /// `max_i |a_i^(n) - a_i^(n-1)|`.
     pub delta_a: f64,
 }
 
-/// Called after each step of the multiplier.
+/// Callback after each step of the multiplier.
 pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
-/// Iterates on `pair` in place until the rule is met or the cap is hit; returns how it ended and the number of sweeps.
+/// Outcome of [`solve`], and its cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SaddleRun {
+    /// Outcome of the last pair.
+    pub outcome: Outcome,
+    /// Number of Gauss-Seidel sweeps.
+    pub sweeps: usize,
+}
+
+/// Iterates on `pair` in place until the stopping rule is met or the limit on sweeps is reached.
 ///
-/// Without a monitor the residuals are only compared with the tolerance, row by row until one
-/// exceeds it; with one they are computed in full. The iterates are the same. An inner bound below the
-/// rounding errors of the gradient is never met and ends at the cap.
+/// The central function of this room. Without a monitor the gradient is compared with the tolerance row by row, up to
+/// the first row that exceeds the tolerance; with a monitor all rows are evaluated. The iterates are the same. An inner
+/// bound below the rounding errors of the gradient is never met: the run ends at the limit on sweeps.
 ///
 /// # Panics
 /// If a slice has the wrong length for `grid`, or `params.r` is not positive.
@@ -114,15 +127,16 @@ pub fn solve(
     params: &Params,
     pair: &mut Pair,
     mut monitor: Option<OnIteration>,
-) -> (Outcome, usize) {
+) -> SaddleRun {
     let mut steps = Steps::new(grid, load, method, params.r);
     let stop = loop {
-        if let Err(stop) = steps.step(pair, params.max_iterations) {
+        if let ControlFlow::Break(stop) = steps.step(pair, params.max_iterations) {
             break stop;
         }
         let (number, delta_a) = (steps.iterations, steps.delta_a);
         if let Some(monitor) = monitor.as_mut() {
-            let (gradient_signed, gradient_abs) = steps.gradient.extrema(load, pair);
+            let Extrema { signed, absolute } = steps.gradient.extrema(load, pair);
+            let (gradient_signed, gradient_abs) = (signed, absolute);
             monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
         }
         if (!params.rule.asks_dual() || delta_a <= params.tolerance)
@@ -131,35 +145,40 @@ pub fn solve(
             break StopReason::Converged;
         }
     };
-    let extrema = steps.gradient.extrema(load, pair);
-    (Outcome::at(grid, load, pair, (steps.iterations, steps.delta_a), extrema, stop), steps.sweeps)
+    let last = LastStep {
+        iterations: steps.iterations,
+        delta_a: steps.delta_a,
+        gradient: steps.gradient.extrema(load, pair),
+        stop,
+    };
+    SaddleRun { outcome: Outcome::judge(grid, load, pair, &last), sweeps: steps.sweeps }
 }
 
-/// [`solve`] by the paper's method.
+/// Solves by the paper's method, without a monitor.
 ///
 /// # Panics
-/// As [`solve`].
+/// If a slice has the wrong length for `grid`, or `params.r` is not positive.
 pub fn arrow_hurwicz(grid: Grid, load: &[f64], params: &Params, pair: &mut Pair) -> Outcome {
-    solve(grid, load, Method::ArrowHurwicz, params, pair, None).0
+    solve(grid, load, Method::ArrowHurwicz, params, pair, None).outcome
 }
 
-/// A method on one grid, one step of the multiplier at a time, without a stopping rule.
+/// Iteration of a method on one grid, one step of the multiplier at a time, without a stopping rule.
 pub struct Steps<'a> {
     grid: Grid,
     load: &'a [f64],
     method: Method,
     r: f64,
-    /// Nodes of the boundary, in the order of the multiplier.
+    /// Positions of the boundary nodes in a nodal vector, in boundary order.
     boundary: Vec<usize>,
-    /// (8), without the proximal term.
+    /// Gradient (8), without the proximal term.
     gradient: Gradient,
-    /// The same with it.
+    /// Gradient of the inner problem, with the proximal term.
     inner: Gradient,
-    /// Bound on the latter.
+    /// Bound on the inner gradient; `None` if one sweep is enough.
     bound: Option<f64>,
-    /// The proximal term's share of an interior node.
+    /// Diagonal entry `c h^2` of the proximal term at an interior node.
     shift: f64,
-    /// F, plus the proximal term's `shift y^k`.
+    /// Load vector of the inner problem: F plus `shift y^k`, halved on edges, quartered at corners.
     target: Vec<f64>,
     /// Steps of the multiplier done.
     iterations: usize,
@@ -170,7 +189,7 @@ pub struct Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    /// Before the first step.
+    /// Prepares the iteration, before its first step.
     ///
     /// # Panics
     /// If `load` has the wrong length for `grid`, or `r` is not positive.
@@ -200,48 +219,49 @@ impl<'a> Steps<'a> {
         self.sweeps
     }
 
-    /// The minimisation over y and the step (12).
+    /// Minimises over y and takes the step (12).
     ///
-    /// # Errors
-    /// The reason to end the run instead: `max_sweeps` are done, or a value is no longer finite.
+    /// Breaks with a reason to end the run if `max_sweeps` are done, or if a value is no longer finite.
     ///
     /// # Panics
     /// If `pair` has the wrong length for the grid.
-    pub fn step(&mut self, pair: &mut Pair, max_sweeps: usize) -> Result<(), StopReason> {
+    pub fn step(&mut self, pair: &mut Pair, max_sweeps: usize) -> ControlFlow<StopReason> {
         assert!(pair.y.len() == self.grid.nodes() && pair.a.len() == self.boundary.len());
         self.regularise(pair);
         loop {
             if self.sweeps >= max_sweeps {
-                return Err(StopReason::IterationLimit);
+                return ControlFlow::Break(StopReason::IterationLimit);
             }
             self.sweeps += 1;
             sweep(self.grid, &self.target, self.shift, self.r, &mut pair.y, &pair.a);
             let Some(bound) = self.bound else { break };
-            // What is not a number spreads to the boundary within as many sweeps as there are rows.
+            // A NaN spreads to the boundary within as many sweeps as there are rows.
             if !self.boundary.iter().all(|&node| pair.y[node].is_finite()) {
-                return Err(StopReason::Diverged);
+                return ControlFlow::Break(StopReason::Diverged);
             }
             if self.inner.within(&self.target, pair, bound, true) {
                 break;
             }
         }
         self.iterations += 1;
-        self.delta_a =
-            dual_step(&self.boundary, self.r, &pair.y, &mut pair.a).ok_or(StopReason::Diverged)?;
+        let Some(delta_a) = dual_step(&self.boundary, self.r, &pair.y, &mut pair.a) else {
+            return ControlFlow::Break(StopReason::Diverged);
+        };
+        self.delta_a = delta_a;
         if matches!(self.method, Method::Uzawa { loose: true, .. }) {
-            self.bound = self.method.inner_bound(self.gradient.extrema(self.load, pair).1);
+            self.bound = self.method.inner_bound(self.gradient.extrema(self.load, pair).absolute);
         }
-        Ok(())
+        ControlFlow::Continue(())
     }
 
-    /// Sets the proximal term to pull towards y as it is now.
+    /// Centres the proximal term at the present y.
     fn regularise(&mut self, pair: &Pair) {
         if self.shift > 0.0 {
             let (n, side) = (self.grid.cells(), self.grid.side());
-            let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
             for (k, target) in self.target.iter_mut().enumerate() {
-                let (i, j) = (k % side, k / side);
-                *target = self.load[k] + half(i) * half(j) * self.shift * pair.y[k];
+                let weights =
+                    [k % side, k / side].map(|i| if i == 0 || i == n { 0.5 } else { 1.0 });
+                *target = self.load[k] + weights[0] * weights[1] * self.shift * pair.y[k];
             }
         }
     }

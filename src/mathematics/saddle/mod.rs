@@ -10,9 +10,9 @@ mod stopping;
 mod sweep;
 
 pub use fields::Fields;
-pub use method::{Iteration, Method, OnIteration, Params, Steps, arrow_hurwicz, solve};
+pub use method::{Iteration, Method, OnIteration, Params, SaddleRun, Steps, arrow_hurwicz, solve};
 pub use outcome::Outcome;
-pub use plain::Plain;
+pub use plain::{Plain, PlainEnd};
 pub use stopping::{StopReason, StopRule};
 
 use crate::discrete::grid::Grid;
@@ -28,45 +28,45 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The zero pair, from which the paper starts on its coarsest grid.
+    /// Returns the zero pair, from which the paper starts on its coarsest grid.
     pub fn zero(grid: Grid) -> Self {
         Self { y: vec![0.0; grid.nodes()], a: vec![0.0; grid.boundary_nodes()] }
     }
 
-    /// The linear interpolation of both components on the grid of half the width.
+    /// Returns the linear interpolation of both components on the grid of half the width.
     pub fn prolonged(&self, grid: Grid, rule: Prolongation) -> Self {
         Self { y: prolong(grid, &self.y, rule), a: prolong_boundary(&self.a) }
     }
 }
 
-/// The paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
+/// Returns the paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
 pub fn tolerance(level: usize) -> f64 {
     // A power of ten up to 10^22 is exact, so that the quotient is the double nearest to 10^-level.
     1.0 / 10f64.powi(level as i32)
 }
 
-/// Watches a run over nested grids; every method has a default that does nothing.
+/// Observer of a run over nested grids; every method has a default that does nothing.
 pub trait Monitor {
-    /// Whether [`Monitor::iteration`] is to be called, which makes each iteration dearer.
+    /// True if [`Monitor::iteration`] is to be called, which makes each iteration more expensive.
     fn wants_iterations(&self) -> bool {
         false
     }
 
-    /// After each iteration on the grid of this level, counted from 1.
+    /// Called after each iteration on the grid of this level, counted from 1.
     fn iteration(&mut self, _level: usize, _iteration: &Iteration) {}
 
-    /// After each grid, with the pair it ended with.
+    /// Called after each grid, with its last pair.
     fn level(&mut self, _grid: Grid, _pair: &Pair) {}
 }
 
-/// Watches nothing.
+/// The observer that does nothing.
 impl Monitor for () {}
 
 /// Solves on each of the nested `grids` in turn, starting from zero and then from the prolonged pair.
 ///
 /// `loads[k]` is the load vector on `grids[k]`. On the k-th grid `params.tolerance` is replaced by
-/// [`tolerance`]`(k)`. Returns the outcome on each grid and the last pair; ends early if a grid's
-/// iteration diverges.
+/// [`tolerance`]`(k)`. Returns the outcome on each grid and the last pair; ends after a grid on which the
+/// iteration diverged.
 ///
 /// # Panics
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load vector has the wrong length.
@@ -82,7 +82,7 @@ pub fn solve_nested(
         let watched = monitor.wants_iterations();
         let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
         let on_iteration = watched.then_some(&mut on_iteration as OnIteration);
-        let (outcome, _) = solve(grid, load, Method::ArrowHurwicz, &params, pair, on_iteration);
+        let outcome = solve(grid, load, Method::ArrowHurwicz, &params, pair, on_iteration).outcome;
         monitor.level(grid, pair);
         (outcome, outcome.stop)
     })
@@ -90,8 +90,8 @@ pub fn solve_nested(
 
 /// Runs any method on each of the nested `grids` in turn, as [`solve_nested`] does.
 ///
-/// `solve` is given the level, counted from 1, the grid, its load vector, and the pair to work on;
-/// it returns what to keep, and how the grid ended. Returns all that was kept, and the last pair.
+/// `solve` receives the level, counted from 1, the grid, its load vector, and the pair to work on; it returns a result
+/// and the reason for the end. Returns the results of all grids, and the last pair.
 ///
 /// # Panics
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them.

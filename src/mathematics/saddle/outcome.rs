@@ -1,19 +1,20 @@
-//! How a solve on one grid ended.
+//! Outcome of a solve on one grid.
 
 use super::Pair;
+use super::gradient::Extrema;
 use super::stopping::StopReason;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, Kkt, judge};
 use serde::{Deserialize, Serialize};
 
-/// How a solve on one grid ended, and where.
+/// Outcome of a solve on one grid: the end of the iteration and the quality of the last pair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Cells per side of the grid.
     pub cells: usize,
     /// Steps of the multiplier done: the iterations of the paper.
     pub iterations: usize,
-    /// Why they ended. The stopping rules see the gradient of M alone; see [`Outcome::kkt`].
+    /// Reason for the end. The stopping rules see the gradient of M alone; [`Outcome::kkt`] measures the solution.
     pub stop: StopReason,
     /// `max_i dM/dy_i` at the end.
     pub gradient_signed: f64,
@@ -25,31 +26,35 @@ pub struct Outcome {
     pub energy: f64,
     /// Sum of the load vector; the discrete problem is solvable only if it is negative.
     pub sum_load: f64,
-    /// The measure common to all solvers.
+    /// Residual of the Karush-Kuhn-Tucker conditions, the measure common to all solvers.
     pub kkt: Kkt,
 }
 
+/// State of an iteration after its last step.
+pub(super) struct LastStep {
+    /// Steps of the multiplier done.
+    pub(super) iterations: usize,
+    /// Last change of the multiplier.
+    pub(super) delta_a: f64,
+    /// Extrema of the gradient (8) at the last pair.
+    pub(super) gradient: Extrema,
+    /// Reason for the end.
+    pub(super) stop: StopReason,
+}
+
 impl Outcome {
-    /// What is to be said of `pair` after the last step, with the extrema of the gradient (8) there.
-    pub(super) fn at(
-        grid: Grid,
-        load: &[f64],
-        pair: &Pair,
-        (iterations, delta_a): (usize, f64),
-        (gradient_signed, gradient_abs): (f64, f64),
-        stop: StopReason,
-    ) -> Self {
+    /// Judges `pair` after the last step of an iteration.
+    pub(super) fn judge(grid: Grid, load: &[f64], pair: &Pair, last: &LastStep) -> Self {
         let Judgement { kkt, energy, .. } = judge(grid, &pair.y, load);
-        let finite =
-            [energy, gradient_abs, kkt.natural, kkt.min_lambda].iter().all(|v| v.is_finite());
-        let stop = if finite { stop } else { StopReason::Diverged };
+        let reported = [energy, last.gradient.absolute, kkt.natural, kkt.min_lambda];
+        let finite = reported.iter().all(|value| value.is_finite());
         Self {
             cells: grid.cells(),
-            iterations,
-            stop,
-            gradient_signed,
-            gradient_abs,
-            delta_a,
+            iterations: last.iterations,
+            stop: if finite { last.stop } else { StopReason::Diverged },
+            gradient_signed: last.gradient.signed,
+            gradient_abs: last.gradient.absolute,
+            delta_a: last.delta_a,
             energy,
             sum_load: load.iter().sum(),
             kkt,

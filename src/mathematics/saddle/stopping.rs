@@ -1,13 +1,13 @@
-//! When the iteration stops: criterion (13) as printed, the reading that reproduces the tables, and the dual one.
+//! Stopping rules: criterion (13) as printed, without its absolute value as in the tables, and each with a dual bound.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Which measure of the gradient (8), evaluated at (y^(n), a^(n)), must fall below the tolerance.
+/// Measure of the gradient (8), evaluated at (y^(n), a^(n)), that must fall below the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopRule {
-    /// `max_i dM/dy_i`, no absolute value: what the published counts agree with.
+    /// `max_i dM/dy_i`, without absolute value: the rule that reproduces the published counts.
     #[default]
     Signed,
     /// `max_i |dM/dy_i|`: (13) as printed.
@@ -22,7 +22,7 @@ impl StopRule {
     /// All rules.
     pub const ALL: [Self; 4] = [Self::Signed, Self::Printed, Self::SignedDual, Self::PrintedDual];
 
-    /// The name used in scenes and artifacts.
+    /// Name in scenes and artifacts.
     pub fn name(self) -> &'static str {
         match self {
             Self::Signed => "signed",
@@ -47,7 +47,7 @@ impl fmt::Display for StopRule {
     }
 }
 
-/// Why an iteration ended. Every one is an outcome, none an error.
+/// Reason for the end of an iteration; none is an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopReason {
@@ -55,7 +55,7 @@ pub enum StopReason {
     Converged,
     /// The cap on iterations was hit first.
     IterationLimit,
-    /// A value left the range of numbers: y, a, or what is reported of them, is infinite or NaN.
+    /// A component of y or a, or a measure of the pair, is infinite or NaN.
     Diverged,
 }
 

@@ -1,8 +1,8 @@
 //! One lexicographic Gauss-Seidel sweep (9)-(11), `x` fastest, from the lower left corner.
 //!
-//! Each node waits for its western neighbour, so a plain loop runs at the latency of one addition and
-//! one multiplication. Rows that follow each other one column behind are independent of one another at
-//! any moment; a band of them hides the latency and gives the same result to the last bit.
+//! Each node needs the new value of its western neighbour, so a plain loop runs at the latency of one addition and
+//! one multiplication. A band of consecutive rows, each one column behind the row below, updates independent nodes at
+//! each step: this hides the latency and gives the same bits.
 
 use crate::discrete::grid::Grid;
 use std::array::from_fn;
@@ -13,33 +13,50 @@ use std::array::from_fn;
 /// the lumped mass of a proximal term, whose other half belongs in `load`. The paper's sweep has none.
 pub(super) fn sweep(grid: Grid, load: &[f64], shift: f64, r: f64, y: &mut [f64], a: &[f64]) {
     let n = grid.cells();
-    let nodes = Nodes::new(grid, load, shift, r, a);
-    nodes.relax_side_row(y, 0);
+    let data = SweepData::new(grid, load, shift, r, a);
+    data.relax_side_row(y, 0);
     let mut j = 1;
     while j < n {
         j += match n - j {
-            1 => nodes.relax_band::<1>(y, j),
-            2 => nodes.relax_band::<2>(y, j),
-            3 => nodes.relax_band::<3>(y, j),
-            _ => nodes.relax_band::<4>(y, j),
+            1 => data.relax_band::<1>(y, j),
+            2 => data.relax_band::<2>(y, j),
+            3 => data.relax_band::<3>(y, j),
+            _ => data.relax_band::<4>(y, j),
         };
     }
-    nodes.relax_side_row(y, n);
+    data.relax_side_row(y, n);
 }
 
-struct Nodes<'a> {
+/// Data of a sweep: the discrete problem, and the diagonals of its rows.
+struct SweepData<'a> {
     grid: Grid,
     load: &'a [f64],
     a: &'a [f64],
     r: f64,
     h: f64,
-    /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
-    edge: (f64, f64),
-    corner: (f64, f64),
+    /// Diagonal of the rows of edge nodes.
+    edge: Diagonal,
+    /// Diagonal of the rows of corner nodes.
+    corner: Diagonal,
+    /// Inverse of the diagonal of interior rows.
     inside: f64,
 }
 
-/// `1/A_ii` times the sum over the neighbours and the load: (9) for an interior node.
+/// Diagonal entry of a row, and its inverse.
+#[derive(Clone, Copy)]
+struct Diagonal {
+    value: f64,
+    inverse: f64,
+}
+
+impl Diagonal {
+    /// The inverse is exact for the powers of two that occur without a shift.
+    fn new(value: f64) -> Self {
+        Self { value, inverse: 1.0 / value }
+    }
+}
+
+/// Returns `1/A_ii` times the sum of the neighbours and the load: (9) for an interior node.
 ///
 /// The order of summation is part of the definition: results are compared bit by bit.
 #[inline(always)]
@@ -47,12 +64,10 @@ fn interior(inverse: f64, south: f64, north: f64, east: f64, load: f64, west: f6
     inverse * (((south + north) + (east + load)) + west)
 }
 
-impl<'a> Nodes<'a> {
+impl<'a> SweepData<'a> {
     fn new(grid: Grid, load: &'a [f64], shift: f64, r: f64, a: &'a [f64]) -> Self {
-        // Powers of two, and so exact, if there is no shift.
-        let with_inverse = |diagonal: f64| (diagonal, 1.0 / diagonal);
-        let edge = with_inverse(2.0 + 0.5 * shift);
-        let corner = with_inverse(1.0 + 0.25 * shift);
+        let edge = Diagonal::new(2.0 + 0.5 * shift);
+        let corner = Diagonal::new(1.0 + 0.25 * shift);
         Self { grid, load, a, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
     }
 
@@ -60,43 +75,49 @@ impl<'a> Nodes<'a> {
     fn relax_side_row(&self, y: &mut [f64], j: usize) {
         let (n, side) = (self.grid.cells(), self.grid.side());
         let first = j * side;
-        // Where the multiplier of column i is, and the node of that column in the row inside.
-        let place = |i: usize| if j == 0 { i } else { 3 * n - i };
-        let inside = |i: usize| if j == 0 { side + i } else { first - side + i };
-        let at_corner = |y: &[f64], i: usize, beside: usize| {
-            let sum = 0.5 * (y[first + beside] + y[inside(i)]) + self.load[first + i];
-            self.boundary(place(i) % (4 * n), self.corner, sum)
-        };
-        y[first] = at_corner(y, 0, 1);
+        // Position of the first node of the adjacent row inside.
+        let inside = if j == 0 { side } else { first - side };
+        y[first] = self.at_corner(0, j, [y[first + 1], y[inside]]);
         for i in 1..n {
-            let node = first + i;
-            y[node] = self.on_edge(place(i), node, [y[node - 1], y[node + 1]], y[inside(i)]);
+            let (node, b) = (first + i, self.grid.boundary_index(i, j));
+            y[node] = self.on_edge(b, node, [y[node - 1], y[node + 1]], y[inside + i]);
         }
-        y[first + n] = at_corner(y, n, n - 1);
+        y[first + n] = self.at_corner(n, j, [y[first + n - 1], y[inside + n]]);
+    }
+
+    /// Returns the new value of the corner in column `i` and row `j`, from its two neighbours.
+    fn at_corner(&self, i: usize, j: usize, [beside, across]: [f64; 2]) -> f64 {
+        let sum = 0.5 * (beside + across) + self.load[self.grid.index(i, j)];
+        self.boundary(self.grid.boundary_index(i, j), self.corner, sum)
     }
 
     /// Relaxes the ends in column `i`, 0 or n, of `rows` rows from the `first` on.
     fn relax_ends(&self, y: &mut [f64], i: usize, first: usize, rows: usize) {
-        let (n, side) = (self.grid.cells(), self.grid.side());
+        let side = self.grid.side();
         for j in first..first + rows {
             let node = j * side + i;
-            let (place, inward) = if i == 0 { (4 * n - j, node + 1) } else { (n + j, node - 1) };
-            y[node] = self.on_edge(place, node, [y[node - side], y[node + side]], y[inward]);
+            let inward = if i == 0 { node + 1 } else { node - 1 };
+            let b = self.grid.boundary_index(i, j);
+            y[node] = self.on_edge(b, node, [y[node - side], y[node + side]], y[inward]);
         }
     }
 
-    /// The new value of a node on an edge, from its neighbours along it and inside.
+    /// Returns the new value of edge node `b`, from its neighbours along the edge and inside.
     #[inline(always)]
     fn on_edge(&self, b: usize, node: usize, [before, after]: [f64; 2], inward: f64) -> f64 {
         self.boundary(b, self.edge, 0.5 * (before + after) + inward + self.load[node])
     }
 
-    /// (10) and (11) for boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
+    /// Returns the minimiser (10), (11) at boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
     #[inline(always)]
-    fn boundary(&self, b: usize, (diagonal, inverse): (f64, f64), sum: f64) -> f64 {
+    fn boundary(&self, b: usize, diagonal: Diagonal, sum: f64) -> f64 {
         let a = self.a[b];
-        let psi = inverse * sum;
-        if psi >= a / self.r { psi } else { (sum + self.h * a) / (diagonal + self.h * self.r) }
+        let psi = diagonal.inverse * sum;
+        if psi >= a / self.r {
+            psi
+        } else {
+            (sum + self.h * a) / (diagonal.value + self.h * self.r)
+        }
     }
 
     /// Relaxes the interior node in column `i` and row `j`.
@@ -108,13 +129,14 @@ impl<'a> Nodes<'a> {
         y[node] = interior(self.inside, south, north, y[node + 1], self.load[node], y[node - 1]);
     }
 
-    /// Relaxes `K` rows from the `first` on, all interior, and so fewer than n, each one column behind the row below
-    /// it, and returns `K`; what is on the left border refers to nothing that changes before it, and what is on the
-    /// right is referred to afterwards only.
+    /// Relaxes `K` interior rows from the `first` on, each one column behind the row below, and returns `K`.
+    ///
+    /// Nodes of the left side come first: they use no new value of this band but those of the row below in the same
+    /// column. Nodes of the right side come last: no node of the band uses their new values.
     fn relax_band<const K: usize>(&self, y: &mut [f64], first: usize) -> usize {
         let n = self.grid.cells();
         self.relax_ends(y, 0, first, K);
-        // Where the band enters and leaves, one node at a time.
+        // The first and last columns of a band have fewer than K rows at work: one node at a time.
         for t in 1..K {
             (0..t).for_each(|k| self.relax_inside(y, t - k, first + k));
         }
@@ -126,7 +148,7 @@ impl<'a> Nodes<'a> {
         K
     }
 
-    /// The steps in which each row of a band has a node: `steps` of them, row k from column `K - k` on.
+    /// Relaxes `steps` nodes of each row of a band, in row k from column `K - k` on.
     fn relax_steadily<const K: usize>(&self, y: &mut [f64], first: usize, steps: usize) {
         let side = self.grid.side();
         let (below, rest) = y[(first - 1) * side..].split_at_mut(side);
@@ -181,13 +203,13 @@ mod tests {
             prop_assert_eq!(defined, banded);
             // With a proximal term, which the paper has not, row by row.
             let (mut plain, mut banded) = (start.clone(), start);
-            let nodes = Nodes::new(grid, &load, shift, r, &a);
+            let data = SweepData::new(grid, &load, shift, r, &a);
             for _ in 0..3 {
-                nodes.relax_side_row(&mut plain, 0);
+                data.relax_side_row(&mut plain, 0);
                 for j in 1..n {
-                    nodes.relax_band::<1>(&mut plain, j);
+                    data.relax_band::<1>(&mut plain, j);
                 }
-                nodes.relax_side_row(&mut plain, n);
+                data.relax_side_row(&mut plain, n);
                 sweep(grid, &load, shift, r, &mut banded, &a);
             }
             prop_assert_eq!(plain, banded);
@@ -197,10 +219,10 @@ mod tests {
     #[test]
     fn boundary_formula_is_continuous_where_it_switches() {
         let grid = Grid::new(4).unwrap();
-        let nodes = Nodes::new(grid, &[0.0; 25], 0.0, 2.0, &[0.3; 16]);
+        let data = SweepData::new(grid, &[0.0; 25], 0.0, 2.0, &[0.3; 16]);
         // psi = a / r exactly, and a hair below.
-        let at = nodes.boundary(1, nodes.edge, 0.3);
-        let below = nodes.boundary(1, nodes.edge, 0.3 - 1e-12);
+        let at = data.boundary(1, data.edge, 0.3);
+        let below = data.boundary(1, data.edge, 0.3 - 1e-12);
         assert_eq!(at, 0.15);
         assert!((at - below).abs() < 1e-11);
     }

@@ -17,6 +17,7 @@ pub use measure::Measure;
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::Prolongation;
 use crate::saddle::gradient::Gradient;
+use crate::saddle::outcome::LastStep;
 use crate::saddle::{Method, Outcome, Pair, StopReason, StopRule, tolerance};
 use std::array::from_fn;
 
@@ -68,11 +69,12 @@ impl End {
         (self.stop == StopReason::Converged).then_some(self.sweeps)
     }
 
-    /// What is to be said of it; iterations are sweeps.
+    /// Converts to an [`Outcome`] that counts sweeps as iterations.
     pub fn outcome(&self, grid: Grid, job: &Job) -> Outcome {
-        let extrema = Gradient::new(grid, job.r, 0.0).extrema(job.load, &self.pair);
-        let done = (self.sweeps, self.delta_a);
-        Outcome::at(grid, job.load, &self.pair, done, extrema, self.stop)
+        let gradient = Gradient::new(grid, job.r, 0.0).extrema(job.load, &self.pair);
+        let last =
+            LastStep { iterations: self.sweeps, delta_a: self.delta_a, gradient, stop: self.stop };
+        Outcome::judge(grid, job.load, &self.pair, &last)
     }
 }
 
@@ -293,8 +295,8 @@ mod tests {
             let params =
                 Params { r: job.r, tolerance: 1e-4, rule: StopRule::Printed, ..Params::default() };
             let mut pair = start.clone();
-            let (end, sweeps) = solve(grid, &load, job.method, &params, &mut pair, None);
-            assert_eq!((ours.sweeps, ours.delta_a), (sweeps, end.delta_a));
+            let run = solve(grid, &load, job.method, &params, &mut pair, None);
+            assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
             assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
         }
     }

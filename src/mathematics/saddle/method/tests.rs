@@ -22,7 +22,8 @@ fn uzawa(weight: f64) -> Method {
 fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
     [0.0, weight].map(|weight| {
         let mut pair = Pair::zero(grid);
-        let (end, sweeps) = solve(grid, load, uzawa(weight), params, &mut pair, None);
+        let SaddleRun { outcome: end, sweeps } =
+            solve(grid, load, uzawa(weight), params, &mut pair, None);
         (end, sweeps, pair)
     })
 }
@@ -58,7 +59,7 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load) = setting(PROBLEMS[0]);
     let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
     let mut ours = Pair::zero(grid);
-    let (end, sweeps) = solve(grid, &load, once, &tight(3.0), &mut ours, None);
+    let SaddleRun { outcome: end, sweeps } = solve(grid, &load, once, &tight(3.0), &mut ours, None);
     let mut theirs = Pair::zero(grid);
     assert_eq!(end, arrow_hurwicz(grid, &load, &tight(3.0), &mut theirs));
     assert_eq!(sweeps, end.iterations);
@@ -127,7 +128,7 @@ fn the_monitor_sees_each_step() {
     let mut seen = Vec::new();
     let mut record = |iteration: &Iteration| seen.push(*iteration);
     let mut pair = Pair::zero(grid);
-    let (end, _) = solve(grid, &load, uzawa(0.0), &tight(1.0), &mut pair, Some(&mut record));
+    let end = solve(grid, &load, uzawa(0.0), &tight(1.0), &mut pair, Some(&mut record)).outcome;
     assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.iterations));
     let last = seen.last().unwrap();
     assert_eq!((last.gradient_abs, last.delta_a), (end.gradient_abs, end.delta_a));
