@@ -34,9 +34,24 @@ pub struct Judgement {
     pub energy: f64,
     /// `A y - F` at the boundary nodes: a boundary vector, on the cube in the order of a nodal vector.
     pub flux: Vec<f64>,
+    /// Sum over the boundary nodes of y times the flux: zero at the solution, and elsewhere, if all other conditions
+    /// hold, a bound of the energy's error.
+    pub work: f64,
 }
 
 impl Judgement {
+    /// The judgement of `y`, which `judge` has seen in full, with the flux at the nodes of the `boundary`.
+    pub(crate) fn new(
+        judge: &Judge,
+        measure: f64,
+        y: &[f64],
+        boundary: impl IntoIterator<Item = usize>,
+        flux: Vec<f64>,
+    ) -> Self {
+        let work = boundary.into_iter().zip(&flux).map(|(node, flux)| y[node] * flux).sum();
+        Self { kkt: judge.kkt(measure), energy: judge.energy, flux, work }
+    }
+
     /// The multiplier at the boundary nodes: the flux over the `measure` of a node's part of the boundary in contact,
     /// where the flux is more than `y`. It is zero elsewhere, where the flux of a solution is rounding error.
     pub fn multiplier(
@@ -70,7 +85,7 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
             _ => (0..side).for_each(|i| flux[3 * n - i] = gradient[i]),
         }
     }
-    Judgement { kkt: judge.kkt(grid.h()), energy: judge.energy, flux }
+    Judgement::new(&judge, grid.h(), y, grid.boundary(), flux)
 }
 
 /// How far `y` is from the conditions, as [`judge`] finds it.

@@ -13,3 +13,4 @@ pub mod stiffness;
 pub mod streams;
 pub(crate) mod threads;
 pub mod transfer;
+pub mod verdict;

@@ -5,6 +5,7 @@ use super::gradient::Extrema;
 use super::stopping::StopReason;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, Kkt, judge};
+use crate::discrete::verdict::Verdict;
 use serde::{Deserialize, Serialize};
 
 /// Outcome of a solve on one grid: the end of the iteration and the quality of the last pair.
@@ -28,6 +29,8 @@ pub struct Outcome {
     pub sum_load: f64,
     /// Residual of the Karush-Kuhn-Tucker conditions, the measure common to all solvers.
     pub kkt: Kkt,
+    /// Sum over the boundary nodes of y times the gradient of the energy: zero at the solution.
+    pub work: f64,
 }
 
 /// State of an iteration after its last step.
@@ -45,7 +48,7 @@ pub(super) struct LastStep {
 impl Outcome {
     /// Judges `pair` after the last step of an iteration.
     pub(super) fn judge(grid: Grid, load: &[f64], pair: &Pair, last: &LastStep) -> Self {
-        let Judgement { kkt, energy, .. } = judge(grid, &pair.y, load);
+        let Judgement { kkt, energy, work, .. } = judge(grid, &pair.y, load);
         let reported = [energy, last.gradient.absolute, kkt.natural, kkt.min_lambda];
         let finite = reported.iter().all(|value| value.is_finite());
         Self {
@@ -58,6 +61,17 @@ impl Outcome {
             energy,
             sum_load: load.iter().sum(),
             kkt,
+            work,
         }
+    }
+
+    /// Verdict on the vector where the iteration ended.
+    pub fn verdict(&self) -> Verdict {
+        Verdict::new(self.sum_load, &self.kkt, self.energy, self.work)
+    }
+
+    /// Name of the end of the iteration: `stop`, unless the verdict is that there is no solution.
+    pub fn end(&self) -> &'static str {
+        self.verdict().end(self.stop.name())
     }
 }

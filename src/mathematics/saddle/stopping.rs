@@ -59,12 +59,19 @@ pub enum StopReason {
     Diverged,
 }
 
-impl fmt::Display for StopReason {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(match self {
+impl StopReason {
+    /// The name used in artifacts and answers.
+    pub fn name(self) -> &'static str {
+        match self {
             Self::Converged => "converged",
             Self::IterationLimit => "iteration-limit",
             Self::Diverged => "diverged",
-        })
+        }
+    }
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
     }
 }

@@ -131,7 +131,7 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
             false => flux.extend_from_slice(&gradient),
         }
     }
-    Judgement { kkt: judge.kkt(grid.h().powi(2)), energy: judge.energy, flux }
+    Judgement::new(&judge, grid.h().powi(2), y, grid.boundary(), flux)
 }
 
 #[cfg(test)]

@@ -1,0 +1,121 @@
+//! Verdict on a nodal vector that a solver returned: a solution, a rough one, or none.
+//!
+//! One rule for all solvers and commands. It reads the conditions of the solution, not the stopping rule, which may hold
+//! far from the solution.
+
+use super::kkt::Kkt;
+use std::fmt;
+
+/// Largest relative KKT residual, and largest sum of v r over the size of the energy, of what may be called a
+/// solution: above, half of the load is out of balance.
+const SOLVED: f64 = 0.5;
+/// Largest relative KKT residual of a solution that is not [`Verdict::Rough`].
+const ROUGH: f64 = 0.1;
+
+/// Verdict on a nodal vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// The load vector sums to a non-negative number, so that the discrete problem has no solution.
+    NoSolution,
+    /// The conditions of the solution are violated.
+    NotSolved(Violation),
+    /// A solution with a relative KKT residual of more than a tenth.
+    Rough,
+    /// A solution.
+    Solved,
+}
+
+/// Condition that a nodal vector violates by too much to be a solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Violation {
+    /// The relative KKT residual is this large, or not a number.
+    Residual(f64),
+    /// The energy, this one, is above that of v = 0.
+    Energy(f64),
+    /// The sum of v r over the boundary, r the gradient of the energy, is not small beside the energy.
+    Work {
+        /// Sum of v r, zero at the solution.
+        work: f64,
+        /// Energy.
+        energy: f64,
+    },
+}
+
+impl Verdict {
+    /// Judges a nodal vector by the sum of its load vector, its `kkt`, its `energy`, and its `work`, which is the sum of
+    /// v r over the boundary, r the gradient of the energy.
+    pub fn new(sum_load: f64, kkt: &Kkt, energy: f64, work: f64) -> Self {
+        if sum_load >= 0.0 {
+            Self::NoSolution
+        } else if kkt.relative.is_nan() || kkt.relative > SOLVED {
+            Self::NotSolved(Violation::Residual(kkt.relative))
+        } else if energy > 0.0 {
+            Self::NotSolved(Violation::Energy(energy))
+        } else if work.abs() > SOLVED * energy.abs() {
+            Self::NotSolved(Violation::Work { work, energy })
+        } else if kkt.relative > ROUGH {
+            Self::Rough
+        } else {
+            Self::Solved
+        }
+    }
+
+    /// Name of the end of an iteration that called its own end `stop`: a limit that cut it off stays one, but an end
+    /// that was asked for is no success where there is no solution.
+    pub fn end(self, stop: &'static str) -> &'static str {
+        match self {
+            Self::NoSolution => "no-solution",
+            Self::NotSolved(_) if !stop.ends_with("-limit") => "not-solved",
+            _ => stop,
+        }
+    }
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Residual(relative) => {
+                write!(out, "the KKT residual is {relative:.2} of the load")
+            }
+            Self::Energy(energy) => write!(out, "the energy {energy:.3e} is above that of v = 0"),
+            Self::Work { work, energy } => {
+                write!(out, "the sum of v r is {work:.3e}, beside an energy of {energy:.3e}")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kkt(relative: f64) -> Kkt {
+        let none = 0.0;
+        Kkt {
+            stationarity: none,
+            min_y: none,
+            min_lambda: none,
+            complementarity: none,
+            natural: relative,
+            relative,
+        }
+    }
+
+    #[test]
+    fn each_condition_has_its_verdict() {
+        let verdict = |sum, relative, energy, work| Verdict::new(sum, &kkt(relative), energy, work);
+        assert_eq!(verdict(-1.0, 1e-12, -1.0, 0.0), Verdict::Solved);
+        assert_eq!(verdict(-1.0, 0.2, -1.0, 0.0), Verdict::Rough);
+        assert_eq!(verdict(0.0, 1e-12, -1.0, 0.0), Verdict::NoSolution);
+        for (relative, energy, work) in
+            [(0.6, -1.0, 0.0), (f64::NAN, -1.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, -0.6)]
+        {
+            let verdict = verdict(-1.0, relative, energy, work);
+            assert!(matches!(verdict, Verdict::NotSolved(_)), "{verdict:?}");
+            assert_eq!(verdict.end("converged"), "not-solved");
+            assert_eq!(verdict.end("iteration-limit"), "iteration-limit");
+        }
+        assert_eq!(Verdict::NoSolution.end("iteration-limit"), "no-solution");
+        assert_eq!(Verdict::Rough.end("converged"), "converged");
+    }
+}
