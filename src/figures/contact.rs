@@ -18,8 +18,7 @@ const ROW: f64 = 9.0;
 
 /// Draws y and the multiplier a along the boundary, one panel below the other.
 ///
-/// The abscissa s in [0, 4] runs counter-clockwise from the lower left corner. A node is in contact
-/// where a > 0, and stands for the half cells on both of its sides. The band between the two plots
+/// The abscissa s in [0, 4] runs counter-clockwise from the lower left corner. A node in contact stands for the half cells on both of its sides. The band between the two plots
 /// has one bar per line; the ground is grey where all lines of the panel are in contact.
 pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
     let mut picture = Picture::new(WIDTH, 0.0);
@@ -66,17 +65,18 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     let lower_top = top + PLOT + band;
     let lower = frame((lower_top, lower_top + PLOT), &multipliers);
 
-    let least = |b: usize| multipliers.iter().map(|a| a[b]).fold(f64::INFINITY, f64::min);
-    let everywhere: Vec<f64> = (0..boundary.len()).map(least).collect();
+    let in_contact: Vec<Vec<bool>> = lines().map(|pair| pair.in_contact(grid)).collect();
+    let everywhere: Vec<bool> =
+        (0..boundary.len()).map(|b| in_contact.iter().all(|line| line[b])).collect();
     let whole = Frame { down: (top, lower_top + PLOT), ..upper.0 };
     for arc in arcs(&runs(&everywhere), grid.cells()) {
         whole.band(picture, arc, SHADE);
     }
     draw_plot(picture, "y", &upper, &ys, grid.h());
     draw_plot(picture, "a", &lower, &multipliers, grid.h());
-    for (k, a) in multipliers.iter().enumerate() {
+    for (k, in_contact) in in_contact.iter().enumerate() {
         let y = top + PLOT + 8.0 + ROW * k as f64;
-        for (from, to) in arcs(&runs(a), grid.cells()) {
+        for (from, to) in arcs(&runs(in_contact), grid.cells()) {
             picture.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
         }
     }

@@ -40,8 +40,10 @@ use crate::saddle::{Iteration, Pair};
 pub(crate) struct Surface<'a> {
     pub(crate) title: &'a str,
     pub(crate) grid: Grid,
-    /// The heights y, dimensionless, and the multiplier a: where it is positive, the boundary is drawn as in contact.
-    pub(crate) pair: &'a Pair,
+    /// The heights, dimensionless.
+    pub(crate) y: &'a [f64],
+    /// Boundary nodes that are drawn as in contact.
+    pub(crate) in_contact: &'a [bool],
     /// From where it is seen: degrees by which the viewer has walked counter-clockwise from the negative y axis;
     /// [`uphill`] hides least.
     pub(crate) azimuth: f64,

@@ -43,8 +43,10 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let y = (0..grid.nodes()).map(|k| 0.01 * (k % 7) as f64 - 0.02).collect();
     let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { 0.3 } else { 0.0 }).collect();
     let pair = Pair { y, a };
+    let in_contact = pair.in_contact(grid);
     for azimuth in [0.0, 52.5, 90.0] {
-        let panel = Surface { title, grid, pair: &pair, azimuth, range: None };
+        let panel =
+            Surface { title, grid, y: &pair.y, in_contact: &in_contact, azimuth, range: None };
         figures.push((format!("view{azimuth}"), svg(&surfaces(2, &[panel]))));
     }
     let lines =

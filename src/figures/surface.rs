@@ -23,7 +23,7 @@ const CEILING_GAP: f64 = 0.04;
 /// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
 ///
 /// Heights are shaded by Lambert's law and coloured by value; the parts of the boundary in contact
-/// (positive multiplier) are marked on the surface. Grids finer than 32 cells per side are thinned.
+/// are marked on the surface. Grids finer than 32 cells per side are thinned.
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let columns = columns.min(panels.len());
     let rows = panels.len().div_ceil(columns);
@@ -38,7 +38,7 @@ pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     for (k, panel) in panels.iter().enumerate() {
         let left = margin + (k % columns) as f64 * wide;
         let top = margin + (k / columns) as f64 * high;
-        let data = panel.range.unwrap_or_else(|| range_with_zero(panel.pair.y.iter().copied()));
+        let data = panel.range.unwrap_or_else(|| range_with_zero(panel.y.iter().copied()));
         let data = if data.0 < data.1 { data } else { (-1.0, 1.0) };
         let span = data.1 - data.0;
         let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
@@ -54,8 +54,9 @@ pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
         walls(&mut picture, &scene, &ticks);
         // Thin strokes in the mesh both draw it and close the seams between neighbours.
         let mesh = "stroke=\"#203038\" stroke-width=\"1\"";
-        let mut touching = vec![false; panel.pair.y.len()];
-        panel.grid.boundary().zip(&panel.pair.a).for_each(|(node, a)| touching[node] = *a > 0.0);
+        let mut touching = vec![false; panel.y.len()];
+        let nodes = panel.grid.boundary().zip(panel.in_contact);
+        nodes.for_each(|(node, contact)| touching[node] = *contact);
         let drawn = Drawn { scene: &scene, panel, touching };
         picture.group(mesh, |picture| quads(picture, &drawn, color));
         picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &drawn));
@@ -120,7 +121,7 @@ struct Drawn<'a> {
 fn quads(picture: &mut Picture, drawn: &Drawn, color: impl Fn(f64) -> RGBColor) {
     let &Drawn { scene, panel, .. } = drawn;
     let lines = thinned(panel.grid);
-    let value = |(i, j): (usize, usize)| panel.pair.y[panel.grid.index(i, j)];
+    let value = |(i, j): (usize, usize)| panel.y[panel.grid.index(i, j)];
     let xy = |(i, j): (usize, usize)| (panel.grid.coordinate(i), panel.grid.coordinate(j));
     for (i, j) in scene.camera.far_to_near(lines.len() - 1) {
         let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(p, q)| (lines[i + p], lines[j + q]));
@@ -172,7 +173,7 @@ fn mark(picture: &mut Picture, drawn: &Drawn, [p, q]: [(usize, usize); 2]) {
     let touches = |k: usize| touching[grid.index(node(k).0, node(k).1)];
     let place = |k: usize| {
         let (i, j) = node(k);
-        scene.place(grid.coordinate(i), grid.coordinate(j), panel.pair.y[grid.index(i, j)])
+        scene.place(grid.coordinate(i), grid.coordinate(j), panel.y[grid.index(i, j)])
     };
     let mut k = 0;
     while k < length {

@@ -98,8 +98,10 @@ fn text_is_large_enough_and_inside_the_picture() {
 fn what_cannot_be_drawn_is_refused() {
     let grid = Grid::new(4).unwrap();
     let mut pair = Pair { y: vec![0.0; 25], a: vec![0.0; 16] };
-    let surface =
-        |pair: &Pair| surfaces(2, &[Surface { title: "t", grid, pair, azimuth: 0.0, range: None }]);
+    let surface = |Pair { y, .. }: &Pair| {
+        let in_contact = &[false; 16];
+        surfaces(2, &[Surface { title: "t", grid, y, in_contact, azimuth: 0.0, range: None }])
+    };
     svg(&surface(&pair));
     pair.y[4] = f64::NAN;
     let refusal = |picture: Picture| picture.svg("t", "d").unwrap_err();

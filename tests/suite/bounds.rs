@@ -302,8 +302,8 @@ fn beside_a_circle_both_exact_loads_have_close_brackets() {
 /// The arcs of the solution for f, and its nodes in contact.
 fn contact(n: usize, f: &Source) -> (Vec<ContactArc>, usize) {
     let (grid, y) = solved(n, f, EXACT, Goal::RoundingFloor);
-    let flux = judge(grid, &y, &load(grid, f, EXACT)).flux;
-    (arcs(grid, &y, &flux), grid.boundary().filter(|&node| y[node] == 0.0).count())
+    let judgement = judge(grid, &y, &load(grid, f, EXACT));
+    (arcs(grid, &y, &judgement), grid.boundary().filter(|&node| y[node] == 0.0).count())
 }
 
 #[test]

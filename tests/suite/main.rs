@@ -8,6 +8,7 @@ mod cache;
 mod claims;
 mod cli;
 mod common;
+mod contact;
 mod cube;
 mod cube_loads;
 mod disks;

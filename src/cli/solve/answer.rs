@@ -5,7 +5,7 @@ use super::problem::Problem;
 use crate::bounds::Bounds;
 use crate::cli::output::columns;
 use crate::discrete::contact::ContactArc;
-use crate::discrete::kkt::Kkt;
+use crate::discrete::kkt::{Judgement, Kkt};
 use crate::discrete::norms::Errors;
 use crate::replication::scene::shown_integral;
 use crate::saddle::{Pair, tolerance};
@@ -46,8 +46,8 @@ pub(super) struct Solved {
     pub levels: Vec<Level>,
     /// On the finest grid.
     pub pair: Pair,
-    /// `A y - F` at the boundary nodes there.
-    pub flux: Vec<f64>,
+    /// What it is worth.
+    pub judgement: Judgement,
     /// Cost in sweeps of the finest grid, if the solver counts it.
     pub work_units: Option<f64>,
 }
@@ -57,7 +57,7 @@ pub(super) struct Answer {
     /// The sum of v r over the boundary, r the gradient of the energy: zero at the solution, and elsewhere,
     /// if all other conditions hold, a bound of the energy's error.
     complementarity: f64,
-    /// Boundary nodes with v <= r, and all.
+    /// Boundary nodes in contact, and all.
     contact_nodes: [usize; 2],
     /// With ends estimated within the cell; `None` on the cube.
     contact: Option<Vec<ContactArc>>,
@@ -76,11 +76,12 @@ impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let (n, y) = (problem.finest(), &solved.pair.y);
         let nodes = problem.domain.boundary(n);
-        let boundary = || nodes.iter().map(|&node| y[node]).zip(&solved.flux);
+        let Judgement { flux, .. } = &solved.judgement;
+        let in_contact = solved.judgement.in_contact(nodes.iter().copied(), y);
         let mut answer = Self {
-            complementarity: boundary().map(|(y, flux)| y * flux).sum(),
-            contact_nodes: [boundary().filter(|(y, flux)| y <= flux).count(), nodes.len()],
-            contact: problem.domain.contact(n, y, &solved.flux),
+            complementarity: nodes.iter().zip(flux).map(|(&node, flux)| y[node] * flux).sum(),
+            contact_nodes: [in_contact.into_iter().filter(|&of| of).count(), nodes.len()],
+            contact: problem.domain.contact(n, y, &solved.judgement),
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
             solved,

@@ -98,9 +98,14 @@ impl Domain {
 
     /// Positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
     pub(super) fn boundary(&self, n: usize) -> Vec<usize> {
+        self.boundary_parts(n).into_iter().map(|(node, _)| node).collect()
+    }
+
+    /// The same positions, each with the measure of the node's part of the boundary.
+    pub(super) fn boundary_parts(&self, n: usize) -> Vec<(usize, f64)> {
         match self {
-            Self::Square { .. } => square(n).boundary().collect(),
-            Self::Cube { .. } => cube(n).boundary(),
+            Self::Square { .. } => square(n).boundary().map(|node| (node, square(n).h())).collect(),
+            Self::Cube { .. } => cube(n).boundary_shares().collect(),
         }
     }
 
@@ -122,10 +127,15 @@ impl Domain {
         }
     }
 
-    /// The arcs in contact, for a nodal vector and its flux at the boundary nodes; the cube has faces instead.
-    pub(super) fn contact(&self, n: usize, y: &[f64], flux: &[f64]) -> Option<Vec<ContactArc>> {
+    /// The arcs in contact, for a nodal vector and its judgement; the cube has faces instead.
+    pub(super) fn contact(
+        &self,
+        n: usize,
+        y: &[f64],
+        judged: &Judgement,
+    ) -> Option<Vec<ContactArc>> {
         match self {
-            Self::Square { .. } => Some(arcs(square(n), y, flux)),
+            Self::Square { .. } => Some(arcs(square(n), y, judged)),
             Self::Cube { .. } => None,
         }
     }
@@ -161,7 +171,8 @@ impl Domain {
             Format::Vti => Ok(fields.vti(name)),
             Format::Svg => {
                 let (grid, azimuth) = (square(n), uphill(square(n), &pair.y));
-                let surface = Surface { title: name, grid, pair, azimuth, range: None };
+                let (y, in_contact) = (&pair.y, &pair.in_contact(grid));
+                let surface = Surface { title: name, grid, y, in_contact, azimuth, range: None };
                 let drawn = surfaces(2, &[surface]).svg(name, "Made by `signorini solve`.");
                 drawn.map(String::into_bytes).map_err(Error::input)
             }

@@ -139,9 +139,8 @@ impl Problem {
         work_units: Option<f64>,
     ) -> Solved {
         let n = self.finest();
-        let measure = (n as f64).powi(1 - i32::from(self.domain.dimension()));
-        let a = judgement.multiplier(self.domain.boundary(n), &y, measure);
-        Solved { levels, pair: Pair { y, a }, flux: judgement.flux, work_units }
+        let a = judgement.multiplier(self.domain.boundary_parts(n), &y);
+        Solved { levels, pair: Pair { y, a }, judgement, work_units }
     }
 
     /// That no nodal vector solves the discrete problem for a load vector with this sum; whichever solver finds it,

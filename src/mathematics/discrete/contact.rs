@@ -1,6 +1,7 @@
 //! Contact as a result: the arcs of the boundary that carry reactions, their forces, and where they end between nodes.
 
 use super::grid::Grid;
+use super::kkt::Judgement;
 
 /// A part of the boundary in contact, anticlockwise.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -13,13 +14,12 @@ pub struct ContactArc {
     pub force: f64,
 }
 
-/// The arcs of boundary nodes whose flux `A y - F` is no less than their value, for the nodal vector `y` and the flux in
-/// boundary order.
-pub fn arcs(grid: Grid, y: &[f64], flux: &[f64]) -> Vec<ContactArc> {
+/// The arcs of boundary nodes [in contact](Judgement::in_contact), for the nodal vector `y` and its judgement.
+pub fn arcs(grid: Grid, y: &[f64], judgement: &Judgement) -> Vec<ContactArc> {
+    let (in_contact, flux) = (judgement.in_contact(grid.boundary(), y), &judgement.flux);
     let y: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
     let nodes = flux.len();
-    // Both are zero in a corner without load between nodes in contact.
-    let carries = |b: usize| flux[b % nodes] >= y[b % nodes];
+    let carries = |b: usize| in_contact[b % nodes];
     if (0..nodes).all(carries) {
         let corner = point(grid, 0.0);
         return vec![ContactArc { from: corner, to: corner, force: flux.iter().sum() }];

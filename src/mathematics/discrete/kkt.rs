@@ -37,34 +37,41 @@ pub struct Judgement {
     /// Sum over the boundary nodes of y times the flux: zero at the solution, and elsewhere, if all other conditions
     /// hold, a bound of the energy's error.
     pub work: f64,
+    /// Up to this, values of y and of the flux are [`rounding`] errors.
+    pub rounding: f64,
 }
 
 impl Judgement {
-    /// The judgement of `y`, which `judge` has seen in full, with the flux at the nodes of the `boundary`.
-    pub(crate) fn new(
-        judge: &Judge,
-        measure: f64,
-        y: &[f64],
-        boundary: impl IntoIterator<Item = usize>,
-        flux: Vec<f64>,
-    ) -> Self {
-        let work = boundary.into_iter().zip(&flux).map(|(node, flux)| y[node] * flux).sum();
-        Self { kkt: judge.kkt(measure), energy: judge.energy, flux, work }
+    /// Contact at the `boundary` nodes: where the flux is no less than `y`, up to rounding errors. Both are zero in a
+    /// corner without load between nodes in contact.
+    pub fn in_contact(&self, boundary: impl IntoIterator<Item = usize>, y: &[f64]) -> Vec<bool> {
+        let of_node = |(node, flux): (usize, &f64)| y[node] - flux <= self.rounding;
+        boundary.into_iter().zip(&self.flux).map(of_node).collect()
     }
 
-    /// The multiplier at the boundary nodes: the flux over the `measure` of a node's part of the boundary in contact,
-    /// where the flux is more than `y`. It is zero elsewhere, where the flux of a solution is rounding error.
+    /// The multiplier at the boundary nodes, each given with the measure of its part of the boundary: the flux over
+    /// this measure, where the flux is more than `y`. It is zero elsewhere, where the flux of a solution is rounding
+    /// error.
     pub fn multiplier(
         &self,
-        boundary: impl IntoIterator<Item = usize>,
+        boundary: impl IntoIterator<Item = (usize, f64)>,
         y: &[f64],
-        measure: f64,
     ) -> Vec<f64> {
-        let of_node = |(node, flux): (usize, &f64)| {
-            if y[node] < *flux { flux.max(0.0) / measure } else { 0.0 }
+        let of_node = |((node, measure), flux): ((usize, f64), &f64)| {
+            if flux - y[node] > self.rounding { flux.max(0.0) / measure } else { 0.0 }
         };
         boundary.into_iter().zip(&self.flux).map(of_node).collect()
     }
+}
+
+/// Size of rounding errors in a solution whose `largest` absolute value, of y and of the flux, this is, on a grid with
+/// `cells` cells per side: `cells` units in the last place of it.
+///
+/// However a solver ends, each row of `A y = F` is left open by about one such unit, with either sign. The inverse
+/// `G` of A sums the rows up, independent as they are, to the root of the sum of `G_ij^2`, which is below `cells`: on
+/// the square `G` falls like a logarithm, on the cube like `1 / |i - j|`.
+pub fn rounding(cells: usize, largest: f64) -> f64 {
+    cells as f64 * f64::EPSILON * largest
 }
 
 /// Judges the nodal vector `y` for the load vector `load`.
@@ -85,7 +92,7 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
             _ => (0..side).for_each(|i| flux[3 * n - i] = gradient[i]),
         }
     }
-    Judgement::new(&judge, grid.h(), y, grid.boundary(), flux)
+    judge.judgement(n, y, flux, grid.boundary().map(|node| (node, grid.h())))
 }
 
 /// How far `y` is from the conditions, as [`judge`] finds it.
@@ -98,24 +105,24 @@ pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
 
 /// A judgement that takes one row of nodes after the other into account.
 pub(crate) struct Judge {
-    pub(crate) energy: f64,
+    energy: f64,
     stationarity: Largest,
     load: Largest,
+    value: Largest,
     complementarity: Largest,
     min_y: f64,
-    min_flux: f64,
 }
 
 impl Default for Judge {
     fn default() -> Self {
-        let (largest, least) = (Largest::default(), f64::INFINITY);
+        let largest = Largest::default();
         Self {
             energy: 0.0,
             stationarity: largest,
             load: largest,
+            value: largest,
             complementarity: largest,
-            min_y: least,
-            min_flux: least,
+            min_y: f64::INFINITY,
         }
     }
 }
@@ -126,25 +133,44 @@ impl Judge {
     pub(crate) fn see(&mut self, y: &[f64], gradient: &[f64], load: &[f64], inner: bool) {
         self.energy = add_energy(self.energy, y, gradient, load);
         self.load.see(1.0, load);
+        self.value.see(1.0, y);
         let last = y.len() - 1;
         let inside = if inner { 1..last } else { 0..0 };
         self.stationarity.see(1.0, &gradient[inside.clone()]);
         for node in (0..inside.start).chain(inside.end..=last) {
             self.min_y = min(self.min_y, y[node]);
-            self.min_flux = min(self.min_flux, gradient[node]);
             self.complementarity.put(min(y[node], gradient[node]));
         }
     }
 
-    /// The violations, where `measure` is that of the boundary around one of its nodes.
-    pub(crate) fn kkt(&self, measure: f64) -> Kkt {
+    /// The judgement of `y` on a grid with `cells` cells per side, with the `flux` at the boundary nodes, which are given
+    /// as `parts`: positions in `y`, and measures of their parts of the boundary.
+    pub(crate) fn judgement(
+        &self,
+        cells: usize,
+        y: &[f64],
+        flux: Vec<f64>,
+        parts: impl IntoIterator<Item = (usize, f64)>,
+    ) -> Judgement {
+        let (mut min_lambda, mut work) = (f64::INFINITY, 0.0);
+        for (flux, (node, measure)) in flux.iter().zip(parts) {
+            min_lambda = min(min_lambda, flux / measure);
+            work += y[node] * flux;
+        }
+        let mut largest = self.value;
+        largest.see(1.0, &flux);
+        let rounding = rounding(cells, largest.value());
+        Judgement { kkt: self.kkt(min_lambda), energy: self.energy, flux, work, rounding }
+    }
+
+    fn kkt(&self, min_lambda: f64) -> Kkt {
         let [stationarity, complementarity, scale] =
             [self.stationarity, self.complementarity, self.load].map(Largest::value);
         let natural = max(stationarity, complementarity);
         Kkt {
             stationarity,
             min_y: self.min_y,
-            min_lambda: self.min_flux / measure,
+            min_lambda,
             complementarity,
             natural,
             relative: if natural == 0.0 { 0.0 } else { natural / scale },

@@ -41,7 +41,7 @@ impl Strips {
 pub struct Strip {
     /// Duality parameter.
     pub r: f64,
-    /// After each iteration, the runs of boundary nodes with a positive multiplier: first, and one past the
+    /// After each iteration, the runs of boundary nodes in contact: first, and one past the
     /// last, counted anticlockwise from the lower left corner.
     pub contact: Vec<Vec<[usize; 2]>>,
 }
@@ -86,7 +86,7 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
                 if steps.step(&mut again, usize::MAX).is_break() {
                     break;
                 }
-                contact.push(runs(&again.a));
+                contact.push(runs(&again.in_contact(grid)));
             }
         }
         (outcome, outcome.stop)
@@ -94,10 +94,10 @@ fn strip(problem: &Problem, grids: &[Grid], loads: &[Vec<f64>], r: f64) -> Strip
     Strip { r, contact }
 }
 
-/// Runs of boundary nodes with a positive multiplier `a`: first, and one past the last.
-pub fn runs(a: &[f64]) -> Vec<[usize; 2]> {
+/// Runs of boundary nodes in contact: first, and one past the last.
+pub fn runs(in_contact: &[bool]) -> Vec<[usize; 2]> {
     let mut runs: Vec<[usize; 2]> = Vec::new();
-    for (b, _) in a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+    for (b, _) in in_contact.iter().enumerate().filter(|(_, contact)| **contact) {
         match runs.last_mut() {
             Some(run) if run[1] == b => run[1] = b + 1,
             _ => runs.push([b, b + 1]),
@@ -112,6 +112,6 @@ mod tests {
 
     #[test]
     fn runs_are_disjoint_and_ascend() {
-        assert_eq!(runs(&[1.0, 0.0, 2.0, 3.0, 0.0]), [[0, 1], [2, 4]]);
+        assert_eq!(runs(&[true, false, true, true, false]), [[0, 1], [2, 4]]);
     }
 }

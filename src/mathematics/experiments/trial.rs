@@ -1,7 +1,7 @@
 //! One run of a solver under stress, judged by a measure that no solver computes for itself.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::kkt::judge;
 use crate::discrete::simd::Largest;
 use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, MultigridParams};
@@ -25,7 +25,7 @@ pub struct Trial {
     pub floor: Option<f64>,
     /// `max |y|`; none if it is not finite.
     pub size: Option<f64>,
-    /// Boundary nodes in contact: there the flux exceeds y.
+    /// Boundary nodes in contact: there the flux is no less than y.
     pub contact: usize,
     /// Whether what the solver claims of the natural residual is so; none if it claims nothing of it.
     pub holds: Option<bool>,
@@ -42,7 +42,8 @@ impl Trial {
         epsilon: f64,
         claim: impl FnOnce(f64) -> Option<f64>,
     ) -> Self {
-        let Judgement { kkt, flux, .. } = judge(grid, y, load);
+        let judgement = judge(grid, y, load);
+        let kkt = judgement.kkt;
         let mut largest = Largest::default();
         largest.see(1.0, y);
         let size = largest.value();
@@ -55,7 +56,7 @@ impl Trial {
             kkt: finite(kkt.relative),
             floor: finite(kkt.natural / (epsilon * size)),
             size: finite(size),
-            contact: grid.boundary().zip(&flux).filter(|&(node, flux)| *flux > y[node]).count(),
+            contact: judgement.in_contact(grid.boundary(), y).into_iter().filter(|&b| b).count(),
             holds: claim(size).map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
         }
     }

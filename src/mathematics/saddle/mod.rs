@@ -16,6 +16,8 @@ pub use plain::{Plain, PlainEnd};
 pub use stopping::{StopReason, StopRule};
 
 use crate::discrete::grid::Grid;
+use crate::discrete::kkt::rounding;
+use crate::discrete::norms::largest;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 
 /// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes.
@@ -36,6 +38,15 @@ impl Pair {
     /// Returns the linear interpolation of both components on the grid of half the width.
     pub fn prolonged(&self, grid: Grid, rule: Prolongation) -> Self {
         Self { y: prolong(grid, &self.y, rule), a: prolong_boundary(&self.a) }
+    }
+
+    /// Contact at the boundary nodes: where the multiplier is positive or v is zero, up to rounding errors. Both are
+    /// zero in a corner without load between nodes in contact.
+    pub fn in_contact(&self, grid: Grid) -> Vec<bool> {
+        let h = grid.h();
+        let zero = rounding(grid.cells(), largest(&self.y).max(h * largest(&self.a)));
+        let of_node = |(node, a): (usize, &f64)| h * a > zero || self.y[node].abs() <= zero;
+        grid.boundary().zip(&self.a).map(of_node).collect()
     }
 }
 

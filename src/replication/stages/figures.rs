@@ -60,18 +60,20 @@ fn stops(scenes: &[&Scene]) -> Task {
         for scene in &scenes {
             let stop = solve::pair(inputs, scene, scene.stop[0])?;
             let solution = solve::solution(scene)?;
-            let y = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
-            let difference = Pair { y, a: vec![0.0; stop.a.len()] };
+            let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
             let names = ["where it stopped", "the solution", "the difference"];
             let titles = names.map(|name| format!("{}: {name}", scene.title));
-            rows.push((scene.finest(), titles, [stop, solution, difference]));
+            let grid = scene.finest();
+            let in_contact =
+                [stop.in_contact(grid), solution.in_contact(grid), vec![false; stop.a.len()]];
+            rows.push((grid, titles, [stop.y, solution.y, difference], in_contact));
         }
         let mut shown = Vec::new();
-        for (grid, titles, pairs) in &rows {
-            let range = range_with_zero(pairs.iter().flat_map(|pair| &pair.y).copied());
-            let (grid, azimuth) = (*grid, uphill(*grid, &pairs[1].y));
-            for (title, pair) in titles.iter().zip(pairs) {
-                shown.push(Surface { title, grid, pair, azimuth, range: Some(range) });
+        for (grid, titles, heights, in_contact) in &rows {
+            let range = Some(range_with_zero(heights.iter().flatten().copied()));
+            let (grid, azimuth) = (*grid, uphill(*grid, &heights[1]));
+            for ((title, y), in_contact) in titles.iter().zip(heights).zip(in_contact) {
+                shown.push(Surface { title, grid, y, in_contact, azimuth, range });
             }
         }
         Ok(surfaces(3, &shown))
@@ -152,9 +154,13 @@ fn draw(kind: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Stri
         Output::Surface => {
             let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
             let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-            let shown = scenes.iter().zip(&pairs).map(|(scene, pair)| {
-                let (title, grid) = (&scene.title, scene.finest());
-                Surface { title, grid, pair, azimuth: uphill(grid, &pair.y), range: None }
+            let in_contact: Vec<_> =
+                scenes.iter().zip(&pairs).map(|(s, pair)| pair.in_contact(s.finest())).collect();
+            let shown = scenes.iter().zip(&pairs).zip(&in_contact);
+            let shown = shown.map(|((scene, Pair { y, .. }), in_contact)| {
+                let (title, grid, azimuth) =
+                    (&scene.title, scene.finest(), uphill(scene.finest(), y));
+                Surface { title, grid, y, in_contact, azimuth, range: None }
             });
             Ok(surfaces(2, &shown.collect::<Vec<_>>()))
         }

@@ -74,7 +74,8 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
     let (y, _) = multigrid::solve::<Square>(grid.cells(), &load, None, &MultigridParams::default())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let a = judge(grid, &y, &load).multiplier(grid.boundary(), &y, grid.h());
+    let parts = grid.boundary().map(|node| (node, grid.h()));
+    let a = judge(grid, &y, &load).multiplier(parts, &y);
     Ok(Pair { y, a })
 }
 

@@ -58,9 +58,18 @@ impl Grid {
 
     /// Positions of the boundary nodes in a nodal vector.
     pub fn boundary(self) -> Vec<usize> {
-        let nodes = self.indices().enumerate();
-        let outer = |at: [usize; 3]| at.iter().any(|&i| i == 0 || i == self.n);
-        nodes.filter(|&(_, at)| outer(at)).map(|(node, _)| node).collect()
+        self.boundary_shares().map(|(node, _)| node).collect()
+    }
+
+    /// Positions of the boundary nodes in a nodal vector, each with the measure of its part of the boundary: h^2 on
+    /// faces, half of it on each of the two that meet in edges, a quarter on each of the three in corners.
+    pub fn boundary_shares(self) -> impl Iterator<Item = (usize, f64)> {
+        let share = move |(node, at): (usize, [usize; 3])| {
+            let faces = at.iter().filter(|&&i| i == 0 || i == self.n).count();
+            // Of the cell around the node, each face halves the part inside, and the part of the other faces.
+            (faces > 0).then(|| (node, 2.0 * faces as f64 * self.share(at) * self.h().powi(2)))
+        };
+        self.indices().enumerate().filter_map(share)
     }
 
     /// Part of the cell around a node that lies inside the cube: 1, on faces 1/2, edges 1/4, corners 1/8.
@@ -112,7 +121,7 @@ fn residual_row(grid: Grid, [j, k]: [usize; 2], y: &[f64], load: &[f64], out: &m
 }
 
 /// Judges the nodal vector `y`, as [`kkt::judge`](crate::discrete::kkt::judge) does on the square; the multiplier of
-/// a node is `(A y - F) / h^2`.
+/// a node is `A y - F` over its [part of the boundary](Grid::boundary_shares).
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
@@ -131,7 +140,7 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
             false => flux.extend_from_slice(&gradient),
         }
     }
-    Judgement::new(&judge, grid.h().powi(2), y, grid.boundary(), flux)
+    judge.judgement(n, y, flux, grid.boundary_shares())
 }
 
 #[cfg(test)]

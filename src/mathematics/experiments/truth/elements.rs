@@ -3,7 +3,7 @@
 use crate::bounds::bounds;
 use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::kkt::judge;
 use crate::discrete::load::{self, LoadRule};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
@@ -86,8 +86,8 @@ impl Level {
         let (bilinear_error, _, closer) = bounded(&load::load(grid, &f, LoadRule::Bilinear {}))?;
         let [low, high] = bounds.energy;
         let truth = known.solution();
-        let Judgement { energy, flux, .. } = judge(grid, &y, &load);
-        let contact = arcs(grid, &y, &flux);
+        let judgement = judge(grid, &y, &load);
+        let (energy, contact) = (judgement.energy, arcs(grid, &y, &judgement));
         Ok(Self {
             cells,
             error,

@@ -157,8 +157,8 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
     json!({
         "least": heights.map(|range| range.least),
         "greatest": heights.map(|range| range.greatest),
-        // Boundary nodes whose multiplier is positive.
-        "contact": pair.a.iter().filter(|a| **a > 0.0).count(),
+        // Boundary nodes in contact.
+        "contact": pair.in_contact(scene.finest()).into_iter().filter(|&contact| contact).count(),
         // Total inflow: the sum of h times the multiplier over the boundary.
         "inflow": scene.finest().h() * pair.a.iter().sum::<f64>(),
     })

@@ -1,0 +1,172 @@
+//! Contact sets have the symmetries of f, and multipliers of the cube its total force, whatever rounding errors do.
+
+use crate::common::Dice;
+use signorini::discrete::contact::arcs;
+use signorini::discrete::cube;
+use signorini::discrete::grid::Grid;
+use signorini::discrete::kkt::judge;
+use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini::multigrid::active_set::active_set;
+use signorini::multigrid::cube::Cube;
+use signorini::multigrid::square::Square;
+use signorini::multigrid::{self, MultigridParams};
+use signorini::problem::cube::{Body, Source as CubeSource};
+use signorini::problem::source::Source;
+use signorini::saddle::Pair;
+
+const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
+
+/// The solutions for a load vector by multigrid and, on coarse grids, by the active sets.
+fn solutions(n: usize, load: &[f64]) -> Vec<Vec<f64>> {
+    let params = MultigridParams::default();
+    let mut solutions = vec![multigrid::solve::<Square>(n, load, None, &params).unwrap().0];
+    if n <= 64 {
+        solutions.push(active_set::<Square>(n, load).unwrap().0);
+    }
+    solutions
+}
+
+/// Contact at the boundary nodes as the judgement reads it and as pictures do, which must be the same.
+fn in_contact(grid: Grid, y: &[f64], load: &[f64]) -> Vec<bool> {
+    let judgement = judge(grid, y, load);
+    let contact = judgement.in_contact(grid.boundary(), y);
+    let a = judgement.multiplier(grid.boundary().map(|node| (node, grid.h())), y);
+    assert_eq!(Pair { y: y.to_vec(), a }.in_contact(grid), contact);
+    contact
+}
+
+/// Whether a set of boundary nodes is mapped to itself, where the map is given for twice the indices from the middle.
+fn is_symmetric(grid: Grid, set: &[bool], map: [[i64; 2]; 2]) -> bool {
+    let n = grid.cells() as i64;
+    let nodes: Vec<_> = grid.boundary().collect();
+    let side = grid.side() as i64;
+    nodes.iter().zip(set).all(|(&node, &is)| {
+        let [x, y] = [node as i64 % side, node as i64 / side].map(|i| 2 * i - n);
+        let [i, j] = map.map(|row| (row[0] * x + row[1] * y + n) / 2);
+        let image = nodes.iter().position(|&other| other as i64 == j * side + i).unwrap();
+        set[image] == is
+    })
+}
+
+const TURN: [[i64; 2]; 2] = [[0, -1], [1, 0]];
+const MIRROR: [[i64; 2]; 2] = [[-1, 0], [0, 1]];
+const RISING: [[i64; 2]; 2] = [[0, 1], [1, 0]];
+const FALLING: [[i64; 2]; 2] = [[0, -1], [-1, 0]];
+
+#[test]
+fn no_corner_between_nodes_in_contact_is_a_gap() {
+    // The load of two corner cells is zero but for rounding errors: both halves of f cancel there.
+    let mut tried = 0;
+    for value in [1.0, 0.1, 2.0, 0.3, 1e-9, 1e9] {
+        for (plane, diagonal) in [("1,-1,0", RISING), ("1,1,0", FALLING), ("-1,1,0", RISING)] {
+            for pull in ["disc(0,0,0.25)", "rect(-0.2,0.2,-0.2,0.2)"] {
+                let f =
+                    format!("halfplane({plane})={value}; {pull}={}; else=-{value}", -9.0 * value);
+                let f: Source = f.parse().unwrap();
+                for (n, rule) in [8, 24, 64, 128]
+                    .into_iter()
+                    .zip([EXACT, LoadRule::Bilinear {}].into_iter().cycle())
+                {
+                    let grid = Grid::new(n).unwrap();
+                    let load = load(grid, &f, rule);
+                    for y in solutions(n, &load) {
+                        let arcs = arcs(grid, &y, &judge(grid, &y, &load));
+                        assert_eq!(arcs.len(), 1, "{f} 1/{n}: {arcs:?}");
+                        assert!((arcs[0].force + integral(&f)).abs() < 1e-9 * value, "{f} 1/{n}");
+                        let contact = in_contact(grid, &y, &load);
+                        let corners = [0, n, 2 * n, 3 * n].map(|corner| contact[corner]);
+                        assert_eq!(corners.into_iter().filter(|&is| is).count(), 3, "{f} 1/{n}");
+                        // f less its mean changes its sign; only the pull is symmetric in all ways.
+                        assert!(
+                            is_symmetric(
+                                grid,
+                                &contact,
+                                if diagonal == RISING { FALLING } else { RISING }
+                            ),
+                            "{f} 1/{n}"
+                        );
+                        tried += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(tried, 6 * 3 * 2 * 7);
+}
+
+#[test]
+fn contact_has_the_symmetries_of_f() {
+    let mut dice = Dice(7);
+    let mut partial = 0;
+    for case in 0..120 {
+        let [x, y, size] = [0; 3].map(|_| dice.unit());
+        let [x, y, size] = [0.4 * x - 0.2, 0.4 * y - 0.2, 0.05 + 0.2 * size];
+        let value = if case % 2 == 0 { 4.0 } else { -4.0 };
+        // Images of one disc under the symmetries in question, each side of the square included.
+        let (places, maps): (Vec<[f64; 2]>, Vec<_>) = match case % 4 {
+            0 => (vec![[0.0, 0.0]], vec![TURN, MIRROR]),
+            1 => (vec![[x, y], [y, x]], vec![RISING]),
+            2 => (vec![[x, y], [-x, y]], vec![MIRROR]),
+            _ => (vec![[x, y], [-y, x], [-x, -y], [y, -x]], vec![TURN]),
+        };
+        let discs: Vec<_> =
+            places.iter().map(|[x, y]| format!("disc({x:?},{y:?},{size:?})={value}")).collect();
+        let f: Source = format!("{}; else=-1", discs.join("; ")).parse().unwrap();
+        if integral(&f) > -0.05 {
+            continue;
+        }
+        let n = [16, 48, 64][case % 3];
+        let grid = Grid::new(n).unwrap();
+        let load = load(grid, &f, LoadRule::Bilinear {});
+        for y in solutions(n, &load) {
+            let contact = in_contact(grid, &y, &load);
+            partial += usize::from(contact.contains(&false));
+            for &map in &maps {
+                assert!(is_symmetric(grid, &contact, map), "{f} 1/{n}");
+            }
+        }
+    }
+    assert!(partial > 20, "{partial}");
+}
+
+#[test]
+fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
+    let mut dice = Dice(11);
+    for case in 0..24 {
+        let n = [4, 6, 8, 16][case % 4];
+        let centre = [0; 3].map(|_| dice.unit() - 0.5);
+        let ball = Body::Ball { centre, radius: 0.1 + 0.3 * dice.unit() };
+        let value = 3.0 * dice.unit() - 2.0;
+        let pieces = if case == 0 { Vec::new() } else { vec![(ball, value)] };
+        let f = CubeSource::Pieces { background: -1.0, pieces };
+        if cube::integral(&f) > -0.05 {
+            continue;
+        }
+        let grid = cube::Grid::new(n).unwrap();
+        let load = cube::exact_load(grid, &f);
+        let params = MultigridParams::default();
+        let (y, _) = multigrid::solve::<Cube>(n, &load, None, &params).unwrap();
+        let judgement = cube::judge(grid, &y, &load);
+        let a = judgement.multiplier(grid.boundary_shares(), &y);
+        let mut multiplier = vec![0.0; grid.nodes()];
+        grid.boundary().into_iter().zip(&a).for_each(|(node, a)| multiplier[node] = *a);
+        let mut force = 0.0;
+        for (node, at) in grid.indices().enumerate() {
+            for axis in 0..3 {
+                let across = [at[(axis + 1) % 3], at[(axis + 2) % 3]];
+                let weights = across.map(|i| if i % n == 0 { 0.5 } else { 1.0 });
+                if at[axis] % n == 0 {
+                    force += weights[0] * weights[1] * grid.h().powi(2) * multiplier[node];
+                }
+            }
+        }
+        let total: f64 = -load.iter().sum::<f64>();
+        assert!((force - total).abs() < 1e-12 * total.max(1.0), "{n}: {force} {total}");
+        let least = a.iter().copied().fold(f64::INFINITY, f64::min);
+        if least > 0.0 {
+            assert!((judgement.kkt.min_lambda - least).abs() < 1e-15, "{n}: {least}");
+        }
+    }
+    let area: f64 = cube::Grid::new(5).unwrap().boundary_shares().map(|(_, share)| share).sum();
+    assert!((area - 6.0).abs() < 1e-14, "{area}");
+}
