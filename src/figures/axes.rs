@@ -2,7 +2,7 @@
 
 use super::palette::{INK, MUTED, RGBColor, RULE, series};
 use super::picture::{END, NORMAL, Picture, Place, SMALL, START, italic, plain, text_width};
-use super::text::Ticks;
+use super::text::{Ticks, number_width};
 
 /// A rectangle of the picture with a linear scale along each side.
 #[derive(Clone, Copy, Debug)]
@@ -91,10 +91,14 @@ impl Frame {
         ticks: impl IntoIterator<Item = (f64, String)>,
     ) {
         let y = self.down.1;
-        for (value, text) in ticks {
-            let x = self.right(value);
-            picture.path([(x, y), (x, y + 4.0)], INK, 1.0);
-            picture.text(&text, (x, y + 14.0), plain(SMALL));
+        let labels: Vec<_> = ticks.into_iter().map(|(x, text)| (self.right(x), text)).collect();
+        let step = every(&labels);
+        let zero = labels.iter().position(|(_, text)| text == "0").unwrap_or(0);
+        for (k, (x, text)) in labels.iter().enumerate() {
+            picture.path([(*x, y), (*x, y + 4.0)], INK, 1.0);
+            if k % step == zero % step && picture.holds(*x, 0.5 * SMALL * number_width(text)) {
+                picture.text(text, (*x, y + 14.0), plain(SMALL));
+            }
         }
     }
 
@@ -120,6 +124,19 @@ impl Frame {
 fn scale(value: f64, (v0, v1): (f64, f64), (p0, p1): (f64, f64)) -> f64 {
     let t = if v1 == v0 { 0.5 } else { (value - v0) / (v1 - v0) };
     p0 + t * (p1 - p0)
+}
+
+/// Least distance between two numbers along an axis.
+const APART: f64 = 4.0;
+
+/// Which of the labels, centred at ascending places, are written so that none touches the next: one of so many.
+fn every(labels: &[(f64, String)]) -> usize {
+    let half = |text: &str| 0.5 * SMALL * number_width(text);
+    let fits = |step: usize| {
+        let mut pairs = labels.iter().zip(labels.iter().skip(step));
+        pairs.all(|((x, text), (next, other))| next - x > half(text) + half(other) + APART)
+    };
+    (1..labels.len()).find(|&step| fits(step)).unwrap_or(labels.len().max(1))
 }
 
 /// Steps in which a colour bar is painted.

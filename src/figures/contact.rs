@@ -9,8 +9,10 @@ use super::text::Ticks;
 use super::{ContactPanel, range_with_zero};
 use crate::experiments::strips::runs;
 
-/// Left and right end of the plots.
+/// Left and right end of the plots; long numbers move the left one.
 const ACROSS: (f64, f64) = (82.0, 780.0);
+/// Where the names of the axes are, and how much room they and the marks take from the numbers.
+const NAME: (f64, f64) = (26.0, 13.0);
 /// Height of the plots of y and of a in display pixels.
 const PLOT: f64 = 128.0;
 /// Height of one line's row in the band between the plots.
@@ -52,18 +54,21 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     let ys: Vec<Vec<f64>> =
         lines().map(|pair| boundary.iter().map(|&k| pair.y[k]).collect()).collect();
     let multipliers: Vec<Vec<f64>> = lines().map(|pair| pair.a.clone()).collect();
-    let frame = |down: (f64, f64), data: &[Vec<f64>]| {
+    let [of_y, of_a] = [&ys, &multipliers].map(|data| {
         let (low, high) = range_with_zero(data.iter().flatten().copied());
         let high = if high > low { high } else { low + 1.0 };
-        let ticks = Ticks::inside(low, high, 5);
+        ((low, high), Ticks::inside(low, high, 5))
+    });
+    let longest = SMALL * of_y.1.widest().max(of_a.1.widest());
+    let across = (ACROSS.0.max(NAME.0 + NAME.1 + longest), ACROSS.1);
+    let frame = |down: (f64, f64), ((low, high), ticks): ((f64, f64), Ticks)| {
         // A margin, so that a curve at zero is not lost in the frame.
         let pad = 0.08 * (high - low);
-        let frame = Frame { across: ACROSS, down, x: (0.0, 4.0), y: (low - pad, high + pad) };
-        (frame, ticks)
+        (Frame { across, down, x: (0.0, 4.0), y: (low - pad, high + pad) }, ticks)
     };
-    let upper = frame((top, top + PLOT), &ys);
+    let upper = frame((top, top + PLOT), of_y);
     let lower_top = top + PLOT + band;
-    let lower = frame((lower_top, lower_top + PLOT), &multipliers);
+    let lower = frame((lower_top, lower_top + PLOT), of_a);
 
     let in_contact: Vec<Vec<bool>> = lines().map(|pair| pair.in_contact(grid)).collect();
     let everywhere: Vec<bool> =
@@ -81,7 +86,7 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         }
     }
     let middle = top + PLOT + 0.5 * band;
-    picture.text("contact", (ACROSS.0 - 8.0, middle), plain(SMALL).pos(END).color(&MUTED));
+    picture.text("contact", (across.0 - 8.0, middle), plain(SMALL).pos(END).color(&MUTED));
     name_sides(picture, &whole);
     whole.down.1 + 56.0
 }
@@ -96,7 +101,7 @@ fn draw_plot(
 ) {
     frame.rules(picture, ticks.values());
     frame.label_left(picture, ticks.labelled());
-    picture.text(name, (26.0, frame.middle().1), italic(NORMAL));
+    picture.text(name, (NAME.0, frame.middle().1), italic(NORMAL));
     frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
     for (k, values) in data.iter().enumerate() {
         // Closed: s = 4 is the corner s = 0 again.

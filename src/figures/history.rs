@@ -101,8 +101,13 @@ fn ground(
     let (x, y) = frame.middle();
     picture.text("iterations, all grids", (x, frame.down.1 + 31.0), plain(NORMAL));
     picture.text("residual", (17.0, y), plain(NORMAL).transform(UPWARDS));
-    for (k, grid) in (1..).zip(panel.grids) {
-        let y = frame.up(-f64::from(k));
+    // From the lowest upwards, none on the one below.
+    let mut places: Vec<f64> =
+        (1..).zip(panel.grids).map(|(k, _)| frame.up(-f64::from(k))).collect();
+    for k in (1..places.len()).rev() {
+        places[k - 1] = places[k - 1].min(places[k] - SMALL);
+    }
+    for ((k, grid), y) in (1..).zip(panel.grids).zip(places) {
         let text = format!("{}  h = 1/{}", power_of_ten(-k), grid.cells());
         picture.text(&text, (ACROSS.1 + 7.0, y), plain(SMALL).pos(START).color(&MUTED));
     }

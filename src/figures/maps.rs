@@ -3,9 +3,9 @@
 use super::axes::{Frame, colour_bar};
 use super::palette::{INK, RGBColor, diverging, legible_on};
 use super::panels::{Panels, title};
-use super::picture::{NORMAL, Picture, SMALL, italic, plain, text_width};
+use super::picture::{NORMAL, Picture, italic, plain};
 use super::regions::{RASTER, raster, regions, widest};
-use super::text::{Ticks, short};
+use super::text::{Ticks, number_width, short};
 use crate::discrete::norms::largest;
 use crate::problem::source::Source;
 
@@ -19,6 +19,8 @@ const BANDS: f64 = 20.0;
 ///
 /// A multiple of the raster, so that its cells fall on whole pixels.
 const SIDE: f64 = 288.0;
+/// Size of a value in a wide region.
+const LABEL: f64 = 18.0;
 
 type Point = [f64; 2];
 
@@ -168,8 +170,9 @@ fn label_regions(
         let (at, radius) = widest(&region, values);
         let text = short(value);
         let room = radius * SIDE;
-        let size = if room > 40.0 { 18.0 } else { NORMAL };
-        if 0.5 * text_width(&text, SMALL) < room {
+        let fits = |size: &f64| 0.5 * size * number_width(&text) < room;
+        let sizes = if room > 40.0 { &[LABEL, NORMAL][..] } else { &[NORMAL] };
+        if let Some(&size) = sizes.iter().find(|size| fits(size)) {
             let ink = legible_on(color(value));
             picture.text(&text, frame.at(at.0, at.1), plain(size).color(&ink));
         }

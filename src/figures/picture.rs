@@ -51,6 +51,11 @@ impl Picture {
         Self { width, height, ..Self::default() }
     }
 
+    /// Whether what reaches so far to both sides of `x` lies inside.
+    pub(super) fn holds(&self, x: f64, reach: f64) -> bool {
+        x - reach >= 0.0 && x + reach <= self.width
+    }
+
     fn canvas(&self) -> (u32, u32) {
         ((self.width * FINE) as u32, (self.height * FINE) as u32)
     }

@@ -16,6 +16,10 @@ const PANEL: (f64, f64) = (390.0, 392.0);
 const TEXT: f64 = 80.0;
 /// Height of a row of the key below the panels.
 const KEY: f64 = 22.0;
+/// Distance of the numbers from the vertical axis.
+const NUMBERS: f64 = 8.0;
+/// Room for the numbers to the right of the box.
+const NUMBER_RIGHT: f64 = 36.0;
 /// Room below the surface, so that its lowest part is seen above the floor, and above it; in spans.
 const FLOOR_GAP: f64 = 0.18;
 const CEILING_GAP: f64 = 0.04;
@@ -43,12 +47,13 @@ pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
         let span = data.1 - data.0;
         let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
         let ticks = Ticks::inside(heights.0, heights.1, 5);
-        let scene = Scene {
+        let mut scene = Scene {
             camera: Camera::new(panel.azimuth),
             origin: (left + 0.5 * wide + 12.0, top + 24.0 + 160.0 * scale),
             unit: UNIT * scale,
             heights,
         };
+        make_room(&mut scene, (left, left + wide), NUMBERS + SMALL * ticks.widest());
         let color = |v: f64| viridis((v - data.0) / (data.1 - data.0));
         picture.text(panel.title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
         walls(&mut picture, &scene, &ticks);
@@ -188,6 +193,25 @@ fn mark(picture: &mut Picture, drawn: &Drawn, [p, q]: [(usize, usize); 2]) {
     }
 }
 
+/// Moves and narrows the box where the `numbers` at the vertical axis, so wide, would reach out of the panel.
+fn make_room(scene: &mut Scene, (left, right): (f64, f64), numbers: f64) {
+    let corner = leftmost(scene);
+    let half = scene.origin.0 - scene.place(corner.0, corner.1, scene.heights.0).0;
+    if scene.origin.0 - half - numbers < left {
+        let narrower = (0.5 * (right - left - numbers - NUMBER_RIGHT) / half).min(1.0);
+        scene.unit *= narrower;
+        scene.origin.0 = left + numbers + narrower * half;
+    }
+}
+
+/// The leftmost corner of the square, where the vertical axis stands: the surface cannot hide it there.
+fn leftmost(scene: &Scene) -> (f64, f64) {
+    let [nx, ny] = scene.camera.near.map(|sign| 0.5 * sign);
+    let across = |p: &(f64, f64)| scene.place(p.0, p.1, scene.heights.0).0;
+    let left = across(&(nx, -ny)) <= across(&(-nx, ny));
+    if left { (nx, -ny) } else { (-nx, ny) }
+}
+
 /// Near edges of the floor and the vertical axis, with ticks, numbers and names.
 fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
     let [nx, ny] = scene.camera.near.map(|sign| 0.5 * sign);
@@ -213,14 +237,7 @@ fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
         }
         picture.text(name, step(at(1), out, 24.0), italic(NORMAL));
     }
-    // The vertical axis stands at the leftmost corner, where the surface cannot hide it.
-    let corner = [(nx, -ny), (-nx, ny)]
-        .into_iter()
-        .min_by(|p, q| {
-            let across = |p: &(f64, f64)| scene.place(p.0, p.1, low).0;
-            across(p).total_cmp(&across(q))
-        })
-        .unwrap_or((nx, -ny));
+    let corner = leftmost(scene);
     let at = |v: f64| scene.place(corner.0, corner.1, v);
     picture.path([at(low), at(scene.heights.1)], INK, 1.0);
     for (v, text) in ticks.labelled() {
@@ -228,7 +245,7 @@ fn axes(picture: &mut Picture, scene: &Scene, ticks: &Ticks) {
         picture.path([(x - 5.0, y), (x, y)], INK, 1.0);
         // Too near the floor, a number would collide with the first one there.
         if y < at(low).1 - SMALL {
-            picture.text(&text, (x - 8.0, y), plain(SMALL).pos(END));
+            picture.text(&text, (x - NUMBERS, y), plain(SMALL).pos(END));
         }
     }
     let (x, y) = at(scene.heights.1);

@@ -2,6 +2,7 @@
 
 use super::samples::{committed, every, svg, unusual};
 use super::*;
+use crate::problem::source::Source;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
 fn well_formed(svg: &str) {
@@ -65,32 +66,149 @@ fn a_solver_has_one_colour_and_a_second_line_of_it_is_dashed() {
     assert!(svg.contains("prefers-color-scheme:dark"));
 }
 
+/// A line of text in a picture, in canvas pixels.
+#[derive(Debug)]
+struct Text {
+    words: String,
+    size: f64,
+    across: (f64, f64),
+    down: (f64, f64),
+}
+
+impl Text {
+    fn overlaps(&self, other: &Self) -> bool {
+        let meet = |(a, b): (f64, f64), (c, d): (f64, f64)| a < d && c < b;
+        meet(self.across, other.across) && meet(self.down, other.down)
+    }
+}
+
+/// Advance widths of DejaVu Sans, a wide font that many systems take for sans-serif, in thousandths of its size; letters
+/// that are not listed are narrower than the last.
+fn advance(letter: char) -> f64 {
+    let width = match letter {
+        '0'..='9' => 636,
+        ' ' | '.' | ',' | '\u{b7}' => 318,
+        '\u{2212}' | '=' | '<' | '>' | '\u{2264}' | '\u{2265}' => 838,
+        '\u{b9}' | '\u{b2}' | '\u{b3}' | '\u{2070}'..='\u{2079}' => 401,
+        '\u{207b}' => 528,
+        '/' | '|' | ':' | ';' => 337,
+        'i' | 'l' | 'j' => 278,
+        'f' | 't' | '(' | ')' | 'r' => 411,
+        'm' => 974,
+        'w' | 'M' => 863,
+        _ => 640,
+    };
+    f64::from(width) / 1000.0
+}
+
+/// Size of the canvas, and every text as a wide font shows it.
+fn texts(svg: &str) -> ((f64, f64), Vec<Text>) {
+    let number = |line: &str, key: &str| -> f64 {
+        let start = line.find(key).unwrap() + key.len();
+        line[start..].split('"').next().unwrap().parse().unwrap()
+    };
+    let head = svg.lines().next().unwrap();
+    let canvas = (4.0 * number(head, " width=\""), 4.0 * number(head, " height=\""));
+    let text = |line: &str| {
+        let size = number(line, "font-size=\"");
+        let words = line.split_once('>').unwrap().1.trim_end_matches("</text>");
+        let words = words.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&");
+        let wide = size * words.chars().map(advance).sum::<f64>();
+        let (x, y) = (number(line, " x=\""), number(line, " y=\""));
+        let (left, right) = match () {
+            () if line.contains("\"start\"") => (x, x + wide),
+            () if line.contains("\"end\"") => (x - wide, x),
+            () => (x - wide / 2.0, x + wide / 2.0),
+        };
+        let (across, down) = match line.contains("rotate(") {
+            true => ((x - size / 2.0, x + size / 2.0), (y - wide / 2.0, y + wide / 2.0)),
+            false => ((left, right), (y - 0.4 * size, y + 0.4 * size)),
+        };
+        Text { words, size, across, down }
+    };
+    (canvas, svg.lines().filter(|line| line.starts_with("<text")).map(text).collect())
+}
+
 #[test]
 fn text_is_large_enough_and_inside_the_picture() {
     for (name, svg) in every() {
-        let number = |line: &str, key: &str| -> f64 {
-            let start = line.find(key).unwrap() + key.len();
-            line[start..].split('"').next().unwrap().parse().unwrap()
-        };
-        let head = svg.lines().next().unwrap();
-        let (width, height) = (4.0 * number(head, " width=\""), 4.0 * number(head, " height=\""));
+        let ((width, height), texts) = texts(&svg);
         assert!(width <= 4.0 * 800.0, "{name} is too wide");
-        for line in svg.lines().filter(|line| line.starts_with("<text")) {
-            let size = number(line, "font-size=\"");
-            assert!(size >= 48.0, "{name}: {line}");
-            let words = line.split_once('>').unwrap().1.trim_end_matches("</text>");
-            let words = &words.replace("&gt;", ">");
-            let wide = picture::text_width(words, size);
-            let (x, y) = (number(line, " x=\""), number(line, " y=\""));
-            let (left, right) = match () {
-                () if line.contains("rotate(") => (x - size / 2.0, x + size / 2.0),
-                () if line.contains("\"start\"") => (x, x + wide),
-                () if line.contains("\"end\"") => (x - wide, x),
-                () => (x - wide / 2.0, x + wide / 2.0),
-            };
-            assert!(left >= 0.0 && right <= width, "{name}: {line}");
-            assert!(y - size / 2.0 >= 0.0 && y + size / 2.0 <= height, "{name}: {line}");
+        for text in texts {
+            assert!(text.size >= 48.0, "{name}: {text:?}");
+            assert!(text.across.0 >= 0.0 && text.across.1 <= width, "{name}: {text:?}");
+            assert!(text.down.0 >= 0.0 && text.down.1 <= height, "{name}: {text:?}");
         }
+    }
+}
+
+/// The pictures of one scene whose f, v and multiplier reach from `low` to `high`.
+fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
+    let f: Source =
+        format!("rect(-0.25,0.25,-0.25,0.25)={high:?}; disc(0.4,0.4,0.04)={high:?}; else={low:?}")
+            .parse()
+            .unwrap();
+    let grids = crate::discrete::grid::nested(&[4, 8]).unwrap();
+    let grid = grids[1];
+    let y: Vec<f64> =
+        (0..grid.nodes()).map(|k| low + (high - low) * (k % 7) as f64 / 6.0).collect();
+    let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { high.abs() } else { 0.0 }).collect();
+    let pair = Pair { y, a };
+    let in_contact = &pair.in_contact(grid);
+    let surface =
+        |azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None };
+    let panel = ContactPanel { title: "t", grid, lines: vec![("l".into(), pair.clone())] };
+    let iteration = |number: usize| {
+        let size = high.abs() / number as f64;
+        Iteration { number, gradient_signed: size, gradient_abs: size, delta_a: size }
+    };
+    let levels = vec![vec![iteration(1)], (1..=2_000_000).step_by(1000).map(iteration).collect()];
+    let history = HistoryPanel { title: "t", grids: &grids, runs: vec![("r".into(), levels)] };
+    [
+        ("source", maps_of_f(&[("t", &f), ("u", &f)])),
+        ("surface", surfaces(2, &[surface(0.0)])),
+        ("surfaces", surfaces(3, &[surface(-37.5), surface(52.5), surface(142.5)])),
+        ("contact", contact(&[panel])),
+        ("history", histories(&[history])),
+    ]
+}
+
+#[test]
+fn numbers_of_any_size_neither_overlap_nor_run_out() {
+    let sizes =
+        [1e-300, 6e-302, 1e-5, 0.3, 12_345.678, 999_999.0, 1e6, 2.5e9, 123_456_789.0, 1e150, 8e300];
+    let mut ranges: Vec<(f64, f64)> = sizes.iter().map(|&size| (-size, 1.5 * size)).collect();
+    ranges.extend(sizes.map(|size| (-1.3 * size, 0.2 * size)));
+    ranges.extend([(-1e9, 1.0), (-1.0, 1e9), (-3e-9, 7e6), (-1e150, 1e6), (-999_999.5, 1e6)]);
+    for (low, high) in ranges {
+        for (kind, picture) in scaled(low, high) {
+            let ((width, height), texts) = texts(&svg(&picture));
+            for (k, text) in texts.iter().enumerate() {
+                let what = || format!("{kind} of {low:e} to {high:e}: {text:?}");
+                assert!(text.across.0 >= 0.0 && text.across.1 <= width, "{}", what());
+                assert!(text.down.0 >= 0.0 && text.down.1 <= height, "{}", what());
+                let other = texts[..k].iter().find(|other| text.overlaps(other));
+                assert!(other.is_none(), "{} {other:?}", what());
+            }
+            // At least two numbers beside a colour bar or an axis of values.
+            let powers = texts.iter().filter(|text| text.words.contains("\u{b7}10")).count();
+            assert!(kind == "history" || high < 1e6 || powers >= 2, "{kind} {low:e} {high:e}");
+        }
+    }
+}
+
+#[test]
+fn values_are_written_inside_their_regions() {
+    for value in [-6.0, 123_456.789, 1e6, 1e9, 2.5e9, 1e150] {
+        let f: Source =
+            format!("rect(-0.25,0.25,-0.25,0.25)={value:?}; else={:?}", -value).parse().unwrap();
+        let drawn = svg(&maps_of_f(&[("t", &f)]));
+        let label = text::short(value);
+        let (_, texts) = texts(&drawn);
+        // Half of the side of the panel, in canvas pixels.
+        let inside = |text: &&Text| text.words == label && text.size > 12.0 * 4.0;
+        let text = texts.iter().find(inside).unwrap_or_else(|| panic!("{value}"));
+        assert!(text.across.1 - text.across.0 < 0.5 * 288.0 * 4.0, "{text:?}");
     }
 }
 
@@ -138,5 +256,8 @@ fn write_all() {
     let folder = std::env::var("SIGNORINI_FIGURES").expect("a folder in SIGNORINI_FIGURES");
     for (name, svg) in every() {
         std::fs::write(format!("{folder}/{name}.svg"), svg).unwrap();
+    }
+    for (name, picture) in scaled(-1e150, 1.5e150) {
+        std::fs::write(format!("{folder}/large-{name}.svg"), svg(&picture)).unwrap();
     }
 }

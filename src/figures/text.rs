@@ -10,14 +10,36 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// `value` to at most four decimals, trailing zeros dropped.
+/// Numbers at least this large are written with a power of ten.
+const LARGE: f64 = 1e6;
+
+/// `value` to at most four decimals, trailing zeros dropped; with a power of ten if it is very small or large.
 pub(super) fn short(value: f64) -> String {
     const DECIMALS: usize = 4;
-    if value != 0.0 && value.abs() < 0.5e-4 {
-        return scientific(value);
+    if value != 0.0 && !(0.5e-4..LARGE).contains(&value.abs()) {
+        return scientific(value, DECIMALS);
     }
-    let text = fixed(value, DECIMALS);
-    text.trim_end_matches('0').trim_end_matches('.').into()
+    without_zeros(&fixed(value, DECIMALS)).into()
+}
+
+/// Width of a number in a wide sans-serif font, in the font's size: for fonts are not measured.
+pub(super) fn number_width(number: &str) -> f64 {
+    let width = |c: char| match c {
+        '.' | '\u{b7}' => 0.32,
+        '\u{2212}' => 0.84,
+        '\u{207b}' => 0.53,
+        '\u{b9}' | '\u{b2}' | '\u{b3}' | '\u{2070}'..='\u{2079}' => 0.41,
+        _ => 0.64,
+    };
+    number.chars().map(width).sum()
+}
+
+/// A decimal without the zeros that end its fraction.
+fn without_zeros(decimal: &str) -> &str {
+    match decimal.contains('.') {
+        true => decimal.trim_end_matches('0').trim_end_matches('.'),
+        false => decimal,
+    }
 }
 
 /// `10` to the power `exponent`, in superscript digits.
@@ -33,10 +55,11 @@ pub(super) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", digits.collect::<String>())
 }
 
-fn scientific(value: f64) -> String {
-    let text = format!("{value:.1e}");
+/// `value` as a number from 1 to 10, to at most so many decimals, times a power of ten.
+fn scientific(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let mantissa = mantissa.trim_end_matches(".0").replace('-', "\u{2212}");
+    let mantissa = without_zeros(mantissa).replace('-', "\u{2212}");
     format!("{mantissa}\u{b7}{}", power_of_ten(exponent.parse().unwrap_or(0)))
 }
 
@@ -44,15 +67,17 @@ fn scientific(value: f64) -> String {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
     step: f64,
-    decimals: usize,
+    /// Exponent of the power of ten in the step.
+    power: i32,
     multiples: std::ops::RangeInclusive<i64>,
 }
 
 impl Ticks {
     /// Multiples of 1, 2 or 5 times a power of ten inside [lo, hi], at most `most` steps of them.
     pub(super) fn inside(lo: f64, hi: f64, most: usize) -> Self {
+        let most = most.max(1) as f64;
         let span = if hi > lo { hi - lo } else { 1.0 };
-        let want = span / most.max(1) as f64;
+        let want = span / most;
         let slack = 1e-9;
         let power = libm::floor(libm::log10(want)) as i32;
         // Parsed, not multiplied up, so that every step is a shortest decimal.
@@ -62,10 +87,10 @@ impl Ticks {
         let nice = [(1, power), (2, power), (5, power), (1, power + 1)];
         let nice = nice.into_iter().find(|&nice| step(nice) >= want * (1.0 - slack));
         let nice = nice.unwrap_or((1, power + 1));
-        let (step, decimals) = (step(nice), usize::try_from(-nice.1).unwrap_or(0));
+        let (step, power) = (step(nice), nice.1);
         let first = (lo / step - slack).ceil() as i64;
         let last = (hi / step + slack).floor() as i64;
-        Self { step, decimals, multiples: first..=last }
+        Self { step, power, multiples: first..=last }
     }
 
     pub(super) fn values(&self) -> impl Iterator<Item = f64> + '_ {
@@ -73,12 +98,23 @@ impl Ticks {
     }
 
     pub(super) fn labelled(&self) -> impl Iterator<Item = (f64, String)> + '_ {
-        self.values().map(|value| {
+        let decimals = usize::try_from(-self.power).unwrap_or(0);
+        let plain = decimals <= 4 && self.values().all(|value| value.abs() < LARGE);
+        let label = move |value: f64| match plain {
+            _ if value == 0.0 => "0".into(),
             // Rounding noise in k * step ends here: the text has as many decimals as the step.
-            let text =
-                if self.decimals > 4 { scientific(value) } else { fixed(value, self.decimals) };
-            (value, if value == 0.0 { "0".into() } else { text })
-        })
+            true => fixed(value, decimals),
+            false => {
+                let power = libm::floor(libm::log10(value.abs())) as i32;
+                scientific(value, usize::try_from(power - self.power).unwrap_or(0))
+            }
+        };
+        self.values().map(move |value| (value, label(value)))
+    }
+
+    /// Width of the longest label, in the size of its font.
+    pub(super) fn widest(&self) -> f64 {
+        self.labelled().map(|(_, label)| number_width(&label)).fold(0.0, f64::max)
     }
 }
 
@@ -94,6 +130,10 @@ mod tests {
         assert_eq!(short(30.0), "30");
         assert_eq!(short(-0.0), "0");
         assert_eq!(short(2e-5), "2\u{b7}10\u{207b}\u{2075}");
+        assert_eq!(short(999_999.0), "999999");
+        assert_eq!(short(-1.5e6), "\u{2212}1.5\u{b7}10\u{2076}");
+        assert_eq!(short(12_345_678.0), "1.2346\u{b7}10\u{2077}");
+        assert_eq!(short(1e300), "1\u{b7}10\u{b3}\u{2070}\u{2070}");
         assert_eq!(fixed(-0.001, 2), "0.00");
         assert_eq!(power_of_ten(-12), "10\u{207b}\u{b9}\u{b2}");
         assert_eq!(power_of_ten(6), "10\u{2076}");
@@ -109,5 +149,12 @@ mod tests {
         assert_eq!(texts(Ticks::inside(0.0, 0.3, 3)), ["0", "0.1", "0.2", "0.3"].map(String::from));
         assert_eq!(texts(Ticks::inside(0.0, 0.0, 5)), ["0"].map(String::from));
         assert_eq!(texts(Ticks::inside(0.0, 200.0, 4)).last().unwrap(), "200");
+        assert_eq!(
+            texts(Ticks::inside(-5e5, 1e6, 3)),
+            ["\u{2212}5\u{b7}10\u{2075}", "0", "5\u{b7}10\u{2075}", "1\u{b7}10\u{2076}"]
+        );
+        // Labels of neighbours differ.
+        let close = texts(Ticks::inside(1.2e-7, 1.24e-7, 4));
+        assert_eq!(close[1], "1.21\u{b7}10\u{207b}\u{2077}", "{close:?}");
     }
 }
