@@ -6,7 +6,7 @@ use super::pipeline::{Scope, Workplace, edited, jobs, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Ran, Summary, Times, brief, why};
 use crate::replication::project::Project;
-use crate::replication::stages::{Stage, report};
+use crate::replication::stages::{Stage, report, solve};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -99,6 +99,9 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         file.write(trace.to_json().as_bytes())?;
     }
     let summary = ran?;
+    if !args.quiet {
+        without_solution(&workplace, &args.scenes, &summary)?;
+    }
     if !args.quiet && !summary.ran.is_empty() {
         let expected = summary.expected.map(|time| format!(" ({} expected)", brief(time)));
         talk(&format!("took {}{}", brief(start.elapsed()), expected.unwrap_or_default()));
@@ -119,6 +122,21 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         text += "a run that names no scene writes all counts to report/results.csv\n";
     }
     say(&text)
+}
+
+/// Says of which scenes solves that ran ended without a solution.
+fn without_solution(workplace: &Workplace, scenes: &[String], summary: &Summary) -> Result<()> {
+    let outcomes = |task: &str| {
+        summary.ran.iter().find(|ran| ran.task == task)?;
+        let outputs = &summary.manifests.get(task)?.outputs;
+        workplace.store.artifacts(task, outputs).ok()?.remove(solve::OUTCOMES)
+    };
+    for scene in workplace.project.select(scenes)? {
+        if let Some(line) = solve::without_solution(scene, outcomes) {
+            talk(&line);
+        }
+    }
+    Ok(())
 }
 
 /// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.

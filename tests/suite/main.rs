@@ -34,4 +34,5 @@ mod spectral;
 mod stress;
 mod terminal;
 mod truth;
+mod verdicts;
 mod whole;

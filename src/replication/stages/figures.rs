@@ -154,12 +154,13 @@ fn draw(kind: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Stri
         Output::Surface => {
             let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
             let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
+            let titles = scenes.iter().map(|scene| titled(inputs, scene));
+            let titles = titles.collect::<Result<Vec<_>, _>>()?;
             let in_contact: Vec<_> =
                 scenes.iter().zip(&pairs).map(|(s, pair)| pair.in_contact(s.finest())).collect();
-            let shown = scenes.iter().zip(&pairs).zip(&in_contact);
-            let shown = shown.map(|((scene, Pair { y, .. }), in_contact)| {
-                let (title, grid, azimuth) =
-                    (&scene.title, scene.finest(), uphill(scene.finest(), y));
+            let shown = scenes.iter().zip(&titles).zip(&pairs).zip(&in_contact);
+            let shown = shown.map(|(((scene, title), Pair { y, .. }), in_contact)| {
+                let (title, grid, azimuth) = (title, scene.finest(), uphill(scene.finest(), y));
                 Surface { title, grid, y, in_contact, azimuth, range: None }
             });
             Ok(surfaces(2, &shown.collect::<Vec<_>>()))
@@ -187,6 +188,15 @@ fn draw(kind: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Stri
     }
 }
 
+/// The title of a scene, with the end of its iteration where that is no solution.
+fn titled(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
+    let end = solve::no_solution(inputs, scene, scene.stop[0])?;
+    Ok(match end {
+        Some(end) => format!("{} ({end})", scene.title),
+        None => scene.title.clone(),
+    })
+}
+
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let runs = solve::ids(scene, scene.stop[0]).zip(&scene.r);
     let runs = runs.map(|(task, r)| Ok((format!("r = {r}"), from_json(inputs, &task, HISTORY)?)));
@@ -196,7 +206,10 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
 
 fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, String> {
     let lines = scene.stop.iter().map(|&stop| {
-        let label = format!("stop: {stop}, r = {}", scene.draw_r);
+        let mut label = format!("stop: {stop}, r = {}", scene.draw_r);
+        if let Some(end) = solve::no_solution(inputs, scene, stop)? {
+            label += &format!(", {end}");
+        }
         Ok((label, solve::pair(inputs, scene, stop)?))
     });
     let lines = lines.collect::<Result<_, String>>()?;

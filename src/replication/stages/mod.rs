@@ -8,7 +8,7 @@ mod identify;
 pub(crate) mod report;
 mod results;
 mod solutions;
-mod solve;
+pub(crate) mod solve;
 pub(crate) mod tabulate;
 
 use crate::pipeline::error::Result;

@@ -8,7 +8,7 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{Outcome, StopRule, tolerance};
+use crate::saddle::{Outcome, StopReason, StopRule, tolerance};
 use polars::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -42,7 +42,9 @@ pub(super) fn task(project: &Project) -> Option<Task> {
 ///
 /// `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` say what was
 /// solved. `published` and `published_delta_a` are what the paper prints, empty where it prints
-/// nothing, of Delta a on all but the finest grid. The other columns carry the names of the fields of [`Outcome`].
+/// nothing, of Delta a on all but the finest grid. `stop` is the [end](Outcome::end) of the iteration as `solve` names
+/// it, and `met` tells whether its stopping rule was met, which makes no solution. The other columns carry the names of
+/// the fields of [`Outcome`].
 #[derive(Clone, Debug)]
 pub(super) struct Results(DataFrame);
 
@@ -98,7 +100,7 @@ impl Results {
         let rows = self.under(rule)?;
         let rows = rows.filter(&rows.column("published")?.is_not_null())?;
         let same = floats(&rows, "iterations")?.equal(&floats(&rows, "published")?)?;
-        let exact = same & rows.column("stop")?.str()?.equal("converged");
+        let exact = same & rows.column("met")?.bool()?.clone();
         summary(&exact.into_series())
     }
 
@@ -106,7 +108,7 @@ impl Results {
     /// which it is met.
     fn factor(&self, rule: StopRule) -> PolarsResult<Summary> {
         let rows = self.finest(StopRule::Signed)?.left_join(&self.finest(rule)?, KEYS, KEYS)?;
-        let rows = rows.filter(&rows.column("stop_right")?.str()?.equal("converged"))?;
+        let rows = rows.filter(rows.column("met_right")?.bool()?)?;
         summary(&(&floats(&rows, "iterations_right")? / &floats(&rows, "iterations")?)?)
     }
 
@@ -165,7 +167,8 @@ fn joined(rows: &[Row], paper: &Paper) -> PolarsResult<DataFrame> {
         "cells" => count(|o| o.cells),
         "tolerance" => rows.iter().map(|row| tolerance(row.level)).collect::<Vec<_>>(),
         "iterations" => count(|o| o.iterations),
-        "stop" => rows.iter().map(|row| row.outcome.stop.to_string()).collect::<Vec<_>>(),
+        "stop" => rows.iter().map(|row| row.outcome.end()).collect::<Vec<_>>(),
+        "met" => rows.iter().map(|row| row.outcome.stop == StopReason::Converged).collect::<Vec<_>>(),
         "gradient_signed" => float(|o| o.gradient_signed),
         "gradient_abs" => float(|o| o.gradient_abs),
         "delta_a" => float(|o| o.delta_a),

@@ -1,6 +1,6 @@
 //! The `solve` stage: one cell is a problem, a stopping rule and an r, solved on all nested grids.
 
-use super::{artifact, to_json};
+use super::{artifact, from_json, to_json};
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::kkt::judge;
 use crate::discrete::load::{Diagonal, LoadRule, load};
@@ -17,6 +17,7 @@ use crate::saddle::{
     Iteration, Monitor, Outcome, Pair, Params, StopReason, StopRule, solve_nested,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything a cell depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,7 +47,7 @@ pub(super) struct Outcomes {
 }
 
 /// Artifact with an [`Outcomes`].
-pub(super) const OUTCOMES: &str = "outcomes.json";
+pub(crate) const OUTCOMES: &str = "outcomes.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
 pub(super) const PAIR: &str = "pair.f64";
 /// Artifact with every [`Iteration`], per grid.
@@ -155,6 +156,47 @@ impl Monitor for Record {
             self.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
         }
     }
+}
+
+/// Words for the end of the iteration on the finest grid with the r that is drawn, unless it is a solution.
+pub(super) fn no_solution(
+    inputs: &Inputs,
+    scene: &Scene,
+    stop: StopRule,
+) -> Result<Option<String>, String> {
+    let outcomes: Outcomes = from_json(inputs, &id(scene, stop, scene.draw_r), OUTCOMES)?;
+    let end = outcomes.levels.last().map_or(CONVERGED, Outcome::end);
+    Ok((end != CONVERGED).then(|| end.replace('-', " ")))
+}
+
+/// The end of an iteration where it has a solution.
+const CONVERGED: &str = "converged";
+
+/// A line that says on which grids solves of a scene ended without a solution, if one has none on the finest grid;
+/// `outcomes` reads the [`OUTCOMES`] of a task, if it is among the tasks in question.
+pub(crate) fn without_solution(
+    scene: &Scene,
+    outcomes: impl Fn(&str) -> Option<Vec<u8>>,
+) -> Option<String> {
+    let solves = scene.stop.iter().flat_map(|&stop| ids(scene, stop));
+    let read = |id: String| serde_json::from_slice::<Outcomes>(&outcomes(&id)?).ok();
+    let solves: Vec<Outcomes> = solves.filter_map(read).collect();
+    let solved = |of: &Outcomes| of.levels.last().is_none_or(|level| level.end() == CONVERGED);
+    if solves.iter().all(solved) {
+        return None;
+    }
+    let mut grids: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
+    for level in solves.iter().flat_map(|of| &of.levels) {
+        grids.entry(level.end()).or_default().insert(level.cells);
+    }
+    grids.remove(CONVERGED);
+    let on = |(end, cells): (&str, BTreeSet<usize>)| {
+        let cells: Vec<_> = cells.iter().map(|n| format!("1/{n}")).collect();
+        format!("{end} on {}", cells.join(", "))
+    };
+    let ends: Vec<_> = grids.into_iter().map(on).collect();
+    let name = &scene.name;
+    Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
 }
 
 /// The pair where a rule stops on the finest grid, with the r that is drawn.

@@ -6,7 +6,7 @@ use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
-use crate::saddle::{StopReason, StopRule};
+use crate::saddle::{Outcome, StopReason, StopRule};
 use polars::prelude::{Column, DataFrame, PolarsResult};
 
 /// Artifact in the paper's layout.
@@ -21,7 +21,10 @@ pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
     let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
-        Ok(Artifacts::from([(TABLE.into(), csv(table(&rows(inputs, &needs)?, &cells)?)?)]))
+        Ok(Artifacts::from([(
+            TABLE.into(),
+            csv(table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &cells)?)?,
+        )]))
     })
 }
 
@@ -40,9 +43,19 @@ fn row(inputs: &Inputs, need: &str) -> Result<Row, String> {
     })
 }
 
+/// Ends of the iterations on each grid, as `solve` names them; a list from each of the tasks `solves`.
+fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, String> {
+    let of_task = |task: &String| {
+        let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
+        Ok(levels.iter().map(Outcome::end).collect())
+    };
+    solves.iter().map(of_task).collect()
+}
+
 /// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
-/// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which.
-fn table(rows: &[Row], cells: &[usize]) -> PolarsResult<DataFrame> {
+/// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which; where an iteration
+/// ended without a solution of the discrete problem, a column `stop 1/4` with the `ends`.
+fn table(rows: &[Row], ends: &[Vec<&str>], cells: &[usize]) -> PolarsResult<DataFrame> {
     let mut columns: Vec<Column> =
         vec![Column::new("r".into(), rows.iter().map(|row| row.r).collect::<Vec<_>>())];
     for (level, n) in cells.iter().enumerate() {
@@ -57,6 +70,12 @@ fn table(rows: &[Row], cells: &[usize]) -> PolarsResult<DataFrame> {
             columns.push(Column::new(format!("capped 1/{n}").into(), capped));
         }
     }
+    for (level, n) in cells.iter().enumerate() {
+        let ends: Vec<&str> = ends.iter().map(|ends| ends[level]).collect();
+        if ends.iter().any(|end| ["no-solution", "not-solved"].contains(end)) {
+            columns.push(Column::new(format!("stop 1/{n}").into(), ends));
+        }
+    }
     DataFrame::new(rows.len(), columns)
 }
 
@@ -67,13 +86,16 @@ mod tests {
     #[test]
     fn a_table_has_all_digits_and_says_what_was_cut_off() {
         let row = |r, counts, cut, delta_a| Row { r, counts, capped: vec![false, cut], delta_a };
+        let ends = [vec!["no-solution", "converged"], vec!["converged", "iteration-limit"]];
         let rows =
             [row(1e6, vec![1, 149], false, 1e-4 / 3.0), row(0.5, vec![3, 55], true, 3.53e-4)];
         expect_test::expect![[r#"
-            r,1/4,1/8,delta_a,capped 1/8
-            1000000.0,1,149,0.000033333333333333335,false
-            0.5,3,55,0.000353,true
+            r,1/4,1/8,delta_a,capped 1/8,stop 1/4
+            1000000.0,1,149,0.000033333333333333335,false,no-solution
+            0.5,3,55,0.000353,true,converged
         "#]]
-        .assert_eq(std::str::from_utf8(&csv(table(&rows, &[4, 8]).unwrap()).unwrap()).unwrap());
+        .assert_eq(
+            std::str::from_utf8(&csv(table(&rows, &ends, &[4, 8]).unwrap()).unwrap()).unwrap(),
+        );
     }
 }

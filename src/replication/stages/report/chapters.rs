@@ -21,7 +21,7 @@ use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
-use crate::saddle::{Iteration, Pair, StopRule, tolerance};
+use crate::saddle::{Iteration, Outcome, Pair, StopRule, tolerance};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use tera::Context;
@@ -194,6 +194,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "integral_f": integral(&scene.f),
         // The exact solution in LaTeX, if it is known.
         "exact": scene.f.exact().map(|exact| exact.latex()),
+        // Per grid, as `solve` names it.
+        "ends": outcomes.levels.iter().map(Outcome::end).collect::<Vec<_>>(),
         "outcomes": outcomes,
     });
     Ok(extended(scene, more))
