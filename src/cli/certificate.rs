@@ -1,5 +1,6 @@
 //! `certificate`: what a reviewer attaches to a review, as a CODECHECK bundle and on one page.
 
+mod checkout;
 mod contents;
 mod machine;
 
@@ -10,9 +11,11 @@ use super::pipeline::{Scope, Workplace, outside_report};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, hash};
 use crate::replication::comparison::TableComparison;
+use crate::replication::project::Project;
 use crate::replication::stages::report;
 use crate::timing::machine::COMPILER;
 use crate::timing::recorded;
+use checkout::Checkout;
 use clap::Args;
 use contents::{File, differing, files, reservations, sentences};
 use std::fs;
@@ -27,7 +30,10 @@ const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper
 
 /// What makes the files of the bundle, each with its effect in words.
 const COMMANDS: [(&str, &str); 4] = [
-    ("cargo run --release -- run --locked", "fails if one hash differs from the committed ones"),
+    (
+        "cargo run --release -- run --locked",
+        "fails if one hash differs from those in pipeline/lock.toml",
+    ),
     ("cargo run --release -- diff", "shows both tables cell by cell"),
     ("cargo run --release -- certificate", "writes these files"),
     ("cargo test --release", "tests the program"),
@@ -73,6 +79,11 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let mut files = files(&workplace, &summary, &tables)?;
     let count = files.len();
     let mut context = context(args, &workplace, &summary, &tables, &files)?;
+    let project = &workplace.project;
+    let paths: Vec<&str> = inputs(project).map(|(path, _)| path.as_str()).collect();
+    let checkout = Checkout::of(&project.root, &paths, LOCK_FILE);
+    context.insert("checkout", &checkout.as_ref().ok());
+    context.insert("no_checkout", &checkout.as_ref().err());
     let page = render(include_str!("certificate/certificate.md.tera"), &context);
     context.insert("page_hash", &hash(page.as_bytes()));
     let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
@@ -81,6 +92,9 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     write(&folder, &files)?;
     say(&[PAGE, MANIFEST].map(|name| format!("{}\n", folder.join(name).display())).concat())?;
     talk(&format!("{count} files with their hashes; {}", sentences(&tables)));
+    if let Err(why) = &checkout {
+        talk(&format!("warning: the certificate names no commit: {why}"));
+    }
     Ok(0)
 }
 
@@ -125,6 +139,9 @@ fn write(folder: &Path, files: &[File]) -> Result<()> {
     checked.iter().zip(files).try_for_each(|(checked, file)| checked.write(&file.bytes))
 }
 
+/// Path of the lock file in the project, as git names it.
+const LOCK_FILE: &str = "pipeline/lock.toml";
+
 const MANIFEST: &str = "codecheck.yml";
 const PAGE: &str = "certificate.md";
 
@@ -168,8 +185,7 @@ fn context(
     files: &[File],
 ) -> Result<Context> {
     let project = &workplace.project;
-    let inputs = project.files.iter().filter(|(path, _)| *path != recorded::PATH);
-    let inputs: Vec<_> = inputs.map(|(path, bytes)| (path, hash(bytes))).collect();
+    let inputs: Vec<_> = inputs(project).map(|(path, bytes)| (path, hash(bytes))).collect();
     let lock = LockFile::path(&project.root);
     let lock_file = summary.lock_file();
     let context = Context::from_serialize(&serde_json::json!({
@@ -184,7 +200,6 @@ fn context(
         "orcid": args.orcid,
         "repository": args.repository,
         "time": machine::check_time()?,
-        "commit": machine::commit(&project.root),
         "machine": machine::description(),
         "libraries": report::versions(),
         "summary": sentences(tables),
@@ -196,9 +211,13 @@ fn context(
         "tasks": summary.verdicts.len(),
         "hashes": lock_file.tasks.len() + lock_file.exports.len(),
         "lock_hash": hash(&fs::read(&lock).context("read", &lock)?),
-        "lock_is_committed": machine::lock_is_committed(&project.root),
     }));
     Ok(context.expect("plain data"))
+}
+
+/// The files that results depend on.
+fn inputs(project: &Project) -> impl Iterator<Item = (&String, &Vec<u8>)> {
+    project.files.iter().filter(|(path, _)| *path != recorded::PATH)
 }
 
 fn render(template: &str, context: &Context) -> String {

@@ -1,10 +1,8 @@
-//! Where and when a check was made: processor, system, compiler, commit, and the date.
+//! Where and when a check was made: processor, system, and the date.
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
 use chrono::DateTime;
-use std::path::Path;
-use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The machine in pairs of name and value, in the order in which to show them.
@@ -19,25 +17,6 @@ pub(super) fn description() -> Vec<(&'static str, String)> {
         ("system", format!("{system} {}", machine::kernel()).trim().to_owned()),
         ("architecture", std::env::consts::ARCH.to_owned()),
     ]
-}
-
-/// The commit that is checked out in `project`, and whether files differ from it; `None` without git.
-pub(super) fn commit(project: &Path) -> Option<String> {
-    let commit = git(project, &["rev-parse", "HEAD"])?;
-    let edited = git(project, &["status", "--porcelain", "--untracked-files=no"])?;
-    Some(if edited.is_empty() { commit } else { format!("{commit}, with local changes") })
-}
-
-/// Whether the lock file is the committed one; `None` without git.
-pub(super) fn lock_is_committed(project: &Path) -> Option<bool> {
-    // A file that git does not know differs from no commit, yet has a status.
-    Some(git(project, &["status", "--porcelain", "--", "pipeline/lock.toml"])?.is_empty())
-}
-
-/// What git says of `project`; `None` if it fails or is not there.
-fn git(project: &Path, args: &[&str]) -> Option<String> {
-    let said = Command::new("git").arg("-C").arg(project).args(args).output().ok()?;
-    said.status.success().then(|| String::from_utf8_lossy(&said.stdout).trim().to_owned())
 }
 
 /// Now in UTC, or the moment in `SOURCE_DATE_EPOCH`, as `2026-11-21 07:20:05`.
