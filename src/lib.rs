@@ -11,4 +11,6 @@ pub(crate) mod figures;
 pub mod pipeline;
 pub mod replication;
 pub mod report;
+#[cfg(test)]
+mod sources;
 pub mod timing;
