@@ -1,7 +1,7 @@
 //! The project as the commands work on it, and `report`, `gc`.
 
 use super::interrupt::interrupted;
-use super::output::say;
+use super::output::{refuse_tilde, say};
 use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{real, remove};
@@ -62,6 +62,7 @@ const LOOK: Options = Options { dry_run: true, force: false, keep_going: false, 
 
 impl Workplace {
     pub(super) fn open(cache: &CacheArgs) -> Result<Self> {
+        cache.cache_dir.as_deref().map_or(Ok(()), refuse_tilde)?;
         let root = Project::find(&current_folder()?)?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         outside_report(&root, &folder, "the cache")?;
@@ -226,12 +227,26 @@ pub(super) fn edited(path: &str) -> String {
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Report))?;
-    workplace.bring_up_to_date(&tasks)?;
-    let book = workplace.project.root.join("report/book/index.html");
+    let manifests = workplace.bring_up_to_date(&tasks)?;
+    let made = manifests.values().flat_map(|manifest| manifest.outputs.keys());
+    let made: Vec<String> = made.map(|name| format!("report/{name}")).collect();
+    let page = first_page(made.iter()).ok_or_else(|| {
+        Error::input(
+            "the project has no pages; they need report/book.toml with [output.html] and report/templates/SUMMARY.md, as `signorini init` writes them",
+        )
+    })?;
+    let book = workplace.project.root.join(page);
     if args.open {
         open(&book)?;
     }
     say(&format!("{}\n", book.display()))
+}
+
+/// Path of the first page of the book among the paths of exported files.
+pub(super) fn first_page<'a>(exported: impl Iterator<Item = &'a String> + Clone) -> Option<String> {
+    const BOOK: &str = "report/book/";
+    let page = crate::report::first_page(exported.filter_map(|path| path.strip_prefix(BOOK)))?;
+    Some(format!("{BOOK}{page}"))
 }
 
 fn open(page: &Path) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use super::CacheArgs;
 use super::output::{OutputFile, say, talk, warn_of_outside};
-use super::pipeline::{Scope, Workplace, edited, jobs, outside_report};
+use super::pipeline::{Scope, Workplace, edited, first_page, jobs, outside_report};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Ran, Summary, Times, brief, why};
 use crate::replication::project::Project;
@@ -158,9 +158,6 @@ fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) 
     say(&(left_out(&workplace.project, tasks) + &verdicts(&summary)))
 }
 
-/// The first page of the book.
-const BOOK: &str = "report/book/index.html";
-
 /// One line per stage that ran: how many tasks, how long, why.
 fn what_ran(summary: &Summary) -> String {
     let mut text = String::new();
@@ -191,8 +188,8 @@ fn what_ran(summary: &Summary) -> String {
     if summary.lock_file_changed && summary.ran.is_empty() {
         text += "pipeline/lock.toml brought up to date\n";
     }
-    if summary.exports.files.contains_key(BOOK) {
-        text += &format!("the book: {BOOK}\n");
+    if let Some(page) = first_page(summary.exports.files.keys()) {
+        text += &format!("the book: {page}\n");
     }
     text
 }

@@ -145,10 +145,11 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     text.context("read", path)
 }
 
-/// Whether a path with `/` leads downwards from where it starts, on every system.
+/// Whether a path with `/` is one line, and leads downwards from where it starts, on every system.
 pub(super) fn is_plain(path: &str) -> bool {
     !path.is_empty()
         && !path.contains('\\')
+        && !path.contains(char::is_control)
         && Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
@@ -248,6 +249,6 @@ mod tests {
     #[test]
     fn paths_that_lead_upwards_are_not_plain() {
         assert!(["a", "a/b", "a/r=1.5"].into_iter().all(is_plain));
-        assert!(!["", "/a", "../a", "a/../b", ".", "a\\..\\b"].into_iter().any(is_plain));
+        assert!(!["", "/a", "../a", "a/../b", ".", "a\\..\\b", "a\nb"].into_iter().any(is_plain));
     }
 }

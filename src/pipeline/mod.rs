@@ -120,7 +120,7 @@ impl Plan {
             if !files::is_plain(&task.id) {
                 return Err(Error::input(format!(
                     "`{}` cannot name a task; rename the scene",
-                    task.id
+                    task.id.escape_debug()
                 )));
             }
             if let Some(need) = task.needs.iter().find(|need| !index.contains_key(*need)) {

@@ -8,8 +8,10 @@ use crate::replication::scene::Scene;
 use crate::report;
 use crate::timing::recorded::{self, Timings};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use unicode_normalization::UnicodeNormalization;
 
 /// Path of the published tables in the project.
 pub const PAPER: &str = "pipeline/paper.toml";
@@ -64,8 +66,13 @@ impl Project {
             files.extend(read_if_there(&root.join(path))?.map(|text| (path.into(), text)));
         }
         let paper = files.get(PAPER).map(Paper::parse).transpose()?.unwrap_or_default();
-        let templates = read_tree(&root.join("report"), is_not_ours)
-            .or_else(|(path, e)| Err(e).context("read", &path))?;
+        let report = root.join("report");
+        // Git keeps no empty folder.
+        let templates = match report.exists() || report.is_symlink() {
+            true => read_tree(&report, is_not_ours)
+                .or_else(|(path, e)| Err(e).context("read", &path))?,
+            false => Artifacts::new(),
+        };
         Ok(Self { root, scenes, paper, files, templates, commands: Vec::new })
     }
 
@@ -115,9 +122,52 @@ impl Project {
 /// What a run writes under `report/`.
 const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
 
-/// Whether a path under `report/` is hidden or generated.
+/// Whether a path under `report/` is generated, or is what systems and editors leave beside the files of people.
 fn is_not_ours(path: &str) -> bool {
-    path.rsplit('/').next().is_some_and(|name| name.starts_with('.')) || GENERATED.contains(&path)
+    GENERATED.contains(&path) || path.rsplit('/').next().is_some_and(is_left_behind)
+}
+
+/// Endings of backups, of files that are being written, and of what merges and patches leave.
+const LEFT_BEHIND: [&str; 12] = [
+    "~",
+    "#",
+    ".bak",
+    ".backup",
+    ".old",
+    ".orig",
+    ".rej",
+    ".save",
+    ".swo",
+    ".swp",
+    ".tmp",
+    "___jb_tmp___",
+];
+
+/// Whether a name is one that systems and editors give to files of their own.
+fn is_left_behind(name: &str) -> bool {
+    // Vim tries with such a number, or a later one in steps of 123, whether it may write to a folder.
+    let of_vim = |number: u32| number >= 4913 && (number - 4913).is_multiple_of(123);
+    // A page with anything but the ending of templates after its own is a copy of that page.
+    let is_copy = name.split_once(".md.").is_some_and(|(_, end)| end != "tera");
+    name.starts_with(['.', '#'])
+        || LEFT_BEHIND.iter().any(|end| name.ends_with(end))
+        || ["desktop.ini", "Thumbs.db"].contains(&name)
+        || is_copy
+        || name.parse().is_ok_and(of_vim)
+}
+
+/// Refuses names that some file systems do not tell apart: there, one scene's files would be the other's.
+fn refuse_names_alike(scenes: &[Scene]) -> Result<()> {
+    let mut names = BTreeMap::new();
+    for Scene { name, .. } in scenes {
+        let alike: String = name.nfc().flat_map(char::to_lowercase).nfc().collect();
+        if let Some(other) = names.insert(alike, name) {
+            return Err(Error::input(format!(
+                "pipeline/scenes: `{other}` and `{name}` are one name where capitals or the way to write accents do not count; rename one of them"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses two scenes for one published table: the chapters and figures on the paper would be about either.
@@ -142,8 +192,9 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
     for entry in fs::read_dir(&folder).context("read", &folder)? {
         let path = entry.context("read", &folder)?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        // Editors keep locks and backups as hidden files.
-        if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
+        let is_scene = path.extension().is_some_and(|end| end == "toml");
+        if !is_scene || path.file_name().and_then(|name| name.to_str()).is_some_and(is_left_behind)
+        {
             continue;
         }
         if path.file_name().is_none_or(|name| name.to_str().is_none()) {
@@ -159,6 +210,7 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
         return Err(Error::input(format!("no scenes in {folder}; add one as the README shows")));
     }
     scenes.sort_by(|a, b| a.name.cmp(&b.name));
+    refuse_names_alike(&scenes)?;
     refuse_second_of_a_table(&scenes)?;
     Ok((scenes, files))
 }

@@ -1,7 +1,8 @@
 //! mdBook, run in this process in a folder of its own, from bytes to bytes.
 
-use super::links;
+use super::backend::Backend;
 use super::mathml::{Labels, collect_labels, convert};
+use super::{includes, links};
 use crate::pipeline::files::{read_tree, temporary_folder};
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
@@ -10,8 +11,21 @@ use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
+/// Names of pages that mdBook makes of its own accord.
+const MADE_BY_MDBOOK: [&str; 2] = ["src/toc.md", "src/print.md"];
+
+/// The first page of a book with these files, by path from its folder.
+///
+/// In a book that has further outputs, mdBook gives a folder to each.
+pub(crate) fn first_page<'a>(built: impl Iterator<Item = &'a str> + Clone) -> Option<&'static str> {
+    ["index.html", "html/index.html"]
+        .into_iter()
+        .find(|page| built.clone().any(|path| path == *page))
+}
+
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
 ///
+/// Paths that begin with `../` are those of files outside that folder which pages may include.
 /// Formulas in `*.md` are set as MathML. Returns every file of the built book by its path in it.
 /// The same files give the same bytes. A folder of its own in `scratch` is used meanwhile and removed
 /// at the end, also on errors.
@@ -25,6 +39,11 @@ pub fn build(
     let mut pages = BTreeMap::new();
     let mut labels = Labels::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
+        if MADE_BY_MDBOOK.iter().any(|made| made.eq_ignore_ascii_case(name)) {
+            return Err(format!(
+                "{name}:1: mdBook makes a page of this name itself; rename this one, also in SUMMARY.md"
+            ));
+        }
         let text = std::str::from_utf8(bytes);
         let text = text.map_err(|_| format!("{name}: not UTF-8 text"))?;
         collect_labels(name, text, &mut labels)?;
@@ -40,22 +59,53 @@ pub fn build(
     };
     config.build.create_missing = false;
 
+    if is_on("links", &config) {
+        pages.keys().try_for_each(|name| includes::check(name, files))?;
+    }
+
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
-    let scratch = scratch.path();
+    let scratch = &scratch.path().join("report");
     for (name, bytes) in files {
         match pages.get(name) {
             Some(text) => write(&scratch.join(name), convert(name, text, &labels)?.as_bytes())?,
             None => write(&scratch.join(name), bytes)?,
         }
     }
-    let built = scratch.join(&config.build.build_dir);
-    MDBook::load_with_config(scratch, config).and_then(|book| book.build()).map_err(|error| {
+    let folder = scratch.join(&config.build.build_dir);
+    with_mdbook(scratch, config).map_err(|error| {
         let copies = format!("{}/src/", scratch.display());
-        format!("mdBook: {error:#}").replace(&copies, "report/templates/")
+        format!("mdBook: {error:#}").replace(&copies, "report/templates/").replace('\n', " ")
     })?;
-    let built = read_tree(&built, |_| false).map_err(|(path, source)| io(&path, source))?;
-    pages.iter().try_for_each(|(name, text)| links::check(name, text, &built))?;
+    let built = read_tree(&folder, |_| false).map_err(|(path, source)| io(&path, source))?;
+    let first = first_page(built.keys().map(String::as_str)).unwrap_or_default();
+    let inside = first.trim_end_matches("index.html");
+    let html = built
+        .iter()
+        .filter_map(|(name, bytes)| Some((name.strip_prefix(inside)?, bytes.as_slice())));
+    let html: BTreeMap<&str, &[u8]> = html.collect();
+    for (name, text) in &pages {
+        if let Some(page) = links::page(name, &html) {
+            includes::refuse_left(name, text, html[page.as_str()])?;
+            links::check(name, text, &page, &html)?;
+        }
+    }
     Ok(built)
+}
+
+/// Has mdBook build all outputs of the book in this folder.
+fn with_mdbook(folder: &Path, config: Config) -> mdbook_driver::errors::Result<()> {
+    let outputs = config.outputs()?;
+    let mut book = MDBook::load_with_config(folder, config)?;
+    for backend in outputs.into_iter().filter_map(Backend::new) {
+        book.with_renderer(backend);
+    }
+    book.build()
+}
+
+/// Whether mdBook's own preprocessor with this name works on the pages.
+fn is_on(preprocessor: &str, config: &Config) -> bool {
+    let named = config.get::<toml::Value>(&format!("preprocessor.{preprocessor}"));
+    config.build.use_default_preprocessors || named.is_ok_and(|named| named.is_some())
 }
 
 /// Reads `book.toml`.

@@ -3,21 +3,49 @@
 use super::mathml::{parse, place};
 use percent_encoding::percent_decode_str;
 use pulldown_cmark::{Event, LinkType, Tag};
+use regex::Regex;
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::LazyLock;
 
-/// Refuses a link or a picture of a chapter that leads to no file of the `built` book, or to no place in it.
+/// Text that looks like a link or a picture of a file with a space in its name, and is none in Markdown.
+static SPACED: LazyLock<Regex> = LazyLock::new(|| {
+    let pattern = r"\[[^\[\]\n]*\]\(([^()<>\x22'\n]* [^()<>\x22'\n]*\.[A-Za-z0-9]{1,5})\)";
+    Regex::new(pattern).expect("the pattern is tested")
+});
+
+/// The built page of a chapter, if the book has one.
+pub(super) fn page(chapter: &str, built: &BTreeMap<&str, &[u8]>) -> Option<String> {
+    let file = chapter.strip_prefix("src/").unwrap_or(chapter);
+    // mdBook takes it for the first page of its folder.
+    let readme = file.len().saturating_sub("readme.md".len());
+    let index = match file.get(readme..).is_some_and(|end| end.eq_ignore_ascii_case("readme.md")) {
+        true => format!("{}index.html", &file[..readme]),
+        false => String::new(),
+    };
+    [html(file), index].into_iter().find(|page| built.contains_key(page.as_str()))
+}
+
+/// Refuses a link or a picture of a chapter that leads to no file of the `built` book, or to no place in it; `page` is
+/// the chapter's own.
 ///
 /// Links to other sites and to the top of this one are not followed, and tags of HTML are not looked into.
 pub(super) fn check(
     chapter: &str,
     markdown: &str,
-    built: &BTreeMap<String, Vec<u8>>,
+    page: &str,
+    built: &BTreeMap<&str, &[u8]>,
 ) -> Result<(), String> {
-    let page = html(chapter.strip_prefix("src/").unwrap_or(chapter));
-    if !built.contains_key(&page) {
-        return Ok(());
-    }
+    let mut text: Vec<Range<usize>> = Vec::new();
     for (event, range) in parse(markdown) {
+        if matches!(event, Event::Text(_)) {
+            // The parser ends a text at each bracket.
+            match text.last_mut().filter(|last| last.end == range.start) {
+                Some(last) => last.end = range.end,
+                None => text.push(range),
+            }
+            continue;
+        }
         let Event::Start(
             Tag::Link { link_type, dest_url, .. } | Tag::Image { link_type, dest_url, .. },
         ) = event
@@ -25,13 +53,21 @@ pub(super) fn check(
             continue;
         };
         if link_type != LinkType::Email
-            && let Err(why) = follow(&page, &dest_url, built)
+            && let Err(why) = follow(page, &dest_url, built)
         {
             let at = place(chapter, markdown, range.start);
             return Err(format!("{at}: the link to `{dest_url}` leads nowhere: {why}"));
         }
     }
-    Ok(())
+    text.into_iter().try_for_each(|range| refuse_spaces(chapter, markdown, range))
+}
+
+/// Refuses what is meant as a link or a picture in this text, and is none for the space in the name of its file.
+fn refuse_spaces(chapter: &str, markdown: &str, text: Range<usize>) -> Result<(), String> {
+    let Some(found) = SPACED.captures(&markdown[text.clone()]) else { return Ok(()) };
+    let at = place(chapter, markdown, text.start + found.get(1).map_or(0, |name| name.start()));
+    let name = &found[1];
+    Err(format!("{at}: a space ends the link to `{name}`; write (<{name}>)"))
 }
 
 /// The file that mdBook makes of a page.
@@ -40,7 +76,7 @@ fn html(file: &str) -> String {
 }
 
 /// Follows a link of the file `page` of the book; why that fails, if it does.
-fn follow(page: &str, target: &str, built: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
+fn follow(page: &str, target: &str, built: &BTreeMap<&str, &[u8]>) -> Result<(), String> {
     let elsewhere = |scheme: &str| scheme.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-');
     if target.starts_with('/') || target.split_once(':').is_some_and(|(s, _)| elsewhere(s)) {
         return Ok(());
@@ -59,7 +95,7 @@ fn follow(page: &str, target: &str, built: &BTreeMap<String, Vec<u8>>) -> Result
         }
     }
     let file = html(&steps.join("/"));
-    let Some(bytes) = built.get(&file) else {
+    let Some(bytes) = built.get(file.as_str()) else {
         let remedy =
             if file.ends_with(".html") { "; its pages are those in SUMMARY.md" } else { "" };
         return Err(format!("the book has no {file}{remedy}"));
@@ -82,9 +118,9 @@ mod tests {
     fn what_leads_nowhere_is_named_with_its_line() {
         let page = b"<h1 id=\"one\"></h1><h2 id=\"gr\xc3\xb6\xc3\x9fe\"></h2>".to_vec();
         let files = ["a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
-        let built = BTreeMap::from(files.map(|name| (name.to_owned(), page.clone())));
-        let a = |link: &str| check("src/a.md", &format!("# One\n\n{link}\n"), &built);
-        let b = |link: &str| check("src/sub/b.md", link, &built);
+        let built = BTreeMap::from(files.map(|name| (name, &page[..])));
+        let a = |link: &str| check("src/a.md", &format!("# One\n\n{link}\n"), "a.html", &built);
+        let b = |link: &str| check("src/sub/b.md", link, "sub/b.html", &built);
         for link in [
             "[x](sub/b.md), [x](sub/b.html?q#one), [x](#one), [x](#größe), [x](#gr%C3%B6%C3%9Fe), [x]()",
             "[x](./results.csv), ![x](figures/my%20plate.svg), ![x](<figures/my plate.svg>)",
@@ -105,7 +141,26 @@ mod tests {
             assert!(error.starts_with("src/a.md:3: ") && error.contains(why), "{error}");
         }
         assert!(b("[x](a.md)").unwrap_err().contains("the book has no sub/a.html"));
-        // What is in no book is not checked.
-        assert_eq!(check("src/SUMMARY.md", "[x](nowhere.md)", &built), Ok(()));
+        for link in ["![x](figures/my plate.svg)", "*see* [the x](my notes.pdf), and"] {
+            let error = a(link).unwrap_err();
+            assert!(error.starts_with("src/a.md:3: a space ends the link to `"), "{error}");
+        }
+        for prose in [
+            "a[1](see the end.)",
+            "`![x](my plate.svg)`",
+            "$f[x](a b.c)$",
+            "[x](results.csv \"a b.c\")",
+        ] {
+            assert_eq!(a(prose), Ok(()), "{prose}");
+        }
+    }
+
+    #[test]
+    fn a_chapter_has_the_page_that_mdbook_makes_of_it() {
+        let built =
+            BTreeMap::from(["a.html", "index.html", "sub/index.html"].map(|name| (name, &b""[..])));
+        let page = |chapter| page(chapter, &built).unwrap_or_default();
+        assert_eq!(["src/a.md", "src/README.md"].map(page), ["a.html", "index.html"]);
+        assert_eq!(["src/sub/Readme.md", "src/SUMMARY.md"].map(page), ["sub/index.html", ""]);
     }
 }

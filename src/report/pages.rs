@@ -59,7 +59,9 @@ pub(crate) fn in_template(
         let line = line.map_or(String::new(), |line| format!(":{}", line + 1));
         Some(format!("report/templates/{name}{line}: {what}"))
     };
-    found().unwrap_or(mistake)
+    // Of what a page includes, every line is as in its file.
+    let copied = || Some(format!("report/templates/{}", mistake.strip_prefix("src/")?));
+    found().or_else(copied).unwrap_or(mistake)
 }
 
 /// The pages among `templates`, those that end with [`PAGE`] made from their name and text.

@@ -428,8 +428,14 @@ fn remedies_lead_out_of_the_trouble() {
         assert!(said.refusal().contains("move the file away"), "{said:?}");
     }
     fs::rename(project.path("pipeline/timings.toml"), project.path("away")).unwrap();
+    // No pages to open, and then no program that opens them.
+    let said = project.run(&["report"]);
+    assert!(said.refusal().contains("the project has no pages; they need"), "{said:?}");
+    project.write("report/book.toml", "[output.html]\n");
+    fs::create_dir(project.path("report/templates")).unwrap();
+    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
+    project.write("report/templates/one.md", "# One\n");
     project.run(&["run"]).lines();
-    // No program that opens pages.
     let mut command = project.command(&["report", "--open"]);
     let said = Said::from(command.env("PATH", "/nonexistent").output().unwrap());
     assert!(said.code == Some(2) && said.err.contains("cannot be started"), "{said:?}");

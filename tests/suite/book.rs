@@ -83,6 +83,8 @@ fn every_formula_is_set_and_every_figure_is_shown_and_numbered_once() {
         assert_eq!(print.matches(&format!(r#"<figure id="figure-{n}""#)).count(), 1, "{n}");
     }
     let prose = print.split("<main>").nth(1).unwrap().split("</main>").next().unwrap();
+    // The chapter on own problems shows a directive of mdBook.
+    let prose = prose.replace("{{#include ", "");
     for left in ["$", "{{", "{%", "eq:", "\\("] {
         assert!(!prose.contains(left), "`{left}` was left in the text");
     }

@@ -97,7 +97,11 @@ fn book(
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
     for (path, bytes) in inputs.files {
-        let Some(name) = path.strip_prefix("report/") else { continue };
+        let Some(name) = path.strip_prefix("report/") else {
+            // What pages may include.
+            files.insert(format!("../{path}"), bytes.clone());
+            continue;
+        };
         match name.strip_prefix("templates/") {
             Some(page) if [".md", ".tera", ".js"].iter().any(|ending| page.ends_with(ending)) => {
                 let text = String::from_utf8(bytes.clone());
@@ -118,14 +122,26 @@ fn book(
         *page = with_links;
         data.extend(tables);
     }
-    files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
-    files.extend(data.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes)));
-    for (name, bytes) in pictures(inputs) {
-        files.insert(format!("src/figures/{name}"), bytes.clone());
-    }
+    let mut made: Artifacts =
+        data.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes)).collect();
+    made.extend(
+        pictures(inputs).map(|(name, bytes)| (format!("src/figures/{name}"), bytes.clone())),
+    );
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
-        files.insert(format!("src/{}", results::FILE), csv.into());
+        made.insert(format!("src/{}", results::FILE), csv.into());
     }
+    if let Some(name) = files
+        .keys()
+        .filter(|name| made.contains_key(*name))
+        .find_map(|name| name.strip_prefix("src/"))
+    {
+        return Err(format!(
+            "report/templates/{name}: a run makes a file of this name; rename this one"
+        )
+        .into());
+    }
+    files.extend(made);
+    files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
     let built = report::build(&files, inputs.scratch)
         .map_err(|mistake| report::in_template(mistake, &pages, &templates))?;
     let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));

@@ -1,0 +1,196 @@
+//! Pages of a study: what they include, what lies beside them, and what else the book becomes.
+
+use crate::common::{Project, Said, TABLE};
+use std::fs;
+use std::os::unix::fs::symlink;
+
+/// A study in the folder `study`.
+struct Study(Project);
+
+impl Study {
+    fn new() -> Self {
+        let place = Project::with(TABLE);
+        place.run(&["init", "study"]).lines();
+        Self(place)
+    }
+
+    fn run(&self, args: &[&str]) -> Said {
+        self.0.command(args).current_dir(self.0.path("study")).output().unwrap().into()
+    }
+
+    fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.0.path("study").join(path)).unwrap()
+    }
+
+    fn write(&self, path: &str, text: impl AsRef<[u8]>) {
+        let path = self.0.path("study").join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+
+    /// Refusal of the book, which has a page with these lines at the end.
+    fn refusal(&self, page: &str) -> String {
+        self.write(PAGE, page);
+        let said = self.run(&["run"]);
+        let error = said.err.lines().last().unwrap_or_default().to_owned();
+        assert!(said.code == Some(3) && error.starts_with("error: report/book: "), "{said:?}");
+        error["error: report/book: ".len()..].into()
+    }
+}
+
+const PAGE: &str = "report/templates/plate.md";
+
+#[test]
+fn a_page_includes_scenes_and_files_beside_it_and_follows_their_changes() {
+    let study = Study::new();
+    let text = "# Plate\n\n```toml\n{{#include ../../pipeline/scenes/plate.toml}}\n```\n\n{{#include notes/part.md}}\n\n`\\{{#include x}}`\n";
+    study.write(PAGE, text);
+    study.write("report/templates/notes/part.md", "Of $x^2$, {{#include more.txt}}.\n");
+    study.write("report/templates/notes/more.txt", "first");
+    study.run(&["run"]).lines();
+    let page = study.read("report/book/plate.html");
+    for part in ["title = ", "<msup>", " first.", "<code>{{#include x}}</code>"] {
+        assert!(page.contains(part), "{part}: {page}");
+    }
+    assert_eq!(study.run(&["run"]).lines(), ["nothing to do"]);
+    study.write("report/templates/notes/more.txt", "second");
+    study.run(&["run"]).lines();
+    assert!(study.read("report/book/plate.html").contains(" second."));
+    let scene = study.read("pipeline/scenes/plate.toml");
+    study.write("pipeline/scenes/plate.toml", scene.replace("title = \"", "title = \"Changed, "));
+    study.run(&["run"]).lines();
+    assert!(study.read("report/book/plate.html").contains("Changed, "));
+}
+
+#[test]
+fn a_directive_that_nothing_replaces_is_named_with_its_line() {
+    let study = Study::new();
+    let outside = study.0.path("note.txt");
+    fs::write(&outside, "first").unwrap();
+    let outside = format!("{{{{#include {}}}}}", outside.display());
+    for directive in [
+        "{{#include no-such.md}}",
+        "{{#include ../../pipeline/lock.toml}}",
+        "{{#include ../../../note.txt}}",
+        &outside,
+        "{{#rustdoc_include no.rs}}",
+        "{{#playground no.rs}}",
+    ] {
+        let error = study
+            .refusal(&format!("# Plate\n\n| a |\n| --- |\n| b |\n\n```rust\n{directive}\n```\n"));
+        let place =
+            format!("report/templates/plate.md:8: `{directive}` includes nothing: name a file");
+        assert!(error.starts_with(&place), "{error}");
+    }
+    for directive in ["{{#template a.md}}", "{{#inlcude a.md}}", "{{#if x}}"] {
+        let error = study.refusal(&format!("# Plate\n\n\\{{{{#x}}}}\n\n{directive} and more\n"));
+        let place = format!("report/templates/plate.md:5: `{directive}` is replaced by nothing; ");
+        assert!(error.starts_with(&place), "{error}");
+    }
+    study.write("report/templates/part.txt", "\n\n{{#include no.txt}}");
+    let error = study.refusal("# Plate\n\n{{#include part.txt}}\n");
+    assert!(error.starts_with("report/templates/part.txt:3: `{{#include no.txt}}`"), "{error}");
+    let error = study.refusal("# Plate\n\n![x](my photo.png)\n");
+    assert!(
+        error.starts_with("report/templates/plate.md:3: a space ends the link to `my photo.png`"),
+        "{error}"
+    );
+    // Without mdBook's preprocessors nothing is replaced.
+    study.write(PAGE, "# Plate\n\n{{#title Other}}\n");
+    study.run(&["run"]).lines();
+    assert!(study.read("report/book/plate.html").contains("<title>Other"));
+    let settings = study.read("report/book.toml");
+    study.write("report/book.toml", settings + "\n[build]\nuse-default-preprocessors = false\n");
+    let error = study.refusal("# Plate\n\n{{#title Other}}\n");
+    assert!(
+        error.starts_with("report/templates/plate.md:3: `{{#title Other}}` is replaced"),
+        "{error}"
+    );
+}
+
+#[test]
+fn names_of_pages_and_files_that_the_book_makes_itself_are_refused() {
+    let study = Study::new();
+    let page = study.read(PAGE);
+    for name in ["toc.md", "print.md", "Toc.md"] {
+        study.write(&format!("report/templates/{name}"), "# Mine\n");
+        let error = study.refusal(&page);
+        assert!(
+            error.starts_with(&format!("report/templates/{name}:1: mdBook makes a page")),
+            "{error}"
+        );
+        fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
+    }
+    for name in ["results.csv", "figures/plate-surface.svg"] {
+        study.write(&format!("report/templates/{name}"), "mine");
+        let error = study.refusal(&page);
+        assert!(error.starts_with(&format!("report/templates/{name}: a run makes")), "{error}");
+        fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
+    }
+    study.run(&["run"]).lines();
+}
+
+#[test]
+fn what_editors_leave_is_no_input_and_in_no_book() {
+    let study = Study::new();
+    study.run(&["run"]).lines();
+    let left =
+        ["#X#", ".#X", ".X.swp", "X~", "X.orig", "X.rej", "X.bak", "4913", "5036", ".DS_Store"];
+    for (folder, file) in [
+        ("report/templates", "plate.md"),
+        ("report/templates", "SUMMARY.md"),
+        ("report", "book.toml"),
+        ("pipeline/scenes", "plate.toml"),
+    ] {
+        for name in left {
+            study.write(&format!("{folder}/{}", name.replace('X', file)), "mine");
+        }
+        let lock = study.0.path("study").join(folder).join(format!(".#{file}"));
+        fs::remove_file(&lock).unwrap();
+        symlink("user@host.4711:1700000000", lock).unwrap();
+    }
+    for name in ["plate.md.tmp.4711", "plate.md.sb-0815-abc", "Thumbs.db", "plate.md___jb_tmp___"] {
+        study.write(&format!("report/templates/{name}"), "mine");
+    }
+    assert_eq!(study.run(&["run"]).lines(), ["nothing to do"]);
+    // What people put there is published.
+    let own = ["2024/notes.txt", "LICENSE", "photo.png", "a.old.txt"];
+    own.iter().for_each(|name| study.write(&format!("report/templates/{name}"), "mine"));
+    study.run(&["run"]).lines();
+    for name in own {
+        assert_eq!(study.read(&format!("report/book/{name}")), "mine");
+    }
+}
+
+#[test]
+fn further_outputs_of_the_book_lie_beside_its_pages_and_talk_on_standard_error() {
+    let study = Study::new();
+    let settings = study.read("report/book.toml");
+    let with = |output: &str| study.write("report/book.toml", format!("{settings}\n{output}\n"));
+    with("[output.mine]\ncommand = \"sh -c 'echo LOUD; cat > /dev/null; echo made > made.txt'\"");
+    let said = study.run(&["report"]);
+    let index = said.lines()[0].to_owned();
+    assert!(said.lines().len() == 1 && index.ends_with("report/book/html/index.html"), "{said:?}");
+    assert!(fs::read_to_string(index).unwrap().contains("<main>") && said.err.contains("LOUD"));
+    assert_eq!(study.read("report/book/mine/made.txt"), "made\n");
+    let said = study.run(&["run", "--force"]);
+    assert_eq!(said.lines().last(), Some(&"the book: report/book/html/index.html"));
+    // Links are looked at here too.
+    let page = study.read(PAGE);
+    assert!(
+        study
+            .refusal(&format!("{page}\n[x](nowhere.md)\n"))
+            .contains("the book has no nowhere.html")
+    );
+    with("[output.mine]\ncommand = \"no-such-program\"\noptional = true");
+    study.write(PAGE, &page);
+    study.run(&["run"]).lines();
+    with("[output.mine]\ncommand = \"no-such-program\"");
+    let error = study.refusal(&page);
+    assert!(
+        error.contains("its program cannot be started") && error.contains("mend [output.mine]"),
+        "{error}"
+    );
+    with("[output.mine]\ncommand = \"false\"");
+    assert!(study.refusal(&page).contains("its program ended with exit status: 1"));
+}
