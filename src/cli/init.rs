@@ -1,6 +1,6 @@
 //! `init`: begins a study of one's own, with what the program carries.
 
-use super::output::{quoted, say};
+use super::output::{quoted, refuse_tilde, say};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 use clap::Args;
@@ -25,6 +25,7 @@ const FILES: [(&str, &str); 5] = [
 
 pub(super) fn init(args: &InitArgs) -> Result<u8> {
     let folder = &args.folder;
+    refuse_tilde(folder)?;
     if folder.exists() {
         if !folder.is_dir() {
             return Err(Error::input(format!("{} is a file; name a folder", folder.display())));

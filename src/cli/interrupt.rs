@@ -1,22 +1,42 @@
-//! Ctrl-C as a flag that long work looks at.
+//! Ctrl-C, and the other signals that ask a process to end, as a flag that long work looks at.
 
 use super::output::talk;
 use crate::pipeline::error::Error;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Set by the first Ctrl-C; the second ends the process at once.
+/// Flag that the first signal sets; the second signal ends the process at once.
 pub(super) fn interrupted() -> &'static AtomicBool {
     static FLAG: AtomicBool = AtomicBool::new(false);
     static HANDLER: Once = Once::new();
     HANDLER.call_once(|| {
-        // Without a handler Ctrl-C still ends the process, and the cache survives that.
-        let _ = ctrlc::set_handler(|| {
-            if FLAG.swap(true, Ordering::Relaxed) {
-                std::process::exit(i32::from(Error::Interrupted.exit_code()));
+        let asked = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
+        // Without a handler each of them still ends the process, and the cache survives that.
+        let Ok(mut signals) = Signals::new(asked) else { return };
+        let wait = move || {
+            for _ in signals.forever() {
+                if FLAG.swap(true, Ordering::Relaxed) {
+                    std::process::exit(i32::from(Error::Interrupted.exit_code()));
+                }
+                talk("finishing what has begun; Ctrl-C again to stop at once");
             }
-            talk("finishing what has begun; Ctrl-C again to stop at once");
-        });
+        };
+        let _ = std::thread::Builder::new().name("signals".into()).spawn(wait);
     });
     &FLAG
+}
+
+/// Whether the process was started with orders to ignore the end of its terminal, as `nohup` does it.
+///
+/// Only Linux tells; elsewhere the end of the terminal ends the process, or is ignored, as if there were no handler.
+fn is_ignored(signal: i32) -> bool {
+    if signal != SIGHUP {
+        return false;
+    }
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_none_or(|mask| mask & (1 << (signal - 1)) != 0)
 }

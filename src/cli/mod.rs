@@ -16,6 +16,7 @@ mod status;
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
+use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use output::{say, styled, talk};
@@ -120,6 +121,10 @@ enum Command {
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
     Init(init::InitArgs),
     /// Remove from the cache what no scene needs any more
+    #[command(
+        after_help = "No scene of this project, that is: from a cache that several projects share, \
+        the results of all others go as well."
+    )]
     Gc(pipeline::GcArgs),
     /// Print a completion script for a shell
     #[command(
@@ -145,17 +150,25 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version come this way too, and go to standard output.
-            let _ = e.print();
-            return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
+            if e.use_stderr() {
+                let _ = e.print();
+                return ExitCode::from(2);
+            }
+            // Help and version come this way too.
+            return ended(say(&e.render().ansi().to_string()));
         }
     };
     std::panic::set_hook(Box::new(|panic| fail(&panicked(panic))));
-    let Ok(ended) = std::panic::catch_unwind(|| start_threads().and_then(|()| dispatch(cli)))
+    let Ok(result) = std::panic::catch_unwind(|| start_threads().and_then(|()| dispatch(cli)))
     else {
         return ExitCode::from(Error::Stage(Vec::new()).exit_code());
     };
-    match ended {
+    ended(result)
+}
+
+/// The exit code of a command, after the line that an error is worth.
+fn ended(result: Result<u8>) -> ExitCode {
+    match result {
         Ok(code) => ExitCode::from(code),
         Err(e) => {
             fail(&e.to_string());
@@ -240,11 +253,25 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Gc(args) => pipeline::gc(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "signorini", &mut script);
+            clap_complete::generate(shell, &mut without_scenes(), "signorini", &mut script);
             say(&String::from_utf8_lossy(&script))
         }
         Command::Man { output } => man::man(output.as_deref()),
     }
+}
+
+/// The program without the scenes that may stand in the place of a command: in the completions for zsh they would
+/// take that place.
+fn without_scenes() -> clap::Command {
+    let all = Cli::command();
+    let options = all.get_arguments().filter(|argument| !argument.is_positional());
+    // Some exclude the scenes.
+    let options = options.map(|option| option.clone().conflicts_with(Resettable::Reset));
+    let commands = all.get_subcommands().cloned();
+    clap::Command::new("signorini")
+        .version(env!("CARGO_PKG_VERSION"))
+        .args(options)
+        .subcommands(commands)
 }
 
 /// The command whose name is most like this word.

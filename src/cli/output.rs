@@ -87,8 +87,21 @@ pub(super) fn quoted(path: &Path) -> String {
     }
 }
 
+/// Refuses a path that a shell was to begin with somebody's home: after an `=`, or within quotes, none does.
+pub(super) fn refuse_tilde(path: &Path) -> Result<()> {
+    let first = path.components().next().and_then(|part| part.as_os_str().to_str());
+    match first.is_some_and(|first| first.starts_with('~')) {
+        true => Err(Error::input(format!(
+            "{}: the shell has left the `~` as it is; write \"$HOME\" in its place, or ./~ for a folder of this name",
+            path.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
 /// Refuses a folder to write to that is not there: a misspelt name is not to make one.
 pub(super) fn is_there(folder: &Path) -> Result<()> {
+    refuse_tilde(folder)?;
     let shown = folder.display();
     let remedy =
         || format!("--output {shown}: no such folder; make it with `mkdir -p {}`", quoted(folder));
@@ -104,6 +117,7 @@ pub(super) struct OutputFile {
 impl OutputFile {
     /// Checks that `path` can be written.
     pub(super) fn check(path: &Path) -> Result<Self> {
+        refuse_tilde(path)?;
         let wrong =
             |what: &str| Err(Error::input(format!("cannot write {}: {what}", path.display())));
         // Of `v.npy/` the last part would be `v.npy`.

@@ -527,10 +527,54 @@ fn a_closed_pipe_is_no_panic() {
 #[test]
 fn a_full_standard_output_is_an_error() {
     let project = Project::with(TABLE);
-    let full = fs::File::options().write(true).open("/dev/full").unwrap();
-    let output = project.command(&["dag"]).stdout(full).stderr(Stdio::piped()).output().unwrap();
-    let said = Said::from(output);
-    assert!(said.refusal().contains("cannot write to standard output"), "{said:?}");
+    for args in [
+        &["dag"][..],
+        &["--help"],
+        &["-h"],
+        &["--version"],
+        &["help"],
+        &["help", "run"],
+        &["solve", "--help"],
+        &["completions", "zsh"],
+        &["man"],
+        &["status", "--json"],
+        &["gc", "-n"],
+        &["solve", "a", "--solver", "multigrid"],
+    ] {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = project.command(args).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let said = Said::from(output);
+        assert!(said.refusal().contains("cannot write to standard output"), "{args:?}: {said:?}");
+    }
+}
+
+#[test]
+fn a_home_that_no_shell_has_put_in_is_named() {
+    let project = Project::with(TABLE);
+    for args in [
+        &["run", "--cache-dir=~/cache"][..],
+        &["gc", "--cache-dir", "~"],
+        &["solve", "a", "--out=~/v.svg"],
+        &["run", "--trace=~/t.json"],
+        &["man", "--output=~root/man"],
+        &["init", "~/study"],
+    ] {
+        let said = project.run(args);
+        assert!(said.refusal().contains("left the `~` as it is; write \"$HOME\""), "{said:?}");
+    }
+    assert!(!project.path("~").exists());
+    project.run(&["run", "--cache-dir=./~"]).lines();
+    assert!(project.path("~/lock").exists());
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_system_chooses_where_the_program_lies_in_memory() {
+    use std::io::Read;
+    let mut header = [0; 18];
+    fs::File::open(env!("CARGO_BIN_EXE_signorini")).unwrap().read_exact(&mut header).unwrap();
+    // The type of an ELF file: 3 may be loaded anywhere, 2 at one address alone.
+    assert_eq!((&header[..4], header[16]), (&b"\x7fELF"[..], 3));
 }
 
 #[test]

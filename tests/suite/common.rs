@@ -220,8 +220,14 @@ pub(crate) fn absent(why: &str) {
 
 /// Sends Ctrl-C to a process, if it has not ended.
 pub(crate) fn interrupt(child: &Child) {
+    send("INT", child);
+}
+
+/// Sends the signal with this name to a process, if it has not ended.
+pub(crate) fn send(signal: &str, child: &Child) {
     let mut kill = Command::new("kill");
-    kill.args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    kill.args([&format!("-{signal}"), &child.id().to_string()]).stderr(Stdio::null());
+    kill.status().unwrap();
 }
 
 /// Waits until a process has its handler for Ctrl-C, so that the signal finds it ready.

@@ -1,10 +1,12 @@
 //! Runs that are killed or interrupted: what was finished is kept, and the next run goes on to the same result.
 
-use crate::common::{Dice, EVERYTHING, Project, TABLE, assert_same, interrupt, promised, wanting};
+use crate::common::{
+    Dice, EVERYTHING, Project, Said, TABLE, absent, assert_same, interrupt, promised, send, wanting,
+};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Two dozen cells, six figures and a book: long enough to be killed anywhere in it.
@@ -131,32 +133,61 @@ fn runs_interrupted_at_random_moments_resume() {
     assert!(in_time > 0);
 }
 
-#[test]
-fn ctrl_c_keeps_finished_cells() {
-    // Cells that never converge: each takes its cap of iterations.
+/// Cells that never converge: each takes its cap of iterations.
+fn slow() -> Project {
     let text = TABLE
         .replace("[4, 8]", "[4, 8, 16, 32, 64]")
         .replace("[10, 1]", "[1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9]");
-    let project = Project::with(&(text + "stop = [\"printed\"]\nmax_iterations = 20000\n"));
-    let mut command = project.command(&["run", "-v", "-j", "1"]);
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut said = String::new();
+    Project::with(&(text + "stop = [\"printed\"]\nmax_iterations = 20000\n"))
+}
+
+/// Starts this command, sends the signal after the first task, and waits; how the command ended, and what it said.
+fn signalled(command: &mut Command, signal: &str) -> Said {
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut err = String::new();
     let mut reader = child.stderr.take().unwrap();
     let mut byte = [0];
-    while !said.contains(": never ran\n") && reader.read(&mut byte).unwrap() == 1 {
-        said.push(char::from(byte[0]));
+    while !err.contains(": never ran\n") && reader.read(&mut byte).unwrap() == 1 {
+        err.push(char::from(byte[0]));
     }
-    assert!(said.contains("\nran solve/a/printed/"), "{said}");
-    interrupt(&child);
-    reader.read_to_string(&mut said).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
-    assert!(
-        said.ends_with(
-            "error: interrupted; what was finished is kept, repeat the command to go on\n"
-        ),
-        "{said}"
-    );
-    let finished = said.lines().filter(|line| line.starts_with("ran ")).count();
-    assert!((1..6).contains(&finished), "{said}");
-    assert_eq!(project.stale().len(), 7 - finished, "cells that are not done, and the table");
+    assert!(err.contains("\nran solve/a/printed/"), "{err}");
+    send(signal, &child);
+    reader.read_to_string(&mut err).unwrap();
+    Said { code: child.wait().unwrap().code(), out: String::new(), err }
+}
+
+/// Whether this process was told to ignore the end of its terminal, and those that it starts with it.
+fn hang_up_is_ignored() -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap();
+    u64::from_str_radix(mask.trim(), 16).unwrap() & 1 != 0
+}
+
+#[test]
+fn signals_that_ask_a_run_to_end_keep_finished_cells() {
+    for signal in ["INT", "TERM", "HUP"] {
+        if signal == "HUP" && hang_up_is_ignored() {
+            absent("HUP is ignored here");
+            continue;
+        }
+        let project = slow();
+        let said = signalled(&mut project.command(&["run", "-v", "-j", "1"]), signal);
+        assert_eq!(said.code, Some(130), "{signal}: {said:?}");
+        let last = "error: interrupted; what was finished is kept, repeat the command to go on\n";
+        assert!(said.err.ends_with(last), "{signal}: {said:?}");
+        let finished = said.err.lines().filter(|line| line.starts_with("ran ")).count();
+        assert!((1..6).contains(&finished), "{signal}: {said:?}");
+        assert_eq!(project.stale().len(), 7 - finished, "cells that are not done, and the table");
+    }
+}
+
+#[test]
+fn a_run_that_is_to_outlive_its_terminal_does() {
+    let project = slow();
+    let run = project.command(&["run", "-v", "-j", "1"]);
+    let mut command = Command::new("nohup");
+    command.arg(run.get_program()).args(run.get_args()).current_dir(project.path("."));
+    let said = signalled(&mut command, "HUP");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert_eq!(project.stale(), [""; 0]);
 }
