@@ -67,8 +67,7 @@ enum Command {
         signorini run problem1            what concerns one scene alone\n  \
         signorini run --only figures      the figures, and what they need\n  \
         signorini run --locked            fail if anything differs from pipeline/lock.toml\n  \
-        signorini run --task diff/problem1  one task, beside others at work\n  \
-        signorini run --trace t.json      what ran when, for ui.perfetto.dev")]
+        signorini run --task diff/problem1  one task, beside others at work")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
     #[command(after_help = "In narrow terminals, COLUMNS says where lines are cut.\n\

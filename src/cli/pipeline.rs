@@ -6,8 +6,7 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times, execute,
-    work,
+    Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Store, Summary, execute, work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan};
@@ -97,7 +96,7 @@ impl Workplace {
             Scope::Whole | Scope::Locked => summary.lock_file(),
         };
         // Looking needs no lock and no writing, and is enough when nothing is to do.
-        if !options.force && progress.trace().is_none() {
+        if !options.force {
             let (summary, known) = self.walk(plan, scope, LOOK, progress)?;
             if summary.nothing_to_do()
                 && lock_file(&summary, &known) == known
@@ -272,11 +271,6 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     let there = workplace.store.folder().is_dir();
     let _lock = if args.dry_run || !there { None } else { Some(workplace.store.lock()?) };
     let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;
-    if !args.dry_run && garbage.files > 0 {
-        let mut times = Times::read(workplace.store.folder());
-        times.keep(&wanted);
-        times.save();
-    }
     let verb = if args.dry_run { "would remove" } else { "removed" };
     say(&format!(
         "{verb} {} files, {}; kept {} files, {}\n",

@@ -1,14 +1,13 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::CacheArgs;
-use super::output::{OutputFile, say, talk, warn_of_outside};
-use super::pipeline::{Scope, Workplace, edited, first_page, jobs, outside_report};
+use super::output::{say, talk, warn_of_outside};
+use super::pipeline::{Scope, Workplace, edited, first_page};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Options, Plan, Progress, Ran, Summary, Times, brief, why};
+use crate::pipeline::{Options, Plan, Progress, Ran, Summary, why};
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, report, solve};
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(Args, Clone, Debug)]
@@ -22,7 +21,7 @@ pub(super) struct RunArgs {
     /// Only this task, for which all it needs must be there; writes to the cache alone, beside other
     /// processes that do the same. May be given several times
     #[arg(long, value_name = "ID", conflicts_with_all = [
-        "scenes", "only", "dry_run", "force", "keep_going", "jobs", "locked", "trace",
+        "scenes", "only", "dry_run", "force", "keep_going", "jobs", "locked",
     ])]
     task: Vec<String>,
     /// Say what would run, and why; change nothing
@@ -40,9 +39,6 @@ pub(super) struct RunArgs {
     /// Fail if the results differ from pipeline/lock.toml, instead of updating it
     #[arg(long, conflicts_with_all = ["scenes", "only", "dry_run"])]
     locked: bool,
-    /// Write what each thread did when, for chrome://tracing or Perfetto
-    #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
-    trace: Option<PathBuf>,
     /// A line for every task that runs, with the reason
     #[arg(short, long)]
     verbose: bool,
@@ -84,27 +80,14 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if args.dry_run {
         return dry_run(&workplace, &tasks, scope, options);
     }
-    let trace_file = args.trace.as_deref().map(OutputFile::check).transpose()?;
-    if let Some(file) = &trace_file {
-        outside_report(&workplace.project.root, file.path(), "the trace")?;
-    }
-    let mut progress = Progress::new(args.verbose, args.quiet);
-    if args.trace.is_some() {
-        progress = progress.traced();
-    }
     let start = Instant::now();
-    let ran = workplace.run(&tasks, scope, options, &progress);
-    // A run that failed is worth looking at too.
-    if let (Some(file), Some(trace)) = (&trace_file, progress.trace()) {
-        file.write(trace.to_json().as_bytes())?;
-    }
-    let summary = ran?;
+    let progress = Progress::new(args.verbose, args.quiet);
+    let summary = workplace.run(&tasks, scope, options, &progress)?;
     if !args.quiet {
         without_solution(&workplace, &args.scenes, &summary)?;
     }
     if !args.quiet && !summary.ran.is_empty() {
-        let expected = summary.expected.map(|time| format!(" ({} expected)", brief(time)));
-        talk(&format!("took {}{}", brief(start.elapsed()), expected.unwrap_or_default()));
+        talk(&format!("took {}", brief(start.elapsed())));
     }
     if !summary.differences.is_empty() {
         let lines = summary.differences.join("\n  ");
@@ -147,14 +130,9 @@ fn left_out(project: &Project, tasks: &Plan) -> String {
     reason.map_or(String::new(), line)
 }
 
-/// Says what a run would do, and about how long it would take.
+/// Says what a run would do.
 fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) -> Result<u8> {
     let summary = workplace.judge(tasks, scope, options.force)?;
-    let late = summary.not_fresh().map(|judged| judged.task.as_str());
-    let times = Times::read(workplace.store.folder());
-    if let Some(time) = times.ahead(late, jobs(options.jobs)).left() {
-        talk(&format!("about {}, if all that waits has to run", brief(time)));
-    }
     say(&(left_out(&workplace.project, tasks) + &verdicts(&summary)))
 }
 
@@ -229,4 +207,27 @@ pub(super) fn exports(summary: &Summary) -> String {
     }
     summary.exports.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
     text
+}
+
+/// A duration with two digits and a unit.
+fn brief(time: Duration) -> String {
+    match time.as_secs_f64() {
+        s if s < 0.1 => "<0.1 s".into(),
+        s if s < 9.95 => format!("{s:.1} s"),
+        s if s < 99.5 => format!("{s:.0} s"),
+        s if s < 5970.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.0} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_have_two_digits_and_a_unit() {
+        let texts = [0.04, 9.94, 9.96, 99.0, 100.0, 5940.0, 7200.0]
+            .map(|s| brief(Duration::from_secs_f64(s)));
+        assert_eq!(texts, ["<0.1 s", "9.9 s", "10 s", "99 s", "2 min", "99 min", "2 h"]);
+    }
 }

@@ -3,12 +3,10 @@
 use super::manifest::{Manifest, Reason, Verdict};
 use super::run::run;
 use super::store::{Hit, Store};
-use super::times::Times;
 use super::{Hashes, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
 use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
-use serde_json::json;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -108,17 +106,12 @@ impl<'a> Walk<'a> {
     /// The inputs of a task, and its run with these if the cache has it.
     fn look_up(&self, k: usize) -> (BTreeMap<String, String>, std::result::Result<Hit, Reason>) {
         let task = &self.plan.tasks()[k];
-        let start = Instant::now();
         let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs);
         let found = if self.options.force {
             Err(Reason::Forced)
         } else {
             self.store.lookup(&task.id, &inputs)
         };
-        self.progress.span("lookup", &task.id, start, || match &found {
-            Ok(_) => json!({ "verdict": "hit" }),
-            Err(reason) => json!({ "verdict": "miss", "reason": reason.to_string() }),
-        });
         (inputs, found)
     }
 
@@ -152,8 +145,7 @@ impl<'a> Walk<'a> {
     /// Runs stale tasks, and after them those that waited and turn out stale.
     fn run(&mut self, mut queue: VecDeque<Job>) -> Result<()> {
         let pool = threads(self.options.jobs)?;
-        let mut times = Times::read(self.store.folder());
-        self.announce(&queue, &times, pool.current_num_threads());
+        self.announce(&queue);
         let (send, receive) = channel();
         let mut broken = None;
         pool.in_place_scope(|scope| {
@@ -170,14 +162,13 @@ impl<'a> Walk<'a> {
                 }
                 let done = receive.recv().expect("this end has a sender as well");
                 running -= 1;
-                match self.settle(done, &mut times) {
+                match self.settle(done) {
                     Ok(jobs) => queue.extend(jobs),
                     Err(e) => broken = broken.take().or(Some(e)),
                 }
             }
         });
         self.progress.end();
-        times.save();
         match broken {
             Some(e) => Err(e),
             None if self.interrupted.load(Ordering::Relaxed) => Err(Error::Interrupted),
@@ -186,13 +177,10 @@ impl<'a> Walk<'a> {
     }
 
     /// Says how much is to be done, and why.
-    fn announce(&mut self, queue: &VecDeque<Job>, times: &Times, threads: usize) {
-        let done = |k: &usize| matches!(self.states[*k], State::Done(_));
-        let left = (0..self.states.len()).filter(|k| !done(k)).map(|k| &*self.plan.tasks()[k].id);
-        let ahead = times.ahead(left, threads);
+    fn announce(&self, queue: &VecDeque<Job>) {
+        let done = self.states.iter().filter(|state| matches!(state, State::Done(_))).count();
         let reasons: Vec<&Reason> = queue.iter().map(|job| &job.reason).collect();
-        self.summary.expected = ahead.left();
-        self.progress.begin(ahead, &why(&reasons));
+        self.progress.begin(self.states.len() - done, &why(&reasons));
     }
 
     fn stops(&self) -> bool {
@@ -205,31 +193,25 @@ impl<'a> Walk<'a> {
     where
         'a: 's,
     {
-        let (send, store, progress) = (send.clone(), self.store, self.progress);
+        let (send, store) = (send.clone(), self.store);
         let task = &self.plan.tasks()[job.task];
+        self.progress.start(&task.id);
         let needed = |need: &String| (need.clone(), self.manifest(need).outputs.clone());
         let needed: Vec<(String, Hashes)> = task.needs.iter().map(needed).collect();
         scope.spawn(move |_| {
             let start = Instant::now();
-            let result = run(task, job.inputs, needed, store, progress);
-            progress.span("task", &task.id, start, || match &result {
-                Ok((_, bytes)) => {
-                    json!({ "verdict": "ran", "reason": job.reason.to_string(), "bytes": bytes })
-                }
-                Err(e) => json!({ "verdict": "failed", "reason": e.to_string() }),
-            });
+            let result = run(task, job.inputs, needed, store);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.
-            let _ = send.send((job.task, ran, result.map(|(manifest, _)| manifest)));
+            let _ = send.send((job.task, ran, result));
         });
     }
 
     /// Notes what came of a task; returns those that waited and now have to run.
-    fn settle(&mut self, (task, ran, result): Done, times: &mut Times) -> Result<Vec<Job>> {
+    fn settle(&mut self, (task, ran, result): Done) -> Result<Vec<Job>> {
         self.progress.done(&ran, result.is_ok());
         match result {
             Ok(manifest) => {
-                times.learn(&ran);
                 self.states[task] = State::Done(manifest);
                 self.summary.ran.push(ran);
             }
@@ -241,7 +223,7 @@ impl<'a> Walk<'a> {
         let jobs = self.judge()?;
         for k in waited {
             if matches!(self.states[k], State::Done(_)) {
-                self.progress.skip(&self.plan.tasks()[k].id);
+                self.progress.skip();
             }
         }
         Ok(jobs)

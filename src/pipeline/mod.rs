@@ -20,8 +20,6 @@ mod progress;
 mod run;
 mod store;
 mod summary;
-mod times;
-mod trace;
 mod worker;
 
 pub use engine::Engine;
@@ -36,8 +34,6 @@ pub use progress::Progress;
 pub(crate) use progress::{bar, talk};
 pub use store::{Hit, Store};
 pub use summary::{Judged, Options, Ran, Summary};
-pub use times::{Times, brief};
-pub use trace::Trace;
 pub use worker::work;
 
 use error::{Error, Failure, Result};

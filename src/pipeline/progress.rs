@@ -1,80 +1,55 @@
 //! What a person sees while tasks run: a bar on a terminal, plain lines elsewhere, on standard error.
 
-use super::times::Ahead;
-use super::{Ran, Trace, brief};
+use super::Ran;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde_json::Value;
+use std::collections::BTreeSet;
 use std::io::{IsTerminal, Write};
-use std::sync::{Mutex, MutexGuard};
-use std::time::Instant;
+use std::sync::Mutex;
+use std::time::Duration;
 
 /// Reports the walk of the plan.
 pub struct Progress {
     bar: Option<ProgressBar>,
-    ahead: Mutex<Ahead>,
-    trace: Option<Trace>,
+    /// Tasks that run now.
+    running: Mutex<BTreeSet<String>>,
     verbose: bool,
     quiet: bool,
 }
 
+/// Time between two drawings of the elapsed time.
+const TICK: Duration = Duration::from_millis(200);
+
 impl Progress {
     /// A bar if standard error is a terminal. `verbose` adds a line per task; `quiet` silences all.
     pub fn new(verbose: bool, quiet: bool) -> Self {
-        let bar = if quiet { None } else { bar("[{bar:30}] {pos}/{len}  {prefix}  {wide_msg}") };
-        Self { bar, ahead: Mutex::default(), trace: None, verbose: verbose && !quiet, quiet }
+        let bar = if quiet { None } else { bar("[{bar:30}] {pos}/{len}  {elapsed}  {wide_msg}") };
+        Self { bar, running: Mutex::default(), verbose: verbose && !quiet, quiet }
     }
 
-    /// The same, recording what happens when.
-    pub fn traced(self) -> Self {
-        Self { trace: Some(Trace::default()), ..self }
-    }
-
-    /// What was recorded.
-    pub fn trace(&self) -> Option<&Trace> {
-        self.trace.as_ref()
-    }
-
-    /// Something that began at `start` on this thread has ended.
-    pub(super) fn span(
-        &self,
-        category: &'static str,
-        name: &str,
-        start: Instant,
-        args: impl FnOnce() -> Value,
-    ) {
-        if let Some(trace) = &self.trace {
-            trace.span(category, name, start, args());
-        }
-    }
-
-    fn ahead(&self) -> MutexGuard<'_, Ahead> {
-        self.ahead.lock().expect("no panic while it is held")
-    }
-
-    /// These tasks are to run, the first of them for this reason.
-    pub(super) fn begin(&self, ahead: Ahead, why: &str) {
-        let (tasks, left) = (ahead.len(), left(&ahead));
-        *self.ahead() = ahead;
+    /// Announces the number of tasks to run, and why the first of them run.
+    pub(super) fn begin(&self, tasks: usize, why: &str) {
         match &self.bar {
             Some(bar) => {
                 bar.set_length(tasks as u64);
-                bar.set_prefix(left);
                 bar.set_message(why.to_owned());
+                bar.enable_steady_tick(TICK);
             }
             None if !self.quiet => {
-                let left = if left.is_empty() { left } else { format!(", {left}") };
                 let plural = if tasks == 1 { "" } else { "s" };
-                talk(&format!("{tasks} task{plural} to run{left} ({why})"));
+                talk(&format!("{tasks} task{plural} to run ({why})"));
             }
             None => {}
         }
     }
 
-    /// A task that waited need not run.
-    pub(super) fn skip(&self, task: &str) {
-        self.ahead().ended(task);
+    /// Shows a task among those that run now.
+    pub(super) fn start(&self, task: &str) {
+        self.change(|running| running.insert(task.to_owned()));
+    }
+
+    /// Counts a task that waited and need not run.
+    pub(super) fn skip(&self) {
         if let Some(bar) = &self.bar {
-            bar.set_prefix(left(&self.ahead()));
             bar.inc(1);
         }
     }
@@ -89,10 +64,16 @@ impl Progress {
                 None => talk(&line),
             }
         }
-        if let Some(bar) = &self.bar {
-            bar.set_message(ran.task.clone());
-        }
-        self.skip(&ran.task);
+        self.change(|running| running.remove(&ran.task));
+        self.skip();
+    }
+
+    /// Changes the set of running tasks, and shows it.
+    fn change(&self, change: impl FnOnce(&mut BTreeSet<String>) -> bool) {
+        let Some(bar) = &self.bar else { return };
+        let mut running = self.running.lock().expect("no panic while it is held");
+        change(&mut running);
+        bar.set_message(running.iter().map(String::as_str).collect::<Vec<_>>().join(", "));
     }
 
     /// A line for whoever wonders why nothing happens.
@@ -107,10 +88,6 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
-}
-
-fn left(ahead: &Ahead) -> String {
-    ahead.left().map_or(String::new(), |left| format!("about {} left", brief(left)))
 }
 
 /// A bar of this style, if standard error is a terminal on which a line can be drawn over, with a

@@ -2,29 +2,23 @@
 
 use super::manifest::{Manifest, PROGRAM};
 use super::store::Store;
-use super::{Artifacts, Hashes, Inputs, Progress, Task, hash};
+use super::{Artifacts, Hashes, Inputs, Task, hash};
 use crate::pipeline::error::{Error, Result};
-use serde_json::json;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Instant;
 
-/// Runs a task; returns its record and the size of what it made.
+/// Runs a task; returns its record.
 pub(super) fn run(
     task: &Task,
     inputs: BTreeMap<String, String>,
     needed: Vec<(String, Hashes)>,
     store: &Store,
-    progress: &Progress,
-) -> Result<(Manifest, usize)> {
-    let start = Instant::now();
+) -> Result<Manifest> {
     let mut artifacts = BTreeMap::<String, Artifacts>::new();
     for (need, outputs) in &needed {
         artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
     }
-    progress.span("step", "read", start, || json!({ "artifacts": needed.len() }));
     let digest = shown_digest(&inputs);
-    let start = Instant::now();
     let given = Inputs {
         files: &task.files,
         artifacts: &artifacts,
@@ -35,13 +29,8 @@ pub(super) fn run(
     // A panic must not take the other tasks with it; its own message has been printed.
     let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
         .map_err(|_| failed("panicked, which is a fault of the program".into()))?;
-    progress.span("step", "work", start, || json!({}));
     let made = made.map_err(|reason| failed(reason.to_string()))?;
-    let bytes = made.values().map(Vec::len).sum();
-    let start = Instant::now();
-    let manifest = store.record(&task.id, inputs, &made)?;
-    progress.span("step", "store", start, || json!({ "bytes": bytes }));
-    Ok((manifest, bytes))
+    store.record(&task.id, inputs, &made)
 }
 
 /// Hash of the inputs without the program: with it, every change of code would redraw what shows it.

@@ -44,8 +44,6 @@ pub struct Summary {
     pub verdicts: Vec<Judged>,
     /// Tasks that ran, in the plan's order.
     pub ran: Vec<Ran>,
-    /// What the tasks were expected to take, before the first one ran; `None` if that is not known.
-    pub expected: Option<Duration>,
     /// What is exported where, written and removed, or in a dry run would be.
     pub exports: Exports,
     /// Tasks that failed or could not run because of one that did, each with its reason.

@@ -7,7 +7,6 @@
 use super::manifest::{Manifest, Verdict};
 use super::run::run;
 use super::store::Store;
-use super::times::Times;
 use super::{Hashes, Judged, Plan, Progress, Ran, Summary, Task};
 use crate::pipeline::error::{Error, Result};
 use std::collections::BTreeMap;
@@ -68,18 +67,18 @@ impl Worker<'_> {
                 (hit.manifest, Verdict::Fresh)
             }
             Err(reason) => {
-                let ahead = Times::read(self.store.folder()).ahead([id.as_str()].into_iter(), 1);
-                self.progress.begin(ahead, &reason.to_string());
+                self.progress.begin(1, &reason.to_string());
+                self.progress.start(id);
                 let outputs =
                     |need: &String| (need.clone(), self.summary.manifests[need].outputs.clone());
                 let needed: Vec<(String, Hashes)> = task.needs.iter().map(outputs).collect();
                 let start = Instant::now();
-                let made = run(task, inputs, needed, self.store, self.progress);
+                let made = run(task, inputs, needed, self.store);
                 let ran = Ran { task: id.clone(), reason: reason.clone(), time: start.elapsed() };
                 self.progress.done(&ran, made.is_ok());
                 self.progress.end();
                 self.summary.ran.push(ran);
-                (made?.0, Verdict::Stale(reason))
+                (made?, Verdict::Stale(reason))
             }
         };
         self.store.stamp(stamp, &manifest)?;

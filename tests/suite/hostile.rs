@@ -317,7 +317,6 @@ impl Chooser {
             "run -q --only x",
             "run --locked -q",
             "run b",
-            "run --trace no/t.json",
             "status --exit-code",
             "explain x",
             "gc --keep 0",

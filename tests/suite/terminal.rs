@@ -45,6 +45,8 @@ fn terminals_get_what_they_can_show() {
     let shown = |args, env: &[(&str, &str)]| on_a_terminal(&project, args, env);
     let Some(bar) = shown("run -f", &[("TERM", "xterm")]) else { return };
     assert!(bar.contains("\x1b[") && !bar.contains(" to run"), "{bar}");
+    // The number of tasks, the elapsed time, and the tasks that run.
+    assert!(bar.contains("0/3  0s  ") && bar.contains("solve/a/signed/r=1"), "{bar}");
     // A dumb terminal cannot draw over a line, and nobody watches a log grow.
     for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("CI", "1")]] {
         let plain = shown("run -f", env).unwrap();
