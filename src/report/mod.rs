@@ -3,15 +3,14 @@
 
 mod backend;
 mod build;
+mod data;
 mod filters;
 mod includes;
 mod links;
 mod mathml;
 mod pages;
-mod tables;
 
 pub use build::build;
 pub(crate) use build::{first_page, settings};
 pub use pages::pages;
 pub(crate) use pages::{PAGE as TEMPLATE, in_template, stubs};
-pub(crate) use tables::with_data;

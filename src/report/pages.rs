@@ -1,5 +1,6 @@
 //! Templates and data become Markdown.
 
+use super::data::Data;
 use super::filters;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
@@ -7,7 +8,7 @@ use tera::{Context, ErrorKind, Tera};
 /// Ending of the templates that become a page each; the others hold components.
 pub(crate) const PAGE: &str = ".md.tera";
 
-/// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`.
+/// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`; adds the data that the templates link.
 ///
 /// Keys of `templates` are paths below `report/templates`; those of the result are paths below
 /// `report`, in the book's source folder, as [`super::build`] takes them.
@@ -20,9 +21,15 @@ pub fn pages(
 ) -> Result<BTreeMap<String, String>, String> {
     let mut tera = Tera::new();
     filters::register(&mut tera);
+    let data = Data::default();
+    data.register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
         .map_err(|error| located("", &error))?;
-    made(templates, |name, _| tera.render(name, context).map_err(|error| located(name, &error)))
+    let mut pages = made(templates, |name, _| {
+        tera.render(name, context).map_err(|error| located(name, &error))
+    })?;
+    pages.extend(data.files().into_iter().map(|(name, csv)| (format!("src/data/{name}"), csv)));
+    Ok(pages)
 }
 
 /// The same pages in a project without the data that templates need: each says why it was left out.

@@ -1,9 +1,8 @@
 //! The accuracy experiment, the record of times, and the command that makes it.
 
 use crate::common::{Project, TABLE};
-use crate::solvers::on_threads;
+use crate::solvers::{ALGEBRAIC, COUNTED, HARD, TEXTBOOK, WORK_UNITS, on_threads};
 use signorini::experiments::accuracy::{Findings, Plan, accuracy};
-use signorini::experiments::targets::{COUNTED, of_accuracy};
 use signorini::multigrid::StopReason;
 use signorini::timing::recorded::{PATH, Timings};
 use std::process::{Command, Output};
@@ -43,14 +42,13 @@ fn slopes_are_those_of_linear_elements() {
 }
 
 #[test]
-fn multigrid_keeps_its_targets() {
-    let targets = of_accuracy(findings());
-    assert!(targets.len() >= 10);
-    for target in targets {
-        let name = &target.name;
-        let counted = name.starts_with("work units") && !name.ends_with("textbook efficiency");
-        let allowance = if counted { COUNTED } else { 1.0 };
-        assert!(target.measured <= allowance * target.bound, "{target:?}");
+fn multigrid_takes_few_work_units() {
+    let ranges = &findings().ranges;
+    assert!(ranges.known[0][1] < TEXTBOOK, "{ranges:?}");
+    assert!(ranges.algebraic.iter().all(|ratio| *ratio <= ALGEBRAIC), "{ranges:?}");
+    for (k, units) in WORK_UNITS.map(|units| COUNTED * units).into_iter().enumerate() {
+        assert!(ranges.known[k][1] <= units, "{ranges:?}");
+        assert!(ranges.others[k][1] <= HARD * units, "{ranges:?}");
     }
     for level in findings().problems.iter().flat_map(|problem| &problem.levels) {
         assert_eq!(level.cost.goals[2].stop, StopReason::RoundingFloor);

@@ -73,7 +73,6 @@ fn a_mistake_in_a_page_is_named_with_the_line_of_the_file_that_has_it() {
         ("[](eq:7)", "no equation is tagged (7), but `eq:7` refers to it"),
         ("$5 for tea", "unpaired `$`; write `\\$` for a dollar, or close the formula"),
     ] {
-        // A table grows by a line that leads to its data.
         place.write(page, format!("{text}{table}\n{mistake}\n"));
         let said = run();
         let error = format!("error: report/book: report/templates/plate.md:{line}: {what}");
@@ -111,7 +110,7 @@ fn pages_may_lie_in_folders_and_show_pictures_of_their_own() {
     run().lines();
     let book = place.path("study/report/book");
     let page = fs::read_to_string(book.join("sub/one.html")).unwrap();
-    for target in ["../plate.html#eq-1", "photo.png", "../data/sub/one-1.csv"] {
+    for target in ["../plate.html#eq-1", "photo.png"] {
         assert!(page.contains(&format!("=\"{target}\"")), "{target}: {page}");
         assert!(book.join("sub").join(target.split('#').next().unwrap()).exists(), "{target}");
     }

@@ -1,7 +1,7 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
 use crate::common::{Dice, random_source};
-use crate::solvers::{absurd_starts, assert_threads_do_not_matter, distance};
+use crate::solvers::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS, absurd_starts, assert_threads_do_not_matter, distance};
 use proptest::prelude::*;
 use rayon::prelude::*;
 use signorini::discrete::grid::Grid;
@@ -10,7 +10,6 @@ use signorini::discrete::load::{Diagonal, LoadRule, load};
 use signorini::discrete::norms::{Errors, errors, multiplier_error};
 use signorini::discrete::stiffness::energy;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
-use signorini::experiments::targets::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS};
 use signorini::multigrid::active_set::active_set;
 use signorini::multigrid::square::Square;
 use signorini::multigrid::{

@@ -1,5 +1,18 @@
 //! What every solver must stand, on the square and on the cube.
 
+/// Work units in which multigrid reaches the discretisation error, a residual of 1e-10 and the rounding floor, on
+/// grids from 1/64 on. The paper's problems and smooth loads may take [`COUNTED`] times as much, since residuals and
+/// transfers count as well; loads with scattered or vanishing contact, and the cube, [`HARD`] times as much.
+pub(crate) const WORK_UNITS: [f64; 3] = [12.0, 26.0, 55.0];
+pub(crate) const COUNTED: f64 = 1.1;
+pub(crate) const HARD: f64 = 2.0;
+/// Work units to the discretisation error that Brandt calls textbook multigrid efficiency.
+pub(crate) const TEXTBOOK: f64 = 10.0;
+/// Algebraic over discretisation error at the first goal.
+pub(crate) const ALGEBRAIC: f64 = 0.1;
+/// Bytes of a workspace per unknown, on the square and on the cube.
+pub(crate) const BYTES: [f64; 2] = [24.0, 40.0];
+
 /// Zero, far too high, far too low, noise, and the solution itself.
 pub(crate) fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
     let noise = |k: usize| (k as f64 * 12.9898).sin() * 43758.5453 % 1.0;

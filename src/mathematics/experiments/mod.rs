@@ -12,7 +12,6 @@ pub mod rounding;
 pub mod saddle;
 pub mod stress;
 pub mod strips;
-pub mod targets;
 pub mod trial;
 pub mod truth;
 pub mod work;

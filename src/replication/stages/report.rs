@@ -91,7 +91,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 /// The pages made of the templates, and the book made of the pages and of `data`, files by name.
 fn book(
     inputs: &Inputs,
-    mut data: Artifacts,
+    data: Artifacts,
     pages: impl Fn(&BTreeMap<String, String>) -> Result<BTreeMap<String, String>, Failure>,
 ) -> Result<Artifacts, Failure> {
     let mut templates = BTreeMap::new();
@@ -113,15 +113,7 @@ fn book(
             None => _ = files.insert(name.into(), bytes.clone()),
         }
     }
-    let mut pages = pages(&templates)?;
-    for (path, page) in &mut pages {
-        let Some(name) = path.strip_prefix("src/").and_then(|path| path.strip_suffix(".md")) else {
-            continue;
-        };
-        let (with_links, tables) = report::with_data(name, page);
-        *page = with_links;
-        data.extend(tables);
-    }
+    let pages = pages(&templates)?;
     let mut made: Artifacts =
         data.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes)).collect();
     made.extend(

@@ -217,11 +217,11 @@ impl<'a> Runs<'a> {
         type Of = fn(usize, usize, &mut Random) -> f64;
         let starts: [(&str, Of); 9] = [
             ("zero", |_, _, _| 0.0),
-            ("1e10", |_, _, _| 1e10),
-            ("-1e10", |_, _, _| -1e10),
+            ("constant 1e10", |_, _, _| 1e10),
+            ("constant -1e10", |_, _, _| -1e10),
             ("random, up to 1e10", |_, _, random| 1e10 * (2.0 * random.unit() - 1.0)),
             ("alternating 1e10", |i, j, _| if (i + j).is_multiple_of(2) { 1e10 } else { -1e10 }),
-            ("1e308", |_, _, _| 1e308),
+            ("constant 1e308", |_, _, _| 1e308),
             ("alternating 1e308", |i, j, _| if (i + j).is_multiple_of(2) { 1e308 } else { -1e308 }),
             ("infinite in one node", |i, j, _| if (i, j) == (5, 5) { f64::INFINITY } else { 0.0 }),
             ("NaN in one node", |i, j, _| if (i, j) == (5, 5) { f64::NAN } else { 0.0 }),

@@ -2,11 +2,12 @@
 
 use super::digits::compared;
 use super::search::{fixed, searched};
-use super::times::{targets as time_targets, times};
+use super::times::times;
 use super::versions;
 use crate::discrete::load::integral;
+use crate::discrete::norms::worst;
+use crate::experiments::Range;
 use crate::experiments::truth::{Elements, Truth};
-use crate::experiments::{Range, targets};
 use crate::identify::Findings;
 use crate::identify::record::Record;
 use crate::pipeline::error::{Failure, from_toml};
@@ -68,28 +69,25 @@ pub(super) fn context(
     context.insert("references", &references);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs));
-    times_and_targets(inputs, &elements, &mut context)?;
+    let timings = bench::times(inputs)?;
+    context.insert("cost", &times(&timings, &bench::result(inputs, "accuracy")?));
+    context.insert("timings", &timings);
+    context.insert("effectivity", &effectivity(&elements));
     Ok(context)
 }
 
-/// What was recorded of times, and what was to be reached.
-fn times_and_targets(
-    inputs: &Inputs,
-    elements: &[Elements],
-    context: &mut Context,
-) -> Result<(), Failure> {
-    let accuracy = bench::result(inputs, "accuracy")?;
-    let mut all = targets::of_accuracy(&accuracy);
-    let timings = bench::times(inputs)?;
-    all.extend(time_targets(&timings));
-    context.insert("cost", &times(&timings, &accuracy));
-    context.insert("timings", &timings);
-    all.extend(targets::of_cube(&bench::result(inputs, "cube")?));
-    let bounds = targets::of_bounds(elements);
-    context.insert("effectivity", &bounds);
-    all.extend(bounds);
-    context.insert("targets", &all);
-    Ok(())
+/// Cells per side from which the guaranteed bound of the error is close to the error.
+const EFFECTIVE_FROM: usize = 64;
+
+/// The greatest guaranteed bound over the error from [`EFFECTIVE_FROM`] on, for the default load and `bilinear`.
+fn effectivity(elements: &[Elements]) -> Value {
+    let levels = || elements.iter().flat_map(|one| &one.levels);
+    let fine = || levels().filter(|level| level.cells >= EFFECTIVE_FROM);
+    json!({
+        "from": EFFECTIVE_FROM,
+        "exact": worst(fine().map(|level| level.effectivity[1])),
+        "bilinear": worst(fine().map(|level| level.bilinear[1])),
+    })
 }
 
 /// The fields of a scene, and more.

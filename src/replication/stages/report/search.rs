@@ -27,6 +27,7 @@ pub(super) fn fixed(findings: &Findings) -> Value {
     };
     let row = |k| (0..target.levels()).map(|level| stays(k, level)).collect::<Vec<_>>();
     let holds: Vec<_> = (0..target.r.len()).map(row).collect();
+    let named = target.r.iter().zip(&holds).map(|(r, moves)| json!({ "r": r, "moves": moves }));
     let percent = 0.01 * largest(&map.values);
     // Alternatives for which every count comes out: the most values of Delta a to both digits.
     let deltas = |chosen: bool| {
@@ -38,7 +39,7 @@ pub(super) fn fixed(findings: &Findings) -> Value {
         "directions": map.directions.iter().map(direction).collect::<Vec<_>>(),
         // Counts that no move of a single value by up to 1 % of the largest one changes.
         "loose": holds.iter().flatten().filter(|h| h.is_none_or(|h| h > percent)).count(),
-        "holds": holds,
+        "holds": named.collect::<Vec<_>>(),
         "percent": percent,
         "chosen_deltas": deltas(true),
         "other_deltas": deltas(false),

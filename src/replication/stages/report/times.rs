@@ -1,7 +1,6 @@
-//! What the chapter on cost says about recorded times: fits, crossovers, and what was to be reached.
+//! What the chapter on cost says about recorded times: fits and crossovers.
 
 use crate::experiments::accuracy::Findings;
-use crate::experiments::targets::Target;
 use crate::experiments::{Range, exponent};
 use crate::timing::measure::TIMED;
 use crate::timing::recorded::{self, Goal, Reached, Scaling, Timings, to_discretisation};
@@ -11,25 +10,10 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 
-/// Nanoseconds per unknown that were to be reached on a machine that updates [`THEIR_UPDATE`] GB/s in place.
-const WANTED: [f64; 2] = [8.0, 30.0];
-const THEIR_UPDATE: f64 = 60.0;
-/// Bounds: exponent of the growth of time, time over that of the memory, a small grid over one that fills the caches,
-/// two threads over one, ns per node of a sweep, PETSc over ours.
-const PROPORTIONAL: f64 = 1.05;
-const STREAMING: f64 = 1.6;
-const SMALL: f64 = 2.0;
-const SPEEDUP: f64 = 1.6;
-const SWEEP: f64 = 1.5;
-const PEERS: f64 = 150.0;
 /// Error of the energy, relative, at which the spectral solver and multigrid are compared.
 const FAR: f64 = 1e-10;
-/// Cells per side of the grid on which two threads are judged.
-const THREADS_AT: usize = 2048;
-/// Cells per side of a small grid, of one that fits into the caches, and of the first that does not.
-const SMALL_AT: usize = 64;
+/// Cells per side of the finest grid that may fit into the caches.
 const CACHED_AT: usize = 512;
-const STREAMING_FROM: usize = 1024;
 /// Power laws are fitted to grids with at least so many unknowns.
 const FIT_FROM: usize = 100_000;
 
@@ -47,58 +31,7 @@ pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
         "noise": noise(timings),
         "outdated": outdated(timings, accuracy),
         "spectral": spectral(timings),
-        "peers": peers(timings),
-        // Nanoseconds per unknown that were to be reached, were time inverse to the bandwidth of updates.
-        "scaled": WANTED.map(|ns| ns * THEIR_UPDATE / timings.bandwidth.update),
     })
-}
-
-/// Times against what was to be reached.
-pub(super) fn targets(timings: &Timings) -> Vec<Target> {
-    let mut targets = Vec::new();
-    let finest = grids(timings).last().and_then(|&cells| to_goals(timings, cells, 1));
-    for (line, wanted) in finest.into_iter().flatten().zip(WANTED) {
-        let (goal, cells) = (line.goal.in_words(), line.cells);
-        let name = format!("ns per unknown to the {goal}, one thread, 1/{cells}");
-        targets.push(Target::at_most(name, wanted, line.ns()));
-    }
-    for fit in fits(timings).iter().filter(|fit| fit.threads == 1) {
-        let name = format!("exponent of time over unknowns, {}, one thread", fit.goal);
-        targets.push(Target::at_most(name, PROPORTIONAL, fit.exponent));
-    }
-    let beyond = grids(timings).into_iter().filter(|&cells| cells >= STREAMING_FROM);
-    let lines = beyond.filter_map(|cells| to_goals(timings, cells, 1)).flatten();
-    if let Some(ratios) = Range::of(lines.map(|line| line.ns() / stream(timings, line))) {
-        let name = format!(
-            "time over streaming time, one thread, from 1/{STREAMING_FROM} on, the greatest"
-        );
-        targets.push(Target::at_most(name, STREAMING, ratios.greatest));
-    }
-    let near = |cells| find(timings, cells, 1, Goal::Discretisation);
-    if let (Some(one), Some(other)) = (near(SMALL_AT), near(CACHED_AT)) {
-        let name = format!(
-            "time per unknown at 1/{SMALL_AT} over that at 1/{CACHED_AT}, to the {}",
-            one.goal.in_words()
-        );
-        targets.push(Target::at_most(name, SMALL, one.ns() / other.ns()));
-    }
-    let [one, two] = [1, 2].map(|threads| to_goals(timings, THREADS_AT, threads));
-    for (one, two) in one.into_iter().flatten().zip(two.into_iter().flatten()) {
-        let name = format!("two threads over one to the {}, 1/{THREADS_AT}", one.goal.in_words());
-        targets.push(Target::at_least(name, SPEEDUP, one.seconds / two.seconds));
-    }
-    if let Some(sweep) = &timings.sweep {
-        targets.push(Target::at_most("ns per node of the paper's iteration", SWEEP, sweep.ns));
-    }
-    if let Some(ratios) = peers(timings) {
-        targets.push(Target::at_least("PETSc's time over ours, the least", PEERS, ratios.least));
-    }
-    targets
-}
-
-/// Other people's times over ours.
-fn peers(timings: &Timings) -> Option<Range> {
-    Range::of(timings.peer.iter().map(|peer| peer.theirs / peer.ours))
 }
 
 fn find(timings: &Timings, cells: usize, threads: usize, goal: Goal) -> Option<&Scaling> {
