@@ -3,11 +3,9 @@
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
 use super::picture::{END, LARGE, NORMAL, Picture, SMALL, START, WIDTH, bold, italic, plain};
-use super::strips::arcs;
 use super::table::of_contact;
 use super::text::Ticks;
 use super::{ContactPanel, range_with_zero};
-use crate::experiments::strips::runs;
 
 /// Left and right end of the plots; long numbers move the left one.
 const ACROSS: (f64, f64) = (82.0, 780.0);
@@ -132,4 +130,50 @@ fn name_sides(picture: &mut Picture, whole: &Frame) {
         }
     }
     picture.text("s", (whole.right(0.5), bottom + 15.0), italic(NORMAL));
+}
+
+/// Runs of boundary nodes with a positive multiplier `a`: first, and one past the last.
+fn runs(a: &[f64]) -> Vec<[usize; 2]> {
+    let mut runs: Vec<[usize; 2]> = Vec::new();
+    for (b, _) in a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+        match runs.last_mut() {
+            Some(run) if run[1] == b => run[1] = b + 1,
+            _ => runs.push([b, b + 1]),
+        }
+    }
+    runs
+}
+
+/// Intervals of s in [0, 4] in which the boundary is in contact, from runs of nodes, first and one past the last.
+///
+/// Each node stands for the half cells on both of its sides; the first node is also the last.
+fn arcs(runs: &[[usize; 2]], cells: usize) -> Vec<(f64, f64)> {
+    let at = |node: usize| ((node as f64 - 0.5) / cells as f64).max(0.0);
+    let mut arcs: Vec<_> = runs.iter().map(|run| (at(run[0]), at(run[1]))).collect();
+    if runs.first().is_some_and(|run| run[0] == 0) {
+        let half = at(4 * cells);
+        match arcs.last_mut() {
+            Some(last) if last.1 == half => last.1 = 4.0,
+            _ => arcs.push((half, 4.0)),
+        }
+    }
+    arcs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contact_wraps_around_the_first_corner() {
+        assert!(arcs(&[], 4).is_empty());
+        assert_eq!(arcs(&[[0, 1]], 4), [(0.0, 0.125), (3.875, 4.0)]);
+        assert_eq!(arcs(&[[0, 1], [5, 7]], 4)[1], (1.125, 1.625));
+        assert_eq!(arcs(&[[0, 16]], 4), [(0.0, 4.0)]);
+    }
+
+    #[test]
+    fn runs_are_disjoint_and_ascend() {
+        assert_eq!(runs(&[1.0, 0.0, 2.0, 3.0, 0.0]), [[0, 1], [2, 4]]);
+    }
 }

@@ -3,8 +3,6 @@
 use super::Stroke::{Line, Marked, Reference};
 use super::*;
 use crate::discrete::grid::nested;
-use crate::experiments::power_of_ten;
-use crate::experiments::rounding::{Cell, Row, Table};
 use crate::problem::source::Source;
 
 /// A picture under a title that needs escaping.
@@ -14,7 +12,7 @@ pub(super) fn svg(picture: &Picture) -> String {
 
 /// The figures of both problems; `run --locked` fails where the program draws others.
 pub(super) fn committed() -> Vec<(String, String)> {
-    let names = ["figure1", "figure2", "histories", "contact", "identifiability", "strips"];
+    let names = ["figure1", "figure2", "histories", "contact", "identifiability"];
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/figures");
     let read = |name| std::fs::read_to_string(format!("{folder}/{name}.svg")).unwrap();
     names.map(|name| (name.to_owned(), read(name))).into()
@@ -83,16 +81,7 @@ fn unusual_charts() -> Vec<(String, String)> {
     ];
     let panels = ["first", "second", "alone"]
         .map(|title| Chart::new(title, ["1/h", "error"], curves.clone()));
-    let cells = |size: f64| {
-        let cell = |count, flips_at| Cell { count, flips_at, ..Cell::default() };
-        vec![cell(1, None), cell(1234, Some(size)), cell(56, Some(1e-8))]
-    };
-    let row = |(r, size)| Row { r, cells: cells(size) };
-    let rows = [(10.0, 1e-15), (5.0, 1e-6), (0.5, 1e-2)].map(row).into();
-    let table = Table { number: 1, grids: vec![4, 8, 16], rows, changed: Vec::new() };
-    let sizes: Vec<_> = (-15..=-2).map(power_of_ten).collect();
     vec![
-        ("fragility".into(), svg(&fragility(&sizes, &[table.clone(), table]))),
         ("charts".into(), svg(&charts(false, &panels))),
         ("chart".into(), svg(&charts(true, &panels[..1]))),
     ]

@@ -1,8 +1,6 @@
 //! What pictures show, as tables: CSV with a header line.
 
 use super::{Chart, ContactPanel, HistoryPanel, IdentifiabilityPanel, Stroke};
-use crate::experiments::rounding::Table;
-use crate::experiments::strips::Strips;
 
 /// A cell as RFC 4180 wants it.
 pub(crate) fn quoted(text: &str) -> String {
@@ -59,23 +57,6 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     csv
 }
 
-/// Runs of nodes in contact, as arc lengths of the first and the last, iteration by iteration.
-pub(super) fn of_strips(panels: &[Strips]) -> String {
-    let mut csv = "panel,run,iteration,from,to\n".to_owned();
-    for problem in panels {
-        let at = |node: usize| node as f64 / problem.cells as f64;
-        for strip in &problem.strips {
-            let names = [problem.title(), format!("r = {}", strip.r)].map(|n| quoted(&n)).join(",");
-            for (k, runs) in (1..).zip(&strip.contact) {
-                for &[first, past] in runs {
-                    csv += &format!("{names},{k},{},{}\n", at(first), at(past - 1));
-                }
-            }
-        }
-    }
-    csv
-}
-
 /// The counts that come out, f by f.
 pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
     let mut csv = "panel,f there,f elsewhere,counts\n".to_owned();
@@ -84,21 +65,6 @@ pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
         for (y, row) in panel.slice.y.iter().zip(&panel.slice.exact) {
             for (x, counts) in panel.slice.x.iter().zip(row) {
                 csv += &format!("{title},{x},{y},{counts}\n");
-            }
-        }
-    }
-    csv
-}
-
-/// The least disturbance that changes each count; empty where none did.
-pub(super) fn of_fragility(tables: &[Table]) -> String {
-    let mut csv = "panel,row,column,count,disturbance\n".to_owned();
-    for table in tables {
-        for row in &table.rows {
-            for (cells, cell) in table.grids.iter().zip(&row.cells) {
-                let size = cell.flips_at.map_or(String::new(), |size| format!("{size:e}"));
-                let (number, r, count) = (table.number, row.r, cell.count);
-                csv += &format!("Table {number},r = {r},h = 1/{cells},{count},{size}\n");
             }
         }
     }

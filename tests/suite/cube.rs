@@ -2,7 +2,10 @@
 
 use crate::common::Dice;
 use crate::cube_loads::{exact_load, nodal_load, stress_loads};
-use crate::solvers::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS, absurd_starts, assert_threads_do_not_matter, distance};
+use crate::solvers::{
+    ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS, absurd_starts, assert_threads_do_not_matter,
+    distance,
+};
 use proptest::prelude::*;
 use signorini::discrete::cube::{Grid, errors, judge};
 use signorini::discrete::norms::Errors;

@@ -1,7 +1,10 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
 use crate::common::{Dice, random_source};
-use crate::solvers::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS, absurd_starts, assert_threads_do_not_matter, distance};
+use crate::solvers::{
+    ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS, absurd_starts,
+    assert_threads_do_not_matter, distance,
+};
 use proptest::prelude::*;
 use rayon::prelude::*;
 use signorini::discrete::grid::Grid;

@@ -1,10 +1,7 @@
 //! Reference values and finite elements against true solutions; contact, iteration by iteration.
 
 use crate::reference::REFERENCES;
-use signorini::discrete::load::LoadRule;
-use signorini::discrete::transfer::Prolongation;
-use signorini::experiments::problems::{PAPER, Problem};
-use signorini::experiments::strips::{self, strips};
+use signorini::experiments::problems::PAPER;
 use signorini::experiments::truth::{Numbers, Plan, Truth, Value, truth};
 use std::sync::OnceLock;
 
@@ -111,25 +108,4 @@ fn values_at_nodes_are_those_of_finite_elements() {
         let rim = (0..81).filter(|k| k % 9 == 0 || k % 9 == 8 || *k < 9 || *k >= 72);
         assert!(rim.clone().count() == 32 && rim.into_iter().all(|k| values[k] >= 0.0));
     }
-}
-
-#[test]
-fn strips_are_as_long_as_the_published_counts() {
-    let problem = Problem {
-        number: 2,
-        f: PAPER[1].1.into(),
-        load: LoadRule::default(),
-        prolongation: Prolongation::default(),
-        grids: vec![4, 8, 16, 32, 64],
-        r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
-        max_iterations: 1000,
-    };
-    let found = strips(&strips::Plan { problems: vec![problem] }).unwrap();
-    let lengths: Vec<usize> = found[0].strips.iter().map(|strip| strip.contact.len()).collect();
-    assert_eq!(lengths, [34, 23, 32, 16, 36]);
-    // Where it stops far more is in contact than in truth, which is a piece around one corner.
-    let nodes: usize = found[0].strips[1].contact[22].iter().map(|run| run[1] - run[0]).sum();
-    let [[from, to]] = found[0].truth[..] else { panic!("one arc") };
-    let truth = 4.0 - from + to;
-    assert!((truth - 0.0447).abs() < 1e-4 && nodes as f64 / 64.0 > 10.0 * truth, "{nodes} {truth}");
 }

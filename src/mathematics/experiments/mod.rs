@@ -11,7 +11,6 @@ pub mod problems;
 pub mod rounding;
 pub mod saddle;
 pub mod stress;
-pub mod strips;
 pub mod trial;
 pub mod truth;
 pub mod work;

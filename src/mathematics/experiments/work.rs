@@ -50,21 +50,8 @@ pub struct Comparison {
 pub struct Run {
     /// Its name in words.
     pub method: String,
-    /// Its iterates on the finest grid.
-    pub trace: Vec<Iterate>,
     /// Where it reached the discretisation error, grid by grid.
     pub reached: Vec<Reached>,
-}
-
-/// An iterate on the finest grid.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Iterate {
-    /// Work so far, that on coarser grids included.
-    pub work_units: f64,
-    /// Natural residual over the largest component of the load.
-    pub residual: f64,
-    /// Error in the discrete L2 norm.
-    pub error: f64,
 }
 
 /// The first iterate on a grid that is as close as the discretisation lets it be.
@@ -206,55 +193,40 @@ impl OnGrid {
 }
 
 fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
-    let mut run = Run { method: "multigrid".into(), trace: Vec::new(), reached: Vec::new() };
-    for (k, level) in levels.iter().enumerate() {
+    let mut run = Run { method: "multigrid".into(), reached: Vec::new() };
+    for level in levels {
         let OnGrid { grid, load, .. } = level;
         let unknowns = grid.nodes() as f64;
-        let solve = |goal, max_cycles| {
-            let params = MultigridParams { goal, max_cycles };
-            let solved = multigrid::solve::<Square>(grid.cells(), load, None, &params);
-            solved.map_err(|e| e.to_string())
-        };
-        let limit = MultigridParams::default().max_cycles;
-        let (y, outcome) = solve(Goal::DiscretisationError, limit)?;
+        let params =
+            MultigridParams { goal: Goal::DiscretisationError, ..MultigridParams::default() };
+        let (y, outcome) = multigrid::solve::<Square>(grid.cells(), load, None, &params)
+            .map_err(|e| e.to_string())?;
         let work_units = outcome.work_units;
         let (visits, error) = (work_units * unknowns, level.error(&y));
         run.reached.push(Reached { cells: grid.cells(), visits, work_units, error });
-        if k + 1 == levels.len() {
-            let cycles = solve(Goal::RoundingFloor, limit)?.1.cycles;
-            for max_cycles in 0..=cycles {
-                let (y, outcome) = solve(Goal::RoundingFloor, max_cycles)?;
-                let (residual, error) = (kkt(*grid, &y, load).relative, level.error(&y));
-                run.trace.push(Iterate { work_units: outcome.work_units, residual, error });
-            }
-        }
     }
     Ok(run)
 }
 
 /// Each grid is left as soon as its discretisation error is reached, which no real stop could know.
 fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, String> {
-    let mut run = Run { method: name.into(), trace: Vec::new(), reached: Vec::new() };
+    let mut run = Run { method: name.into(), reached: Vec::new() };
     let mut visits = 0.0;
     let mut pair = Pair::zero(levels[0].grid);
     for (k, level) in levels.iter().enumerate() {
         if k > 0 {
             pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
-        let (last, unknowns) = (k + 1 == levels.len(), level.grid.nodes() as f64);
+        let unknowns = level.grid.nodes() as f64;
         let (cells, before, mut reached) = (level.grid.cells(), visits, None);
         let done = |sweeps: usize, pair: &Pair| {
             let error = level.error(&pair.y);
             let visits = before + sweeps as f64 * unknowns;
             let work_units = visits / unknowns;
-            let residual = kkt(level.grid, &pair.y, &level.load).relative;
-            if last {
-                run.trace.push(Iterate { work_units, residual, error });
-            }
-            if level.is_reached(error) && reached.is_none() {
+            if level.is_reached(error) {
                 reached = Some(Reached { cells, visits, work_units, error });
             }
-            reached.is_some() && (!last || residual <= TARGETS[1])
+            reached.is_some()
         };
         let case = (level.grid, &level.load[..]);
         let sweeps = sweeps_until(method, case, R, CHECKS, &mut pair, done);
@@ -262,7 +234,5 @@ fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, Str
         visits += sweeps.ok_or(&missed)? as f64 * unknowns;
         run.reached.push(reached.ok_or(&missed)?);
     }
-    // The start of the first grid has cost nothing and has no place on a logarithmic axis.
-    run.trace.retain(|iterate| iterate.work_units > 0.0);
     Ok(run)
 }

@@ -9,10 +9,10 @@ use super::{cost, to_json};
 use crate::experiments::accuracy::Findings;
 use crate::experiments::claims::Claims;
 use crate::experiments::problems::Problem;
-use crate::experiments::rounding::{self, Rounding};
+use crate::experiments::rounding;
 use crate::experiments::stress::Stress;
-use crate::experiments::{self, accuracy, stress, strips, truth};
-use crate::figures::{self, Picture};
+use crate::experiments::{self, accuracy, stress, truth};
+use crate::figures::Picture;
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
@@ -20,7 +20,7 @@ use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use stability::{deficits, duality, precision, tolerances};
+use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
 /// Artifact with what an experiment found.
@@ -32,7 +32,6 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         project.problems().into_iter().filter_map(Scene::problem).collect();
     let named = |problem: &Problem| (format!("problem {}", problem.number), problem.f.clone());
     let truth = truth::Plan::new(problems.iter().map(named));
-    let strips = strips::Plan { problems: problems.clone() };
     let stress = stress::Plan::new(problems.clone());
     let rounding = rounding::Plan::new(problems.clone());
     let plan = experiments::claims::Plan::new(problems);
@@ -41,7 +40,6 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         task("claims", plan, experiments::claims::claims),
         task("cube", experiments::cube::Plan::default(), experiments::cube::cube),
         task("truth", truth, truth::truth),
-        task("strips", strips, strips::strips),
         task("stress", stress, stress::stress),
         task("rounding", rounding, rounding::rounding),
     ]
@@ -50,31 +48,20 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
 /// The tasks that draw the pictures of the chapters on experiments: each has a name, a title for readers who
 /// cannot see it, and what draws it.
 pub(super) fn pictures() -> Vec<Task> {
-    let accuracy = |name, title, draw| picture::<Findings>("accuracy", name, title, draw);
     let claims = |name, title, draw| picture::<Claims>("claims", name, title, draw);
     let stress = |name, title, draw| picture::<Stress>("stress", name, title, draw);
     vec![
-        accuracy(
+        picture::<Findings>(
+            "accuracy",
             "accuracy",
             "Errors against the width of the grid, problems with known solutions",
             cost::accuracy,
-        ),
-        accuracy(
-            "work",
-            "Residual, error and cost of three methods in sweeps and visits of unknowns",
-            cost::work,
         ),
         picture(
             "truth",
             "ends",
             "Error of the ends of contact and of the energy against the width of the grid",
             cost::ends,
-        ),
-        picture(
-            "strips",
-            "strips",
-            "Contact along the boundary, iteration by iteration, for both problems and every r",
-            |found: &Vec<strips::Strips>| figures::strips(found),
         ),
         claims(
             "sweep",
@@ -86,16 +73,8 @@ pub(super) fn pictures() -> Vec<Task> {
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
             claims::uzawa,
         ),
-        picture(
-            "rounding",
-            "rounding",
-            "The least relative disturbance that changes each published count",
-            |found: &Rounding| figures::fragility(&found.sizes, &found.tables),
-        ),
-        stress("duality", "KKT residual and iterations of the paper's method over r", duality),
+        stress("duality", "KKT residual at the stop of the paper's method over r", duality),
         stress("tolerances", "KKT residual reached against the tolerance asked for", tolerances),
-        stress("deficits", "Work and contact as the integral of f tends to zero", deficits),
-        stress("precision", "KKT residual that rounding leaves, over the grids", precision),
     ]
 }
 

@@ -3,13 +3,10 @@
 use crate::experiments::Range;
 use crate::experiments::accuracy::{self, Findings};
 use crate::experiments::truth::{Elements, Level, Truth};
-use crate::experiments::work::{CostLaw, Iterate, Run};
-use crate::figures::Stroke::{Line, Marked, Reference};
+use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::problem::exact::Exact;
-use crate::timing::recorded::{
-    Goal, PUBLISHED, Reached, Scaling, Timings, nodes, ns_per_node, to_discretisation,
-};
+use crate::timing::recorded::{Goal, PUBLISHED, Reached, Scaling, Timings};
 use crate::timing::solver::Solver;
 use std::collections::BTreeSet;
 
@@ -54,70 +51,8 @@ pub(super) fn accuracy(found: &Findings) -> Picture {
     charts(false, &panels)
 }
 
-/// Three methods on one grid, up to the discretisation error on several, and the law of the paper's.
-pub(super) fn work(found: &Findings) -> Picture {
-    let compared = &found.comparison;
-    let trace = |shown: fn(&Iterate) -> f64| -> Vec<Curve> {
-        let of = |run: &Run| {
-            let points = run.trace.iter().map(|iterate| (iterate.work_units, shown(iterate)));
-            // Rings at hundreds of checks would hide the line.
-            Curve::new(if run.trace.len() > 40 { Line } else { Marked }, &run.method, points)
-        };
-        compared.runs.iter().map(of).collect()
-    };
-    let mut errors = trace(|iterate| iterate.error);
-    let work = errors.iter().flat_map(|curve| &curve.points).map(|point| point.0);
-    let Range { least, greatest } = Range::of(work).unwrap_or_default();
-    let ends = [least, greatest].map(|work| (work, compared.discretisation));
-    errors.push(Curve::new(Reference, "discretisation error", ends));
-    let reached = |run: &Run| {
-        let points = run.reached.iter().map(|reached| (reached.visits, reached.error));
-        Curve::new(Marked, &run.method, points)
-    };
-    let mut reached: Vec<_> = compared.runs.iter().map(reached).collect();
-    reached.push(slope("order 1", &reached[..1], -1.0, 0.15));
-    let finest = |law: &&CostLaw| law.target < 1e-5;
-    let mut laws: Vec<_> = found.laws.iter().filter(finest).map(law_line).collect();
-    laws.push(slope("order 2", &laws, 2.0, 0.2));
-    let cells = compared.cells;
-    let panels = [
-        Chart::new(
-            format!("Residual on the grid 1/{cells}"),
-            ["work units", "relative KKT residual"],
-            trace(|iterate| iterate.residual),
-        ),
-        Chart::new(
-            format!("Error on the grid 1/{cells}"),
-            ["work units", "L2 error at the nodes"],
-            errors,
-        ),
-        Chart::new(
-            "To the discretisation error",
-            ["unknowns visited", "L2 error at the nodes"],
-            reached,
-        ),
-        Chart::new(
-            "The law of the paper's method",
-            ["1/h", "sweeps to a residual of 10\u{207b}\u{2076}"],
-            laws,
-        ),
-    ];
-    charts(false, &panels)
-}
-
-fn law_line(law: &CostLaw) -> Curve {
-    let f = law.f.trim_start_matches("exact(").trim_end_matches(')');
-    let f = if f.contains('=') { "problem 2" } else { f };
-    let start = if law.nested { "nested" } else { "from zero" };
-    let points = law.sweeps.iter().map(|&(n, s)| (n as f64, s as f64));
-    Curve::new(Marked, format!("{f}, {start}"), points)
-}
-
-/// Time per unknown: multigrid for both goals, and every solver to the discretisation error.
-///
-/// The proximal method would coincide with Uzawa's.
+/// Time per unknown of multigrid, for both goals.
 pub(super) fn cost(timings: &Timings) -> Picture {
-    let per_unknown = |(cells, seconds)| (nodes(cells) as f64, ns_per_node(cells, seconds));
     let multigrid = |goal: Goal| {
         [("multigrid", 1), ("multigrid, two threads", 2)].map(|(label, threads)| {
             let wanted = |line: &&Scaling| line.goal == goal && line.threads == threads;
@@ -126,19 +61,10 @@ pub(super) fn cost(timings: &Timings) -> Picture {
             Curve::new(Marked, label, points)
         })
     };
-    let problem = timings.solver.last().map(|line| &line.problem);
-    const COMPARED: [Solver; 4] =
-        [Solver::Multigrid, Solver::ActiveSet, Solver::ArrowHurwicz, Solver::Uzawa];
-    let solvers = COMPARED.map(|solver| {
-        let mine = |line: &&Reached| line.solver == solver && Some(&line.problem) == problem;
-        let mine: Vec<_> = timings.solver.iter().filter(mine).collect();
-        Curve::new(Marked, solver.in_words(), to_discretisation(&mine).into_iter().map(per_unknown))
-    });
     let axes = ["unknowns", "nanoseconds per unknown"];
     let panels = [
         Chart::new("To the discretisation error", axes, multigrid(Goal::Discretisation).into()),
         Chart::new("To the rounding floor", axes, multigrid(Goal::Floor).into()),
-        Chart::new("All solvers, to the discretisation error", axes, solvers.into()),
     ];
     charts(false, &panels)
 }

@@ -102,7 +102,7 @@ impl Level {
 }
 
 /// The arc length along the boundary from the lower left corner to a point, anticlockwise, in sides.
-pub(in crate::experiments) fn arc_length([x, y]: [f64; 2]) -> f64 {
+fn arc_length([x, y]: [f64; 2]) -> f64 {
     let (right, up) = (x + 0.5, y + 0.5);
     match () {
         () if y == -0.5 => right,

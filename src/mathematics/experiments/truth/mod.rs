@@ -3,7 +3,6 @@
 mod elements;
 mod reference;
 
-pub(super) use elements::arc_length;
 pub use elements::{Elements, Level};
 pub use reference::{Arc, Numbers, Reference, Value};
 

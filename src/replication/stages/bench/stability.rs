@@ -1,6 +1,6 @@
 //! Pictures of the experiment on stability.
 
-use crate::experiments::stress::{Case, Series, Stress};
+use crate::experiments::stress::{Case, Stress};
 use crate::experiments::trial::Trial;
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
@@ -19,29 +19,20 @@ fn marked(
     Curve::new(Marked, label, cases.iter().filter_map(of))
 }
 
-fn steps(trial: &Trial) -> Option<f64> {
-    Some(trial.steps as f64)
-}
-
 /// The paper's method over the duality parameter.
 pub(super) fn duality(found: &Stress) -> Picture {
-    let curves = |value: fn(&Trial) -> Option<f64>| {
-        let of_problem = |(name, cases): (String, &Series<f64>)| {
-            let label = |rule: &str| format!("{rule} rule, {name}");
-            ["signed", "strict"].map(|rule| marked(label(rule), cases, rule, value))
-        };
-        found.plan.names().into_iter().zip(&found.duality).flat_map(of_problem).collect::<Vec<_>>()
-    };
-    let mut residual = curves(|trial| trial.kkt);
+    let mut residual = Vec::new();
+    for (name, cases) in found.plan.names().into_iter().zip(&found.duality) {
+        for rule in ["signed", "strict"] {
+            let label = format!("{rule} rule, {name}");
+            residual.push(marked(label, cases, rule, |trial| trial.kkt));
+        }
+    }
     let ends = found.duality.first().and_then(|cases| Some((cases.first()?.x, cases.last()?.x)));
     if let Some((low, high)) = ends {
         residual.push(Curve::new(Reference, "as large as the load", [(low, 1.0), (high, 1.0)]));
     }
-    let parts = [
-        Chart::new("Where it stops", ["r", "KKT residual"], residual),
-        Chart::new("How long it takes", ["r", "iterations"], curves(steps)),
-    ];
-    charts(false, &parts)
+    charts(false, &[Chart::new("Where it stops", ["r", "KKT residual"], residual)])
 }
 
 pub(super) fn tolerances(found: &Stress) -> Picture {
@@ -58,39 +49,5 @@ pub(super) fn tolerances(found: &Stress) -> Picture {
             Chart::new(name, axes, curves)
         })
         .collect();
-    charts(false, &parts)
-}
-
-/// Work and contact as the integral of f tends to zero.
-pub(super) fn deficits(found: &Stress) -> Picture {
-    let (mut work, mut contact) = (Vec::new(), Vec::new());
-    for (cases, way) in found.deficits.iter().zip(["up", "down"]) {
-        let multigrid = format!("multigrid, {way}");
-        work.push(marked(format!("Arrow-Hurwicz, {way}"), cases, "strict", steps));
-        work.push(marked(&multigrid, cases, "multigrid", |trial| Some(trial.work)));
-        contact.push(marked(multigrid, cases, "multigrid", |trial| Some(trial.contact as f64)));
-    }
-    let parts = [
-        Chart::new("Work", ["deficit", "sweeps of the finest grid"], work),
-        Chart::new("Contact", ["deficit", "boundary nodes in contact"], contact),
-    ];
-    charts(false, &parts)
-}
-
-/// What rounding leaves of the residual, over the grids.
-pub(super) fn precision(found: &Stress) -> Picture {
-    let curves = |value: fn(&Trial) -> Option<f64>| {
-        vec![
-            marked("multigrid, double", &found.floors, "multigrid", value),
-            marked("Arrow-Hurwicz, double", &found.floors, "strict", value),
-            marked("Arrow-Hurwicz, single", &found.single_floors, "single", value),
-        ]
-    };
-    let residual = curves(|trial| trial.kkt);
-    let units = curves(|trial| trial.floor);
-    let parts = [
-        Chart::new("Over the load", ["1/h", "KKT residual"], residual),
-        Chart::new("In roundings of y", ["1/h", "KKT residual over eps max |y|"], units),
-    ];
     charts(false, &parts)
 }
