@@ -130,9 +130,9 @@ impl Solver {
     /// Memory for a nodal vector's entry, all vectors and factors together, rounded up from measured peaks.
     fn bytes_per_node(self, dimension: u8, n: u64) -> u64 {
         match (self, dimension) {
-            // The fill of the factors; on the cube it grows with n^4.
-            (Self::ActiveSet, 2) => 800,
-            (Self::ActiveSet, _) => 500 + 90 * n,
+            // Two banded matrices.
+            (Self::ActiveSet, 2) => 200 + 16 * (n + 2),
+            (Self::ActiveSet, _) => 200 + 16 * ((n + 1) * (n + 1) + 1),
             _ => 48,
         }
     }

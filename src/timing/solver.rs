@@ -14,7 +14,7 @@ pub enum Solver {
     Uzawa,
     /// The same with iterative proximal regularisation
     UzawaProximal,
-    /// Primal-dual active set with sparse Cholesky factors: slow, independent, exact
+    /// Primal-dual active set with banded Cholesky factors: slow, independent, exact; down to 1/256, on the cube to 1/24
     ActiveSet,
     /// Full multigrid to the rounding floor: the fastest on a grid
     Multigrid,

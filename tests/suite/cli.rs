@@ -354,6 +354,8 @@ fn solve_refuses_in_one_line() {
         (&["--cube", "exact(torsion)"], "choose one of full-contact, free-strip, free-disc"),
         (&["--cube", "else=-1", "--h", "1/9"], "choose another"),
         (&["--cube", "else=-1", "--h", "1/1024"], "1/512 is the finest"),
+        (&["--cube", "else=-1", "--h", "1/32", "--solver", "active-set"], "1/24 is the finest"),
+        (&["--f", "else=-1", "--h", "1/512", "--solver", "active-set"], "1/256 is the finest"),
         (&["--cube", "else=-1", "--solver", "uzawa"], "only multigrid and active-set"),
         (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),
         (&["--f", "else=-1", "--tolerance", "1e-6"], "is for --solver multigrid"),

@@ -10,6 +10,7 @@ use crate::discrete::load::{self, LoadRule, load};
 use crate::discrete::norms::{Errors, errors, multiplier_error};
 use crate::discrete::transfer::prolong_boundary;
 use crate::figures::{Surface, surfaces, uphill};
+use crate::multigrid::active_set::{MOST_ON_CUBE, MOST_ON_SQUARE};
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
@@ -25,14 +26,14 @@ pub(super) enum Domain {
 }
 
 impl Domain {
-    /// Cells per side of the finest grid on which a nodal vector or two, or a Cholesky factor, fit comfortably in
+    /// Cells per side of the finest grid on which a nodal vector or two, or a banded matrix and its factors, fit comfortably in
     /// memory; refuses a solver that the domain does not have.
     pub(super) fn most_cells(&self, solver: Solver) -> Result<usize> {
         Ok(match (self, solver) {
-            (Self::Square { .. }, Solver::ActiveSet) => 1024,
+            (Self::Square { .. }, Solver::ActiveSet) => MOST_ON_SQUARE,
             (Self::Square { .. }, _) => MAX_CELLS,
             (Self::Cube { .. }, Solver::Multigrid) => 512,
-            (Self::Cube { .. }, Solver::ActiveSet) => 32,
+            (Self::Cube { .. }, Solver::ActiveSet) => MOST_ON_CUBE,
             (Self::Cube { .. }, _) => {
                 return Err(Error::input(format!(
                     "--solver {solver}: the cube has only multigrid and active-set"

@@ -9,19 +9,20 @@
 //! contact set comes to rest is observed, not proved. Hence the limit on steps and the watch for a return.
 //!
 //! # Cost
-//! One sparse Cholesky factorisation per step: `O(n^3)` operations and `O(n^2 log n)` memory on the square, `O(n^6)`
-//! and `O(n^4)` on the cube.
-
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Col, Side};
+//! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square, `O(n^7)`
+//! and `O(n^5)` on the cube.
 
 use super::StopReason;
+use super::banded::Banded;
 use super::input::{Extent, InputError, check_length};
 use super::layout::Dimension;
-use super::network::Network;
+use super::network::{Network, band};
 use super::stencil::coupling;
+
+/// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
+pub const MOST_ON_SQUARE: usize = 256;
+/// The same on the cube: 160 MB.
+pub const MOST_ON_CUBE: usize = 24;
 
 /// Limit on the number of linear systems.
 const MAX_STEPS: usize = 100;
@@ -45,13 +46,17 @@ pub fn active_set<D: Dimension>(n: usize, load: &[f64]) -> Result<(Vec<f64>, Out
     if n < 2 {
         return Err(InputError::GridSize(n, "at least 2"));
     }
-    on_network(&Network::new(D::AXES, n, coupling::<D>(n)), load)
+    on_network(&Network::new(D::AXES, n, coupling::<D>(n)), band::<D>(n), load)
 }
 
-fn on_network(network: &Network, load: &[f64]) -> Result<(Vec<f64>, Outcome), InputError> {
+fn on_network(
+    network: &Network,
+    band: usize,
+    load: &[f64],
+) -> Result<(Vec<f64>, Outcome), InputError> {
     check_length(network.nodes(), load)?;
     Extent::of(load).check()?;
-    let system = System::new(network, load);
+    let (matrix, mut factor) = (network.matrix(band), Banded::zeros(network.nodes(), band));
     let mut active: Vec<_> = (0..load.len()).map(|k| network.is_constrained(k)).collect();
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
@@ -60,12 +65,12 @@ fn on_network(network: &Network, load: &[f64]) -> Result<(Vec<f64>, Outcome), In
         if steps == MAX_STEPS {
             break StopReason::CycleLimit;
         }
-        y = system.solve(&active);
+        y = solve(network, &matrix, &mut factor, load, &active);
         steps += 1;
         if !y.iter().all(|value| value.is_finite()) {
             break StopReason::Diverged;
         }
-        let next = system.next_contact(&active, &y);
+        let next = network.next_contact(&active, &y, load);
         if next == active {
             break StopReason::Converged;
         }
@@ -82,73 +87,27 @@ fn on_network(network: &Network, load: &[f64]) -> Result<(Vec<f64>, Outcome), In
     Ok((y, Outcome { stop, steps }))
 }
 
-/// The matrix of a network with a symbolic factorisation that serves every contact set.
-struct System<'a> {
-    network: &'a Network,
-    load: &'a [f64],
-    /// Lower triangle: in each column the diagonal, then the couplings in the order of the network.
-    pattern: SymbolicSparseColMat<usize>,
-    factorisation: SymbolicLlt<usize>,
-}
-
-impl<'a> System<'a> {
-    fn new(network: &'a Network, load: &'a [f64]) -> Self {
-        let size = load.len();
-        let mut column_starts = vec![0];
-        let mut rows = Vec::new();
-        for k in 0..size {
-            rows.push(k);
-            rows.extend(network.couplings(k).map(|(row, _)| row));
-            column_starts.push(rows.len());
+/// Solves `A y = F` with `y = 0` where `active`; one step of iterative refinement.
+///
+/// `factor` is a place for the factors of the matrix with the rows of active nodes removed.
+fn solve(
+    network: &Network,
+    matrix: &Banded,
+    factor: &mut Banded,
+    load: &[f64],
+    active: &[bool],
+) -> Vec<f64> {
+    factor.copy_from(matrix);
+    (0..active.len()).filter(|&node| active[node]).for_each(|node| factor.fix(node));
+    factor.factor();
+    let mut y = vec![0.0; active.len()];
+    for _ in 0..2 {
+        let mut correction = network.gradient(&y, load);
+        for (value, active) in correction.iter_mut().zip(active) {
+            *value = if *active { 0.0 } else { -*value };
         }
-        let pattern = SymbolicSparseColMat::new_checked(size, size, column_starts, None, rows);
-        let factorisation = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower)
-            .expect("the pattern is valid and fits into memory");
-        Self { network, load, pattern, factorisation }
+        factor.solve(&mut correction);
+        y.iter_mut().zip(&correction).for_each(|(value, correction)| *value += correction);
     }
-
-    /// Solves `A y = F` with `y = 0` where `active`; one step of iterative refinement.
-    fn solve(&self, active: &[bool]) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.pattern.row_idx().len());
-        let diagonal = self.network.diagonal();
-        for k in 0..active.len() {
-            values.push(if active[k] { 1.0 } else { diagonal[k] });
-            let entry = |(row, weight): (usize, f64)| {
-                if active[k] || active[row] { 0.0 } else { -weight }
-            };
-            values.extend(self.network.couplings(k).map(entry));
-        }
-        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &values[..]);
-        let factors = Llt::try_new_with_symbolic(self.factorisation.clone(), matrix, Side::Lower)
-            .expect("positive definite: at least one node is in contact");
-        let mut y = vec![0.0; active.len()];
-        for _ in 0..2 {
-            let gradient = self.network.gradient(&y, self.load);
-            let residual =
-                Col::from_fn(active.len(), |k| if active[k] { 0.0 } else { -gradient[k] });
-            let correction = factors.solve(&residual);
-            for (value, correction) in y.iter_mut().zip(correction.iter()) {
-                *value += correction;
-            }
-        }
-        y
-    }
-
-    /// Keeps contact where the multiplier is not negative, adds negative values.
-    fn next_contact(&self, active: &[bool], y: &[f64]) -> Vec<bool> {
-        let gradient = self.network.gradient(y, self.load);
-        let keeps = |k: usize| match (self.network.is_constrained(k), active[k]) {
-            (false, _) => false,
-            (true, true) => gradient[k] >= 0.0,
-            (true, false) => y[k] < 0.0,
-        };
-        let mut next: Vec<_> = (0..active.len()).map(keeps).collect();
-        if !next.contains(&true) {
-            let largest = (0..active.len())
-                .filter(|&k| active[k])
-                .max_by(|&a, &b| gradient[a].total_cmp(&gradient[b]));
-            next[largest.expect("at least one node is in contact")] = true;
-        }
-        next
-    }
+    y
 }

@@ -3,7 +3,7 @@
 use super::banded::Banded;
 use super::layout::{Dimension, boundary_number};
 use super::level::{Level, locate};
-use super::network::Network;
+use super::network::{Network, band};
 use super::stencil::{diagonal, inverse, visit};
 
 /// Active-set steps at most; there are at most a few dozen boundary nodes.
@@ -36,9 +36,7 @@ impl Coarsest {
     pub(super) fn new<D: Dimension>(n: usize) -> Self {
         let network = Network::new(D::AXES, n, 1.0);
         let (diagonal, full) = (network.diagonal(), diagonal::<D>());
-        let band = (n + 1).pow(D::AXES as u32 - 1);
-        let zeros = || Banded::zeros(network.nodes(), band);
-        let mut matrix = zeros();
+        let matrix = network.matrix(band::<D>(n));
         let node = |k: usize| {
             let (mut node, mut rest) = ([0; 3], k);
             let node = &mut node[..D::AXES];
@@ -46,17 +44,13 @@ impl Coarsest {
                 (*i, rest) = (rest % (n + 1), rest / (n + 1));
             }
             let boundary = network.is_constrained(k).then(|| boundary_number::<D>(n, node));
-            *matrix.entry(k, k) = diagonal[k];
-            for (other, weight) in network.couplings(k) {
-                *matrix.entry(other, k) = -weight;
-            }
             Node { place: locate(n, k), boundary, share: diagonal[k] / full }
         };
         Self {
             nodes: (0..network.nodes()).map(node).collect(),
             inverse: inverse::<D>(),
             work: [matrix.factor_work(), matrix.solve_work()].map(|work| work / visit::<D>()),
-            factor: zeros(),
+            factor: Banded::zeros(network.nodes(), band::<D>(n)),
             x: vec![0.0; network.nodes()],
             matrix,
             network,
@@ -99,43 +93,39 @@ impl Coarsest {
 
     /// Solves the Signorini problem by the primal-dual active set method; returns the work in visits.
     ///
-    /// Starting from full contact it never meets a singular system, because the node with the largest
-    /// multiplier is kept when all others leave; see [`active_set`](super::active_set) on convergence.
+    /// See [`active_set`](super::active_set) on convergence.
     pub(super) fn solve_obstacle(&mut self, level: &mut Level) -> f64 {
         let load: Vec<_> = self
             .nodes
             .iter()
             .map(|node| node.share * level.load[node.place.0][node.place.1])
             .collect();
-        level.inverse_diagonal.fill(0.0);
+        let mut active: Vec<_> = self.nodes.iter().map(|node| node.boundary.is_some()).collect();
         let mut work = 0.0;
         for _ in 0..MAX_STEPS {
+            self.put_contact(&active, level);
             work += self.factor(level) + self.solve_linear(level);
-            let gradient = self.network.gradient(&self.x, &load);
-            let mut changed = false;
-            let (mut largest, mut keep) = (f64::NEG_INFINITY, 0);
-            for (k, node) in self.nodes.iter().enumerate() {
-                let Some(edge) = node.boundary else { continue };
-                let was_active = level.inverse_diagonal[edge] == 0.0;
-                let active = if was_active { gradient[k] >= 0.0 } else { self.x[k] < 0.0 };
-                if was_active && gradient[k] > largest {
-                    (largest, keep) = (gradient[k], edge);
-                }
-                changed |= active != was_active;
-                level.inverse_diagonal[edge] = if active { 0.0 } else { self.inverse };
-            }
-            if !changed {
+            let next = self.network.next_contact(&active, &self.x, &load);
+            if next == active {
                 break;
             }
-            if level.inverse_diagonal.iter().all(|&inverse| inverse > 0.0) {
-                level.inverse_diagonal[keep] = 0.0;
-            }
+            active = next;
         }
+        self.put_contact(&active, level);
         for (x, Node { place: (colour, place), boundary, .. }) in self.x.iter().zip(&self.nodes) {
             if boundary.is_some() {
                 level.values[*colour][*place] = x.max(0.0);
             }
         }
         work
+    }
+
+    /// No spring at nodes that are not `active`, and a rigid one at those that are.
+    fn put_contact(&self, active: &[bool], level: &mut Level) {
+        for (node, active) in self.nodes.iter().zip(active) {
+            if let Some(edge) = node.boundary {
+                level.inverse_diagonal[edge] = if *active { 0.0 } else { self.inverse };
+            }
+        }
     }
 }

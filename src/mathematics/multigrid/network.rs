@@ -4,6 +4,14 @@
 //! stiffness matrix has `-weight` beside the diagonal and rows that sum to zero. That is all a direct
 //! method needs to know of a grid.
 
+use super::banded::Banded;
+use super::layout::Dimension;
+
+/// How far apart the numbers of coupled nodes are at most.
+pub(super) fn band<D: Dimension>(n: usize) -> usize {
+    (n + 1).pow(D::AXES as u32 - 1)
+}
+
 /// Couplings of all nodes.
 pub(super) struct Network {
     /// Where the couplings of each node begin, and the end.
@@ -64,6 +72,38 @@ impl Network {
             }
         }
         diagonal
+    }
+
+    /// The stiffness matrix, with this many couplings beside the diagonal at most.
+    pub(super) fn matrix(&self, band: usize) -> Banded {
+        let mut matrix = Banded::zeros(self.nodes(), band);
+        for (node, diagonal) in self.diagonal().into_iter().enumerate() {
+            *matrix.entry(node, node) = diagonal;
+            for (other, weight) in self.couplings(node) {
+                *matrix.entry(other, node) = -weight;
+            }
+        }
+        matrix
+    }
+
+    /// The contact set of the next step of the primal-dual active set method, from the solution `y` with contact
+    /// where `active`: keeps contact where the multiplier is not negative, adds negative values.
+    ///
+    /// The node with the largest multiplier is kept when all others leave, so that no system is singular.
+    pub(super) fn next_contact(&self, active: &[bool], y: &[f64], load: &[f64]) -> Vec<bool> {
+        let gradient = self.gradient(y, load);
+        let mut next = vec![false; active.len()];
+        let (mut largest, mut keep) = (f64::NEG_INFINITY, None);
+        for node in (0..active.len()).filter(|&node| self.is_constrained(node)) {
+            next[node] = if active[node] { gradient[node] >= 0.0 } else { y[node] < 0.0 };
+            if active[node] && gradient[node] > largest {
+                (largest, keep) = (gradient[node], Some(node));
+            }
+        }
+        if !next.contains(&true) {
+            keep.into_iter().for_each(|node| next[node] = true);
+        }
+        next
     }
 
     /// `A y - F`: where `y >= 0` is demanded, the reaction.
