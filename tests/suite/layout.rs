@@ -120,3 +120,22 @@ fn modules_of_a_room_form_no_circle() {
         }
     }
 }
+
+#[test]
+fn overrides_of_the_profile_are_for_crates_of_the_lock_file() {
+    let read = |name: &str| -> toml::Table {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+        fs::read_to_string(path).unwrap().parse().unwrap()
+    };
+    let (manifest, lock) = (read("Cargo.toml"), read("Cargo.lock"));
+    let packages = lock["package"].as_array().unwrap().iter();
+    let there: BTreeSet<&str> = packages.map(|one| one["name"].as_str().unwrap()).collect();
+    let overrides = manifest["profile"]["release"]["package"].as_table().unwrap();
+    let named = overrides.keys().filter(|name| *name != "*");
+    let stale: Vec<_> =
+        named.filter(|name| !there.contains(name.split('@').next().unwrap())).collect();
+    assert!(
+        stale.is_empty(),
+        "profile.release.package has crates that Cargo.lock lacks: {stale:?}"
+    );
+}
