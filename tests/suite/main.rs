@@ -36,6 +36,7 @@ mod solvers;
 mod spectral;
 mod stress;
 mod terminal;
+mod touching;
 mod truth;
 mod verdicts;
 mod whole;
