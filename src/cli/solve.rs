@@ -4,6 +4,7 @@ mod accuracy;
 mod answer;
 mod bound;
 mod domain;
+mod judging;
 mod problem;
 mod solvers;
 mod spectral;
@@ -37,10 +38,11 @@ pub(super) struct SolveArgs {
     /// or 1/64]
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     h: Option<String>,
-    /// Solver [default: arrow-hurwicz; on the cube, which has multigrid and active-set, multigrid]
+    /// Solver [default: multigrid; for a scene, or with --r, --stop or --max-iterations: arrow-hurwicz].
+    /// The cube has multigrid and active-set
     #[arg(long, value_enum)]
     solver: Option<Solver>,
-    /// Quadrature of the load vector [default: the scene's, or exact; for an accuracy, bilinear]
+    /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]
     #[arg(long, value_enum)]
     load: Option<Rule>,
     /// Duality parameter [default: the scene's, or 10]

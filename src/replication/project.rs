@@ -218,7 +218,8 @@ fn read_scenes(root: &Path, wanted: impl Fn(&str) -> bool) -> Result<(Vec<Scene>
         let path = entry.context("read", &folder)?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let is_scene = path.extension().is_some_and(|end| end == "toml");
-        let left_behind = path.file_name().and_then(|name| name.to_str()).is_some_and(is_left_behind);
+        let left_behind =
+            path.file_name().and_then(|name| name.to_str()).is_some_and(is_left_behind);
         if !is_scene || left_behind || !wanted(&name) {
             continue;
         }

@@ -6,6 +6,7 @@ use crate::discrete::transfer::Prolongation;
 use crate::experiments::problems::Problem;
 use crate::identify::COARSEST;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
+use crate::problem::shape::Shape;
 use crate::problem::source::Source;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -115,7 +116,7 @@ impl Scene {
     fn complete(&mut self) -> std::result::Result<(), Failure> {
         // A known solution is proof enough, and its integral takes milliseconds on every command.
         if self.f.exact().is_none() {
-            solvable(integral(&self.f), integral(&self.f.absolute()))?;
+            solvable(&self.f, [integral(&self.f), integral(&self.f.absolute())])?;
         }
         if self.r.is_empty() || self.stop.is_empty() {
             let example = "r = [10], stop = [\"signed\"]";
@@ -204,9 +205,13 @@ fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
-/// The integral of f, beside that of |f|, if f is solvable by condition (2): the integral is negative, by more
-/// than rounding.
-pub(crate) fn solvable(integral: f64, of_size: f64) -> Result<f64> {
+/// Returns the integral of f, given the integrals of f and of |f|.
+///
+/// # Errors
+/// If f is too large or too small to compute with, or violates condition (2): the integral is negative, by more than
+/// rounding.
+pub(crate) fn solvable<S: Shape>(f: &Source<S>, [integral, of_size]: [f64; 2]) -> Result<f64> {
+    f.check_scale(of_size).map_err(|e| Error::input(e.to_string()))?;
     if integral < -ROUNDING * of_size.abs() {
         return Ok(integral);
     }

@@ -1,4 +1,4 @@
-//! What came out and what it is worth: judged apart from the solvers, as JSON and as text.
+//! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
 use super::bound;
 use super::problem::Problem;
@@ -7,38 +7,63 @@ use crate::cli::output::columns;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::{Judgement, Kkt};
 use crate::discrete::norms::Errors;
+use crate::discrete::verdict::Verdict;
 use crate::replication::scene::shown_integral;
-use crate::saddle::{Pair, tolerance};
+use crate::saddle::{Pair, SaddleRun};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Largest relative KKT residual, and largest sum of v r over the energy, of what may be called solved:
-/// above, half of the load is out of balance.
-const SOLVED: f64 = 0.5;
-/// Above this relative KKT residual the answer carries a warning.
-const ROUGH: f64 = 0.1;
-/// Cells per side of the coarsest grid above which the grids are not what the stopping rule is made for.
-const COARSE: usize = 8;
-
-/// How a solver stopped on one grid.
-#[derive(Serialize)]
+/// End of a solver on one grid.
 pub(super) struct Level {
     pub cells: usize,
     pub iterations: usize,
-    /// Gauss-Seidel sweeps, if they are what the solver does.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Gauss-Seidel sweeps, if the solver consists of sweeps.
     pub sweeps: Option<usize>,
-    pub stop: String,
+    /// Reason for the end, in the words of the solver.
+    pub stop: &'static str,
     pub energy: f64,
     pub sum_load: f64,
-    #[serde(serialize_with = "natural")]
     pub kkt: Kkt,
+    pub verdict: Verdict,
 }
 
-/// Of a coarse grid, the natural residual says enough.
-fn natural<S: serde::Serializer>(kkt: &Kkt, out: S) -> Result<S::Ok, S::Error> {
-    json!({ "natural": kkt.natural, "relative": kkt.relative }).serialize(out)
+impl Level {
+    pub(super) fn of_saddle_run(&SaddleRun { outcome, sweeps }: &SaddleRun) -> Self {
+        Self {
+            cells: outcome.cells,
+            iterations: outcome.iterations,
+            sweeps: Some(sweeps),
+            stop: outcome.stop.name(),
+            energy: outcome.energy,
+            sum_load: outcome.sum_load,
+            kkt: outcome.kkt,
+            verdict: outcome.verdict(),
+        }
+    }
+
+    /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.
+    pub(super) fn end(&self) -> &str {
+        self.verdict.end(self.stop)
+    }
+}
+
+impl Serialize for Level {
+    fn serialize<S: serde::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        let mut level = json!({
+            "cells": self.cells,
+            "iterations": self.iterations,
+            "stop": self.end(),
+            "energy": self.energy,
+            "sum_load": self.sum_load,
+            // On a coarse grid the natural residual is enough.
+            "kkt": { "natural": self.kkt.natural, "relative": self.kkt.relative },
+        });
+        if let Some(sweeps) = self.sweeps {
+            level["sweeps"] = sweeps.into();
+        }
+        level.serialize(out)
+    }
 }
 
 pub(super) struct Solved {
@@ -54,21 +79,23 @@ pub(super) struct Solved {
 
 pub(super) struct Answer {
     pub solved: Solved,
-    /// The sum of v r over the boundary, r the gradient of the energy: zero at the solution, and elsewhere,
-    /// if all other conditions hold, a bound of the energy's error.
+    /// Sum of v r over the boundary nodes, r the gradient of the energy: zero at the solution, and elsewhere, if all
+    /// other conditions hold, a bound of the energy's error.
     complementarity: f64,
-    /// Boundary nodes in contact, and all.
+    /// Number of boundary nodes in contact, and number of all boundary nodes.
     contact_nodes: [usize; 2],
-    /// With ends estimated within the cell; `None` on the cube.
+    /// Arcs in contact, with ends estimated within the cell; `None` on the cube.
     contact: Option<Vec<ContactArc>>,
-    /// Of values, and of the multiplier in L2 where it has a formula too.
+    /// Total contact force: sum of r over the nodes in contact.
+    pub force: f64,
+    /// Errors of the values, and of the multiplier in L2 if it has a formula, for a known solution.
     errors: Option<(Errors, Option<f64>)>,
-    /// Guaranteed bounds, or why there are none.
+    /// Guaranteed bounds, or the reason for their absence.
     pub bounds: Result<Bounds, String>,
-    /// For grids and load vectors, and for the solver.
+    /// Run times for grids and load vectors, and for the solver.
     seconds: [f64; 2],
-    warnings: Vec<String>,
-    /// Why the answer is none, in a sentence with a remedy.
+    pub warnings: Vec<String>,
+    /// Reason why the answer is no solution, in a sentence with a remedy.
     pub failure: Option<String>,
 }
 
@@ -78,10 +105,17 @@ impl Answer {
         let nodes = problem.domain.boundary(n);
         let Judgement { flux, .. } = &solved.judgement;
         let in_contact = solved.judgement.in_contact(nodes.iter().copied(), y);
+        let contact = problem.domain.contact(n, y, &solved.judgement);
+        let of_nodes = flux.iter().zip(&in_contact).filter(|(_, touches)| **touches);
+        let force = match &contact {
+            Some(arcs) => arcs.iter().map(|arc| arc.force).sum(),
+            None => of_nodes.map(|(flux, _)| flux).sum(),
+        };
         let mut answer = Self {
             complementarity: nodes.iter().zip(flux).map(|(&node, flux)| y[node] * flux).sum(),
             contact_nodes: [in_contact.into_iter().filter(|&of| of).count(), nodes.len()],
-            contact: problem.domain.contact(n, y, &solved.judgement),
+            contact,
+            force,
             errors: problem.domain.errors(n, y, load),
             bounds: problem.domain.bounds(n, y),
             solved,
@@ -93,102 +127,14 @@ impl Answer {
         answer
     }
 
-    fn last(&self) -> &Level {
+    pub(super) fn last(&self) -> &Level {
         self.solved.levels.last().expect("at least one grid")
     }
 
-    /// Decides whether the answer is one, and collects what else is to be known of it.
-    fn judge(&mut self, problem: &Problem) {
-        let last = self.solved.levels.len() - 1;
-        let (name, finest) = (problem.name(), problem.finest());
-        let Level { ref stop, kkt, energy, sum_load, .. } = self.solved.levels[last];
-        let mut verdict = None;
-        if sum_load >= 0.0 {
-            verdict = Some("no-solution");
-            self.failure = Some(problem.without_solution(sum_load));
-        } else if stop.ends_with("-limit") {
-            let remedy = if problem.solver.is_nested() {
-                "raise --max-iterations, or use --solver multigrid"
-            } else {
-                "choose another --h"
-            };
-            self.failure =
-                Some(format!("{name}: stopped at the {stop} on grid 1/{finest}; {remedy}"));
-        } else if problem.accuracy.is_some() {
-            // A guaranteed bound has been reached; residuals of single nodes take nothing from it.
-        } else if let Some(why) = self.disagreement(kkt.relative, energy) {
-            verdict = Some("not-solved");
-            self.failure = Some(format!(
-                "{name}: the solver stopped as asked on grid 1/{finest}, but {why}; {}",
-                problem.closer()
-            ));
-        } else if kkt.relative > ROUGH {
-            self.warnings.push(format!(
-                "the KKT residual on grid 1/{finest} is {:.2} of the load; {}",
-                kkt.relative,
-                problem.closer()
-            ));
-        }
-        if let Some(verdict) = verdict {
-            self.solved.levels[last].stop = verdict.into();
-        }
-        self.warn_of_grids(problem);
-        self.warn_of_load(problem, sum_load);
-        if let (Ok(bounds), None) = (&self.bounds, problem.accuracy) {
-            self.warnings.extend(bound::warnings(bounds, energy, problem.solver));
-        }
-        if !energy.is_finite() {
-            self.warnings.push(
-                "the energy grows with the square of f and is beyond double precision; scale f down".into(),
-            );
-        }
-    }
-
-    /// What the conditions of the solution say against an answer, from y and F alone.
-    fn disagreement(&self, relative: f64, energy: f64) -> Option<String> {
-        let gap = self.complementarity.abs();
-        if relative.is_nan() || relative > SOLVED {
-            Some(format!("the KKT residual is {relative:.2} of the load"))
-        } else if energy > 0.0 {
-            Some(format!("the energy {energy:.3e} is above that of v = 0"))
-        } else if gap > SOLVED * energy.abs() && gap.is_normal() {
-            Some(format!("the sum of v r is {gap:.3e}, beside an energy of {energy:.3e}"))
-        } else {
-            None
-        }
-    }
-
-    fn warn_of_grids(&mut self, problem: &Problem) {
-        let (coarsest, count) = (problem.grids[0], problem.grids.len());
-        if problem.solver.is_nested() && coarsest > COARSE {
-            let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
-            self.warnings.push(format!(
-                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; choose 1/(2^k m), such as 1/64, or --solver multigrid",
-                tolerance(count)
-            ));
-        }
-        let coarse = &self.solved.levels[..self.solved.levels.len() - 1];
-        let list = |which: &dyn Fn(&Level) -> bool| -> Option<String> {
-            let of: Vec<_> =
-                coarse.iter().filter(|l| which(l)).map(|l| format!("1/{}", l.cells)).collect();
-            (!of.is_empty()).then(|| of.join(", "))
-        };
-        let unsolvable = list(&|level| level.sum_load >= 0.0).map(|grids| format!(
-            "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
-        ));
-        let unmet = list(&|level| level.stop != "converged")
-            .map(|grids| format!("the stopping rule was not met on {grids}"));
-        self.warnings.extend([unsolvable, unmet].into_iter().flatten());
-    }
-
-    /// Where the load vector is that of another f.
-    fn warn_of_load(&mut self, problem: &Problem, sum_load: f64) {
-        let (integral, n) = (problem.integral, problem.finest());
-        if problem.domain.load_slack(n).is_some_and(|slack| (sum_load - integral).abs() > slack) {
-            self.warnings.push(format!(
-                "the load vector sums to {sum_load:+.3e} on grid 1/{n}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
-            ));
-        }
+    /// Name of the end on the finest grid.
+    fn end(&self, problem: &Problem) -> &str {
+        // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
+        if problem.accuracy.is_some() { self.last().stop } else { self.last().end() }
     }
 
     pub(super) fn json(&self, problem: &Problem) -> Value {
@@ -209,7 +155,7 @@ impl Answer {
             "unknowns": self.solved.pair.y.len(),
             "iterations": last.iterations,
             "iterations_per_grid": per_grid(|level| Some(level.iterations)),
-            "stop": last.stop,
+            "stop": self.end(problem),
             "grids": self.solved.levels,
             "energy": last.energy,
             "integral_f": problem.integral,
@@ -233,6 +179,7 @@ impl Answer {
                 })
             }),
             "contact": self.contact,
+            "force": self.force,
             "warnings": problem.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
@@ -251,6 +198,10 @@ impl Answer {
         }
         if let Err(reason) = &self.bounds {
             json["bound_reason"] = reason.as_str().into();
+        }
+        if self.contact.is_none() {
+            json["contact_reason"] =
+                "the contact set of the cube is made of faces, not arcs".into();
         }
         json
     }
@@ -278,6 +229,10 @@ impl Answer {
         let [nodes, all] = self.contact_nodes;
         text += &format!("\ncontact in {nodes} of {all} boundary nodes\n");
         self.contact.iter().flatten().for_each(|arc| text += &bound::contact(arc, 6));
+        text += &bound::force(self.force, -problem.integral, 6);
+        if self.load_misses(problem) {
+            text += &format!("minus the sum of the load {:.5e}\n", -self.last().sum_load);
+        }
         if let Some((e, multiplier)) = &self.errors {
             text += &format!("errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}", e.l2, e.h1, e.max);
             if let Some(multiplier) = multiplier {
@@ -285,7 +240,9 @@ impl Answer {
             }
             text.push('\n');
         }
-        text += &bound::text(&self.bounds, self.errors.is_some());
+        if !self.last().verdict.is_failure() || problem.accuracy.is_some() {
+            text += &bound::text(&self.bounds, self.errors.is_some());
+        }
         self.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
         text
     }
@@ -299,7 +256,7 @@ impl Answer {
             let mut row = vec![
                 format!("1/{}", level.cells),
                 level.iterations.to_string(),
-                level.stop.clone(),
+                level.end().to_owned(),
                 format!("{:.6e}", level.energy),
                 format!("{:.2e}", level.kkt.natural),
                 format!("{:.2e}", level.kkt.relative),

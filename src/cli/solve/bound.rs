@@ -49,6 +49,12 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<Strin
     warnings
 }
 
+/// The total contact force beside minus the integral of f, which it equals at the solution, as text.
+pub(super) fn force(force: f64, minus_integral: f64, digits: usize) -> String {
+    let digits = digits - 1;
+    format!("contact force {force:.digits$e}, minus the integral of f {minus_integral:.digits$e}\n")
+}
+
 /// Where a part of the boundary is in contact, and with which force.
 pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
     let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));

@@ -14,7 +14,7 @@ use crate::multigrid::active_set::{MOST_ON_CUBE, MOST_ON_SQUARE};
 use crate::pipeline::error::{Error, Result};
 use crate::problem;
 use crate::problem::source::Source;
-use crate::replication::scene::MAX_CELLS;
+use crate::replication::scene::{MAX_CELLS, solvable};
 use crate::saddle::{Fields, Pair};
 use clap::ValueEnum;
 use std::path::Path;
@@ -64,7 +64,7 @@ impl Domain {
         }
     }
 
-    /// The integrals of f and of |f|.
+    /// Integrals of f and of |f|.
     pub(super) fn integrals(&self) -> [f64; 2] {
         match self {
             Self::Square { f, .. } => [load::integral(f), load::integral(&f.absolute())],
@@ -72,14 +72,27 @@ impl Domain {
         }
     }
 
-    /// By how much the sum of a load vector may miss the integral of f, which no part of f that a grid
-    /// resolves explains: h^2 times the integral of |f|. Not for smooth f, where quadrature has its own error.
+    /// Returns the integral of f if the problem is solvable.
+    pub(super) fn solvable(&self) -> Result<f64> {
+        match self {
+            Self::Square { f, .. } => solvable(f, self.integrals()),
+            Self::Cube { f } => solvable(f, self.integrals()),
+        }
+    }
+
+    /// Difference of forces that the grid explains: h^2 times the integral of |f|.
+    pub(super) fn slack(&self, n: usize) -> f64 {
+        self.integrals()[1].abs() / n as f64 / n as f64
+    }
+
+    /// Difference between the sum of a load vector and the integral of f that the grid explains; `None` for smooth f,
+    /// where quadrature has its own error.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
         let smooth = match self {
             Self::Square { f, .. } => f.exact().is_some(),
             Self::Cube { f } => f.exact().is_some(),
         };
-        (!smooth).then(|| self.integrals()[1] / n as f64 / n as f64)
+        (!smooth).then(|| self.slack(n))
     }
 
     pub(super) fn load(&self, n: usize) -> Vec<f64> {
@@ -128,7 +141,7 @@ impl Domain {
         }
     }
 
-    /// The arcs in contact, for a nodal vector and its judgement; the cube has faces instead.
+    /// Arcs in contact, for a nodal vector and its judgement; `None` on the cube, whose contact set is made of faces.
     pub(super) fn contact(
         &self,
         n: usize,

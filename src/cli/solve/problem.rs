@@ -6,12 +6,12 @@ use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
 use crate::discrete::grid::nested;
-use crate::discrete::load::{Diagonal, LoadRule};
+use crate::discrete::load::LoadRule;
 use crate::discrete::transfer::Prolongation;
 use crate::pipeline::error::{Error, Result};
 use crate::problem::source::Source;
 use crate::replication::project::Project;
-use crate::replication::scene::{Scene, positive_r, solvable};
+use crate::replication::scene::{Scene, positive_r};
 use crate::saddle::{Params, StopRule};
 use crate::timing::machine;
 use serde_json::{Value, json};
@@ -52,13 +52,8 @@ impl Problem {
         let mut overridden = Vec::new();
         let domain = domain(args, scene, &mut overridden)?;
         let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
-        let [integral, of_size] = domain.integrals();
-        let integral = solvable(integral, of_size)?;
-        let default = match (args.accuracy(), &domain) {
-            (None, Domain::Square { .. }) => Solver::ArrowHurwicz,
-            _ => Solver::Multigrid,
-        };
-        let solver = args.solver.unwrap_or(default);
+        let integral = domain.solvable()?;
+        let solver = args.solver.unwrap_or(default_solver(args));
         check_solver_options(args, solver)?;
         let given = args.h.as_deref().map(cells).transpose()?;
         let of_scene = scene.map(|s| s.finest().cells());
@@ -185,12 +180,21 @@ fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
         (None, Some(scene)) => scene.f.clone(),
         (None, None) => return Err(Error::input("give a scene or --f")),
     };
-    // An accuracy is asked of the solution for f, whatever load vector a scene takes; with this rule the bounds are
-    // closest, and the grids that they ask for coarsest.
+    // An accuracy is asked of the solution for f, whatever load vector a scene takes; with the bilinear rule the bounds
+    // are closest, and the grids that they ask for coarsest.
     let given = args.load.map(|rule| rule.0).or(args.accuracy().map(|_| LoadRule::Bilinear {}));
     let rule = choose("load", given, scene.map(|s| s.load), rule_name, overridden);
-    let exact = LoadRule::Exact { diagonal: Diagonal::Rising };
-    Ok(Domain::Square { f, rule: rule.unwrap_or(exact) })
+    Ok(Domain::Square { f, rule: rule.unwrap_or(LoadRule::Bilinear {}) })
+}
+
+/// Solver if none is named: the paper's method for a scene or for an option that only this method takes, else multigrid.
+fn default_solver(args: &SolveArgs) -> Solver {
+    let of_the_paper = args.r.is_some() || args.stop.is_some() || args.max_iterations.is_some();
+    if args.accuracy().is_none() && (args.scene.is_some() || of_the_paper) {
+        Solver::ArrowHurwicz
+    } else {
+        Solver::Multigrid
+    }
 }
 
 fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {

@@ -7,6 +7,7 @@ use super::domain::{Domain, square};
 use super::problem::Problem;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::norms::{largest, sum};
+use crate::discrete::verdict::Verdict;
 use crate::multigrid::active_set::{self, active_set};
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
@@ -75,16 +76,7 @@ impl Problem {
                 end.iterations
             )]));
         }
-        let level = |&SaddleRun { outcome: end, sweeps }: &SaddleRun| Level {
-            cells: end.cells,
-            iterations: end.iterations,
-            sweeps: Some(sweeps),
-            stop: end.stop.to_string(),
-            energy: end.energy,
-            sum_load: end.sum_load,
-            kkt: end.kkt,
-        };
-        let levels = outcomes.iter().map(level).collect();
+        let levels = outcomes.iter().map(Level::of_saddle_run).collect();
         let judgement = self.domain.judge(self.finest(), &pair.y, &loads[loads.len() - 1]);
         Ok(self.solved(levels, pair.y, judgement, None))
     }
@@ -117,15 +109,17 @@ impl Problem {
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
         let judgement = self.domain.judge(n, &y, load);
-        let Judgement { kkt, energy, .. } = judgement;
+        let Judgement { kkt, energy, work, .. } = judgement;
+        let sum_load = sum(load);
         let level = Level {
             cells: n,
             iterations,
             sweeps: None,
-            stop: stop.name().into(),
+            stop: stop.name(),
             energy,
-            sum_load: sum(load),
+            sum_load,
             kkt,
+            verdict: Verdict::new(sum_load, &kkt, energy, work),
         };
         Ok(self.solved(vec![level], y, judgement, work_units))
     }
@@ -143,8 +137,7 @@ impl Problem {
         Solved { levels, pair: Pair { y, a }, judgement, work_units }
     }
 
-    /// That no nodal vector solves the discrete problem for a load vector with this sum; whichever solver finds it,
-    /// the answer is none.
+    /// Message that no nodal vector solves the discrete problem for a load vector with this sum.
     pub(super) fn without_solution(&self, sum_load: f64) -> String {
         let lower = match self.domain {
             Domain::Square { .. } => "use --load exact, another --h, or a lower f",

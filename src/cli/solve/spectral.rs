@@ -1,7 +1,7 @@
 //! `solve --solver spectral`: the true solution, without a grid.
 
 use super::SolveArgs;
-use super::bound::contact;
+use super::bound::{self, contact};
 use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
@@ -36,6 +36,11 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
             "energy": finer.energy,
             "integral_f": problem.integral,
             "contact": finer.contact,
+            "force": force(&finer),
+            "grids": null,
+            "grids_reason": "the spectral solver uses no grid",
+            "bound": null,
+            "bound_reason": "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed bounds",
             "value": {
                 "centre": finer.value(0.0, 0.0),
                 "lower_left": lower_left,
@@ -52,6 +57,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let integral = shown_integral(problem.integral);
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
     text += &table(&finer);
+    text += &bound::force(force(&finer), -problem.integral, 16);
     text += &format!(
         "checks: {}\nsolved in {seconds:.4} s, {} Newton steps\n",
         finer.checks, solution.steps
@@ -77,6 +83,11 @@ pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
     let y = solution.at_nodes(grid.cells());
     bar.inspect(ProgressBar::finish_and_clear);
     Pair { y, a }
+}
+
+/// Total contact force.
+fn force(solution: &Solution) -> f64 {
+    solution.contact.iter().map(|arc| arc.force).sum()
 }
 
 fn table(solution: &Solution) -> String {

@@ -60,9 +60,14 @@ impl Verdict {
         }
     }
 
-    /// Name of the end of an iteration that called its own end `stop`: a limit that cut it off stays one, but an end
-    /// that was asked for is no success where there is no solution.
-    pub fn end(self, stop: &'static str) -> &'static str {
+    /// True if the vector is no solution.
+    pub fn is_failure(self) -> bool {
+        matches!(self, Self::NoSolution | Self::NotSolved(_))
+    }
+
+    /// Name of the end of a solve whose solver reports the reason `stop`: `no-solution` or `not-solved` takes its place,
+    /// but a limit that cut an iteration off stays a limit if the problem has a solution.
+    pub fn end(self, stop: &str) -> &str {
         match self {
             Self::NoSolution => "no-solution",
             Self::NotSolved(_) if !stop.ends_with("-limit") => "not-solved",

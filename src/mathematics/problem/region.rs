@@ -2,7 +2,7 @@
 
 use super::exact::Exact;
 use super::shape::{
-    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, plain, run, scaled,
+    Convex, INSIDE, List, Shape, SourceError, VAST, half_line, misses, numbers, plain, run, scaled,
 };
 use std::f64::consts::PI;
 use std::fmt;
@@ -181,10 +181,12 @@ impl fmt::Display for Region {
             return write!(out, "quadrant({name})");
         }
         match self {
-            Self::Rect { x, y } => write!(out, "rect({},{},{},{})", x[0], x[1], y[0], y[1]),
-            Self::HalfPlane { a, b, c } => write!(out, "halfplane({a},{b},{c})"),
+            Self::Rect { x: [x0, x1], y: [y0, y1] } => {
+                write!(out, "rect({})", List(&[*x0, *x1, *y0, *y1]))
+            }
+            Self::HalfPlane { a, b, c } => write!(out, "halfplane({})", List(&[*a, *b, *c])),
             Self::Disc { centre, radius } => {
-                write!(out, "disc({},{},{radius})", centre[0], centre[1])
+                write!(out, "disc({})", List(&[centre[0], centre[1], *radius]))
             }
         }
     }

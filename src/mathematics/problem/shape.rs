@@ -134,7 +134,9 @@ pub enum SourceError {
         example: &'static str,
     },
     /// NaN or an infinity, or no number at all.
-    #[error("`{0}` in f is not a finite number; give a decimal such as -1.5")]
+    #[error(
+        "`{0}` in f is not a finite number; give a decimal such as -1.5, or a fraction such as -1/3"
+    )]
     NotFinite(String),
     /// A shape without an interior, or without a border.
     #[error(
@@ -146,6 +148,14 @@ pub enum SourceError {
         "`{0}` in f: the centre and the radius of what is round are at most {VAST}; write a straight border as a half-plane or half-space"
     )]
     Vast(String),
+    /// Values too large or too small to compute with.
+    #[error("{what} of f is {}, outside {} to {}; scale f", Written(*size), Written(SCALE.start), Written(SCALE.end))]
+    Scale {
+        /// Quantity that is out of range.
+        what: &'static str,
+        /// Size of the quantity.
+        size: f64,
+    },
     /// A name that is no known exact problem.
     #[error("`{name}` is no exact problem; choose one of {names}")]
     UnknownExact {
@@ -156,15 +166,54 @@ pub enum SourceError {
     },
 }
 
+/// Sizes of f that all solvers compute with: of the largest value, and of the integral of |f|.
+///
+/// The energy and the bounds are quadratic in f. Within this range neither the square of a rounding error underflows,
+/// `(1e-16 * 1e-130)^2 = 1e-292`, nor does a sum of squares over a grid overflow.
+pub const SCALE: Range<f64> = 1e-130..1e130;
+
 /// The largest coordinate of a centre, and radius: the border of a disc or ball is then known to 1e-13.
 pub(super) const VAST: f64 = 1e3;
 
-/// A finite number.
+/// Reads a finite number, or a fraction of two such as `-1/3`.
 pub(super) fn number(text: &str) -> Result<f64, SourceError> {
-    let value: Option<f64> = text.trim().parse().ok();
-    value
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| SourceError::NotFinite(text.trim().into()))
+    let text = text.trim();
+    let value = match text.split_once('/') {
+        Some((above, below)) => decimal(above).zip(decimal(below)).map(|(p, q)| p / q),
+        None => decimal(text),
+    };
+    value.filter(|value| value.is_finite()).ok_or_else(|| SourceError::NotFinite(text.into()))
+}
+
+fn decimal(text: &str) -> Option<f64> {
+    text.trim().parse().ok()
+}
+
+/// Number as a person writes it, `0.25` or `1e-310`, in the fewest digits that read back to the same bits.
+pub(crate) struct Written(pub(crate) f64);
+
+impl fmt::Display for Written {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = *self;
+        if value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
+            write!(out, "{value}")
+        } else {
+            write!(out, "{value:e}")
+        }
+    }
+}
+
+/// Numbers as the arguments of a shape, separated by commas.
+pub(super) struct List<'a>(pub(super) &'a [f64]);
+
+impl fmt::Display for List<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, value) in self.0.iter().enumerate() {
+            let separator = if k > 0 { "," } else { "" };
+            write!(out, "{separator}{}", Written(*value))?;
+        }
+        Ok(())
+    }
 }
 
 /// The `N` numbers that shape `name` takes.

@@ -1,7 +1,7 @@
 //! Right-hand sides f: piecewise constants written as `rect(x0,x1,y0,y1)=v; else=v`, or a named exact problem.
 
 pub use crate::problem::region::Region;
-use crate::problem::shape::{Known, Shape, SourceError, number};
+use crate::problem::shape::{Known, SCALE, Shape, SourceError, Written, number};
 use std::fmt;
 use std::str::FromStr;
 
@@ -69,6 +69,32 @@ impl<S: Shape> Source<S> {
         }
     }
 
+    /// Largest absolute value of a piece or of the background; a known solution has an f of ordinary size, 1.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Self::Pieces { background, pieces } => {
+                pieces.iter().fold(background.abs(), |most, (_, value)| most.max(value.abs()))
+            }
+            Self::Exact(_) => 1.0,
+        }
+    }
+
+    /// Checks that f, with this integral of |f|, is of a size that all solvers compute with: [`SCALE`].
+    ///
+    /// # Errors
+    /// [`SourceError::Scale`]. f = 0 passes: the condition (2) excludes it.
+    pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
+        let largest = self.largest();
+        if largest >= SCALE.end {
+            return Err(SourceError::Scale { what: "the largest value", size: largest });
+        }
+        if largest > 0.0 && integral_of_size < SCALE.start {
+            let what = "the integral of the size";
+            return Err(SourceError::Scale { what, size: integral_of_size });
+        }
+        Ok(())
+    }
+
     /// Value at a point; on the border of a piece, the piece's.
     pub fn at(&self, point: S::Point) -> f64 {
         match self {
@@ -104,9 +130,9 @@ impl<S: Shape> fmt::Display for Source<S> {
         match self {
             Self::Pieces { background, pieces } => {
                 for (shape, value) in pieces {
-                    write!(out, "{shape}={value}; ")?;
+                    write!(out, "{shape}={}; ", Written(*value))?;
                 }
-                write!(out, "else={background}")
+                write!(out, "else={}", Written(*background))
             }
             Self::Exact(exact) => write!(out, "exact({})", exact.name()),
         }
@@ -223,6 +249,60 @@ mod tests {
         let edge: Source = "rect(-0.5,0.5,-0.5,0.5)=1; else=9".parse().unwrap();
         assert_eq!(sample(&edge, [-0.5; 2], Tie::LowerLeft), 1.0);
         assert_eq!(sample(&edge, [0.5; 2], Tie::UpperRight), 1.0);
+    }
+
+    #[test]
+    fn fractions_are_numbers() {
+        let f: Source = "rect(-1/4,1/4,-1/4,1/4)=1/3; else=-1/3".parse().unwrap();
+        assert_eq!(f.at([0.0, 0.0]), 1.0 / 3.0);
+        assert_eq!(f.at([0.4, 0.4]), -1.0 / 3.0);
+        for wrong in ["else=1/0", "else=1/2/3", "else=/2", "else=-1/x"] {
+            assert!(matches!(wrong.parse::<Source>(), Err(SourceError::NotFinite(_))), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_written_in_few_characters() {
+        for (value, text) in [
+            (-1e-310, "else=-1e-310"),
+            (1e300, "else=1e300"),
+            (-1.5e6, "else=-1500000"),
+            (0.002, "else=0.002"),
+            (2.5e-7, "else=2.5e-7"),
+            (1e16, "else=1e16"),
+        ] {
+            assert_eq!(Source::<Region>::constant(value).to_string(), text);
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn every_number_reads_back_to_the_same_bits(bits in proptest::prelude::any::<u64>()) {
+            let value = f64::from_bits(bits);
+            if value.is_finite() {
+                let text = Written(value).to_string();
+                proptest::prop_assert_eq!(number(&text).unwrap().to_bits(), bits);
+                proptest::prop_assert!(text.len() <= 24, "{}", text);
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_beyond_the_scale_are_refused() {
+        for (text, size, fits) in [
+            ("else=-1", 1.0, true),
+            ("else=0", 0.0, true),
+            ("disc(0,0,0.1)=1e-310; else=-1", 1.0, true),
+            ("else=-1e129", 1e129, true),
+            ("else=-1e130", 1e130, false),
+            ("disc(0,0,0.1)=1e308; else=-1e308", f64::INFINITY, false),
+            ("disc(0,0,0.1)=1e308; else=-1e308", f64::NAN, false),
+            ("else=-1e-129", 1e-129, true),
+            ("else=-1e-131", 1e-131, false),
+        ] {
+            let f: Source = text.parse().unwrap();
+            assert_eq!(f.check_scale(size).is_ok(), fits, "{text}");
+        }
     }
 
     #[test]

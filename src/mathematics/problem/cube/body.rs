@@ -3,7 +3,7 @@
 use super::exact::Exact;
 use crate::problem::region::Region;
 use crate::problem::shape::{
-    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, plain, run, scaled,
+    Convex, INSIDE, List, Shape, SourceError, VAST, half_line, misses, numbers, plain, run, scaled,
 };
 use std::fmt;
 use std::ops::Range;
@@ -157,11 +157,13 @@ impl Convex<2> for Body {
 impl fmt::Display for Body {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Box([[x0, x1], [y0, y1], [z0, z1]]) => {
-                write!(out, "box({x0},{x1},{y0},{y1},{z0},{z1})")
+            Self::Box(sides) => write!(out, "box({})", List(sides.as_flattened())),
+            Self::Ball { centre: [x, y, z], radius } => {
+                write!(out, "ball({})", List(&[*x, *y, *z, *radius]))
             }
-            Self::Ball { centre: [x, y, z], radius } => write!(out, "ball({x},{y},{z},{radius})"),
-            Self::HalfSpace { normal: [a, b, c], d } => write!(out, "halfspace({a},{b},{c},{d})"),
+            Self::HalfSpace { normal: [a, b, c], d } => {
+                write!(out, "halfspace({})", List(&[*a, *b, *c, *d]))
+            }
         }
     }
 }

@@ -1,0 +1,140 @@
+//! Judgement of an answer: the failure, if it is no solution, and the warnings.
+
+use super::answer::{Answer, Level};
+use super::bound;
+use super::problem::Problem;
+use crate::discrete::verdict::Verdict;
+use crate::saddle::tolerance;
+
+/// Cells per side above which a coarsest grid is finer than those that the stopping rule is made for.
+const COARSE: usize = 8;
+
+impl Answer {
+    /// Decides whether the answer is a solution, and collects the warnings.
+    pub(super) fn judge(&mut self, problem: &Problem) {
+        let (name, finest) = (problem.name(), problem.finest());
+        let last = self.last();
+        let (stop, relative, energy) = (last.stop, last.kkt.relative, last.energy);
+        match last.verdict {
+            Verdict::NoSolution => self.failure = Some(self.without_solution(problem)),
+            _ if stop.ends_with("-limit") => {
+                let remedy = if problem.solver.is_nested() {
+                    "raise --max-iterations, or use --solver multigrid"
+                } else {
+                    "choose another --h"
+                };
+                self.failure =
+                    Some(format!("{name}: stopped at the {stop} on grid 1/{finest}; {remedy}"));
+            }
+            // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
+            _ if problem.accuracy.is_some() => (),
+            Verdict::NotSolved(violation) => {
+                self.failure = Some(format!(
+                    "{name}: the solver stopped as asked on grid 1/{finest}, but {violation}; {}",
+                    problem.closer()
+                ));
+            }
+            Verdict::Rough => self.warnings.push(format!(
+                "the KKT residual on grid 1/{finest} is {relative:.2} of the load; {}",
+                problem.closer()
+            )),
+            Verdict::Solved => (),
+        }
+        self.warn_of_grids(problem);
+        self.warn_of_tolerance(problem);
+        self.warn_of_load(problem);
+        if self.failure.is_none() {
+            self.warn_of_force(problem);
+        }
+        if let (Ok(bounds), None, None) = (&self.bounds, problem.accuracy, &self.failure) {
+            self.warnings.extend(bound::warnings(bounds, energy, problem.solver));
+        }
+    }
+
+    /// Message that the discrete problem on the finest grid, or on all grids, has no solution.
+    fn without_solution(&self, problem: &Problem) -> String {
+        let levels = &self.solved.levels;
+        let on_all = levels.iter().all(|level| level.verdict == Verdict::NoSolution);
+        let message = problem.without_solution(self.last().sum_load);
+        match levels.len() {
+            2.. if on_all => {
+                message.replacen(" on grid ", " (as on all coarser grids) on grid ", 1)
+            }
+            _ => message,
+        }
+    }
+
+    fn warn_of_grids(&mut self, problem: &Problem) {
+        let (coarsest, count) = (problem.grids[0], problem.grids.len());
+        if problem.solver.is_nested() && coarsest > COARSE {
+            let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
+            self.warnings.push(format!(
+                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; choose 1/(2^k m), such as 1/64, or --solver multigrid",
+                tolerance(count)
+            ));
+        }
+        let coarse = &self.solved.levels[..self.solved.levels.len() - 1];
+        if self.last().verdict != Verdict::NoSolution
+            && let Some(grids) = named(coarse, |level| level.verdict == Verdict::NoSolution)
+        {
+            self.warnings.push(format!(
+                "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
+            ));
+        }
+        if let Some(grids) = named(coarse, |level| level.stop != "converged") {
+            self.warnings.push(format!("the stopping rule was not met on {grids}"));
+        }
+    }
+
+    /// Warns if a tolerance was asked for and not reached.
+    fn warn_of_tolerance(&mut self, problem: &Problem) {
+        let Level { stop, kkt, .. } = *self.last();
+        if let Some(tolerance) = problem.tolerance
+            && stop != "converged"
+        {
+            self.warnings.push(format!(
+                "--tolerance {tolerance:e} was not reached: the KKT residual is {:.2e} of the load at the {stop}",
+                kkt.relative
+            ));
+        }
+    }
+
+    /// True if the sum of the load vector misses the integral of f by more than the grid explains.
+    pub(super) fn load_misses(&self, problem: &Problem) -> bool {
+        let difference = (self.last().sum_load - problem.integral).abs();
+        problem.domain.load_slack(problem.finest()).is_some_and(|slack| difference > slack)
+    }
+
+    /// Warns if the load vector belongs to another f.
+    fn warn_of_load(&mut self, problem: &Problem) {
+        if self.load_misses(problem) {
+            let (integral, n, sum_load) =
+                (problem.integral, problem.finest(), self.last().sum_load);
+            self.warnings.push(format!(
+                "the load vector sums to {sum_load:+.3e} on grid 1/{n}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
+            ));
+        }
+    }
+
+    /// Warns if the contact force does not balance the load: at the discrete solution their sum is zero up to rounding.
+    fn warn_of_force(&mut self, problem: &Problem) {
+        let (force, load) = (self.force, -self.last().sum_load);
+        if !((force - load).abs() <= problem.domain.slack(problem.finest())) {
+            self.warnings.push(format!(
+                "the contact force {force:.4e} does not balance the load, {load:.4e}, {}; {}",
+                "so the contact set is not that of the solution",
+                problem.closer()
+            ));
+        }
+    }
+}
+
+/// Names of the grids of the levels with a property, if there are any.
+fn named(levels: &[Level], property: impl Fn(&Level) -> bool) -> Option<String> {
+    let grids: Vec<_> = levels
+        .iter()
+        .filter(|level| property(level))
+        .map(|level| format!("1/{}", level.cells))
+        .collect();
+    (!grids.is_empty()).then(|| grids.join(", "))
+}
