@@ -132,10 +132,10 @@ fn name_sides(picture: &mut Picture, whole: &Frame) {
     picture.text("s", (whole.right(0.5), bottom + 15.0), italic(NORMAL));
 }
 
-/// Runs of boundary nodes with a positive multiplier `a`: first, and one past the last.
-fn runs(a: &[f64]) -> Vec<[usize; 2]> {
+/// Runs of boundary nodes in contact: first node of each run, and one past its last.
+fn runs(in_contact: &[bool]) -> Vec<[usize; 2]> {
     let mut runs: Vec<[usize; 2]> = Vec::new();
-    for (b, _) in a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+    for (b, _) in in_contact.iter().enumerate().filter(|(_, in_contact)| **in_contact) {
         match runs.last_mut() {
             Some(run) if run[1] == b => run[1] = b + 1,
             _ => runs.push([b, b + 1]),
@@ -174,6 +174,6 @@ mod tests {
 
     #[test]
     fn runs_are_disjoint_and_ascend() {
-        assert_eq!(runs(&[1.0, 0.0, 2.0, 3.0, 0.0]), [[0, 1], [2, 4]]);
+        assert_eq!(runs(&[true, false, true, true, false]), [[0, 1], [2, 4]]);
     }
 }
