@@ -358,7 +358,10 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--h", "1/512", "--solver", "active-set"], "1/256 is the finest"),
         (&["--cube", "else=-1", "--solver", "uzawa"], "only multigrid and active-set"),
         (&["--cube", "else=-1", "--out", "v.svg"], "use .vti"),
-        (&["--f", "else=-1", "--tolerance", "1e-6"], "is for --solver multigrid"),
+        (
+            &["--f", "else=-1", "--tolerance", "1e-6", "--solver", "uzawa"],
+            "is for --solver multigrid",
+        ),
         (&["--cube", "else=-1", "--tolerance", "nan"], "must be a positive number"),
         (&["--f", "else=-1", "--accuracy", "2"], "must be between 0 and 1"),
         (
@@ -390,10 +393,6 @@ fn solve_refuses_in_one_line() {
     for word in ["nobody", "plat"] {
         assert!(project.run(&[word]).refusal().ends_with("there are: a"), "{word}");
     }
-    let wild =
-        project.run(&["solve", "--f", "else=-1e308", "--h", "1/8", "--max-iterations", "50"]);
-    assert_eq!(wild.code, Some(3), "{wild:?}");
-    assert!(wild.err.contains("diverged on grid 1/"), "{wild:?}");
 }
 
 #[test]
@@ -557,7 +556,6 @@ fn a_home_that_no_shell_has_put_in_is_named() {
         &["run", "--cache-dir=~/cache"][..],
         &["gc", "--cache-dir", "~"],
         &["solve", "a", "--out=~/v.svg"],
-        &["run", "--trace=~/t.json"],
         &["man", "--output=~root/man"],
         &["init", "~/study"],
     ] {

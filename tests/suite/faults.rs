@@ -157,18 +157,20 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
 }
 
 #[test]
-fn figures_of_a_task_that_fails_stay() {
-    let project = Project::with(&wanting("[\"surface\"]"));
-    project.scene("b", &wanting("[\"source\"]"));
+fn pages_of_a_task_that_fails_stay() {
+    let project = Project::with(&wanting("[\"source\"]"));
+    fs::create_dir(project.path("report/templates")).unwrap();
+    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n");
+    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
+    project.write("report/templates/one.md", "# One\n");
     project.run(&["run"]).lines();
-    let figure = fs::read(project.path("figures/a-surface.svg")).unwrap();
-    // r y overflows: the cell diverges.
-    let wild = wanting("[\"surface\"]").replace("else=-1", "else=-1e308");
-    project.scene("a", &(wild.replace("[10, 1]", "[1e12]") + "max_iterations = 50\n"));
-    project.scene("b", &wanting("[\"source\"]").replace("else=-1", "else=-2"));
+    let exports = ["report/src/one.md", "figures/a-source.svg"];
+    let [page, figure] = exports.map(|name| fs::read(project.path(name)).unwrap());
+    project.write("report/templates/one.md", "# One\n\n[to nowhere](nowhere.md)\n");
+    project.scene("a", &wanting("[\"source\"]").replace("else=-1", "rect(0,0.1,0,0.1)=1; else=-2"));
     assert_eq!(project.run(&["run", "-k"]).code, Some(3));
-    assert_eq!(fs::read(project.path("figures/a-surface.svg")).unwrap(), figure);
-    assert!(project.path("figures/b-source.svg").exists());
+    assert_eq!(fs::read(project.path(exports[0])).unwrap(), page);
+    assert_ne!(fs::read(project.path(exports[1])).unwrap(), figure);
 }
 
 #[test]
@@ -573,7 +575,7 @@ fn what_goes_with_an_output_that_the_chapters_show_is_named() {
     let lines = said.lines();
     let removed = lines.iter().find(|line| line.starts_with("removed figures/accuracy.csv, "));
     assert!(
-        lines[0] == reason && removed.is_some_and(|line| line.contains("figures/work.svg")),
+        lines[0] == reason && removed.is_some_and(|line| line.contains("figures/uzawa.svg")),
         "{said:?}"
     );
 }

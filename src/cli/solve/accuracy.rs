@@ -41,6 +41,14 @@ impl Accuracy {
         }
     }
 
+    /// Relative error in the energy norm that is accepted: the energy has its square.
+    pub(super) fn error(self) -> f64 {
+        match self {
+            Self::Error(wanted) => wanted,
+            Self::Energy(wanted) => wanted.sqrt(),
+        }
+    }
+
     /// The power of the width of the grid like which the bound falls.
     fn order(self) -> f64 {
         match self {

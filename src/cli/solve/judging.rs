@@ -1,5 +1,6 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
+use super::accuracy::Accuracy;
 use super::answer::{Answer, Level};
 use super::bound;
 use super::problem::Problem;
@@ -117,9 +118,14 @@ impl Answer {
     }
 
     /// Warns if the contact force does not balance the load: at the discrete solution their sum is zero up to rounding.
+    ///
+    /// A difference counts where it exceeds the error of the grid and the error that the user accepts.
     fn warn_of_force(&mut self, problem: &Problem) {
         let (force, load) = (self.force, -self.last().sum_load);
-        if !((force - load).abs() <= problem.domain.slack(problem.finest())) {
+        let accepted =
+            problem.accuracy.map_or(0.0, Accuracy::error) * problem.domain.integrals()[1].abs();
+        let slack = problem.domain.slack(problem.finest()).max(accepted);
+        if !((force - load).abs() <= slack) {
             self.warnings.push(format!(
                 "the contact force {force:.4e} does not balance the load, {load:.4e}, {}; {}",
                 "so the contact set is not that of the solution",

@@ -149,7 +149,7 @@ pub enum SourceError {
     )]
     Vast(String),
     /// Values too large or too small to compute with.
-    #[error("{what} of f is {}, outside {} to {}; scale f", Written(*size), Written(SCALE.start), Written(SCALE.end))]
+    #[error("{what} is {}, outside {} to {}; scale f", Written(*size), Written(SCALE.start), Written(SCALE.end))]
     Scale {
         /// Quantity that is out of range.
         what: &'static str,

@@ -79,18 +79,18 @@ impl<S: Shape> Source<S> {
         }
     }
 
-    /// Checks that f, with this integral of |f|, is of a size that all solvers compute with: [`SCALE`].
+    /// Checks that f, with this integral of |f| or its negative, is of a size that all solvers compute with: [`SCALE`].
     ///
     /// # Errors
     /// [`SourceError::Scale`]. f = 0 passes: the condition (2) excludes it.
     pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
         let largest = self.largest();
-        if largest >= SCALE.end {
-            return Err(SourceError::Scale { what: "the largest value", size: largest });
+        if largest > 0.0 && !SCALE.contains(&largest) {
+            return Err(SourceError::Scale { what: "the largest value of |f|", size: largest });
         }
-        if largest > 0.0 && integral_of_size < SCALE.start {
-            let what = "the integral of the size";
-            return Err(SourceError::Scale { what, size: integral_of_size });
+        let size = integral_of_size.abs();
+        if largest > 0.0 && size < SCALE.start {
+            return Err(SourceError::Scale { what: "the integral of |f|", size });
         }
         Ok(())
     }
