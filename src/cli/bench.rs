@@ -78,6 +78,7 @@ fn text(timings: &Timings) -> String {
         "{}, {} cores, {}\n{}, {}; load average {}\n",
         machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
     );
+    text += "noise: distance of the quartiles of a time over its median\n";
     text += &format!(
         "memory, one thread, arrays of {:.0} MB: triad {:.1} GB/s, in-place update {:.1} GB/s\n",
         bandwidth.megabytes, bandwidth.triad, bandwidth.update

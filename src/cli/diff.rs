@@ -67,27 +67,57 @@ pub(super) fn comparisons(
     Ok(tables)
 }
 
-/// Iterations with their mark: `=` exact, `~` within tolerance, `!` outside, `>` cut off.
-fn mark(row: &RowComparison, level: usize) -> char {
-    match (row.count_exact(level), row.within[level], row.is_capped(level)) {
-        (true, ..) => '=',
-        (false, true, _) => '~',
-        (false, false, false) => '!',
-        (false, false, true) => '>',
+/// Mark of a number of ours beside the published one.
+#[derive(Clone, Copy, PartialEq)]
+enum Mark {
+    Exact,
+    Within,
+    Outside,
+    CutOff,
+}
+
+impl Mark {
+    fn of_count(row: &RowComparison, level: usize) -> Self {
+        match (row.count_exact(level), row.within[level], row.is_capped(level)) {
+            (true, ..) => Self::Exact,
+            (false, true, _) => Self::Within,
+            (false, false, false) => Self::Outside,
+            (false, false, true) => Self::CutOff,
+        }
+    }
+
+    /// Exact is what agrees to the two printed digits.
+    fn of_delta_a(row: &RowComparison) -> Self {
+        match (row.delta_a_exact(), row.delta_a_within) {
+            (true, _) => Self::Exact,
+            (false, true) => Self::Within,
+            (false, false) => Self::Outside,
+        }
+    }
+
+    fn sign(self) -> char {
+        match self {
+            Self::Exact => '=',
+            Self::Within => '~',
+            Self::Outside => '!',
+            Self::CutOff => '>',
+        }
     }
 }
 
-fn summary(table: &TableComparison) -> String {
-    format!(
-        "{} of {} counts exact, {} within tolerance; Delta a: {} of {} to the printed digits, {} within tolerance ({})",
-        table.exact,
-        table.cells,
-        table.within_tolerance,
-        table.delta_a_exact,
-        table.rows.len(),
-        table.delta_a_within,
-        table.tolerance
-    )
+/// Three statements: the counts, Delta a, and the tolerance of both.
+fn summary(table: &TableComparison) -> [String; 3] {
+    let TableComparison { exact, cells, within_tolerance, .. } = table;
+    [
+        format!("{exact} of {cells} counts exact, {within_tolerance} within tolerance"),
+        format!(
+            "Delta a: {} of {} to the printed digits, {} within tolerance",
+            table.delta_a_exact,
+            table.rows.len(),
+            table.delta_a_within
+        ),
+        format!("tolerance: {}", table.tolerance),
+    ]
 }
 
 fn text(table: &TableComparison) -> String {
@@ -96,15 +126,14 @@ fn text(table: &TableComparison) -> String {
     let mut head = vec!["r"];
     head.extend(grids.iter().map(String::as_str));
     head.push("Delta a");
-    let mut rows = vec![vec![String::new()]];
-    rows[0].resize(levels + 1, "ours paper".into());
-    rows[0].push("ours   paper".into());
+    let mut rows = Vec::new();
     for row in &table.rows {
         let mut cells = vec![row.r.to_string()];
-        let count =
-            |level| format!("{}{} {:>5}", row.ours[level], mark(row, level), row.paper[level]);
-        cells.extend((0..levels).map(count));
-        let sign = if row.delta_a_within { ' ' } else { '!' };
+        for level in 0..levels {
+            let sign = Mark::of_count(row, level).sign();
+            cells.push(format!("{}{sign} {:>3}", row.ours[level], row.paper[level]));
+        }
+        let sign = Mark::of_delta_a(row).sign();
         cells.push(format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
         rows.push(cells);
     }
@@ -112,16 +141,20 @@ fn text(table: &TableComparison) -> String {
     let any_capped = table.rows.iter().any(|row| row.capped.contains(&true));
     let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
     format!(
-        "{title}\n{}{}\n= exact, ~ within tolerance, ! outside{capped}\n",
+        "{title}: ours, then the paper's\n{}{}\n= exact, ~ within tolerance, ! outside{capped}\n",
         columns(&head, &[], rows),
-        summary(table)
+        summary(table).join("\n")
     )
 }
 
 fn markdown(table: &TableComparison) -> String {
     let levels = table.rows.first().map_or(0, |row| row.paper.len());
-    let mut out =
-        format!("**Table {}** ({}): {}\n\n| r |", table.table, table.scene, summary(table));
+    let mut out = format!(
+        "**Table {}** ({}): {}\n\n| r |",
+        table.table,
+        table.scene,
+        summary(table).join("; ")
+    );
     (1..=levels).for_each(|level| out += &format!(" grid {level} |"));
     out += " Δa ours | Δa paper |\n|---:|";
     (0..levels + 2).for_each(|_| out += "---:|");
@@ -129,12 +162,16 @@ fn markdown(table: &TableComparison) -> String {
     for row in &table.rows {
         out += &format!("| {} |", row.r);
         for level in 0..levels {
-            out += &match mark(row, level) {
-                '=' => format!(" {} |", row.ours[level]),
-                mark => format!(" **{}** {mark} {} |", row.ours[level], row.paper[level]),
+            out += &match Mark::of_count(row, level) {
+                Mark::Exact => format!(" {} |", row.ours[level]),
+                mark => format!(" **{}** {} {} |", row.ours[level], mark.sign(), row.paper[level]),
             };
         }
-        out += &format!(" {:.2e} | {:.1e} |\n", row.delta_a_ours, row.delta_a_paper);
+        out += &match Mark::of_delta_a(row) {
+            Mark::Exact => format!(" {:.2e} |", row.delta_a_ours),
+            mark => format!(" **{:.2e}** {} |", row.delta_a_ours, mark.sign()),
+        };
+        out += &format!(" {:.1e} |\n", row.delta_a_paper);
     }
     out
 }

@@ -1,4 +1,4 @@
-//! `identify`: the search for the right-hand sides of the lost Figure 1.
+//! `identify`: the search for the right-hand sides of Figure 1.
 
 mod args;
 mod table;

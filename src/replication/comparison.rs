@@ -3,6 +3,7 @@
 use super::paper::{Paper, PublishedTable};
 use crate::identify::agrees;
 use crate::pipeline::error::{Error, Result};
+use crate::problem::shape::Written;
 use serde::{Deserialize, Serialize};
 
 /// A row as computed: iteration counts per grid and Delta a on the finest.
@@ -127,7 +128,7 @@ impl PublishedTable {
                 (1000.0 * share).round() / 10.0
             ),
         };
-        format!("{counts}, a Delta a is within a factor of {}", self.delta_a_factor)
+        format!("{counts}, a Delta a is within a factor of {}", Written(self.delta_a_factor))
     }
 
     fn near(&self, ours: usize, paper: usize) -> bool {

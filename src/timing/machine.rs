@@ -54,7 +54,20 @@ pub fn available_memory() -> Option<u64> {
     [free, in_group, left].into_iter().flatten().min()
 }
 
+/// Largest load average of a machine that measures undisturbed: half of one core.
+const IDLE: f64 = 0.5;
+
 impl Machine {
+    /// Warning that other programs take time from those that are measured, if the load average says so.
+    pub(crate) fn busy(&self) -> Option<String> {
+        (self.load > IDLE).then(|| {
+            format!(
+                "warning: the machine is busy (load average {}), so that times are longer than on an idle one; repeat the command when nothing else runs",
+                self.load
+            )
+        })
+    }
+
     /// Asks the system; what it does not tell is called unknown.
     pub(crate) fn here(repeats: usize) -> Self {
         let load = fs::read_to_string("/proc/loadavg").ok();
@@ -90,4 +103,17 @@ fn caches() -> Option<String> {
         }
     }
     (!found.is_empty()).then(|| found.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_busy_machine_is_said_to_be_busy() {
+        let here = Machine::here(1);
+        let busy = |load| Machine { load, ..here.clone() }.busy();
+        assert_eq!(busy(0.2), None);
+        assert!(busy(4.58).unwrap().contains("load average 4.58"));
+    }
 }

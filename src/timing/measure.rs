@@ -60,6 +60,9 @@ const RESOLUTIONS: [(usize, u32); 8] =
 /// A sentence if a solver fails.
 pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String> {
     let machine = Machine::here(plan.repeats);
+    if let Some(warning) = machine.busy() {
+        say(&warning);
+    }
     say("memory bandwidth");
     let bandwidth = bandwidth::bandwidth(if plan.quick { 1 << 20 } else { 1 << 25 }, 5);
     let wanted = |solver| plan.solvers.contains(&solver);

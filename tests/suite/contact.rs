@@ -170,3 +170,35 @@ fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
     let area: f64 = cube::Grid::new(5).unwrap().boundary_shares().map(|(_, share)| share).sum();
     assert!((area - 6.0).abs() < 1e-14, "{area}");
 }
+
+#[test]
+fn contact_does_not_change_when_f_is_multiplied_by_a_number() {
+    let mut partial = 0;
+    for (case, pieces) in [
+        ["disc(-0.25,0,0.2)", "6", "-1"],
+        ["quadrant(ll)", "3", "-1.1"],
+        ["rect(-0.3,0.1,-0.2,0.4)", "-5", "0.25"],
+        ["halfplane(1,2,-0.1)", "-2", "0"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let n = [32, 64, 128, 48][case];
+        let grid = Grid::new(n).unwrap();
+        let contacts = |factor: f64| {
+            let [shape, value, background] = pieces;
+            let [value, background] =
+                [value, background].map(|text| factor * text.parse::<f64>().unwrap());
+            let f: Source = format!("{shape}={value:e}; else={background:e}").parse().unwrap();
+            let load = load(grid, &f, LoadRule::Bilinear {});
+            solutions(n, &load).iter().map(|y| in_contact(grid, y, &load)).collect::<Vec<_>>()
+        };
+        let one = contacts(1.0);
+        assert!(one.iter().all(|contact| *contact == one[0]));
+        partial += usize::from(one[0].contains(&false));
+        for factor in [1e-120, 3.7e-45, 1e-3, 0.1, 7.0, 1e6, 9.1e77, 1e120] {
+            assert_eq!(contacts(factor), one, "{pieces:?} times {factor:e}");
+        }
+    }
+    assert!(partial >= 3, "{partial}");
+}

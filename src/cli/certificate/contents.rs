@@ -85,14 +85,14 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
     let mut sentences = Vec::new();
     if project.files.contains_key(IDENTIFIED) {
         sentences.push(
-            "The figure that defines the right-hand sides f is lost; they are recovered from these very tables, \
+            "The replicators' copy of the paper lacks the figure that defines the right-hand sides f; they are recovered from these very tables, \
             so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
         );
     }
     if compared().any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
         sentences.push(
             "The counts come out with the stopping criterion (13) read without its absolute value; \
-            as printed, it cannot have made these tables.",
+            as printed, it gives these tables for no f that was tried.",
         );
     }
     sentences

@@ -22,7 +22,7 @@ pub(super) fn all(
         kept.push((scene, "-solution", "the solution".into(), solve::solution(scene)?));
     }
     for scene in others.iter().filter(|scene| scene.wants(Output::Surface)) {
-        let stop = format!("where the rule `{}` stops, r = {}", scene.stop[0], scene.draw_r);
+        let stop = format!("where the rule {} stops, r = {}", scene.stop[0], scene.draw_r);
         kept.push((scene, "", stop, solve::pair(inputs, scene, scene.stop[0])?));
     }
     let (mut told, mut files) = (Vec::new(), Artifacts::new());
