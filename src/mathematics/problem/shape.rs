@@ -190,7 +190,7 @@ fn decimal(text: &str) -> Option<f64> {
 }
 
 /// Number as a person writes it, `0.25` or `1e-310`, in the fewest digits that read back to the same bits.
-pub(crate) struct Written(pub(crate) f64);
+pub struct Written(pub f64);
 
 impl fmt::Display for Written {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
