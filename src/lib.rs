@@ -14,3 +14,8 @@ pub mod report;
 #[cfg(test)]
 mod sources;
 pub mod timing;
+
+/// The README's example of the library, compiled and run with the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -350,7 +350,7 @@ fn a_count_that_was_cut_off_is_no_match() {
     let said = project.run(&["diff"]);
     assert_eq!(said.code, Some(1), "{said:?}");
     assert!(said.out.contains("1 of 3 counts exact, 1 within tolerance"), "{said:?}");
-    assert!(said.out.contains("    1>     1") && said.out.contains("> cut off"), "{said:?}");
+    assert!(said.out.contains("  1>   1  ") && said.out.contains("> cut off"), "{said:?}");
     let json = project.run(&["diff", "--json"]).json();
     let row = &json["tables"][0]["rows"][0];
     assert_eq!(row["capped"], serde_json::json!([false, true, true]));

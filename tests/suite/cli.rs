@@ -421,18 +421,25 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
     let said = project.run(&["diff"]);
     assert_eq!(said.code, Some(1), "{said:?}");
     expect![[r#"
-X
+        Table 1 (a): ours, then the paper's
+         r  grid 1     grid 2          Delta a
+        10  1=   1     4~   2  2.12e-2~ 1.0e-4
+         1  1=   1  7! 100000  3.19e-2~ 1.0e-4
+        2 of 4 counts exact, 3 within tolerance
+        Delta a: 0 of 2 to the printed digits, 2 within tolerance
+        tolerance: a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1e30
+        = exact, ~ within tolerance, ! outside
     "#]]
     .assert_eq(&said.out);
     let md = project.run(&["diff", "--md"]);
     assert_eq!(md.code, Some(1));
     expect![[r#"
-        **Table 1** (a): 2 of 4 counts exact, 3 within tolerance; Delta a: 0 of 2 to the printed digits, 2 within tolerance (a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1000000000000000000000000000000)
+        **Table 1** (a): 2 of 4 counts exact, 3 within tolerance; Delta a: 0 of 2 to the printed digits, 2 within tolerance; tolerance: a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1e30
 
         | r | grid 1 | grid 2 | Δa ours | Δa paper |
         |---:|---:|---:|---:|---:|
-        | 10 | 1 | **4** ~ 2 | 2.12e-2 | 1.0e-4 |
-        | 1 | 1 | **7** ! 100000 | 3.19e-2 | 1.0e-4 |
+        | 10 | 1 | **4** ~ 2 | **2.12e-2** ~ | 1.0e-4 |
+        | 1 | 1 | **7** ! 100000 | **3.19e-2** ~ | 1.0e-4 |
     "#]].assert_eq(&md.out);
     let json = project.run(&["diff", "--json"]);
     assert_eq!((json.code, json.err.as_str()), (Some(1), ""));
