@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::{say, talk, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited, first_page};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Options, Plan, Progress, Ran, Summary, why};
+use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, report, solve};
 use clap::{Args, ValueEnum};
@@ -49,47 +49,22 @@ pub(super) struct RunArgs {
     cache: CacheArgs,
 }
 
+/// Brings the project up to date, and says what was done. Exit code 1 if the results differ from a lock file that is
+/// to stay as it is.
 pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if !args.task.is_empty() {
-        let progress = Progress::new(args.verbose, args.quiet);
-        let ran = Workplace::work(&args.cache, &args.task, &progress)?;
-        return say(&if ran.ran.is_empty() { "nothing to do\n".into() } else { what_ran(&ran) });
+        return single_tasks(args);
     }
     let workplace = Workplace::open(&args.cache)?;
-    let tasks = workplace.tasks(&args.scenes, args.only)?;
-    if tasks.tasks().is_empty() {
-        let remedy = match args.scenes.is_empty() {
-            true => "see `outputs` in the scenes, or drop --only",
-            false => {
-                "figures show all published problems together, and the book all scenes: name none, or see `outputs`"
-            }
-        };
-        return Err(Error::input(format!("there is nothing of this kind to make; {remedy}")));
-    }
-    if !args.quiet {
-        for scene in workplace.project.select(&args.scenes)? {
-            warn_of_outside(Some(&scene.name), &scene.f.outside());
-        }
-    }
-    let options =
-        Options { force: args.force, keep_going: args.keep_going, jobs: args.jobs, dry_run: false };
-    let scope = match args.scenes.is_empty() && args.only.is_none() {
-        true if args.locked => Scope::Locked,
-        true => Scope::Whole,
-        false => Scope::Part,
-    };
+    let plan = args.plan(&workplace)?;
+    args.warn_of_pieces_outside(&workplace.project)?;
     if args.dry_run {
-        return dry_run(&workplace, &tasks, scope, options);
+        let summary = workplace.judge(&plan, args.scope(), args.force)?;
+        return say(&(left_out(&workplace.project, &plan) + &verdicts(&summary)));
     }
     let start = Instant::now();
-    let progress = Progress::new(args.verbose, args.quiet);
-    let summary = workplace.run(&tasks, scope, options, &progress)?;
-    if !args.quiet {
-        without_solution(&workplace, &args.scenes, &summary)?;
-    }
-    if !args.quiet && !summary.ran.is_empty() {
-        talk(&format!("took {}", brief(start.elapsed())));
-    }
+    let summary = workplace.run(&plan, args.scope(), args.options(), &args.progress())?;
+    args.talk_of_run(&workplace, &summary, start.elapsed())?;
     if !summary.differences.is_empty() {
         let lines = summary.differences.join("\n  ");
         say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
@@ -97,64 +72,140 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     if summary.nothing_to_do() && !summary.lock_file_changed {
         // The process ends; freeing its memory first would be a noticeable part of so short a run.
-        std::mem::forget((workplace, tasks, summary));
+        std::mem::forget((workplace, plan, summary));
         return say("nothing to do\n");
     }
-    let mut text = left_out(&workplace.project, &tasks) + &what_ran(&summary);
-    let tabulated = |ran: &Ran| Stage::of(&ran.task) == Some(Stage::Tabulate);
-    if !args.scenes.is_empty() && summary.ran.iter().any(tabulated) {
-        text += "a run that names no scene writes all counts to report/results.csv\n";
+    say(&(left_out(&workplace.project, &plan)
+        + &what_ran(&summary)
+        + args.hint_of_results(&summary)))
+}
+
+/// Runs single tasks beside other processes that do the same.
+fn single_tasks(args: &RunArgs) -> Result<u8> {
+    let summary = Workplace::work(&args.cache, &args.task, &args.progress())?;
+    say(&if summary.ran.is_empty() { "nothing to do\n".into() } else { what_ran(&summary) })
+}
+
+impl RunArgs {
+    /// Plan of the tasks asked for.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there are none.
+    fn plan(&self, workplace: &Workplace) -> Result<Plan> {
+        let plan = workplace.tasks(&self.scenes, self.only)?;
+        if !plan.tasks().is_empty() {
+            return Ok(plan);
+        }
+        let remedy = if self.scenes.is_empty() {
+            "see `outputs` in the scenes, or drop --only"
+        } else {
+            "figures show all published problems together, and the book all scenes: name none, or see `outputs`"
+        };
+        Err(Error::input(format!("there is nothing of this kind to make; {remedy}")))
     }
-    say(&text)
+
+    fn scope(&self) -> Scope {
+        match self.scenes.is_empty() && self.only.is_none() {
+            true if self.locked => Scope::Locked,
+            true => Scope::Whole,
+            false => Scope::Part,
+        }
+    }
+
+    fn options(&self) -> Options {
+        let &Self { force, keep_going, jobs, .. } = self;
+        Options { force, keep_going, jobs, dry_run: false }
+    }
+
+    fn progress(&self) -> Progress {
+        Progress::new(self.verbose, self.quiet)
+    }
+
+    /// Warns of pieces of f that lie outside of the domain and change nothing.
+    fn warn_of_pieces_outside(&self, project: &Project) -> Result<()> {
+        if !self.quiet {
+            for scene in project.select(&self.scenes)? {
+                warn_of_outside(Some(&scene.name), &scene.f.outside());
+            }
+        }
+        Ok(())
+    }
+
+    /// Says which solves ended without a solution, and the time of the run.
+    fn talk_of_run(&self, workplace: &Workplace, summary: &Summary, time: Duration) -> Result<()> {
+        if !self.quiet {
+            without_solution(workplace, &self.scenes, summary)?;
+            if !summary.ran.is_empty() {
+                talk(&format!("took {}", brief(time)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Hint that a run of some scenes leaves the table of all results as it is.
+    fn hint_of_results(&self, summary: &Summary) -> &'static str {
+        let tabulated = summary.ran.iter().any(|ran| Stage::of(&ran.task) == Some(Stage::Tabulate));
+        if tabulated && !self.scenes.is_empty() {
+            "a run that names no scene writes all counts to report/results.csv\n"
+        } else {
+            ""
+        }
+    }
 }
 
 /// Says of which scenes solves that ran ended without a solution.
 fn without_solution(workplace: &Workplace, scenes: &[String], summary: &Summary) -> Result<()> {
-    let outcomes = |task: &str| {
-        summary.ran.iter().find(|ran| ran.task == task)?;
-        let outputs = &summary.manifests.get(task)?.outputs;
-        workplace.store.artifacts(task, outputs).ok()?.remove(solve::OUTCOMES)
-    };
     for scene in workplace.project.select(scenes)? {
-        if let Some(line) = solve::without_solution(scene, outcomes) {
+        let line = solve::without_solution(scene, |task| outcomes_of(workplace, summary, task));
+        if let Some(line) = line {
             talk(&line);
         }
     }
     Ok(())
 }
 
+/// Outcomes of a task that solved something in this run.
+fn outcomes_of(workplace: &Workplace, summary: &Summary, task: &str) -> Option<Vec<u8>> {
+    summary.ran.iter().find(|ran| ran.task == task)?;
+    let outputs = &summary.manifests.get(task)?.outputs;
+    workplace.store.artifacts(task, outputs).ok()?.remove(solve::OUTCOMES)
+}
+
 /// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.
-fn left_out(project: &Project, tasks: &Plan) -> String {
-    let may = |name: &String| name.ends_with(report::TEMPLATE) && tasks.task(report::ID).is_some();
-    let reason = report::left_out(project).filter(|_| project.templates.keys().any(may));
-    let line = |why| format!("the book leaves out all pages from *{}: {why}\n", report::TEMPLATE);
-    reason.map_or(String::new(), line)
+fn left_out(project: &Project, plan: &Plan) -> String {
+    let in_plan = plan.task(report::ID).is_some();
+    if !in_plan || !project.templates.keys().any(|name| name.ends_with(report::TEMPLATE)) {
+        return String::new();
+    }
+    let reason = report::left_out(project);
+    reason.map_or(String::new(), |reason| {
+        format!("the book leaves out all pages from *{}: {reason}\n", report::TEMPLATE)
+    })
 }
 
-/// Says what a run would do.
-fn dry_run(workplace: &Workplace, tasks: &Plan, scope: Scope, options: Options) -> Result<u8> {
-    let summary = workplace.judge(tasks, scope, options.force)?;
-    say(&(left_out(&workplace.project, tasks) + &verdicts(&summary)))
-}
-
-/// One line per stage that ran: how many tasks, how long, why.
+/// One line per stage that ran: number of tasks, time, reason; then the files that changed.
 fn what_ran(summary: &Summary) -> String {
     let mut text = String::new();
     for stage in Stage::value_variants() {
-        let of_stage = |task: &str| Stage::of(task) == Some(*stage);
-        let ran: Vec<_> = summary.ran.iter().filter(|ran| of_stage(&ran.task)).collect();
-        let all = summary.verdicts.iter().filter(|judged| of_stage(&judged.task)).count();
+        let is_of_stage = |task: &str| Stage::of(task) == Some(*stage);
+        let ran: Vec<_> = summary.ran.iter().filter(|ran| is_of_stage(&ran.task)).collect();
+        let all = summary.verdicts.iter().filter(|judged| is_of_stage(&judged.task)).count();
         if ran.is_empty() {
             continue;
         }
         let time: Duration = ran.iter().map(|ran| ran.time).sum();
         let reasons: Vec<_> = ran.iter().map(|ran| &ran.reason).collect();
         text += &format!(
-            "{stage:<9} {:>3} of {all:>3} ran  {:>7.3} s  {}\n",
+            "{stage:<9} {:>4} of {all:>4}  {:>9.3} s  {}\n",
             ran.len(),
             time.as_secs_f64(),
             why(&reasons)
         );
+    }
+    if !text.is_empty() {
+        // Tasks run side by side: their times add up to more than the run took.
+        let head = format!("{:<9} {:>12}  {:>11}  reason", "stage", "tasks run", "task time");
+        text = format!("{head}\n{text}");
     }
     match summary.exports.to_write() {
         0 => {}
@@ -173,6 +224,7 @@ fn what_ran(summary: &Summary) -> String {
     text
 }
 
+/// Says what a run would do.
 fn verdicts(summary: &Summary) -> String {
     if summary.nothing_to_do() {
         return "nothing to do\n".into();
