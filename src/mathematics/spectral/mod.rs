@@ -166,7 +166,7 @@ pub struct Checks {
     /// The energy by Rellich's identity less the energy, over the latter.
     pub rellich: f64,
     /// The largest of some moments of f, as the potential and the jumps have them, less the one in closed form: times
-    /// the size of v, over twice the energy.
+    /// the size of v, over the energy. A change df of f changes the energy by the integral of -df v, to first order.
     pub moments: f64,
     /// The energy at the resolution before less the energy, over the latter; none at the first.
     pub resolution: Option<f64>,
@@ -275,7 +275,7 @@ impl Solution {
             least_value,
             green: (force + integral) / integral,
             rellich: rellich / energy - 1.0,
-            moments: energies.moments_off(problem) * size / (2.0 * energy.abs()),
+            moments: energies.moments_off(problem) * size / energy.abs(),
             resolution: before.map(|before| before / energy - 1.0),
         };
         if !checks.pass() {
