@@ -3,7 +3,7 @@
 use crate::common::{Project, TABLE};
 use crate::solvers::{ALGEBRAIC, COUNTED, HARD, TEXTBOOK, WORK_UNITS, on_threads};
 use signorini::experiments::accuracy::{Findings, Plan, accuracy};
-use signorini::multigrid::StopReason;
+use signorini::multigrid::MultigridStop;
 use signorini::timing::recorded::{PATH, Timings};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -51,7 +51,7 @@ fn multigrid_takes_few_work_units() {
         assert!(ranges.others[k][1] <= HARD * units, "{ranges:?}");
     }
     for level in findings().problems.iter().flat_map(|problem| &problem.levels) {
-        assert_eq!(level.cost.goals[2].stop, StopReason::RoundingFloor);
+        assert_eq!(level.cost.goals[2].stop, MultigridStop::RoundingFloor);
         assert!(level.cost.goals[1].kkt <= 1e-10);
     }
 }

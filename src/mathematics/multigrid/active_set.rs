@@ -12,9 +12,9 @@
 //! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square, `O(n^7)`
 //! and `O(n^5)` on the cube.
 
-use super::StopReason;
+use super::MultigridStop;
 use super::banded::Banded;
-use super::input::{Extent, InputError, check_length};
+use super::input::{InputError, LoadStats, check_length};
 use super::layout::Dimension;
 use super::network::{Network, band};
 use super::stencil::coupling;
@@ -32,7 +32,7 @@ const MAX_STEPS: usize = 100;
 pub struct Outcome {
     /// `Converged` if the contact set came to rest; `RoundingFloor` if it returned to an earlier one,
     /// which was seen only where multipliers or values are zero up to rounding errors.
-    pub stop: StopReason,
+    pub stop: MultigridStop,
     /// Linear systems solved.
     pub steps: usize,
 }
@@ -55,7 +55,7 @@ fn on_network(
     load: &[f64],
 ) -> Result<(Vec<f64>, Outcome), InputError> {
     check_length(network.nodes(), load)?;
-    Extent::of(load).check()?;
+    LoadStats::measure(load).check()?;
     let (matrix, mut factor) = (network.matrix(band), Banded::zeros(network.nodes(), band));
     let mut active: Vec<_> = (0..load.len()).map(|k| network.is_constrained(k)).collect();
     let mut seen = Vec::new();
@@ -63,19 +63,19 @@ fn on_network(
     let mut steps = 0;
     let stop = loop {
         if steps == MAX_STEPS {
-            break StopReason::CycleLimit;
+            break MultigridStop::CycleLimit;
         }
         y = solve(network, &matrix, &mut factor, load, &active);
         steps += 1;
         if !y.iter().all(|value| value.is_finite()) {
-            break StopReason::Diverged;
+            break MultigridStop::Diverged;
         }
         let next = network.next_contact(&active, &y, load);
         if next == active {
-            break StopReason::Converged;
+            break MultigridStop::Converged;
         }
         if seen.contains(&next) {
-            break StopReason::RoundingFloor;
+            break MultigridStop::RoundingFloor;
         }
         seen.push(std::mem::replace(&mut active, next));
     };
