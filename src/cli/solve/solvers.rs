@@ -8,7 +8,7 @@ use super::problem::Problem;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::norms::{largest, sum};
 use crate::discrete::verdict::Verdict;
-use crate::multigrid::active_set::{self, active_set};
+use crate::multigrid::active_set::{ActiveSetOutcome, active_set};
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop};
@@ -92,7 +92,7 @@ impl Problem {
         };
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let by_cycles = |(y, o): (_, MultigridOutcome)| (y, o.cycles, o.stop, Some(o.work_units));
-        let by_steps = |(y, o): (_, active_set::Outcome)| (y, o.steps, o.stop, None);
+        let by_steps = |(y, o): (_, ActiveSetOutcome)| (y, o.steps, o.stop, None);
         let solved = match (&self.domain, self.solver) {
             (Domain::Square { .. }, Solver::Multigrid) => {
                 multigrid::solve_square(n, load, None, &params).map(by_cycles)

@@ -1,4 +1,4 @@
-//! CellMoments of the right-hand side over a cell.
+//! Moments of the right-hand side over a cell.
 
 use crate::discrete::cells::{Cut, bilinear};
 use crate::discrete::grid::Grid;

@@ -50,7 +50,7 @@ impl Default for Plan {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Findings {
     /// The problems with known solutions.
-    pub problems: Vec<Known<Level>>,
+    pub problems: Vec<Known<AccuracyLevel>>,
     /// Cells per side of the grid at whose nodes those without a formula are compared.
     pub sampled: usize,
     /// Cost on the paper's problems and the stress loads, grid by grid.
@@ -74,7 +74,7 @@ pub struct Known<L> {
 
 /// A problem with known solution on one grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Level {
+pub struct AccuracyLevel {
     /// Errors of the discrete solution, solved to the rounding floor.
     pub errors: Errors,
     /// Observed orders against the grid before.
@@ -163,12 +163,12 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
     Ok(Findings { ranges, problems, sampled: SAMPLED, others, laws, comparison })
 }
 
-fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<Level>, String> {
+fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<AccuracyLevel>, String> {
     let cells = match solution {
         KnownSolution::Formula(_) => &plan.cells,
         KnownSolution::Spectral(_) => &plan.contact,
     };
-    let mut levels: Vec<Level> = Vec::new();
+    let mut levels: Vec<AccuracyLevel> = Vec::new();
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = solution.load(grid);
@@ -177,7 +177,7 @@ fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<Level>, String> 
         let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
         // Twice the energy without load is the square of the H1 seminorm.
         let h1 = (2.0 * energy(grid, &wrong, &vec![0.0; wrong.len()])).sqrt();
-        levels.push(Level {
+        levels.push(AccuracyLevel {
             orders: levels.last().map(|coarser| orders(&coarser.errors, &errors)),
             algebraic: [errors.l2.map(|l2| lumped(grid, &wrong) / l2), Some(h1 / errors.h1)],
             errors,
@@ -241,7 +241,7 @@ fn orders(coarser: &Errors, finer: &Errors) -> Errors {
 }
 
 impl Ranges {
-    fn of(problems: &[Known<Level>], others: &[Cost]) -> Self {
+    fn of(problems: &[Known<AccuracyLevel>], others: &[Cost]) -> Self {
         let levels = || problems.iter().flat_map(|problem| &problem.levels);
         let finest = levels().map(|level| level.cost.cells).max().unwrap_or(0);
         // A plan of coarse grids only has ranges as well.

@@ -25,7 +25,7 @@ impl Default for Plan {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Findings {
     /// The problems with known solutions.
-    pub problems: Vec<Known<Level>>,
+    pub problems: Vec<Known<CubeLevel>>,
     /// Greatest work units on the finest grid, goal by goal.
     pub most: [f64; 3],
     /// Greatest distance of an observed order from 2 in L2 and at the nodes, and from 1 in H1, between
@@ -37,7 +37,7 @@ pub struct Findings {
 
 /// A problem with known solution on one grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Level {
+pub struct CubeLevel {
     /// Errors in L2, in the H1 seminorm, and the greatest at a node, solved to the rounding floor.
     pub errors: [f64; 3],
     /// Observed orders against the grid before.
@@ -55,8 +55,8 @@ pub fn cube(plan: &Plan) -> Result<Findings, String> {
         Exact::ALL.into_par_iter().map(|exact| known(exact, &plan.cells)).collect();
     let problems = known?;
     let finest = || problems.iter().filter_map(|problem| problem.levels.last());
-    let greatest = |of: &dyn Fn(&Level) -> f64| worst(finest().map(of));
-    let off = |level: &Level| {
+    let greatest = |of: &dyn Fn(&CubeLevel) -> f64| worst(finest().map(of));
+    let off = |level: &CubeLevel| {
         let orders = level.orders.unwrap_or([f64::NAN; 3]);
         worst(orders.iter().zip([2.0, 1.0, 2.0]).map(|(p, best)| p - best))
     };
@@ -68,8 +68,8 @@ pub fn cube(plan: &Plan) -> Result<Findings, String> {
     })
 }
 
-fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
-    let mut levels: Vec<Level> = Vec::new();
+fn known(exact: Exact, cells: &[usize]) -> Result<Known<CubeLevel>, String> {
+    let mut levels: Vec<CubeLevel> = Vec::new();
     for &n in cells {
         let failed = |e: String| format!("on the cube, {e}");
         let grid = Grid::new(n).map_err(|e| failed(e.to_string()))?;
@@ -77,9 +77,10 @@ fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
         let (cost, [.., y]) = cost(exact.name(), Multigrid::cube, n, &load).map_err(failed)?;
         let Errors { l2, h1, max } = errors(grid, exact, &y);
         let errors = [l2, h1, max];
-        let order =
-            |coarser: &Level| [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm]));
-        levels.push(Level { orders: levels.last().map(order), errors, cost });
+        let order = |coarser: &CubeLevel| {
+            [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm]))
+        };
+        levels.push(CubeLevel { orders: levels.last().map(order), errors, cost });
     }
     Ok(Known { name: exact.name().into(), levels })
 }

@@ -73,7 +73,7 @@ impl Trial {
     fn of_saddle(grid: Grid, job: &Job, end: &End) -> Self {
         let stop = end.outcome(grid, job).stop;
         let claim = |_| match job.goal {
-            batch::Goal::Rule(StopRule::PrintedDual, tolerance)
+            batch::JobGoal::Rule(StopRule::PrintedDual, tolerance)
                 if stop == StopReason::Converged =>
             {
                 Some(tolerance * (1.0 / job.r).max(1.0))

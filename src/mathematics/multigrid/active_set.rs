@@ -1,12 +1,17 @@
-//! Primal-dual active set method with a direct solver: the oracle for the multigrid method.
+//! Primal-dual active set method with a direct solver, which checks multigrid.
 //!
 //! # Idea
-//! Guess the contact set, solve the linear problem with `y = 0` there, then drop the nodes with a
-//! negative multiplier and add those with a negative value. This is the semismooth Newton method for
-//! `l = max(0, l - c y)`. For a nonsingular M-matrix and a bound at every node it converges from every start
-//! in finitely many steps (Hintermüller, Ito and Kunisch 2002, theorem 3.2). Here the matrix is singular and
-//! only the boundary is bounded: one node is kept in contact, so that every step has a solution, and that the
-//! contact set comes to rest is observed, not proved. Hence the limit on steps and the watch for a return.
+//! This is the semismooth Newton method for `l = max(0, l - c y)`, with the multiplier `l`. For a nonsingular M-matrix
+//! and a bound at every node it converges from every start in finitely many steps (Hintermüller, Ito and Kunisch 2002,
+//! theorem 3.2). Here the matrix is singular, and only boundary values are bounded: convergence is observed, not
+//! proved. Hence the limit on the number of steps, and the list of all contact sets so far.
+//!
+//! # Algorithm
+//! 1. Take all boundary nodes to be in contact.
+//! 2. Solve the linear problem with `y = 0` at the nodes in contact.
+//! 3. Remove the nodes with a negative multiplier from the contact set, and add those with a negative value. If the set
+//!    would be empty, keep the node with the largest multiplier: otherwise the next system is singular.
+//! 4. Stop if the contact set has not changed, or has returned to an earlier one; otherwise go to step 2.
 //!
 //! # Cost
 //! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square, `O(n^7)`
@@ -21,28 +26,31 @@ use super::stencil::coupling;
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_ON_SQUARE: usize = 256;
-/// The same on the cube: 160 MB.
+/// Cells per side of the finest grid of the cube whose matrix and factors are worth their memory: 160 MB.
 pub const MOST_ON_CUBE: usize = 24;
 
 /// Limit on the number of linear systems.
 const MAX_STEPS: usize = 100;
 
-/// Result without the solution itself.
+/// Result of the active set method without the solution itself.
 #[derive(Clone, Copy, Debug)]
-pub struct Outcome {
-    /// `Converged` if the contact set came to rest; `RoundingFloor` if it returned to an earlier one,
+pub struct ActiveSetOutcome {
+    /// `Converged` if a step left the contact set as it was; `RoundingFloor` if a step led to an earlier contact set,
     /// which was seen only where multipliers or values are zero up to rounding errors.
     pub stop: MultigridStop,
-    /// Linear systems solved.
+    /// Number of linear systems solved.
     pub steps: usize,
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see [`solve`](super::solve) for `A` and the layout of
+/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see [`solve_square`](super::solve_square) for `A` and the layout of
 /// `load` and the solution. Starts from contact everywhere.
 ///
 /// # Errors
 /// If `n` is below 2, a length is wrong, a number is not finite, or the sum of the load is not negative.
-pub fn active_set<D: Dimension>(n: usize, load: &[f64]) -> Result<(Vec<f64>, Outcome), InputError> {
+pub fn active_set<D: Dimension>(
+    n: usize,
+    load: &[f64],
+) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     if n < 2 {
         return Err(InputError::GridSize(n, "at least 2"));
     }
@@ -53,7 +61,7 @@ fn on_network(
     network: &Network,
     band: usize,
     load: &[f64],
-) -> Result<(Vec<f64>, Outcome), InputError> {
+) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     check_length(network.nodes(), load)?;
     LoadStats::measure(load).check()?;
     let (matrix, mut factor) = (network.matrix(band), Banded::zeros(network.nodes(), band));
@@ -84,12 +92,12 @@ fn on_network(
             *value = value.max(0.0);
         }
     }
-    Ok((y, Outcome { stop, steps }))
+    Ok((y, ActiveSetOutcome { stop, steps }))
 }
 
-/// Solves `A y = F` with `y = 0` where `active`; one step of iterative refinement.
+/// Solves `A y = F` with `y = 0` where `active`, with one step of iterative refinement.
 ///
-/// `factor` is a place for the factors of the matrix with the rows of active nodes removed.
+/// `factor` is a buffer for the factors of the matrix without the rows of active nodes.
 fn solve(
     network: &Network,
     matrix: &Banded,

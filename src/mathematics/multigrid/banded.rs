@@ -1,19 +1,19 @@
-//! Factors of small banded matrices, for coarsest grids.
+//! Factors of banded matrices, for coarsest grids and the active set method.
 
-/// A symmetric positive definite matrix, first by its entries and then by its factors, `A = L D L'`.
+/// A symmetric positive definite matrix, or its factors, `A = L D L'`.
 ///
-/// Row `k` holds the entries `(k, k - band ..= k)` of the lower triangle; then those of `L`, whose diagonal is 1,
-/// and in its place the inverse of that of `D`.
+/// Row `k` of a matrix holds the entries `(k, k - band ..= k)` of the lower triangle. Row `k` of the factors holds the
+/// entries of `L`, and the inverse of the entry of `D` in place of the diagonal of `L`, which is 1.
 pub(super) struct Banded {
     size: usize,
     band: usize,
     lower: Vec<f64>,
-    /// A column below the diagonal.
+    /// Buffer for a column below the diagonal.
     column: Vec<f64>,
 }
 
 impl Banded {
-    /// The zero matrix.
+    /// Zero matrix.
     pub(super) fn zeros(size: usize, band: usize) -> Self {
         Self { size, band, lower: vec![0.0; size * (band + 1)], column: vec![0.0; band] }
     }
@@ -27,28 +27,28 @@ impl Banded {
         row * (self.band + 1) + self.band + column - row
     }
 
-    /// The entry of the lower triangle, `column <= row <= column + band`.
+    /// Entry of the lower triangle, `column <= row <= column + band`.
     pub(super) fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
         let place = self.place(row, column);
         &mut self.lower[place]
     }
 
-    /// Multiplications that the factorisation takes.
+    /// Number of multiplications of the factorisation.
     pub(super) fn factor_work(&self) -> f64 {
         self.columns().map(|below| below * (below + 3) / 2).sum::<usize>() as f64
     }
 
-    /// Multiplications that one solution takes.
+    /// Number of multiplications of one solution.
     pub(super) fn solve_work(&self) -> f64 {
         self.columns().map(|below| 2 * below + 1).sum::<usize>() as f64
     }
 
-    /// Entries of each column below the diagonal.
+    /// Number of entries of each column below the diagonal.
     fn columns(&self) -> impl Iterator<Item = usize> {
         (0..self.size).rev().map(|rows| rows.min(self.band))
     }
 
-    /// How many numbers are stored.
+    /// Number of stored numbers.
     pub(super) fn entries(&self) -> usize {
         self.lower.len() + self.band
     }
@@ -83,7 +83,7 @@ impl Banded {
         }
     }
 
-    /// Solves `L D L' x = b`, where `x` comes in as `b`.
+    /// Solves `L D L' x = b`; `x` is `b` at first.
     pub(super) fn solve(&self, x: &mut [f64]) {
         let (band, rows) = (self.band, self.lower.chunks_exact(self.band + 1));
         for (row, entries) in rows.clone().enumerate() {
@@ -106,6 +106,16 @@ impl Banded {
 mod tests {
     use super::*;
 
+    /// Entry of the product of the matrix of the test with `x`.
+    fn product(x: &[f64], fixed: usize, row: usize) -> f64 {
+        if row == fixed {
+            return x[row];
+        }
+        let near = [row.wrapping_sub(3), row.wrapping_sub(1), row + 1, row + 3];
+        let coupled = near.into_iter().filter(|&k| k < x.len() && k != fixed);
+        4.0 * x[row] - coupled.map(|k| x[k]).sum::<f64>()
+    }
+
     #[test]
     fn solves_what_it_multiplied() {
         // Diagonal 4, entries -1 at distances 1 and 3; unknown 5 is fixed.
@@ -121,12 +131,7 @@ mod tests {
         }
         matrix.fix(fixed);
         let x: Vec<f64> = (0..size).map(|k| (k * k % 7) as f64).collect();
-        let times = |k: usize| {
-            let free = |m: usize| m < size && m != fixed;
-            let near = [k.wrapping_sub(3), k.wrapping_sub(1), k + 1, k + 3];
-            4.0 * x[k] - near.into_iter().filter(|&m| free(m)).map(|m| x[m]).sum::<f64>()
-        };
-        let mut b: Vec<_> = (0..size).map(|k| if k == fixed { x[k] } else { times(k) }).collect();
+        let mut b: Vec<_> = (0..size).map(|row| product(&x, fixed, row)).collect();
         matrix.factor();
         matrix.solve(&mut b);
         assert!(x.iter().zip(&b).all(|(x, b)| (x - b).abs() < 1e-14), "{b:?}");

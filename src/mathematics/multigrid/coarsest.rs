@@ -2,34 +2,57 @@
 
 use super::banded::Banded;
 use super::layout::{Dimension, boundary_number};
-use super::level::{Level, locate};
+use super::level::{Location, MultigridLevel};
 use super::network::{Network, band};
 use super::stencil::{diagonal, inverse, multiplications_per_visit};
 
-/// Active-set steps at most; there are at most a few dozen boundary nodes.
+/// Limit on the number of active-set steps. There are at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
 
 /// The matrix of the coarsest grid and its factors for one set of springs.
 pub(super) struct Coarsest {
     network: Network,
-    nodes: Vec<Node>,
+    nodes: Vec<CoarsestNode>,
     /// One over the diagonal inside.
     inverse: f64,
-    /// Work of factoring and of solving, in visits of unknowns.
-    work: [f64; 2],
-    /// Without springs.
+    /// Work of one factorisation, in visits of unknowns.
+    factor_work: f64,
+    /// Work of one solution with the factors, in visits of unknowns.
+    solve_work: f64,
+    /// Matrix without springs.
     matrix: Banded,
     factor: Banded,
+    /// Solution in natural order.
     x: Vec<f64>,
 }
 
-struct Node {
-    /// Colour and place in the rows of the level.
-    place: (usize, usize),
-    /// Its number on the boundary, if it lies there.
+/// A node of the coarsest grid.
+struct CoarsestNode {
+    location: Location,
+    /// Number among the boundary nodes; `None` inside.
     boundary: Option<usize>,
-    /// Part of its cell that lies inside.
+    /// Part of the cell around the node that lies inside.
     share: f64,
+}
+
+impl CoarsestNode {
+    /// Load of the level at the node, times the share.
+    fn load(&self, level: &MultigridLevel) -> f64 {
+        let Location { colour, place } = self.location;
+        self.share * level.load[colour as usize][place]
+    }
+
+    /// Value of the level at the node.
+    fn value<'a>(&self, level: &'a mut MultigridLevel) -> &'a mut f64 {
+        let Location { colour, place } = self.location;
+        &mut level.values[colour as usize][place]
+    }
+}
+
+/// Indices of node `k` in natural order, x first; the square uses the first two only.
+fn indices(n: usize, k: usize) -> [usize; 3] {
+    let row = k / (n + 1);
+    [k % (n + 1), row % (n + 1), row / (n + 1)]
 }
 
 impl Coarsest {
@@ -37,20 +60,20 @@ impl Coarsest {
         let network = Network::new(D::AXES, n, 1.0);
         let (diagonal, full) = (network.diagonal(), diagonal::<D>());
         let matrix = network.matrix(band::<D>(n));
-        let node = |k: usize| {
-            let (mut node, mut rest) = ([0; 3], k);
-            let node = &mut node[..D::AXES];
-            for i in node.iter_mut() {
-                (*i, rest) = (rest % (n + 1), rest / (n + 1));
-            }
-            let boundary = network.is_constrained(k).then(|| boundary_number::<D>(n, node));
-            Node { place: locate(n, k), boundary, share: diagonal[k] / full }
-        };
+        let mut nodes = Vec::with_capacity(network.nodes());
+        for (k, entry) in diagonal.into_iter().enumerate() {
+            let on_boundary = network.is_constrained(k);
+            nodes.push(CoarsestNode {
+                location: Location::of_node(n, k),
+                boundary: on_boundary.then(|| boundary_number::<D>(n, &indices(n, k)[..D::AXES])),
+                share: entry / full,
+            });
+        }
         Self {
-            nodes: (0..network.nodes()).map(node).collect(),
+            nodes,
             inverse: inverse::<D>(),
-            work: [matrix.factor_work(), matrix.solve_work()]
-                .map(|work| work / multiplications_per_visit::<D>()),
+            factor_work: matrix.factor_work() / multiplications_per_visit::<D>(),
+            solve_work: matrix.solve_work() / multiplications_per_visit::<D>(),
             factor: Banded::zeros(network.nodes(), band::<D>(n)),
             x: vec![0.0; network.nodes()],
             matrix,
@@ -62,9 +85,9 @@ impl Coarsest {
         size_of::<f64>() * (2 * self.factor.entries() + self.x.len())
     }
 
-    /// Factors the matrix for the springs of the level, made symmetric by the shares of the nodes; returns
-    /// the work in visits of unknowns.
-    pub(super) fn factor(&mut self, level: &Level) -> f64 {
+    /// Factors the matrix with the springs of the level, made symmetric by the shares of the nodes. Returns the work in
+    /// visits of unknowns.
+    pub(super) fn factor(&mut self, level: &MultigridLevel) -> f64 {
         let Self { nodes, matrix, factor, .. } = self;
         factor.copy_from(matrix);
         for (k, node) in nodes.iter().enumerate() {
@@ -75,32 +98,28 @@ impl Coarsest {
             }
         }
         factor.factor();
-        self.work[0]
+        self.factor_work
     }
 
-    /// Solves `(A + springs) y = F` with `y = 0` at the nodes in contact; returns the work in visits.
-    pub(super) fn solve_linear(&mut self, level: &mut Level) -> f64 {
+    /// Solves `(A + springs) y = F` with `y = 0` at the nodes in contact. Returns the work in visits of unknowns.
+    pub(super) fn solve_linear(&mut self, level: &mut MultigridLevel) -> f64 {
         let Self { nodes, x, .. } = self;
-        for (x, Node { place: (colour, place), boundary, share }) in x.iter_mut().zip(&*nodes) {
-            let fixed = boundary.is_some_and(|edge| level.inverse_diagonal[edge] == 0.0);
-            *x = if fixed { 0.0 } else { share * level.load[*colour][*place] };
+        for (x, node) in x.iter_mut().zip(&*nodes) {
+            let fixed = node.boundary.is_some_and(|edge| level.inverse_diagonal[edge] == 0.0);
+            *x = if fixed { 0.0 } else { node.load(level) };
         }
         self.factor.solve(x);
-        for (&x, Node { place: (colour, place), .. }) in x.iter().zip(&*nodes) {
-            level.values[*colour][*place] = x;
+        for (&x, node) in x.iter().zip(&*nodes) {
+            *node.value(level) = x;
         }
-        self.work[1]
+        self.solve_work
     }
 
-    /// Solves the Signorini problem by the primal-dual active set method; returns the work in visits.
+    /// Solves the Signorini problem by the primal-dual active set method. Returns the work in visits of unknowns.
     ///
     /// See [`active_set`](super::active_set) on convergence.
-    pub(super) fn solve_obstacle(&mut self, level: &mut Level) -> f64 {
-        let load: Vec<_> = self
-            .nodes
-            .iter()
-            .map(|node| node.share * level.load[node.place.0][node.place.1])
-            .collect();
+    pub(super) fn solve_obstacle(&mut self, level: &mut MultigridLevel) -> f64 {
+        let load: Vec<_> = self.nodes.iter().map(|node| node.load(level)).collect();
         let mut active: Vec<_> = self.nodes.iter().map(|node| node.boundary.is_some()).collect();
         let mut work = 0.0;
         for _ in 0..MAX_STEPS {
@@ -113,16 +132,16 @@ impl Coarsest {
             active = next;
         }
         self.put_contact(&active, level);
-        for (x, Node { place: (colour, place), boundary, .. }) in self.x.iter().zip(&self.nodes) {
-            if boundary.is_some() {
-                level.values[*colour][*place] = x.max(0.0);
+        for (x, node) in self.x.iter().zip(&self.nodes) {
+            if node.boundary.is_some() {
+                *node.value(level) = x.max(0.0);
             }
         }
         work
     }
 
-    /// No spring at nodes that are not `active`, and a rigid one at those that are.
-    fn put_contact(&self, active: &[bool], level: &mut Level) {
+    /// Puts the `active` nodes in contact, and removes all springs from the other boundary nodes.
+    fn put_contact(&self, active: &[bool], level: &mut MultigridLevel) {
         for (node, active) in self.nodes.iter().zip(active) {
             if let Some(edge) = node.boundary {
                 level.inverse_diagonal[edge] = if *active { 0.0 } else { self.inverse };

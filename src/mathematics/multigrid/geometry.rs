@@ -1,6 +1,6 @@
 //! Differences between the square and the cube.
 
-use super::level::Level;
+use super::level::MultigridLevel;
 use super::transfer::Weighting;
 
 /// Number of visits to each of the coarsest grids per visit to the next finer one.
@@ -30,5 +30,5 @@ pub(super) trait MultigridGeometry: Weighting + Sized {
 
     /// Sets `1 / (2 d + spring)` on all `levels`, coarsest first, for the contact set of a finer grid with `n` cells
     /// per side. Returns the work in visits of unknowns.
-    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64;
+    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [MultigridLevel]) -> f64;
 }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::coarsest::Coarsest;
 use super::geometry::MultigridGeometry;
 use super::input::{InputError, check_length, check_start};
-use super::level::Level;
+use super::level::MultigridLevel;
 use super::load;
 use super::pass;
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict};
@@ -19,7 +19,7 @@ use crate::discrete::threads::among_threads;
 /// Preallocated grids for problems with `n` cells per side.
 pub(super) struct Hierarchy<G: MultigridGeometry> {
     /// All grids, coarsest first.
-    pub(super) levels: Vec<Level>,
+    pub(super) levels: Vec<MultigridLevel>,
     pub(super) coarsest: Coarsest,
     pub(super) springs: SpringSource,
     /// Power of two by which the load is divided, so that no residual overflows or underflows.
@@ -45,7 +45,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         let coarsest = G::coarsest(n).ok_or(InputError::GridSize(n, G::CELLS))?;
         let cells = std::iter::successors(Some(coarsest), |cells| Some(2 * cells));
         Ok(Self {
-            levels: cells.take_while(|&cells| cells <= n).map(Level::new::<G>).collect(),
+            levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new::<G>).collect(),
             coarsest: Coarsest::new::<G>(coarsest),
             springs: SpringSource { cells: None, in_contact: Vec::new() },
             scale: 1.0,
@@ -58,7 +58,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
 
     /// Memory that one thread needs, in bytes.
     pub(super) fn bytes(&self) -> usize {
-        let levels: usize = self.levels.iter().map(Level::bytes).sum();
+        let levels: usize = self.levels.iter().map(MultigridLevel::bytes).sum();
         levels + self.springs.in_contact.len() + self.coarsest.bytes()
     }
 
@@ -181,7 +181,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         self.traffic += bytes / self.finest().nodes as f64;
     }
 
-    fn finest(&self) -> &Level {
+    fn finest(&self) -> &MultigridLevel {
         self.levels.last().expect("at least one grid")
     }
 }

@@ -2,7 +2,7 @@
 
 use super::buffers::Buffers;
 use super::layout::{Dimension, boundary_nodes, nodes, places_per_slab};
-use super::rows::{ColourRows, stride};
+use super::rows::{Colour, ColourRows, stride};
 use crate::discrete::simd::{Largest, vectorised};
 
 /// Values and load on a grid with `n` cells per side.
@@ -11,7 +11,7 @@ use crate::discrete::simd::{Largest, vectorised};
 /// around the node that lies inside. With values mirrored at the boundary the stencil is then the same at all nodes:
 /// `2 d` times the value, less the neighbours. All neighbours of a node have the other colour, and the neighbours of
 /// a row of nodes lie in contiguous rows, so that the stencil is plain arithmetic on contiguous slices.
-pub(super) struct Level {
+pub(super) struct MultigridLevel {
     pub(super) n: usize,
     pub(super) nodes: usize,
     /// Number of places of one colour in a slab.
@@ -30,7 +30,7 @@ pub(super) struct Level {
     pub(super) buffers: Vec<Buffers>,
 }
 
-impl Level {
+impl MultigridLevel {
     pub(super) fn new<D: Dimension>(n: usize) -> Self {
         let places = (n + 1) * places_per_slab::<D>(n);
         Self {
@@ -63,8 +63,8 @@ impl Level {
 
     /// Value at node `k` in natural order.
     pub(super) fn value(&self, k: usize) -> f64 {
-        let (colour, place) = locate(self.n, k);
-        self.values[colour][place]
+        let Location { colour, place } = Location::of_node(self.n, k);
+        self.values[colour as usize][place]
     }
 
     /// Largest absolute value.
@@ -80,8 +80,19 @@ impl Level {
     }
 }
 
-/// Colour and place of node `k` in natural order.
-pub(super) fn locate(n: usize, k: usize) -> (usize, usize) {
-    let (i, row) = (k % (n + 1), k / (n + 1));
-    ((i + row) & 1, row * stride(n) + i / 2)
+/// Location of a node in the memory of a grid.
+#[derive(Clone, Copy)]
+pub(super) struct Location {
+    pub(super) colour: Colour,
+    /// Place in the rows of this colour.
+    pub(super) place: usize,
+}
+
+impl Location {
+    /// Location of node `k` in natural order.
+    pub(super) fn of_node(n: usize, k: usize) -> Self {
+        let (i, row) = (k % (n + 1), k / (n + 1));
+        let colour = if (i + row).is_multiple_of(2) { Colour::Red } else { Colour::Black };
+        Self { colour, place: row * stride(n) + i / 2 }
+    }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::input::LoadStats;
 use super::layout::{Slab, places_per_slab, rows_per_slab};
-use super::level::Level;
+use super::level::MultigridLevel;
 use super::rows::{ColourRows, LINE, MIN_PLACES, as_slices, deinterleave, long_and_short, worse};
 use super::stencil::coupling;
 use super::transfer::{FineLoad, Weighting};
@@ -13,8 +13,8 @@ use crate::discrete::threads::in_tasks;
 use std::ops::Range;
 
 /// Sets the load of a grid from `F` in natural order, divided by the couplings.
-pub(super) fn set_finest<D: Weighting>(natural: &[f64], level: &mut Level) -> LoadStats {
-    let (n, Level { load: [red, black], .. }) = (level.n, level);
+pub(super) fn set_finest<D: Weighting>(natural: &[f64], level: &mut MultigridLevel) -> LoadStats {
+    let (n, MultigridLevel { load: [red, black], .. }) = (level.n, level);
     set_slabs::<D>(n, 0..n + 1, natural, [red, black]);
     LoadStats::measure(natural)
 }
@@ -23,8 +23,8 @@ pub(super) fn set_finest<D: Weighting>(natural: &[f64], level: &mut Level) -> Lo
 /// the finer one is in the cache.
 pub(super) fn set_finest_two<D: Weighting>(
     natural: &[f64],
-    fine: &mut Level,
-    coarse: &mut Level,
+    fine: &mut MultigridLevel,
+    coarse: &mut MultigridLevel,
 ) -> LoadStats {
     let (n, coarse_n) = (fine.n, coarse.n);
     let (places, per_slab) = (places_per_slab::<D>(n), rows_per_slab::<D>(n) * (n + 1));
@@ -62,7 +62,7 @@ pub(super) fn set_finest_two<D: Weighting>(
 }
 
 /// Sets the load of the coarser grid by full weighting of the load of the finer one.
-pub(super) fn restrict<D: Weighting>(fine: &Level, coarse: &mut Level) {
+pub(super) fn restrict<D: Weighting>(fine: &MultigridLevel, coarse: &mut MultigridLevel) {
     let (n, places) = (coarse.n, places_per_slab::<D>(fine.n));
     let slabs = slabs_per_task::<D>(n);
     let fine = FineLoad { slabs: as_slices(&fine.load), first: 0, before: [&[]; 2], places };
@@ -78,7 +78,7 @@ pub(super) fn restrict<D: Weighting>(fine: &Level, coarse: &mut Level) {
 }
 
 /// Euclidean norm of the load of the mirrored stencil, the same bits for any number of threads.
-pub(super) fn norm(level: &Level) -> f64 {
+pub(super) fn norm(level: &MultigridLevel) -> f64 {
     let [red, black] = level.load.each_ref().map(|half| half.par_chunks(MIN_PLACES));
     // Both colours in one task: one after the other they would be split between threads however short they are.
     let halves = in_tasks(red.zip(black), 2 * MIN_PLACES);

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::blocks::{Cuts, PassOutput, SlabBlock, blocks};
 use super::layout::{Dimension, Slab, places_per_slab};
-use super::level::Level;
+use super::level::MultigridLevel;
 use super::rows::{self, CHUNK, Colour, worse};
 use super::stencil::{Boundary, LevelEquation, ResidualReport, StencilRow, diagonal, edges};
 use super::transfer::{CoarseCorrection, Weighting};
@@ -102,15 +102,15 @@ pub(super) enum LevelProblem {
 /// If the problem is an obstacle problem and the last stage restricts, returns the natural residual
 /// `max |min(y, A y - F)|`, inside without the `min`, of the red nodes; otherwise `None`.
 pub(super) fn run<D: Weighting>(
-    level: &mut Level,
-    coarse: &mut Level,
+    level: &mut MultigridLevel,
+    coarse: &mut MultigridLevel,
     problem: LevelProblem,
     stages: &[Stage],
 ) -> Option<f64> {
     let count = blocks::<D>(level.n);
     level.reserve(count);
     let n = level.n;
-    let Level { values, load, inverse_diagonal, in_contact, buffers, .. } = level;
+    let MultigridLevel { values, load, inverse_diagonal, in_contact, buffers, .. } = level;
     let boundary = match problem {
         LevelProblem::Obstacle => Boundary::Obstacle,
         LevelProblem::Correction => Boundary::Springs(inverse_diagonal),
@@ -144,12 +144,8 @@ struct StageChunk {
 impl<D: Weighting> Pass<'_, D> {
     /// Runs all stages in one thread; returns the natural residual.
     fn run_whole(&self, mut output: PassOutput) -> f64 {
-        let slabs =
-            std::array::from_fn(
-                |stage| {
-                    if stage < self.stages.len() { 0..self.n + 1 } else { 0..0 }
-                },
-            );
+        let mut slabs = StageSlabs::default();
+        slabs[..self.stages.len()].fill(0..self.n + 1);
         self.run_vectorised(&mut output.whole(), &slabs)
     }
 
@@ -314,7 +310,7 @@ impl<D: Weighting> Pass<'_, D> {
 }
 
 /// Natural residual `max |min(y, A y - F)|` over all nodes, interior ones without the `min`.
-pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
+pub(super) fn natural_residual<D: Dimension>(level: &MultigridLevel) -> f64 {
     let places = places_per_slab::<D>(level.n);
     let slabs = in_tasks((0..level.n + 1).into_par_iter(), 2 * places);
     let residuals = slabs.map_init(
@@ -331,7 +327,7 @@ pub(super) fn natural_residual<D: Dimension>(level: &Level) -> f64 {
 
 /// Natural residual of one slab; `buffer` holds one colour of a slab.
 #[inline(always)]
-fn slab_residual<D: Dimension>(level: &Level, s: usize, buffer: &mut [f64]) -> f64 {
+fn slab_residual<D: Dimension>(level: &MultigridLevel, s: usize, buffer: &mut [f64]) -> f64 {
     let (n, places) = (level.n, buffer.len());
     let mut natural = Largest::default();
     let mut report = ResidualReport { natural: &mut natural, contact: None };
@@ -363,7 +359,8 @@ pub(super) mod tests {
     /// Values, coarse load and contact set after a pass, and its natural residual.
     #[inline(always)]
     fn after_a_pass<D: Weighting>(n: usize) -> (Vec<Vec<f64>>, Vec<bool>, f64) {
-        let (mut level, mut coarse) = (Level::new::<D>(n), Level::new::<D>(n / 2));
+        let (mut level, mut coarse) =
+            (MultigridLevel::new::<D>(n), MultigridLevel::new::<D>(n / 2));
         level.reserve(1);
         fill_with_noise(&mut level.values[1], 1.0);
         level.load.iter_mut().for_each(|half| fill_with_noise(half, 2.0));
@@ -376,7 +373,7 @@ pub(super) mod tests {
             Stage::Relax(Colour::Black, 1.0),
             Stage::Restrict,
         ];
-        let Level { values, load, in_contact, buffers, .. } = &mut level;
+        let MultigridLevel { values, load, in_contact, buffers, .. } = &mut level;
         let (load, coarse_values) = (rows::as_slices(load), rows::as_slices(&coarse.values));
         let equation = LevelEquation { load, boundary: Boundary::Obstacle };
         let (stages, dimension) = (&stages, PhantomData);

@@ -79,7 +79,7 @@ impl Buffers {
         &'b mut self,
         at: At,
         coarse: [&'b [f64]; 2],
-    ) -> Neighbours<'b> {
+    ) -> CoarseNeighbours<'b> {
         let n = at.n / 2;
         let ([south, north], [below, above]) = (coarse_neighbours(at.r), coarse_neighbours(at.s));
         let [mut even, mut odd] = long_and_short_row::<D>(coarse, At { n, r: south, s: below });
@@ -106,7 +106,7 @@ impl Buffers {
         }
         let (long, pairs) = (at.is_long(Colour::Black), n / 2);
         let weight = if long { 1.0 } else { 0.5 } / (rest.len() + 1) as f64;
-        Neighbours { long, even: &even[..pairs + 1], odd: &odd[..pairs], weight }
+        CoarseNeighbours { long, even: &even[..pairs + 1], odd: &odd[..pairs], weight }
     }
 
     /// Sets the black values of a slab to the prolongation.
@@ -195,7 +195,7 @@ impl Buffers {
 
 /// Sums over the coarse rows next to a row of black nodes, at even and at odd columns of the coarser grid.
 #[derive(Clone, Copy)]
-struct Neighbours<'a> {
+struct CoarseNeighbours<'a> {
     /// True if the row is long: then each of its nodes lies at a column of the coarser grid, otherwise between two.
     long: bool,
     even: &'a [f64],
@@ -204,7 +204,7 @@ struct Neighbours<'a> {
     weight: f64,
 }
 
-impl Neighbours<'_> {
+impl CoarseNeighbours<'_> {
     /// Sum at column `m` of the coarser grid.
     #[inline(always)]
     fn column(self, m: usize) -> f64 {

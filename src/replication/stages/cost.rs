@@ -2,7 +2,7 @@
 
 use crate::experiments::Range;
 use crate::experiments::accuracy::{self, Findings};
-use crate::experiments::truth::{Elements, Level, Truth};
+use crate::experiments::truth::{Elements, ElementsLevel, Truth};
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::problem::exact::Exact;
@@ -23,9 +23,10 @@ fn slope(label: &str, lines: &[Curve], power: f64, factor: f64) -> Curve {
 
 /// Errors of the problems with known solutions, one panel per norm.
 pub(super) fn accuracy(found: &Findings) -> Picture {
-    type Error = fn(&accuracy::Level) -> Option<f64>;
+    type Error = fn(&accuracy::AccuracyLevel) -> Option<f64>;
     let panel = |title, y, error: Error, slopes: &[(&str, f64, f64)]| {
-        let point = |level: &accuracy::Level| Some((level.cost.cells as f64, error(level)?));
+        let point =
+            |level: &accuracy::AccuracyLevel| Some((level.cost.cells as f64, error(level)?));
         let known = found.problems.iter();
         let mut lines: Vec<_> = known
             .map(|known| Curve::new(Marked, &known.name, known.levels.iter().filter_map(point)))
@@ -116,7 +117,7 @@ fn front(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
 pub(super) fn ends(found: &Truth) -> Picture {
     let with_energy =
         || found.elements.iter().filter(|e| e.levels.iter().all(|l| l.energy.is_some()));
-    let curves = |of: fn(&Level) -> Option<f64>| -> Vec<Curve> {
+    let curves = |of: fn(&ElementsLevel) -> Option<f64>| -> Vec<Curve> {
         let line = |elements: &Elements| {
             let points = elements.levels.iter().filter_map(|l| Some((l.cells as f64, of(l)?)));
             Curve::new(Marked, &elements.name, points)

@@ -6,7 +6,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::problems::{Discrete, Problem};
-use crate::saddle::batch::{AsDefined, End, Goal, Job, LANES, Nested, run, run_nested};
+use crate::saddle::batch::{AsDefined, End, Job, JobGoal, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -154,7 +154,7 @@ impl<'a> Case<'a> {
             let method = variant.map_or(Method::ArrowHurwicz, |variant| {
                 VARIANTS[variant].method(plan.weight, 0.1 * target * scale)
             });
-            let (start, goal) = (&self.starts[level], Goal::Kkt(target));
+            let (start, goal) = (&self.starts[level], JobGoal::Kkt(target));
             Job { load, start, method, r: of.r, goal, cap: plan.cap }
         };
         let jobs: Vec<_> = batch.iter().map(job).collect();

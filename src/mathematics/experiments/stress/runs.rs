@@ -10,7 +10,7 @@ use crate::experiments::trial::{self, Trial, multi, saddle};
 use crate::identify::random::Random;
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
-use crate::saddle::batch::{AsDefined, End, Goal as Until, Job, LANES, Nested, Number, run_nested};
+use crate::saddle::batch::{AsDefined, End, Job, JobGoal, LANES, Nested, Number, run_nested};
 use crate::saddle::{Method, Pair, StopRule};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ const FINEST_SADDLE: usize = 32;
 /// A run that is yet to be made.
 enum Run {
     /// The paper's method on the coarse grid.
-    Saddle { load: Vec<f64>, r: f64, goal: Until, cap: usize, start: Pair },
+    Saddle { load: Vec<f64>, r: f64, goal: JobGoal, cap: usize, start: Pair },
     /// Multigrid, by nested iteration or from a start.
     Multigrid { grid: Grid, load: Vec<f64>, goal: Goal, start: Option<Vec<f64>> },
 }
@@ -72,12 +72,12 @@ impl<'a> Runs<'a> {
 
     /// The paper's method under the printed rule and the dual one together, on the coarse grid.
     fn strict(&self, load: &[f64], r: f64, start: Pair) -> Run {
-        let goal = Until::Rule(StopRule::PrintedDual, self.plan.strict * largest(load));
+        let goal = JobGoal::Rule(StopRule::PrintedDual, self.plan.strict * largest(load));
         Run::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
     }
 
     fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> Run {
-        let (goal, start) = (Until::Rule(StopRule::Signed, tolerance), Pair::zero(self.coarse));
+        let (goal, start) = (JobGoal::Rule(StopRule::Signed, tolerance), Pair::zero(self.coarse));
         Run::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
     }
 
@@ -160,7 +160,7 @@ impl<'a> Runs<'a> {
             let run = |rule| Run::Saddle {
                 load: load.clone(),
                 r: R,
-                goal: Until::Rule(rule, bound),
+                goal: JobGoal::Rule(rule, bound),
                 cap: LONGER * self.plan.cap,
                 start: Pair::zero(self.coarse),
             };
@@ -180,7 +180,7 @@ impl<'a> Runs<'a> {
             let floor = multi(grid, &load, Goal::RoundingFloor, None);
             let mut trials = BTreeMap::from([("multigrid".to_owned(), floor)]);
             if cells <= FINEST_SADDLE {
-                let goal = Until::Rule(StopRule::PrintedDual, 0.0);
+                let goal = JobGoal::Rule(StopRule::PrintedDual, 0.0);
                 let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
                 let job = Job { load: &load, start, method, r: R, goal, cap };
                 trials.insert("strict".into(), saddle(grid, &[job]).remove(0));
@@ -196,7 +196,7 @@ impl<'a> Runs<'a> {
             let (grid, load, cap) = self.to_the_floor(cells);
             let narrow = narrowed(&load);
             // No gradient is below minus infinity: the rule is never met.
-            let goal = Until::Rule(StopRule::Signed, f64::NEG_INFINITY);
+            let goal = JobGoal::Rule(StopRule::Signed, f64::NEG_INFINITY);
             let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
             let job = Job { load: &narrow, start, method, r: R, goal, cap };
             let trials = BTreeMap::from([("single".to_owned(), trial::single(grid, &load, job))]);

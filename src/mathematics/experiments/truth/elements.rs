@@ -18,7 +18,7 @@ pub struct Elements {
     /// f in the notation of scenes.
     pub f: String,
     /// Grid by grid.
-    pub levels: Vec<Level>,
+    pub levels: Vec<ElementsLevel>,
     /// Exponents of h: of the error in the energy norm and of the energy, fitted to the three finest grids, and
     /// of the ends of contact, which jump from grid to grid, to all of them.
     pub orders: [Option<f64>; 3],
@@ -26,7 +26,7 @@ pub struct Elements {
 
 /// One problem on one grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Level {
+pub struct ElementsLevel {
     /// Cells per side.
     pub cells: usize,
     /// True error: L2 norm of `grad (v - v_h)`.
@@ -48,9 +48,9 @@ pub struct Level {
 
 impl Elements {
     pub(super) fn against(known: &KnownSolution, cells: &[usize]) -> Result<Self, String> {
-        let level = |&cells: &usize| Level::of(known, cells);
+        let level = |&cells: &usize| ElementsLevel::of(known, cells);
         let levels = cells.iter().map(level).collect::<Result<Vec<_>, String>>()?;
-        let order = |finest: usize, of: &dyn Fn(&Level) -> Option<f64>| {
+        let order = |finest: usize, of: &dyn Fn(&ElementsLevel) -> Option<f64>| {
             let points: Vec<_> = levels
                 .iter()
                 .rev()
@@ -68,7 +68,7 @@ impl Elements {
     }
 }
 
-impl Level {
+impl ElementsLevel {
     fn of(known: &KnownSolution, cells: usize) -> Result<Self, String> {
         let failed = |e: &dyn std::fmt::Display| format!("{}, h = 1/{cells}: {e}", known.name());
         let grid = Grid::new(cells).map_err(|e| failed(&e))?;

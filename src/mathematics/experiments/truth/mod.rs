@@ -3,7 +3,7 @@
 mod elements;
 mod reference;
 
-pub use elements::{Elements, Level};
+pub use elements::{Elements, ElementsLevel};
 pub use reference::{Arc, Numbers, Reference, Value};
 
 use super::known::KnownSolution;

@@ -27,7 +27,7 @@
 
 use super::Cube;
 use super::surface::{neighbour_sums, nodes};
-use crate::multigrid::level::Level;
+use crate::multigrid::level::MultigridLevel;
 use crate::multigrid::stencil::for_each_boundary_node;
 
 /// Potential kernel of the cubic lattice at the origin, at the nearest and at the diagonal neighbours in a plane:
@@ -38,7 +38,7 @@ const STIFFEST: f64 = 1e3;
 
 /// Sets `1 / (6 + spring)` on all `levels`, coarsest first, for the contact set of a finer grid with `n` cells per
 /// side. Returns the work in visits of unknowns: one sum over neighbours on the finest grid, five on each coarser one.
-pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [MultigridLevel]) -> f64 {
     let area: Vec<_> = in_contact.iter().map(|&contact| f64::from(contact)).collect();
     let mut finer = CapacityField { n, capacity: vec![0.0; area.len()], area };
     finer.make_compact();
@@ -126,9 +126,9 @@ mod tests {
     fn springs(n: usize, coarse_n: usize, contact: &[[usize; 3]]) -> Vec<f64> {
         let mut in_contact = vec![false; nodes(n)];
         contact.iter().for_each(|&node| in_contact[place(n, node)] = true);
-        let mut levels = vec![Level::new::<Cube>(n / 2)];
+        let mut levels = vec![MultigridLevel::new::<Cube>(n / 2)];
         while levels[0].n > coarse_n {
-            levels.insert(0, Level::new::<Cube>(levels[0].n / 2));
+            levels.insert(0, MultigridLevel::new::<Cube>(levels[0].n / 2));
         }
         set_springs(n, &in_contact, &mut levels);
         levels[0].inverse_diagonal.iter().map(|inverse| 1.0 / inverse - 6.0).collect()

@@ -26,7 +26,7 @@ mod transfer;
 
 use super::geometry::{MultigridGeometry, Visits};
 use super::layout::Dimension;
-use super::level::Level;
+use super::level::MultigridLevel;
 
 /// The unit cube, as a type.
 pub struct Cube;
@@ -48,7 +48,7 @@ impl MultigridGeometry for Cube {
         (n.is_multiple_of(2) && matches!(odd, 1 | 3)).then_some(2 * odd)
     }
 
-    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [MultigridLevel]) -> f64 {
         contact::set_springs(n, in_contact, levels)
     }
 }

@@ -36,7 +36,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use crate::multigrid::level::Level;
+use crate::multigrid::level::MultigridLevel;
 
 /// Distance from the last node in contact to the end of the equivalent interval: sqrt(2) / 4.
 const TIP: f64 = SQRT_2 / 4.0;
@@ -71,7 +71,7 @@ struct Interval {
 
 /// Sets `1 / (4 + spring)` on all `levels`, for the contact set of a finer grid with `n` cells per side; both
 /// are indexed by the numbers of boundary nodes. Returns the work in visits of unknowns.
-pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [MultigridLevel]) -> f64 {
     let around: Vec<_> = (0..4 * n).map(|p| in_contact[number(n, p)]).collect();
     let intervals = intervals(n, &around);
     let (mut work, mut springs) = (in_contact.len() as f64, vec![0.0; 4 * n]);

@@ -45,7 +45,7 @@ mod transfer;
 
 use super::geometry::{MultigridGeometry, Visits};
 use super::layout::Dimension;
-use super::level::Level;
+use super::level::MultigridLevel;
 
 /// The unit square, as a type.
 pub struct Square;
@@ -71,7 +71,7 @@ impl MultigridGeometry for Square {
         (n.is_multiple_of(2) && matches!(odd, 1 | 3 | 5 | 7)).then_some(coarsest)
     }
 
-    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
+    fn set_springs(n: usize, in_contact: &[bool], levels: &mut [MultigridLevel]) -> f64 {
         contact::set_springs(n, in_contact, levels)
     }
 }

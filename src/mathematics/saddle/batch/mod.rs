@@ -24,9 +24,9 @@ use std::array::from_fn;
 /// Runs side by side.
 pub const LANES: usize = 8;
 
-/// When a run has reached its end.
+/// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Goal {
+pub enum JobGoal {
     /// A stopping rule with its tolerance, tried after each step of the multiplier.
     Rule(StopRule, f64),
     /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
@@ -44,8 +44,8 @@ pub struct Job<'a, N = f64> {
     pub method: Method,
     /// Duality parameter r > 0.
     pub r: f64,
-    /// When it ends.
-    pub goal: Goal,
+    /// Condition that ends it.
+    pub goal: JobGoal,
     /// Sweeps after which to give up, at the earliest after the first.
     pub cap: usize,
 }
@@ -169,8 +169,8 @@ impl<'a, N: Number> Run<'a, N> {
     /// Whether the goal is reached, after a step of the multiplier.
     fn met(&mut self, lanes: &Lanes<N>, lane: usize) -> bool {
         let (measure, bound, dual) = match self.job.goal {
-            Goal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
-            Goal::Rule(rule, tolerance) => {
+            JobGoal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
+            JobGoal::Rule(rule, tolerance) => {
                 let measure = if rule.is_printed() { Measure::Printed } else { Measure::Signed };
                 (measure, N::of(tolerance).wide(), rule.asks_dual())
             }
@@ -216,7 +216,7 @@ pub fn run_nested<N: Number>(
                 start,
                 method: Method::ArrowHurwicz,
                 r: nested.r,
-                goal: Goal::Rule(nested.rule, tolerance(k + 1)),
+                goal: JobGoal::Rule(nested.rule, tolerance(k + 1)),
                 cap: cap(number, k),
             })
             .collect();
@@ -248,7 +248,7 @@ mod tests {
         let (grid, load, start) = setting();
         let all = || [0.3, 1.0, 5.0, 1e6].iter().flat_map(|&r| StopRule::ALL.map(|rule| (r, rule)));
         let job = |(r, rule)| {
-            let (method, goal) = (Method::ArrowHurwicz, Goal::Rule(rule, 1e-4));
+            let (method, goal) = (Method::ArrowHurwicz, JobGoal::Rule(rule, 1e-4));
             Job { load: &load, start: &start, method, r, goal, cap: 1000 }
         };
         let ends = run(grid, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
@@ -268,8 +268,8 @@ mod tests {
         for node in [0, 7, grid.nodes() / 2, grid.nodes() - 1] {
             let mut load = load.clone();
             load[node] = f64::NAN;
-            let rules = StopRule::ALL.map(|rule| Goal::Rule(rule, f64::MAX));
-            for goal in rules.into_iter().chain([Goal::Kkt(f64::MAX)]) {
+            let rules = StopRule::ALL.map(|rule| JobGoal::Rule(rule, f64::MAX));
+            for goal in rules.into_iter().chain([JobGoal::Kkt(f64::MAX)]) {
                 let method = Method::ArrowHurwicz;
                 // One sweep leaves numbers before the node; a cap of none is one as well.
                 for cap in [0, 1] {
@@ -288,7 +288,7 @@ mod tests {
         let all = [(0.0, 3.0, false), (1.0, 3.0, true), (10.0, 1e4, false), (0.0, 1e4, true)];
         let jobs = all.map(|(weight, r, loose)| {
             let method = Method::Uzawa { weight, inner: 1e-5, loose };
-            let goal = Goal::Rule(StopRule::Printed, 1e-4);
+            let goal = JobGoal::Rule(StopRule::Printed, 1e-4);
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
         for (job, ours) in jobs.iter().zip(run(grid, &jobs, &mut AsDefined)) {

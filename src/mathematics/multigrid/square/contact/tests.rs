@@ -66,7 +66,7 @@ fn contact_everywhere_and_nowhere_have_no_ends() {
 
 /// `F'y` for a constant load and the linear problem with these inverses on the boundary.
 fn energy(n: usize, inverse_diagonal: &[f64]) -> f64 {
-    let mut level = Level::new::<Square>(n);
+    let mut level = MultigridLevel::new::<Square>(n);
     level.load.iter_mut().for_each(|half| half.fill((n as f64).powi(-2)));
     for (p, inverse) in inverse_diagonal.iter().enumerate() {
         level.inverse_diagonal[number(n, p)] = *inverse;
