@@ -195,16 +195,24 @@ fn add_boundary_masses(n: usize, j: usize, row: &[MomentRun], masses: &mut [f64]
     masses[n + j + 1] += ur;
     // The corners are complete.
     if j == 0 {
-        let mut cursor = Cursor(row);
-        for i in 1..n {
-            masses[i] += cursor.at(i - 1).f.masses()[1] + cursor.at(i).f.masses()[0];
-        }
+        add_masses_along(row, [0, 1], masses[1..n].iter_mut());
     }
     if j + 1 == n {
-        let mut cursor = Cursor(row);
-        for i in 1..n {
-            masses[3 * n - i] += cursor.at(i - 1).f.masses()[3] + cursor.at(i).f.masses()[2];
-        }
+        add_masses_along(row, [2, 3], masses[2 * n + 1..3 * n].iter_mut().rev());
+    }
+}
+
+/// Adds the contribution of a row of cells to the integrals at the nodes along it, from left to right without the ends.
+///
+/// `left` and `right` number the hat functions of the left and the right corner of a cell at the nodes.
+fn add_masses_along<'a>(
+    row: &[MomentRun],
+    [left, right]: [usize; 2],
+    masses: impl Iterator<Item = &'a mut f64>,
+) {
+    let mut cursor = Cursor(row);
+    for (i, mass) in (1..).zip(masses) {
+        *mass += cursor.at(i - 1).f.masses()[right] + cursor.at(i).f.masses()[left];
     }
 }
 
