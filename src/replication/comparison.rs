@@ -6,20 +6,20 @@ use crate::pipeline::error::{Error, Result};
 use crate::problem::shape::Written;
 use serde::{Deserialize, Serialize};
 
-/// A row as computed: iteration counts per grid and Delta a on the finest.
+/// Computed row of a table: iteration counts per grid and Delta a on the finest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Duality parameter.
     pub r: f64,
     /// Iterations per grid.
     pub counts: Vec<usize>,
-    /// Per grid, whether `max_iterations` cut the count off.
+    /// Per grid, true if `max_iterations` cut the count off.
     pub capped: Vec<bool>,
     /// Delta a on the finest grid.
     pub delta_a: f64,
 }
 
-/// One table, ours against the paper's.
+/// Comparison of a computed table with the published one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableComparison {
     /// Number of the published table.
@@ -38,11 +38,11 @@ pub struct TableComparison {
     pub delta_a_exact: usize,
     /// The declared tolerance, in words.
     pub tolerance: String,
-    /// Row by row.
+    /// Comparison of each row.
     pub rows: Vec<RowComparison>,
 }
 
-/// One row, ours against the paper's.
+/// Comparison of a computed row with the published one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RowComparison {
     /// Duality parameter.
@@ -51,16 +51,16 @@ pub struct RowComparison {
     pub paper: Vec<usize>,
     /// Our counts.
     pub ours: Vec<usize>,
-    /// Per count of ours, whether `max_iterations` cut it off; left out where none is.
+    /// Per count of ours, true if `max_iterations` cut it off; empty if all are false.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub capped: Vec<bool>,
-    /// Per count, whether it is within tolerance.
+    /// Per count, true if it is within tolerance.
     pub within: Vec<bool>,
     /// Published Delta a.
     pub delta_a_paper: f64,
     /// Our Delta a.
     pub delta_a_ours: f64,
-    /// Whether Delta a is within tolerance.
+    /// True if Delta a is within tolerance.
     pub delta_a_within: bool,
 }
 
@@ -81,12 +81,13 @@ impl Paper {
                     table.counts[k].len()
                 ))
             })?;
-            // A count that was cut off says only that the true one is larger.
-            let near = |(level, &count): (usize, &usize)| {
-                !row.capped[level] && table.near(count, table.counts[k][level])
-            };
-            let within = row.counts.iter().enumerate().map(near).collect();
+            let mut within = Vec::new();
+            for (level, &count) in row.counts.iter().enumerate() {
+                // A count that was cut off says only that the true one is larger.
+                within.push(!row.capped[level] && table.near(count, table.counts[k][level]));
+            }
             let capped = if row.capped.contains(&true) { row.capped.clone() } else { Vec::new() };
+            let ratio = row.delta_a / table.delta_a[k];
             rows.push(RowComparison {
                 r,
                 paper: table.counts[k].clone(),
@@ -95,23 +96,18 @@ impl Paper {
                 within,
                 delta_a_paper: table.delta_a[k],
                 delta_a_ours: row.delta_a,
-                delta_a_within: {
-                    let ratio = row.delta_a / table.delta_a[k];
-                    ratio <= table.delta_a_factor && ratio >= 1.0 / table.delta_a_factor
-                },
+                delta_a_within: ratio <= table.delta_a_factor
+                    && ratio >= 1.0 / table.delta_a_factor,
             });
         }
-        let count = |of: &dyn Fn(&RowComparison) -> usize| rows.iter().map(of).sum();
         Ok(TableComparison {
             table: number,
             scene: scene.into(),
-            cells: count(&|row| row.paper.len()),
-            exact: count(&|row| {
-                (0..row.ours.len()).filter(|&level| row.count_exact(level)).count()
-            }),
-            within_tolerance: count(&|row| row.within.iter().filter(|w| **w).count()),
-            delta_a_within: count(&|row| usize::from(row.delta_a_within)),
-            delta_a_exact: count(&|row| usize::from(row.delta_a_exact())),
+            cells: rows.iter().map(|row| row.paper.len()).sum(),
+            exact: rows.iter().map(RowComparison::exact_counts).sum(),
+            within_tolerance: rows.iter().flat_map(|row| &row.within).filter(|w| **w).count(),
+            delta_a_within: rows.iter().filter(|row| row.delta_a_within).count(),
+            delta_a_exact: rows.iter().filter(|row| row.delta_a_exact()).count(),
             tolerance: table.tolerance(),
             rows,
         })
@@ -119,7 +115,7 @@ impl Paper {
 }
 
 impl PublishedTable {
-    /// The declared tolerance in words: when a cell counts as within it.
+    /// Returns the declared tolerance in words.
     fn tolerance(&self) -> String {
         let counts = match (self.count_share, self.count_slack) {
             (0.0, 0) => "a count equals the published one".to_owned(),
@@ -131,6 +127,7 @@ impl PublishedTable {
         format!("{counts}, a Delta a is within a factor of {}", Written(self.delta_a_factor))
     }
 
+    /// True if our count is within tolerance of the published one.
     fn near(&self, ours: usize, paper: usize) -> bool {
         let difference = ours.abs_diff(paper);
         difference <= self.count_slack || difference as f64 <= self.count_share * paper as f64
@@ -138,24 +135,29 @@ impl PublishedTable {
 }
 
 impl RowComparison {
-    /// Whether the count on this grid was cut off by `max_iterations`.
+    /// True if `max_iterations` cut off the count on this grid.
     pub fn is_capped(&self, level: usize) -> bool {
         self.capped.get(level) == Some(&true)
     }
 
-    /// Whether the count on this grid is the published one.
+    /// True if the count on this grid is the published one.
     pub fn count_exact(&self, level: usize) -> bool {
         self.ours[level] == self.paper[level] && !self.is_capped(level)
     }
 
-    /// Whether Delta a agrees to the two digits that the paper prints.
+    /// Number of counts that are the published ones.
+    fn exact_counts(&self) -> usize {
+        (0..self.ours.len()).filter(|&level| self.count_exact(level)).count()
+    }
+
+    /// True if Delta a agrees to the two digits that the paper prints.
     pub fn delta_a_exact(&self) -> bool {
         agrees(self.delta_a_ours, self.delta_a_paper)
     }
 }
 
 impl TableComparison {
-    /// Whether every count and every Delta a is within the declared tolerance.
+    /// True if every count and every Delta a is within the declared tolerance.
     pub fn holds(&self) -> bool {
         self.within_tolerance == self.cells && self.delta_a_within == self.rows.len()
     }

@@ -1,4 +1,6 @@
-//! This paper's replication: its scenes, published tables and records, and the stages that tie them together.
+//! Replication of this paper: its scenes, published tables and records, and the stages of a run.
+//!
+//! Central are `stages::plan`, which turns scenes into tasks, and `Paper::compare`, which compares the tables.
 
 pub mod comparison;
 pub mod paper;

@@ -1,5 +1,7 @@
 //! The published tables, and the tolerance we declare for them.
 
+use super::project::PAPER;
+use super::scene::repeated;
 use crate::identify::Target;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
@@ -38,28 +40,35 @@ impl Paper {
     /// # Errors
     /// [`Error::Input`] with the line of the mistake.
     pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
-        let paper: Self = from_toml("pipeline/paper.toml", text)?;
-        let wrong = |what: &str| Err(Error::input(format!("pipeline/paper.toml: {what}")));
-        let new = |(k, r): (usize, &f64)| r.is_finite() && *r > 0.0 && !paper.r[..k].contains(r);
-        if paper.r.is_empty() || !paper.r.iter().enumerate().all(new) {
-            return wrong("`r` must list positive numbers, each once");
+        let paper: Self = from_toml(PAPER, text)?;
+        match paper.mistake() {
+            Some(mistake) => Err(Error::input(format!("{PAPER}: {mistake}"))),
+            None => Ok(paper),
         }
-        for (k, t) in paper.table.iter().enumerate() {
-            let number = t.number;
-            if let Some(why) = t.mistake(paper.r.len()) {
-                return wrong(&format!("table {number} {why}"));
-            }
-            if paper.table[..k].iter().any(|other| other.number == number) {
-                return wrong(&format!("two tables have the number {number}; change one"));
-            }
-        }
-        Ok(paper)
     }
 
-    /// The published table of this number.
+    /// Returns the first mistake in the values, in words, if there is one.
+    fn mistake(&self) -> Option<String> {
+        let positive = self.r.iter().all(|&r| r.is_finite() && r > 0.0);
+        if self.r.is_empty() || !positive || repeated(&self.r).is_some() {
+            return Some("`r` must list positive numbers, each once".into());
+        }
+        for (k, table) in self.table.iter().enumerate() {
+            let number = table.number;
+            if let Some(mistake) = table.mistake(self.r.len()) {
+                return Some(format!("table {number} {mistake}"));
+            }
+            if self.table[..k].iter().any(|other| other.number == number) {
+                return Some(format!("two tables have the number {number}; change one"));
+            }
+        }
+        None
+    }
+
+    /// Returns the published table of this number.
     pub(crate) fn published(&self, number: u8) -> Result<&PublishedTable> {
         self.table.iter().find(|table| table.number == number).ok_or_else(|| {
-            let known: Vec<_> = self.table.iter().map(|t| t.number.to_string()).collect();
+            let known: Vec<_> = self.table.iter().map(|table| table.number.to_string()).collect();
             Error::input(match known.is_empty() {
                 true => format!("there is no published table {number}: pipeline/paper.toml is missing or has no tables; put it back"),
                 false => format!("pipeline/paper.toml has no table {number}; it has {}", known.join(", ")),
@@ -67,18 +76,20 @@ impl Paper {
         })
     }
 
-    /// The published table of this number as a search takes it.
+    /// Returns the published table of this number in the form that a search takes.
     pub(crate) fn target(&self, number: u8) -> Result<Target> {
         let PublishedTable { counts, delta_a, .. } = self.published(number)?.clone();
         let target = Target { r: self.r.clone(), counts, delta_a };
-        let wrong = |e| Error::input(format!("pipeline/paper.toml, table {number}: {e}"));
-        target.validate().map_err(wrong)?;
-        Ok(target)
+        match target.validate() {
+            Err(e) => Err(Error::input(format!("{PAPER}, table {number}: {e}"))),
+            Ok(()) => Ok(target),
+        }
     }
 }
 
 impl PublishedTable {
-    /// What is wrong with its numbers, of which there is to be one row for each of `rows` values of r.
+    /// Returns the first mistake in the numbers, in words, if there is one; `rows` is the number of values of r, and
+    /// must be the number of rows.
     fn mistake(&self, rows: usize) -> Option<String> {
         let width = self.counts.first().map_or(0, Vec::len);
         if width == 0 {

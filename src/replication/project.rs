@@ -31,21 +31,21 @@ pub struct Project {
     pub scenes: Vec<Scene>,
     /// The published tables; none in a study of something else.
     pub paper: Paper,
-    /// The files under `pipeline/` as read, by path in the project: scenes, and as far as they are there
-    /// the published tables, the digits of true solutions, and the records of the search and of times, which
-    /// whoever needs them parses.
+    /// Contents of the files under `pipeline/`, by path in the project: scenes, and those that exist of the published
+    /// tables, the digits of true solutions, and the records of the search and of times. The two records and the
+    /// digits are not parsed yet.
     pub files: Artifacts,
-    /// Everything under `report/` that is not generated, by path from there.
+    /// Contents of all files under `report/` that are not generated, by path in that folder.
     pub templates: Artifacts,
-    /// Whether only some scenes were read, so that nothing can be said of several together.
+    /// True if only some scenes were read: then no task is planned that concerns several scenes.
     pub(crate) partial: bool,
-    /// Tells the commands of the program, for the book: the `name`, empty for the program without a command, and
-    /// the `help` of each. A reader of the folder alone knows none.
+    /// Returns the commands of the program, for the book: the `name` of each, empty for the program without a command,
+    /// and its `help`. Empty unless the command line has set it.
     pub commands: fn() -> Vec<Value>,
 }
 
 impl Project {
-    /// The nearest project folder at or above `from`.
+    /// Returns the nearest project folder at or above `from`.
     pub(crate) fn find(from: &Path) -> Result<PathBuf> {
         from.ancestors()
             .find(|folder| folder.join("pipeline").join("scenes").is_dir())
@@ -78,17 +78,18 @@ impl Project {
         let report = root.join("report");
         // Git keeps no empty folder.
         let templates = match report.exists() || report.is_symlink() {
-            true => read_tree(&report, is_not_ours)
+            true => read_tree(&report, is_excluded)
                 .or_else(|(path, e)| Err(e).context("read", &path))?,
             false => Artifacts::new(),
         };
         Ok(Self { root, scenes, paper, files, templates, partial: false, commands: Vec::new })
     }
 
-    /// Reads only what the tasks of single scenes depend on, for the scenes with these names, as far as they exist.
+    /// Reads only the files that tasks of single scenes depend on, for the scenes with these names; names without a
+    /// scene are ignored.
     ///
     /// # Errors
-    /// As [`Project::read`], but for other scenes and for the book.
+    /// As [`Project::read`], but neither for other scenes nor for the book.
     pub(crate) fn read_part(root: PathBuf, names: &[&str]) -> Result<Self> {
         let (scenes, mut files) = read_scenes(&root, |name| names.contains(&name))?;
         let mut paper = Paper::default();
@@ -102,8 +103,8 @@ impl Project {
         Ok(Self { root, scenes, paper, files, templates, partial: true, commands: Vec::new })
     }
 
-    /// Refuses a broken record of times, and a book to be built elsewhere. Not part of [`Project::read`]:
-    /// a run that has nothing to do need not parse what tasks of an earlier run have parsed.
+    /// Refuses a broken record of times, and settings of the book that name another folder for it. Not part of
+    /// [`Project::read`]: a run that has nothing to do need not parse files that tasks of an earlier run have parsed.
     pub(crate) fn check(&self) -> Result<()> {
         if let Some(text) = self.files.get(recorded::PATH) {
             Timings::parse(text)?;
@@ -115,21 +116,24 @@ impl Project {
         Ok(())
     }
 
-    /// The scenes with these names, each once, or all if no name is given.
+    /// Returns the scenes with these names, each once, or all if no name is given.
     pub(crate) fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
-        names.iter().try_for_each(|name| self.scene(name).map(drop))?;
-        let is_wanted = |scene: &&Scene| names.is_empty() || names.contains(&scene.name);
-        Ok(self.scenes.iter().filter(is_wanted).collect())
+        for name in names {
+            self.scene(name)?;
+        }
+        let mut selected: Vec<&Scene> = self.scenes.iter().collect();
+        selected.retain(|scene| names.is_empty() || names.contains(&scene.name));
+        Ok(selected)
     }
 
-    /// The scenes of the paper's problems 1 and 2, as far as there are any; the chapters are about them.
+    /// Returns the scenes of the paper's problems 1 and 2, if they exist; the chapters are about them.
     pub(crate) fn problems(&self) -> Vec<&Scene> {
         let mut problems: Vec<_> = self.scenes.iter().filter(|scene| scene.is_problem()).collect();
         problems.sort_by_key(|scene| scene.paper_table);
         problems
     }
 
-    /// The scene with this name.
+    /// Returns the scene with this name.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the known names if there is none.
@@ -141,15 +145,15 @@ impl Project {
     }
 }
 
-/// What a run writes under `report/`.
+/// Files and folders under `report/` that a run writes.
 const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
 
-/// Whether a path under `report/` is generated, or is what systems and editors leave beside the files of people.
-fn is_not_ours(path: &str) -> bool {
+/// True if a path under `report/` is generated, or is a file that operating systems and editors leave.
+fn is_excluded(path: &str) -> bool {
     GENERATED.contains(&path) || path.rsplit('/').next().is_some_and(is_left_behind)
 }
 
-/// Endings of backups, of files that are being written, and of what merges and patches leave.
+/// Endings of backups, of files that are being written, and of files that merges and patches leave.
 const LEFT_BEHIND: [&str; 12] = [
     "~",
     "#",
@@ -165,20 +169,24 @@ const LEFT_BEHIND: [&str; 12] = [
     "___jb_tmp___",
 ];
 
-/// Whether a name is one that systems and editors give to files of their own.
+/// True if the name is one that operating systems and editors give to their own files.
 fn is_left_behind(name: &str) -> bool {
-    // Vim tries with such a number, or a later one in steps of 123, whether it may write to a folder.
-    let of_vim = |number: u32| number >= 4913 && (number - 4913).is_multiple_of(123);
-    // A page with anything but the ending of templates after its own is a copy of that page.
+    // A page whose name does not end with `.md` or `.md.tera` is a copy of that page.
     let is_copy = name.split_once(".md.").is_some_and(|(_, end)| end != "tera");
     name.starts_with(['.', '#'])
         || LEFT_BEHIND.iter().any(|end| name.ends_with(end))
         || ["desktop.ini", "Thumbs.db"].contains(&name)
         || is_copy
-        || name.parse().is_ok_and(of_vim)
+        || name.parse().is_ok_and(is_vim_probe)
 }
 
-/// Refuses names that some file systems do not tell apart: there, one scene's files would be the other's.
+/// True if Vim names a file so to see if it may write to a folder: 4913, or a later number in steps of 123.
+fn is_vim_probe(number: u32) -> bool {
+    number >= 4913 && (number - 4913).is_multiple_of(123)
+}
+
+/// Refuses names that some file systems do not tell apart: there, the files of one scene would overwrite those of the
+/// other.
 fn refuse_names_alike(scenes: &[Scene]) -> Result<()> {
     let mut names = BTreeMap::new();
     for Scene { name, .. } in scenes {
@@ -192,7 +200,7 @@ fn refuse_names_alike(scenes: &[Scene]) -> Result<()> {
     Ok(())
 }
 
-/// Refuses two scenes for one published table: the chapters and figures on the paper would be about either.
+/// Refuses two scenes for one published table: the chapters and figures on the paper show one scene per table.
 fn refuse_second_of_a_table(scenes: &[Scene]) -> Result<()> {
     for (k, scene) in scenes.iter().enumerate() {
         let Some(number) = scene.paper_table else { continue };

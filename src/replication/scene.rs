@@ -12,7 +12,7 @@ use crate::saddle::StopRule;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 
-/// What a scene may ask for. What it does not ask for is not computed.
+/// Output for which a scene may ask; no other output is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Output {
@@ -26,11 +26,11 @@ pub enum Output {
     History,
     /// Trace and multiplier along the unrolled boundary.
     Contact,
-    /// How sharply the published table fixes f.
+    /// Values of f near the scene's with which the published counts still come out.
     Identify,
 }
 
-/// The name used in scenes and file names.
+/// Writes the name used in scenes and file names.
 impl fmt::Display for Output {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(out)
@@ -44,7 +44,7 @@ pub struct Scene {
     /// File name without its ending.
     #[serde(skip_deserializing)]
     pub name: String,
-    /// A line for people.
+    /// Title in figures and pages, a single line.
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
@@ -65,14 +65,13 @@ pub struct Scene {
     /// Stopping rules; the first is the one compared with the paper.
     #[serde(default = "paper_stop")]
     pub stop: Vec<StopRule>,
-    /// Cap on iterations per grid.
-    #[serde(default = "default_cap")]
+    /// Limit on iterations per grid.
+    #[serde(default = "default_limit")]
     pub max_iterations: usize,
     /// Wanted outputs, sorted.
     pub outputs: Vec<Output>,
-    /// The r whose solution is drawn; not a number until it is known that none is named.
-    #[serde(default = "unnamed")]
-    pub draw_r: f64,
+    /// The r whose solution is drawn; always set in a scene that was [parsed](Scene::parse).
+    draw_r: Option<f64>,
 }
 
 fn paper_grids() -> Vec<Grid> {
@@ -91,12 +90,8 @@ fn paper_stop() -> Vec<StopRule> {
     vec![StopRule::Signed]
 }
 
-fn default_cap() -> usize {
+fn default_limit() -> usize {
     crate::saddle::Params::default().max_iterations
-}
-
-fn unnamed() -> f64 {
-    f64::NAN
 }
 
 impl Scene {
@@ -112,7 +107,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Fills in what follows from the rest, and checks what a parser cannot.
+    /// Fills in the values that follow from others, and makes the checks that a parser cannot.
     fn complete(&mut self) -> std::result::Result<(), Failure> {
         // A known solution is proof enough, and its integral takes milliseconds on every command.
         if self.f.exact().is_none() {
@@ -141,13 +136,11 @@ impl Scene {
         if self.max_iterations == 0 {
             return Err("`max_iterations` must be at least 1".into());
         }
-        if self.draw_r.is_nan() {
-            self.draw_r = self.r[self.r.len() / 2];
+        let drawn = self.drawn_r();
+        if !self.r.contains(&drawn) {
+            return Err(format!("`draw_r` = {drawn} is not among `r`; add it there").into());
         }
-        if !self.r.contains(&self.draw_r) {
-            let r = self.draw_r;
-            return Err(format!("`draw_r` = {r} is not among `r`; add it there").into());
-        }
+        self.draw_r = Some(drawn);
         if let Some(output) = repeated(&self.outputs) {
             return Err(format!("`outputs` lists {output} twice; remove one").into());
         }
@@ -155,7 +148,7 @@ impl Scene {
         if self.wants(Output::Identify) && self.paper_table.is_none() {
             return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
         }
-        // Counts on other grids are no less many, and would be compared all the same.
+        // As many counts on other grids would be compared without an error.
         if self.paper_table.is_some() && self.grids[0].cells() != COARSEST {
             return Err(format!(
                 "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave out `paper_table`"
@@ -168,17 +161,22 @@ impl Scene {
         Ok(())
     }
 
-    /// Whether the scene asks for this output.
+    /// Returns the r whose solution is drawn: the middle one, unless the scene names another.
+    pub(crate) fn drawn_r(&self) -> f64 {
+        self.draw_r.unwrap_or(self.r[self.r.len() / 2])
+    }
+
+    /// True if the scene asks for this output.
     pub(crate) fn wants(&self, output: Output) -> bool {
         self.outputs.contains(&output)
     }
 
-    /// Whether this is one of the paper's problems; no two scenes are the same one.
+    /// True if the scene is one of the paper's two problems; no two scenes of a project are the same problem.
     pub(crate) fn is_problem(&self) -> bool {
         matches!(self.paper_table, Some(1 | 2))
     }
 
-    /// The problem as experiments take it, if it belongs to a published table.
+    /// Returns the problem in the form that experiments take, if it belongs to a published table.
     pub fn problem(&self) -> Option<Problem> {
         Some(Problem {
             number: self.paper_table?,
@@ -191,17 +189,17 @@ impl Scene {
         })
     }
 
-    /// The finest grid.
+    /// Returns the finest grid.
     pub fn finest(&self) -> Grid {
         *self.grids.last().expect("validated: at least one grid")
     }
 }
 
-/// Finest grid for which two nodal vectors fit comfortably in memory.
+/// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
 pub const MAX_CELLS: usize = 8192;
 
-/// The first item that is there twice.
-fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+/// Returns the first item that equals an earlier one.
+pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
@@ -223,7 +221,7 @@ pub(crate) fn solvable<S: Shape>(f: &Source<S>, [integral, of_size]: [f64; 2]) -
     )))
 }
 
-/// An integral of f as messages and answers show it.
+/// Returns an integral of f with the digits that messages and answers show.
 pub(crate) fn shown_integral(integral: f64) -> String {
     match integral.abs() {
         1e-2..1e6 => format!("{integral:.4}"),
@@ -231,10 +229,10 @@ pub(crate) fn shown_integral(integral: f64) -> String {
     }
 }
 
-/// What rounding may leave of an integral that is zero, over the integral of |f|.
+/// Bound of the rounding error of the integral of f, over the integral of |f|.
 const ROUNDING: f64 = 1e-12;
 
-/// Checks that r is a positive number, and one that can be written out as the name of a cell.
+/// Checks that r is a positive number that the name of a task can show without an exponent.
 pub(crate) fn positive_r(r: f64) -> Result<f64> {
     if (1e-12..=1e12).contains(&r) {
         return Ok(r);
@@ -274,16 +272,15 @@ mod tests {
     fn mistakes_have_their_own_messages() {
         assert!(error(&format!("{GOOD}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
         assert!(error(&GOOD.replace("[\"table\"]", "[\"table\", \"table\"]")).contains("twice"));
-        let load = |load: &str| error(&format!("{GOOD}load = {load}\n"));
-        assert!(load("\"exact\"").contains("a table such as { rule = \"exact\" }"));
+        let no_table = error(&format!("{GOOD}load = \"exact\"\n"));
+        assert!(no_table.contains("a table such as { rule = \"exact\" }"), "{no_table}");
         for rule in ["bilinear", "lumped-average"] {
-            assert!(
-                load(&format!("{{ rule = \"{rule}\", diagonal = \"rising\" }}"))
-                    .contains("diagonal")
-            );
+            let load = format!("load = {{ rule = \"{rule}\", diagonal = \"rising\" }}\n");
+            assert!(error(&format!("{GOOD}{load}")).contains("diagonal"));
         }
         assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
         assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
+        assert!(error(&format!("{GOOD}draw_r = nan\n")).contains("not among `r`"));
         assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));
         assert!(error(&GOOD.replace("table", "identify")).contains("add `paper_table`"));
         let other_grids = format!("{GOOD}paper_table = 1\ngrids = [3, 6, 12, 24, 48]\n");

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A way from f to the solution. The descriptions are those of `solve --help`.
+/// Solver. The descriptions of the variants are those of `solve --help`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
@@ -23,14 +23,14 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// Those that use a grid.
+    /// Solvers that use a grid.
     pub const ON_GRIDS: [Self; 5] =
         [Self::ArrowHurwicz, Self::Uzawa, Self::UzawaProximal, Self::ActiveSet, Self::Multigrid];
 
-    /// The saddle-point methods, which run over nested grids.
+    /// Saddle-point methods, which run over nested grids.
     pub const NESTED: &'static [Self] = &[Self::ArrowHurwicz, Self::Uzawa, Self::UzawaProximal];
 
-    /// Its name in sentences and legends.
+    /// Returns the name in sentences and legends.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::ArrowHurwicz => "Arrow-Hurwicz",

@@ -7,10 +7,8 @@ mod stability;
 use super::figures::drawing;
 use super::{cost, to_json};
 use crate::experiments::accuracy::Findings;
-use crate::experiments::claims::Claims;
 use crate::experiments::problems::Problem;
 use crate::experiments::rounding;
-use crate::experiments::stress::Stress;
 use crate::experiments::{self, accuracy, stress, truth};
 use crate::figures::Picture;
 use crate::pipeline::error::Failure;
@@ -23,15 +21,18 @@ use serde::de::DeserializeOwned;
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
-/// Artifact with what an experiment found.
+/// Artifact with the findings of an experiment.
 const RESULT: &str = "result.json";
 
-/// The experiments, as tasks; they need the whole project, as the book does.
+/// The tasks of the experiments; they need the whole project, as the book does.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let problems: Vec<Problem> =
         project.problems().into_iter().filter_map(Scene::problem).collect();
-    let named = |problem: &Problem| (format!("problem {}", problem.number), problem.f.clone());
-    let truth = truth::Plan::new(problems.iter().map(named));
+    let named = problems.iter().map(|problem| {
+        let name = format!("problem {}", problem.number);
+        (name, problem.f.clone())
+    });
+    let truth = truth::Plan::new(named);
     let stress = stress::Plan::new(problems.clone());
     let rounding = rounding::Plan::new(problems.clone());
     let plan = experiments::claims::Plan::new(problems);
@@ -45,11 +46,8 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     ]
 }
 
-/// The tasks that draw the pictures of the chapters on experiments: each has a name, a title for readers who
-/// cannot see it, and what draws it.
+/// The tasks that draw the pictures of the chapters on experiments.
 pub(super) fn pictures() -> Vec<Task> {
-    let claims = |name, title, draw| picture::<Claims>("claims", name, title, draw);
-    let stress = |name, title, draw| picture::<Stress>("stress", name, title, draw);
     vec![
         picture::<Findings>(
             "accuracy",
@@ -63,21 +61,34 @@ pub(super) fn pictures() -> Vec<Task> {
             "Error of the ends of contact and of the energy against the width of the grid",
             cost::ends,
         ),
-        claims(
+        picture(
+            "claims",
             "sweep",
             "Iterations of both problems against the duality parameter, three ways of stopping",
             claims::sweep,
         ),
-        claims(
+        picture(
+            "claims",
             "uzawa",
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
             claims::uzawa,
         ),
-        stress("duality", "KKT residual at the stop of the paper's method over r", duality),
-        stress("tolerances", "KKT residual reached against the tolerance asked for", tolerances),
+        picture(
+            "stress",
+            "duality",
+            "KKT residual at the stop of the paper's method over r",
+            duality,
+        ),
+        picture(
+            "stress",
+            "tolerances",
+            "KKT residual reached against the tolerance asked for",
+            tolerances,
+        ),
     ]
 }
 
+/// The task that draws the findings of an `experiment`; the `title` is for readers who cannot see the picture.
 fn picture<T: DeserializeOwned + 'static>(
     experiment: &'static str,
     name: &str,
@@ -92,17 +103,23 @@ fn picture<T: DeserializeOwned + 'static>(
 /// The tasks that draw recorded times, their only input; none if nothing has been recorded.
 pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
     let Some(text) = project.files.get(PATH) else { return Vec::new() };
-    let picture = |name, title: &str, draw: fn(&Timings) -> Picture| Task {
-        files: Artifacts::from([(PATH.into(), text.clone())]),
-        ..drawing(name, title.into(), Vec::new(), move |inputs| Ok(draw(&times(inputs)?)))
-    };
-    vec![
-        picture("cost", "Time per unknown against the number of unknowns", cost::cost),
-        picture("race", "Error against time, all solvers", cost::race),
-    ]
+    let cost = drawing(
+        "cost",
+        "Time per unknown against the number of unknowns".into(),
+        Vec::new(),
+        |inputs| Ok(cost::cost(&times(inputs)?)),
+    );
+    let race = drawing("race", "Error against time, all solvers".into(), Vec::new(), |inputs| {
+        Ok(cost::race(&times(inputs)?))
+    });
+    let mut tasks = vec![cost, race];
+    for task in &mut tasks {
+        task.files.insert(PATH.into(), text.clone());
+    }
+    tasks
 }
 
-/// The record of times among the files of a task.
+/// Parses the record of times among the files of a task.
 pub(super) fn times(inputs: &Inputs) -> Result<Timings, Failure> {
     Ok(Timings::parse(inputs.files.get(PATH).ok_or("nothing has been recorded")?)?)
 }
@@ -111,7 +128,7 @@ fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
 }
 
-/// The task of an experiment: everything that it depends on is in `plan`.
+/// The task of an experiment, whose findings depend on `plan` alone.
 fn task<P, R>(name: &str, plan: P, run: fn(&P) -> Result<R, String>) -> Task
 where
     P: Serialize + Send + Sync + 'static,
@@ -126,7 +143,7 @@ pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> 
     super::from_json(inputs, &id(experiment), RESULT)
 }
 
-/// What all experiments found, by name, for the templates.
+/// Returns the findings of all experiments, by name, for the templates.
 pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, serde_json::Value>, String> {
     let mut results = BTreeMap::new();
     for task in inputs.artifacts.keys() {

@@ -16,8 +16,10 @@ pub(crate) fn id(scene: &Scene) -> String {
 
 /// The task that compares a scene with the published table of this number.
 pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
-    let of_scene = |e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name));
-    let table = project.paper.published(number).map_err(of_scene)?;
+    let table = project
+        .paper
+        .published(number)
+        .map_err(|e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name)))?;
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
     let needs: Vec<String> = solve::ids(scene, scene.stop[0]).collect();
     let name = scene.name.clone();

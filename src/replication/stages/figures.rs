@@ -3,6 +3,7 @@
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
+use crate::discrete::grid::Grid;
 use crate::figures::{
     ContactPanel, HistoryPanel, IdentifiabilityPanel, Picture, Surface, contact, histories,
     identifiability, maps_of_f, range_with_zero, surfaces, uphill,
@@ -12,45 +13,67 @@ use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::Pair;
+
 use std::collections::BTreeMap;
 
-/// The kinds of figure: the output of a scene that asks for it, its name when the paper's problems share it,
-/// and what it shows.
-pub(super) const KINDS: [(Output, &str, &str); 5] = [
-    (Output::Source, "figure1", "Right-hand side f"),
-    (Output::Surface, "figure2", "Surface v"),
-    (Output::History, "histories", "Residuals against iterations"),
-    (Output::Contact, "contact", "Trace and multiplier along the boundary"),
-    (Output::Identify, "identifiability", "Published counts that come out, around the recovered f"),
+/// Kind of figure.
+pub(super) struct Kind {
+    /// Output with which a scene asks for it.
+    pub(super) output: Output,
+    /// Name of the figure that the paper's problems share.
+    shared_name: &'static str,
+    /// Words for the contents of the figure, in its title.
+    caption: &'static str,
+}
+
+/// All kinds of figure.
+pub(super) const KINDS: [Kind; 5] = [
+    Kind { output: Output::Source, shared_name: "figure1", caption: "Right-hand side f" },
+    Kind { output: Output::Surface, shared_name: "figure2", caption: "Surface v" },
+    Kind {
+        output: Output::History,
+        shared_name: "histories",
+        caption: "Residuals against iterations",
+    },
+    Kind {
+        output: Output::Contact,
+        shared_name: "contact",
+        caption: "Trace and multiplier along the boundary",
+    },
+    Kind {
+        output: Output::Identify,
+        shared_name: "identifiability",
+        caption: "Published counts that come out, around the recovered f",
+    },
 ];
 
-/// The scene whose own figure has this name.
+/// Returns the name of the scene whose own figure has this name.
 pub(super) fn scene_of(name: &str) -> Option<&str> {
-    KINDS.iter().find_map(|(kind, ..)| name.strip_suffix(&kind.to_string())?.strip_suffix('-'))
+    KINDS.iter().find_map(|kind| name.strip_suffix(&kind.output.to_string())?.strip_suffix('-'))
 }
 
 /// The figure tasks of `scenes`; shared ones only if all scenes of `project` that share them are there.
 pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for (kind, name, caption) in KINDS {
-        let shared = sharing(project, scenes, kind);
+    for kind in &KINDS {
+        let output = kind.output;
+        let shared = sharing(project, scenes, output);
         if !shared.is_empty() {
-            tasks.push(task(kind, name.into(), caption, &shared));
+            tasks.push(task(kind, kind.shared_name, &shared));
         }
-        for scene in scenes.iter().filter(|s| !s.is_problem() && s.wants(kind)) {
-            tasks.push(task(kind, format!("{}-{kind}", scene.name), caption, &[scene]));
+        for scene in scenes.iter().filter(|scene| !scene.is_problem() && scene.wants(output)) {
+            tasks.push(task(kind, &format!("{}-{output}", scene.name), &[scene]));
         }
     }
     let shared = sharing(project, scenes, Output::Surface);
-    // Only the book shows it.
+    // Only the book shows this figure.
     if !shared.is_empty() && !project.templates.is_empty() {
         tasks.push(stops(&shared));
     }
     tasks
 }
 
-/// The task that draws, in a row per problem, where the paper stopped, the solution, and the difference.
+/// The task that draws, in a row per problem, the surface where the paper stopped, the solution, and the difference.
 fn stops(scenes: &[&Scene]) -> Task {
     let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
     let mut hashed = BTreeMap::new();
@@ -63,18 +86,10 @@ fn stops(scenes: &[&Scene]) -> Task {
     let task = drawing("stops", title.into(), needs, move |inputs| {
         let mut rows = Vec::new();
         for scene in &scenes {
-            let stop = solve::pair(inputs, scene, scene.stop[0])?;
-            let solution = solve::solution(scene)?;
-            let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
-            let names = ["where it stopped", "the solution", "the difference"];
-            let titles = names.map(|name| format!("{}: {name}", scene.title));
-            let grid = scene.finest();
-            let in_contact =
-                [stop.in_contact(grid), solution.in_contact(grid), vec![false; stop.a.len()]];
-            rows.push((grid, titles, [stop.y, solution.y, difference], in_contact));
+            rows.push(StopsRow::of(inputs, scene)?);
         }
         let mut shown = Vec::new();
-        for (grid, titles, heights, in_contact) in &rows {
+        for StopsRow { grid, titles, heights, in_contact } in &rows {
             let range = Some(range_with_zero(heights.iter().flatten().copied()));
             let (grid, azimuth) = (*grid, uphill(*grid, &heights[1]));
             for ((title, y), in_contact) in titles.iter().zip(heights).zip(in_contact) {
@@ -86,33 +101,62 @@ fn stops(scenes: &[&Scene]) -> Task {
     Task { parameters: hashed, ..task }
 }
 
-fn task(kind: Output, name: String, caption: &str, scenes: &[&Scene]) -> Task {
+/// Surfaces of one problem: where the paper stopped, the solution, and the difference.
+struct StopsRow {
+    grid: Grid,
+    titles: [String; 3],
+    heights: [Vec<f64>; 3],
+    in_contact: [Vec<bool>; 3],
+}
+
+impl StopsRow {
+    fn of(inputs: &Inputs, scene: &Scene) -> Result<Self, String> {
+        let grid = scene.finest();
+        let stop = solve::pair(inputs, scene, scene.stop[0])?;
+        let solution = solve::solution(scene)?;
+        let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
+        let names = ["where it stopped", "the solution", "the difference"];
+        let in_contact =
+            [stop.in_contact(grid), solution.in_contact(grid), vec![false; stop.a.len()]];
+        Ok(Self {
+            grid,
+            titles: names.map(|name| format!("{}: {name}", scene.title)),
+            heights: [stop.y, solution.y, difference],
+            in_contact,
+        })
+    }
+}
+
+/// The task that draws the figure `name` of `scenes`.
+fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
+    let output = kind.output;
     let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
     let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
-    let title = format!("{caption}: {}", titles.join("; "));
+    let title = format!("{}: {}", kind.caption, titles.join("; "));
     // Drawing reads nothing else of a scene.
-    let mut hashed = BTreeMap::from([("kind".to_owned(), kind.to_string())]);
+    let mut hashed = BTreeMap::from([("kind".to_owned(), output.to_string())]);
     for scene in &scenes {
         let mut read = serde_json::json!({ "title": scene.title });
-        match kind {
+        match output {
             Output::Source | Output::Identify => read["f"] = scene.f.to_string().into(),
             _ => read["grids"] = scene.grids.iter().map(|grid| grid.cells()).collect(),
         }
-        let named = |(key, value)| (format!("{}.{key}", scene.name), value);
-        hashed.extend(parameters(&read).into_iter().map(named));
+        for (key, value) in parameters(&read) {
+            hashed.insert(format!("{}.{key}", scene.name), value);
+        }
     }
-    let needs = scenes.iter().flat_map(|scene| needs(kind, scene)).collect();
-    let draw = move |inputs: &Inputs| Ok(draw(kind, &scenes, inputs)?);
-    Task { parameters: hashed, ..drawing(&name, title, needs, draw) }
+    let needs = scenes.iter().flat_map(|scene| needs(output, scene)).collect();
+    let task = drawing(name, title, needs, move |inputs| Ok(draw(output, &scenes, inputs)?));
+    Task { parameters: hashed, ..task }
 }
 
-/// The tasks from whose artifacts a kind of figure is drawn.
-fn needs(kind: Output, scene: &Scene) -> Vec<String> {
-    match kind {
+/// Ids of the tasks from whose artifacts the figure of a scene is drawn.
+fn needs(output: Output, scene: &Scene) -> Vec<String> {
+    match output {
         Output::Surface => vec![surface(scene)],
         Output::History => solve::ids(scene, scene.stop[0]).collect(),
         Output::Contact => {
-            scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.draw_r)).collect()
+            scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.drawn_r())).collect()
         }
         Output::Identify => vec![identify::id(scene)],
         Output::Source | Output::Table => Vec::new(),
@@ -147,54 +191,53 @@ pub(super) fn id(name: &str) -> String {
 
 /// The task whose pair is drawn as a surface.
 fn surface(scene: &Scene) -> String {
-    solve::id(scene, scene.stop[0], scene.draw_r)
+    solve::id(scene, scene.stop[0], scene.drawn_r())
 }
 
-fn draw(kind: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
-    match kind {
+fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
+    match output {
         Output::Source | Output::Table => {
             let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
             Ok(maps_of_f(&maps))
         }
-        Output::Surface => {
-            let pairs = scenes.iter().map(|scene| solve::pair(inputs, scene, scene.stop[0]));
-            let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-            let titles = scenes.iter().map(|scene| titled(inputs, scene));
-            let titles = titles.collect::<Result<Vec<_>, _>>()?;
-            let in_contact: Vec<_> =
-                scenes.iter().zip(&pairs).map(|(s, pair)| pair.in_contact(s.finest())).collect();
-            let shown = scenes.iter().zip(&titles).zip(&pairs).zip(&in_contact);
-            let shown = shown.map(|(((scene, title), Pair { y, .. }), in_contact)| {
-                let (title, grid, azimuth) = (title, scene.finest(), uphill(scene.finest(), y));
-                Surface { title, grid, y, in_contact, azimuth, range: None }
-            });
-            Ok(surfaces(2, &shown.collect::<Vec<_>>()))
-        }
+        Output::Surface => draw_surfaces(scenes, inputs),
         Output::History => {
-            let shown = scenes.iter().map(|scene| history(scene, inputs));
-            Ok(histories(&shown.collect::<Result<Vec<_>, _>>()?))
+            let panels = scenes.iter().map(|scene| history(scene, inputs));
+            Ok(histories(&panels.collect::<Result<Vec<_>, _>>()?))
         }
         Output::Contact => {
-            let shown = scenes.iter().map(|scene| contacts(scene, inputs));
-            Ok(contact(&shown.collect::<Result<Vec<_>, _>>()?))
+            let panels = scenes.iter().map(|scene| contacts(scene, inputs));
+            Ok(contact(&panels.collect::<Result<Vec<_>, _>>()?))
         }
-        Output::Identify => {
-            let found =
-                scenes.iter().map(|scene| from_json(inputs, &identify::id(scene), FINDINGS));
-            let found = found.collect::<Result<Vec<Findings>, _>>()?;
-            let shown = scenes.iter().zip(&found).map(|(scene, found)| IdentifiabilityPanel {
-                title: &scene.title,
-                slice: &found.slice,
-                cells: found.target.cells(),
-                others: two_valued(found),
-            });
-            Ok(identifiability(&shown.collect::<Vec<_>>()))
-        }
+        Output::Identify => draw_identifiability(scenes, inputs),
     }
 }
 
-/// The title of a scene, with the end of its iteration where that is no solution.
-fn titled(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
+fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
+    let (mut titles, mut heights, mut in_contact) = (Vec::new(), Vec::new(), Vec::new());
+    for scene in scenes {
+        let pair = solve::pair(inputs, scene, scene.stop[0])?;
+        titles.push(title_with_end(inputs, scene)?);
+        in_contact.push(pair.in_contact(scene.finest()));
+        heights.push(pair.y);
+    }
+    let mut shown = Vec::new();
+    for (k, scene) in scenes.iter().enumerate() {
+        let (grid, y) = (scene.finest(), &heights[k]);
+        shown.push(Surface {
+            title: &titles[k],
+            grid,
+            y,
+            in_contact: &in_contact[k],
+            azimuth: uphill(grid, y),
+            range: None,
+        });
+    }
+    Ok(surfaces(2, &shown))
+}
+
+/// Returns the title of a scene, with the end of its iteration unless that is a solution.
+fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let end = solve::no_solution(inputs, scene, scene.stop[0])?;
     Ok(match end {
         Some(end) => format!("{} ({end})", scene.title),
@@ -203,30 +246,52 @@ fn titled(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 }
 
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
-    let runs = solve::ids(scene, scene.stop[0]).zip(&scene.r);
-    let runs = runs.map(|(task, r)| Ok((format!("r = {r}"), from_json(inputs, &task, HISTORY)?)));
-    let runs = runs.collect::<Result<_, String>>()?;
+    let mut runs = Vec::new();
+    for (task, r) in solve::ids(scene, scene.stop[0]).zip(&scene.r) {
+        runs.push((format!("r = {r}"), from_json(inputs, &task, HISTORY)?));
+    }
     Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, runs })
 }
 
 fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, String> {
-    let lines = scene.stop.iter().map(|&stop| {
-        let mut label = format!("stop: {stop}, r = {}", scene.draw_r);
+    let mut lines = Vec::new();
+    for &stop in &scene.stop {
+        let mut label = format!("stop: {stop}, r = {}", scene.drawn_r());
         if let Some(end) = solve::no_solution(inputs, scene, stop)? {
             label += &format!(", {end}");
         }
-        Ok((label, solve::pair(inputs, scene, stop)?))
-    });
-    let lines = lines.collect::<Result<_, String>>()?;
+        lines.push((label, solve::pair(inputs, scene, stop)?));
+    }
     Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })
 }
 
-/// The alternatives with one value on the first quadrant and one elsewhere: those in the plane of the map.
+fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
+    let mut found: Vec<Findings> = Vec::new();
+    for scene in scenes {
+        found.push(from_json(inputs, &identify::id(scene), FINDINGS)?);
+    }
+    let mut panels = Vec::new();
+    for (scene, found) in scenes.iter().zip(&found) {
+        panels.push(IdentifiabilityPanel {
+            title: &scene.title,
+            slice: &found.slice,
+            cells: found.target.cells(),
+            others: two_valued(found),
+        });
+    }
+    Ok(identifiability(&panels))
+}
+
+/// Returns the alternatives in the plane of the map: one value on the first quadrant, one on all others.
 fn two_valued(found: &Findings) -> Vec<[f64; 2]> {
-    let others = found.alternatives.iter().filter(|other| !other.chosen).map(|o| &o.values[..]);
-    let in_plane = |v: &[f64]| match *v {
-        [first, rest, b, c] => (rest == b && rest == c).then_some([first, rest]),
-        _ => None,
-    };
-    others.filter_map(in_plane).collect()
+    let mut values = Vec::new();
+    for other in found.alternatives.iter().filter(|other| !other.chosen) {
+        if let [first, rest, b, c] = other.values[..]
+            && rest == b
+            && rest == c
+        {
+            values.push([first, rest]);
+        }
+    }
+    values
 }

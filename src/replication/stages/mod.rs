@@ -1,4 +1,6 @@
-//! The stages of the replication, and the plan that ties them together.
+//! The stages of the replication, and the plan of their tasks.
+//!
+//! Central is [`plan`], which turns the scenes of a project into tasks.
 
 mod bench;
 mod cost;
@@ -30,7 +32,7 @@ pub(crate) enum Stage {
     Tabulate,
     /// Tables against the published ones.
     Diff,
-    /// How sharply a published table fixes f, and a search for it.
+    /// Range of f within which the counts of a published table stay, and a search for f.
     Identify,
     /// Numerical experiments past the paper: accuracy, claims, stability.
     Bench,
@@ -47,17 +49,17 @@ impl Stage {
     }
 }
 
-/// The name on the command line and in task ids.
+/// Writes the name on the command line and in task ids.
 impl fmt::Display for Stage {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(out)
     }
 }
 
-/// Digest of what this program is built from, made by the build script: an input of every task.
+/// Digest of the sources of this program, made by the build script: an input of every task.
 const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 
-/// The tasks that `scenes` ask for, in running order; with `only`, those of one stage and what they need.
+/// Returns the tasks for which `scenes` ask, in running order; with `only`, those of one stage and all they need.
 ///
 /// Figures that show several scenes together, and the book, belong to the project as a whole: they
 /// are planned when all scenes concerned are among `scenes`.
@@ -96,7 +98,8 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     })
 }
 
-/// The scene to which a task with this id belongs, if it belongs to a single one; there may be no such scene.
+/// Returns the name of the scene to which a task with this id belongs, if it belongs to a single one; the scene need
+/// not exist.
 pub(crate) fn scene_of(id: &str) -> Option<&str> {
     let (_, rest) = id.split_once('/')?;
     match Stage::of(id)? {
@@ -106,24 +109,27 @@ pub(crate) fn scene_of(id: &str) -> Option<&str> {
     }
 }
 
-/// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
-fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
+/// Returns those of `scenes` that share a figure of this output; none if one of the project's scenes that share it is
+/// missing.
+fn sharing<'a>(project: &Project, scenes: &[&'a Scene], output: Output) -> Vec<&'a Scene> {
     if project.partial {
         return Vec::new();
     }
-    let shares = |scene: &&Scene| scene.is_problem() && scene.wants(kind);
-    let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
-    let all = project.scenes.iter().filter(shares).count();
-    if shared.len() == all { shared } else { Vec::new() }
+    let mut shared = scenes.to_vec();
+    shared.retain(|scene| scene.is_problem() && scene.wants(output));
+    let mut all: Vec<&Scene> = project.scenes.iter().collect();
+    all.retain(|scene| scene.is_problem() && scene.wants(output));
+    if shared.len() == all.len() { shared } else { Vec::new() }
 }
 
-/// Pretty JSON with a final newline.
+/// Returns pretty JSON with a final newline.
 fn to_json(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = serde_json::to_vec_pretty(value).expect("artifacts are plain data");
     bytes.push(b'\n');
     bytes
 }
 
+/// Returns an artifact of a task by its name.
 fn artifact<'a>(
     inputs: &'a Inputs,
     task: &str,
@@ -133,6 +139,7 @@ fn artifact<'a>(
     found.map(Vec::as_slice).ok_or_else(|| format!("{task} has no artifact {name}"))
 }
 
+/// Parses an artifact of a task as JSON.
 fn from_json<T: DeserializeOwned>(
     inputs: &Inputs,
     task: &str,
@@ -168,12 +175,14 @@ mod tests {
                 alone += 1;
             }
         }
-        let of_scenes = project.scenes.iter().flat_map(|scene| {
-            let is_its = |id: &&String| scene_of(id) == Some(&scene.name);
-            let is_shared =
-                |id: &&String| Stage::of(id) == Some(Stage::Identify) && scene.is_problem();
-            whole.keys().filter(is_its).filter(move |id| !is_shared(id))
-        });
-        assert_eq!(alone, of_scenes.count());
+        let mut of_single_scenes = 0;
+        for id in whole.keys() {
+            let scene = project.scenes.iter().find(|scene| scene_of(id) == Some(&scene.name));
+            let shared = Stage::of(id) == Some(Stage::Identify);
+            if scene.is_some_and(|scene| !(shared && scene.is_problem())) {
+                of_single_scenes += 1;
+            }
+        }
+        assert_eq!(alone, of_single_scenes);
     }
 }

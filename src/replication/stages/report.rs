@@ -1,11 +1,12 @@
-//! The `report` stage: gathers what the other stages made, and turns it into pages and a book.
+//! The `report` stage: makes pages and a book of the artifacts of the other stages.
 
 mod chapters;
 mod digits;
 mod search;
 mod times;
 
-use super::{artifact, figures, results, solutions, to_json};
+use super::solutions::Solutions;
+use super::{artifact, figures, results, to_json};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::{Artifacts, Graph, Inputs, Task, hash};
 use crate::replication::project::{Project, TRUTH};
@@ -18,9 +19,9 @@ use std::collections::BTreeMap;
 /// The task that makes the pages and the book.
 pub(crate) const ID: &str = "report/book";
 
-/// What the chapters lack in this project, if they lack anything: with the paper's problems, with recorded times
-/// or true solutions, or with what one of the problems does not ask for, all pages made from templates are left out
-/// of the book.
+/// Returns the reason to leave all pages made from templates out of the book, if there is one: the project lacks the
+/// paper's problems, recorded times or true solutions, or one of the problems lacks an r, a rule or an output that the
+/// chapters show.
 pub(crate) fn left_out(project: &Project) -> Option<String> {
     let problems = project.problems();
     let [first, second] = problems[..] else {
@@ -46,49 +47,56 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
                 "they show scene `{name}` for the paper's r; let it have r = {r:?}"
             ));
         }
-        let rule = chapters::RULES.iter().find(|rule| !scene.stop.contains(rule));
-        let mut kinds = figures::KINDS.iter().map(|kind| kind.0).chain([Output::Table]);
-        let missing = rule.map(|rule| format!("\"{rule}\" to `stop`")).or(kinds
-            .find(|kind| !scene.wants(*kind))
-            .map(|kind| format!("\"{kind}\" to `outputs`")))?;
+        let missing = missing_setting(scene)?;
         Some(format!("they show scene `{}`; add {missing}", scene.name))
     })
 }
 
-/// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
+/// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
+fn missing_setting(scene: &Scene) -> Option<String> {
+    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.stop.contains(rule)) {
+        return Some(format!("\"{rule}\" to `stop`"));
+    }
+    let mut outputs = figures::KINDS.iter().map(|kind| kind.output).chain([Output::Table]);
+    let missing = outputs.find(|output| !scene.wants(*output))?;
+    Some(format!("\"{missing}\" to `outputs`"))
+}
+
+/// The task that writes the pages and builds the book, from the artifacts of all `earlier` tasks.
 pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
-    let other = |scene: &&Scene| !scene.is_problem() && scene.wants(Output::Table);
-    let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
+    let mut others = project.scenes.clone();
+    others.retain(|scene| !scene.is_problem() && scene.wants(Output::Table));
     let left_out = left_out(project);
     let mut files = project.files.clone();
-    let report_file =
-        |(name, bytes): (&String, &Vec<u8>)| (format!("report/{name}"), bytes.clone());
-    files.extend(project.templates.iter().map(report_file));
+    for (name, bytes) in &project.templates {
+        files.insert(format!("report/{name}"), bytes.clone());
+    }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
     graph.0.push((ID.into(), needs.clone()));
-    // By hash: whoever asks what changed does not want to read it all, old and new.
+    // By hash, because `explain` prints changed parameters, old and new.
     let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
     let commands = project.commands;
-    let work = move |inputs: &Inputs| {
+    let task = Task::new(ID, parameters, needs, move |inputs| {
         if let Some(reason) = &left_out {
-            let stubs = |templates: &_| Ok(report::stubs(templates, reason)?);
-            return book(inputs, Artifacts::new(), stubs);
+            return book(inputs, Artifacts::new(), |templates| {
+                Ok(report::stubs(templates, reason)?)
+            });
         }
-        let (solutions, data) = solutions::all(inputs, &problems, &others)?;
-        book(inputs, data, |templates| {
+        let Solutions { listed, files } = Solutions::of(inputs, &problems, &others)?;
+        book(inputs, files, |templates| {
             let mut context = chapters::context(inputs, &problems, &others)?;
-            context.insert("solutions", &solutions);
+            context.insert("solutions", &listed);
             context.insert("commands", &commands());
             context.insert("mermaid", &graph.mermaid());
             Ok(report::pages(templates, &context)?)
         })
-    };
-    Task { files, export: Some("report"), ..Task::new(ID, parameters, needs, work) }
+    });
+    Task { files, export: Some("report"), ..task }
 }
 
-/// The pages made of the templates, and the book made of the pages and of `data`, files by name.
+/// Makes the pages from the templates, and the book from the pages and from `data`; all are files by name.
 fn book(
     inputs: &Inputs,
     data: Artifacts,
@@ -98,7 +106,7 @@ fn book(
     let mut files = Artifacts::new();
     for (path, bytes) in inputs.files {
         let Some(name) = path.strip_prefix("report/") else {
-            // What pages may include.
+            // Pages may include files of the project.
             files.insert(format!("../{path}"), bytes.clone());
             continue;
         };
@@ -111,17 +119,21 @@ fn book(
                 }
                 templates.insert(page.to_owned(), text);
             }
-            // What pages show besides, such as a photograph.
+            // Other files that pages show, such as a photograph.
             Some(other) => _ = files.insert(format!("src/{other}"), bytes.clone()),
             None => _ = files.insert(name.into(), bytes.clone()),
         }
     }
     let pages = pages(&templates)?;
-    let mut made: Artifacts =
-        data.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes)).collect();
-    made.extend(
-        pictures(inputs).map(|(name, bytes)| (format!("src/figures/{name}"), bytes.clone())),
-    );
+    let mut made = Artifacts::new();
+    for (name, bytes) in data {
+        made.insert(format!("src/data/{name}"), bytes);
+    }
+    for (_, pictures) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
+        for (name, bytes) in pictures {
+            made.insert(format!("src/figures/{name}"), bytes.clone());
+        }
+    }
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
         made.insert(format!("src/{}", results::FILE), csv.into());
     }
@@ -139,29 +151,34 @@ fn book(
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
     let built = report::build(&files, inputs.scratch)
         .map_err(|mistake| report::in_template(mistake, &pages, &templates))?;
-    let pages = pages.into_iter().map(|(name, page)| (name, page.into_bytes()));
-    Ok(pages
-        .chain(built.into_iter().map(|(name, bytes)| (format!("book/{name}"), bytes)))
-        .collect())
+    let mut artifacts = Artifacts::new();
+    for (name, page) in pages {
+        artifacts.insert(name, page.into_bytes());
+    }
+    for (name, bytes) in built {
+        artifacts.insert(format!("book/{name}"), bytes);
+    }
+    Ok(artifacts)
 }
 
-fn pictures<'a>(inputs: &'a Inputs) -> impl Iterator<Item = (&'a String, &'a Vec<u8>)> {
-    inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")).flat_map(|(_, made)| made)
-}
-
-/// The versions of what shows in the book, as the build resolved them.
-///
-/// Cargo writes one field to a line, so that a run with nothing to do need not parse it all.
+/// Returns names and versions of the packages that the book names, as the build resolved them.
 pub(crate) fn versions() -> Vec<(String, String)> {
     const SHOWN: [&str; 6] =
         ["mdbook-driver", "plotters", "polars", "pulldown-latex", "signorini", "tera"];
-    let packages = include_str!("../../../Cargo.lock").split("[[package]]").skip(1);
-    let field = |package: &str, key: &str| {
-        let value = package.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
-        value.unwrap_or_default().trim_matches('"').to_owned()
-    };
-    packages
-        .map(|package| (field(package, "name"), field(package, "version")))
-        .filter(|(name, _)| SHOWN.contains(&name.as_str()))
-        .collect()
+    let mut versions = Vec::new();
+    for package in include_str!("../../../Cargo.lock").split("[[package]]").skip(1) {
+        let name = field(package, "name");
+        if SHOWN.contains(&name) {
+            versions.push((name.to_owned(), field(package, "version").to_owned()));
+        }
+    }
+    versions
+}
+
+/// Returns the value of a field in a section of `Cargo.lock`.
+///
+/// Cargo writes one field to a line, so that a run with nothing to do need not parse the whole file.
+fn field<'a>(section: &'a str, key: &str) -> &'a str {
+    let value = section.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
+    value.unwrap_or_default().trim_matches('"')
 }

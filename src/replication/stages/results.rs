@@ -1,11 +1,11 @@
-//! The table of all results: every scene, rule, r and grid beside what the paper prints, for other programs to
-//! read, and what the book says of it as joins and aggregates.
+//! The table of all results: every scene, rule, r and grid beside the published numbers, for other programs to
+//! read, and the joins and aggregates of it that the book shows.
 
 use super::from_json;
 use super::solve::{self, OUTCOMES, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::TableComparison;
-use crate::replication::paper::Paper;
+use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::saddle::{Outcome, StopReason, StopRule, tolerance};
@@ -30,32 +30,35 @@ pub(super) fn task(project: &Project) -> Option<Task> {
         paper.table.iter().map(|table| (table.number, &table.counts, &table.delta_a)).collect();
     let parameters =
         parameters(&serde_json::json!({ "r": paper.r, "tables": tables, "published": printed }));
-    let join = move |inputs: &Inputs| {
-        let results = joined(&rows(inputs, &parts)?, &paper)?;
+    let task = Task::new(ID, parameters, needs, move |inputs| {
+        let results = joined(&solved(inputs, &parts)?, &paper)?;
         Ok(Artifacts::from([(FILE.into(), csv(results)?)]))
-    };
-    let task = Task::new(ID, parameters, needs, join);
+    });
     (!task.needs.is_empty()).then(|| Task { export: Some("report"), ..task })
 }
 
-/// One row per problem, stopping rule, r and grid.
+/// Table with one row per problem, stopping rule, r and grid.
 ///
-/// `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` say what was
-/// solved. `published` and `published_delta_a` are what the paper prints, empty where it prints
-/// nothing, of Delta a on all but the finest grid. `stop` is the [end](Outcome::end) of the iteration as `solve` names
-/// it, and `met` tells whether its stopping rule was met, which makes no solution. The other columns carry the names of
-/// the fields of [`Outcome`].
+/// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` identify the solve.
+/// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
+/// all grids but the finest. `stop` is the [end](Outcome::end) of the iteration as `solve` names it, and `met` is true
+/// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
+/// [`Outcome`].
 #[derive(Clone, Debug)]
 pub(super) struct Results(DataFrame);
 
+/// Aggregate of a column of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Summary {
+struct Aggregate {
     cases: usize,
     sum: f64,
-    least: f64,
-    greatest: f64,
+    /// `None` if there are no cases.
+    least: Option<f64>,
+    /// `None` if there are no cases.
+    greatest: Option<f64>,
 }
 
+/// Columns that identify a row among those of one rule.
 const KEYS: [&str; 3] = ["problem", "r", "cells"];
 
 impl Results {
@@ -67,51 +70,49 @@ impl Results {
         self.0.filter(&self.0.column("problem")?.str()?.equal(name)).map(Self)
     }
 
-    /// How these results agree with the paper's `tables`, and what the stopping rules leave and cost on the
-    /// finest grid.
+    /// Returns the agreement of these results with the paper's `tables`, and the gradients and the costs of the
+    /// stopping rules on the finest grid.
     pub(super) fn agreement(&self, tables: &[TableComparison]) -> PolarsResult<Value> {
         let exact = self.exact(StopRule::Signed)?;
         let signed = self.finest(StopRule::Signed)?;
-        let on_finest = |column: &str| summary(&floats(&signed, column)?);
-        let sum = |of: fn(&TableComparison) -> usize| tables.iter().map(of).sum::<usize>();
         Ok(json!({
             // Published counts; those that the signed rule gives, and (13) as printed.
             "cells": exact.cases,
             "exact": exact.sum as usize,
             "printed_exact": self.exact(StopRule::Printed)?.sum as usize,
             // Published values of Delta a; those to both digits, and within the declared tolerance.
-            "deltas": sum(|table| table.rows.len()),
-            "deltas_exact": sum(|table| table.delta_a_exact),
-            "deltas_within": sum(|table| table.delta_a_within),
+            "deltas": tables.iter().map(|table| table.rows.len()).sum::<usize>(),
+            "deltas_exact": tables.iter().map(|table| table.delta_a_exact).sum::<usize>(),
+            "deltas_within": tables.iter().map(|table| table.delta_a_within).sum::<usize>(),
             // `max |dM/dy|` over the tolerance where the signed rule stops.
-            "excess": summary(&(&floats(&signed, "gradient_abs")? / &floats(&signed, "tolerance")?)?)?,
+            "excess": aggregate(&(&floats(&signed, "gradient_abs")? / &floats(&signed, "tolerance")?)?)?,
             // Iterations under (13) as printed, and under the dual rule, over those under the signed rule.
             "printed": self.factor(StopRule::Printed)?,
             "dual": self.factor(StopRule::SignedDual)?,
             // Iterations and Delta a under the signed rule, and Delta a as published.
-            "counts": on_finest("iterations")?,
-            "delta": on_finest("delta_a")?,
-            "paper_delta": on_finest("published_delta_a")?,
+            "counts": aggregate(&floats(&signed, "iterations")?)?,
+            "delta": aggregate(&floats(&signed, "delta_a")?)?,
+            "paper_delta": aggregate(&floats(&signed, "published_delta_a")?)?,
         }))
     }
 
-    /// 1 for each published count that the rule gives and meets, else 0.
-    fn exact(&self, rule: StopRule) -> PolarsResult<Summary> {
+    /// Aggregate of 1 for each published count that the rule gives and meets, and 0 for each other.
+    fn exact(&self, rule: StopRule) -> PolarsResult<Aggregate> {
         let rows = self.under(rule)?;
         let rows = rows.filter(&rows.column("published")?.is_not_null())?;
         let same = floats(&rows, "iterations")?.equal(&floats(&rows, "published")?)?;
         let exact = same & rows.column("met")?.bool()?.clone();
-        summary(&exact.into_series())
+        aggregate(&exact.into_series())
     }
 
-    /// The iterations of a rule on the finest grid over those of the signed rule, for every r with
-    /// which it is met.
-    fn factor(&self, rule: StopRule) -> PolarsResult<Summary> {
+    /// Iterations of a rule on the finest grid over those of the signed rule, for every r with which the rule is met.
+    fn factor(&self, rule: StopRule) -> PolarsResult<Aggregate> {
         let rows = self.finest(StopRule::Signed)?.left_join(&self.finest(rule)?, KEYS, KEYS)?;
         let rows = rows.filter(rows.column("met_right")?.bool()?)?;
-        summary(&(&floats(&rows, "iterations_right")? / &floats(&rows, "iterations")?)?)
+        aggregate(&(&floats(&rows, "iterations_right")? / &floats(&rows, "iterations")?)?)
     }
 
+    /// Rows of one stopping rule.
     fn under(&self, rule: StopRule) -> PolarsResult<DataFrame> {
         self.0.filter(&self.0.column("rule")?.str()?.equal(rule.to_string().as_str()))
     }
@@ -123,83 +124,101 @@ impl Results {
     }
 }
 
-/// What was solved on a grid.
-struct Row<'a> {
+/// Solve on one grid.
+struct GridSolve<'a> {
     scene: &'a Scene,
     rule: StopRule,
     r: f64,
-    /// The number of the grid, from 1.
+    /// Number of the grid, from 1.
     level: usize,
     outcome: Outcome,
 }
 
-fn rows<'a>(inputs: &Inputs, parts: &'a [(Scene, StopRule)]) -> Result<Vec<Row<'a>>, String> {
-    let mut rows = Vec::new();
+impl GridSolve<'_> {
+    /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
+    fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
+        let table = paper.published(self.scene.paper_table?).ok()?;
+        Some((table, paper.r.iter().position(|&printed| printed == self.r)?))
+    }
+
+    /// Published count, if the paper prints one.
+    fn published_count(&self, paper: &Paper) -> Option<i64> {
+        let (table, row) = self.published_row(paper)?;
+        table.counts[row].get(self.level - 1).map(|&count| count as i64)
+    }
+
+    /// Published Delta a, which the paper prints for the finest grid.
+    fn published_delta_a(&self, paper: &Paper) -> Option<f64> {
+        self.published_count(paper)?;
+        let (table, row) = self.published_row(paper)?;
+        (self.level == self.scene.grids.len()).then_some(table.delta_a[row])
+    }
+}
+
+fn solved<'a>(
+    inputs: &Inputs,
+    parts: &'a [(Scene, StopRule)],
+) -> Result<Vec<GridSolve<'a>>, String> {
+    let mut solves = Vec::new();
     for (scene, rule) in parts {
         for &r in &scene.r {
             let solved: Outcomes = from_json(inputs, &solve::id(scene, *rule, r), OUTCOMES)?;
-            let levels = (1..).zip(solved.levels);
-            let row = |(level, outcome)| Row { scene, rule: *rule, r, level, outcome };
-            rows.extend(levels.map(row));
+            for (level, outcome) in (1..).zip(solved.levels) {
+                solves.push(GridSolve { scene, rule: *rule, r, level, outcome });
+            }
         }
     }
-    Ok(rows)
+    Ok(solves)
 }
 
-/// The rows of [`Results`].
-fn joined(rows: &[Row], paper: &Paper) -> PolarsResult<DataFrame> {
-    let float =
-        |of: fn(&Outcome) -> f64| rows.iter().map(|row| of(&row.outcome)).collect::<Vec<_>>();
-    let count = |of: fn(&Outcome) -> usize| {
-        rows.iter().map(|row| of(&row.outcome) as i64).collect::<Vec<_>>()
-    };
-    let published = rows.iter().map(|&Row { scene, r, level, .. }| {
-        let table = paper.published(scene.paper_table?).ok()?;
-        let k = paper.r.iter().position(|&printed| printed == r)?;
-        let count = *table.counts[k].get(level - 1)? as i64;
-        Some((count, (level == scene.grids.len()).then_some(table.delta_a[k])))
-    });
-    let published: Vec<_> = published.collect();
+/// The table of [`Results`], made from solves and published numbers.
+fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
-        "problem" => rows.iter().map(|row| &*row.scene.name).collect::<Vec<_>>(),
-        "rule" => rows.iter().map(|row| row.rule.name()).collect::<Vec<_>>(),
-        "r" => rows.iter().map(|row| row.r).collect::<Vec<_>>(),
-        "cells" => count(|o| o.cells),
-        "tolerance" => rows.iter().map(|row| tolerance(row.level)).collect::<Vec<_>>(),
-        "iterations" => count(|o| o.iterations),
-        "stop" => rows.iter().map(|row| row.outcome.end()).collect::<Vec<_>>(),
-        "met" => rows.iter().map(|row| row.outcome.stop == StopReason::Converged).collect::<Vec<_>>(),
-        "gradient_signed" => float(|o| o.gradient_signed),
-        "gradient_abs" => float(|o| o.gradient_abs),
-        "delta_a" => float(|o| o.delta_a),
-        "energy" => float(|o| o.energy),
-        "sum_load" => float(|o| o.sum_load),
-        "kkt_stationarity" => float(|o| o.kkt.stationarity),
-        "kkt_min_y" => float(|o| o.kkt.min_y),
-        "kkt_min_lambda" => float(|o| o.kkt.min_lambda),
-        "kkt_complementarity" => float(|o| o.kkt.complementarity),
-        "kkt_natural" => float(|o| o.kkt.natural),
-        "kkt_relative" => float(|o| o.kkt.relative),
-        "published" => published.iter().map(|row| Some(row.as_ref()?.0)).collect::<Vec<_>>(),
-        "published_delta_a" => published.iter().map(|row| row.as_ref()?.1).collect::<Vec<_>>(),
+        "problem" => column(solves, |solve| &*solve.scene.name),
+        "rule" => column(solves, |solve| solve.rule.name()),
+        "r" => column(solves, |solve| solve.r),
+        "cells" => column(solves, |solve| solve.outcome.cells as i64),
+        "tolerance" => column(solves, |solve| tolerance(solve.level)),
+        "iterations" => column(solves, |solve| solve.outcome.iterations as i64),
+        "stop" => column(solves, |solve| solve.outcome.end()),
+        "met" => column(solves, |solve| solve.outcome.stop == StopReason::Converged),
+        "gradient_signed" => column(solves, |solve| solve.outcome.gradient_signed),
+        "gradient_abs" => column(solves, |solve| solve.outcome.gradient_abs),
+        "delta_a" => column(solves, |solve| solve.outcome.delta_a),
+        "energy" => column(solves, |solve| solve.outcome.energy),
+        "sum_load" => column(solves, |solve| solve.outcome.sum_load),
+        "kkt_stationarity" => column(solves, |solve| solve.outcome.kkt.stationarity),
+        "kkt_min_y" => column(solves, |solve| solve.outcome.kkt.min_y),
+        "kkt_min_lambda" => column(solves, |solve| solve.outcome.kkt.min_lambda),
+        "kkt_complementarity" => column(solves, |solve| solve.outcome.kkt.complementarity),
+        "kkt_natural" => column(solves, |solve| solve.outcome.kkt.natural),
+        "kkt_relative" => column(solves, |solve| solve.outcome.kkt.relative),
+        "published" => column(solves, |solve| solve.published_count(paper)),
+        "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
     )
 }
 
+/// Values of one column, a row per solve.
+fn column<'a, T>(solves: &'a [GridSolve], value: impl Fn(&'a GridSolve) -> T) -> Vec<T> {
+    solves.iter().map(value).collect()
+}
+
+/// Column of numbers, as floating-point numbers.
 fn floats(rows: &DataFrame, column: &str) -> PolarsResult<Series> {
     rows.column(column)?.as_materialized_series().cast(&DataType::Float64)
 }
 
-fn summary(values: &Series) -> PolarsResult<Summary> {
+fn aggregate(values: &Series) -> PolarsResult<Aggregate> {
     let values = values.cast(&DataType::Float64)?;
-    Ok(Summary {
+    Ok(Aggregate {
         cases: values.len(),
         sum: values.sum::<f64>()?,
-        least: values.min::<f64>()?.unwrap_or(f64::NAN),
-        greatest: values.max::<f64>()?.unwrap_or(f64::NAN),
+        least: values.min::<f64>()?,
+        greatest: values.max::<f64>()?,
     })
 }
 
-/// CSV with a header line.
+/// Writes CSV with a header line.
 pub(super) fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
     let mut bytes = Vec::new();
     CsvWriter::new(&mut bytes).finish(&mut frame)?;

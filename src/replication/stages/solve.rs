@@ -1,4 +1,6 @@
 //! The `solve` stage: one cell is a problem, a stopping rule and an r, solved on all nested grids.
+//!
+//! Central is `solve`, which runs the paper's method for one cell.
 
 use super::{artifact, from_json, to_json};
 use crate::discrete::grid::{Grid, nested};
@@ -18,7 +20,7 @@ use crate::saddle::{
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Everything a cell depends on.
+/// Parameters that determine the artifacts of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Cell {
     f: Source,
@@ -28,13 +30,13 @@ pub(super) struct Cell {
     r: f64,
     stop: StopRule,
     max_iterations: usize,
-    /// Whether the pair on the finest grid is drawn.
+    /// True if the pair on the finest grid is drawn.
     keep_pair: bool,
-    /// Whether the history of residuals is drawn.
+    /// True if the history of residuals is drawn.
     keep_history: bool,
 }
 
-/// `outcomes.json`.
+/// Contents of the artifact [`OUTCOMES`].
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Outcomes {
     schema: u8,
@@ -61,14 +63,19 @@ pub(super) fn ids(scene: &Scene, stop: StopRule) -> impl Iterator<Item = String>
     scene.r.iter().map(move |&r| id(scene, stop, r))
 }
 
-/// The tasks that solve the cells of a scene under a rule, as far as a table or a figure asks for them.
-pub(super) fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task> {
-    let cells = scene.r.iter().map(move |&r| cell(scene, stop, r));
-    let asked = |cell: &Cell| scene.wants(Output::Table) || cell.keep_pair || cell.keep_history;
-    cells.filter(asked).map(|cell| task(scene, cell))
+/// The tasks that solve those cells of a scene under a rule for which a table or a figure asks.
+pub(super) fn tasks(scene: &Scene, stop: StopRule) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for &r in &scene.r {
+        let cell = cell(scene, stop, r);
+        if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
+            tasks.push(task(scene, cell));
+        }
+    }
+    tasks
 }
 
-/// The discrete solution of a scene on its finest grid, with f integrated exactly; a is the flux.
+/// Solves a scene on its finest grid by multigrid, with f integrated exactly; a is the flux.
 pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
@@ -89,7 +96,7 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
         r,
         stop,
         max_iterations: scene.max_iterations,
-        keep_pair: r == scene.draw_r
+        keep_pair: r == scene.drawn_r()
             && ((scene.wants(Output::Surface) && drawn_rule) || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && drawn_rule,
     }
@@ -109,9 +116,9 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    let mut record =
-        Record { keep_history: cell.keep_history, exact: cell.f.exact(), ..Record::default() };
-    let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, &mut record);
+    let mut recorder =
+        Recorder { keep_history: cell.keep_history, exact: cell.f.exact(), ..Recorder::default() };
+    let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, &mut recorder);
     if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
         return Err(format!(
             "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
@@ -119,28 +126,28 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
         )
         .into());
     }
-    let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: record.errors };
+    let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: recorder.errors };
     let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);
     if cell.keep_pair {
         let bytes = pair.y.iter().chain(&pair.a).flat_map(|v| v.to_le_bytes()).collect();
         artifacts.insert(PAIR.into(), bytes);
     }
     if cell.keep_history {
-        artifacts.insert(HISTORY.into(), to_json(&record.history));
+        artifacts.insert(HISTORY.into(), to_json(&recorder.history));
     }
     Ok(artifacts)
 }
 
-/// Keeps what the cell is asked to keep.
+/// Monitor that records the errors against a known solution and, if asked, all iterations.
 #[derive(Default)]
-struct Record {
+struct Recorder {
     keep_history: bool,
     exact: Option<Exact>,
     history: Vec<Vec<Iteration>>,
     errors: Vec<f64>,
 }
 
-impl Monitor for Record {
+impl Monitor for Recorder {
     fn wants_iterations(&self) -> bool {
         self.keep_history
     }
@@ -157,51 +164,53 @@ impl Monitor for Record {
     }
 }
 
-/// Words for the end of the iteration on the finest grid with the r that is drawn, unless it is a solution.
+/// Returns, in words, how the iteration on the finest grid with the r that is drawn ended, unless with a solution.
 pub(super) fn no_solution(
     inputs: &Inputs,
     scene: &Scene,
     stop: StopRule,
 ) -> Result<Option<String>, String> {
-    let outcomes: Outcomes = from_json(inputs, &id(scene, stop, scene.draw_r), OUTCOMES)?;
+    let outcomes: Outcomes = from_json(inputs, &id(scene, stop, scene.drawn_r()), OUTCOMES)?;
     let end = outcomes.levels.last().map_or(CONVERGED, Outcome::end);
     Ok((end != CONVERGED).then(|| end.replace('-', " ")))
 }
 
-/// The end of an iteration where it has a solution.
+/// [End](Outcome::end) of an iteration with a solution.
 const CONVERGED: &str = "converged";
 
-/// A line that says on which grids solves of a scene ended without a solution, if one has none on the finest grid;
-/// `outcomes` reads the [`OUTCOMES`] of a task, if it is among the tasks in question.
+/// Returns a line that lists the grids on which solves of a scene ended without a solution, if one of them is the
+/// finest; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is not concerned.
 pub(crate) fn without_solution(
     scene: &Scene,
     outcomes: impl Fn(&str) -> Option<Vec<u8>>,
 ) -> Option<String> {
-    let solves = scene.stop.iter().flat_map(|&stop| ids(scene, stop));
-    let read = |id: String| serde_json::from_slice::<Outcomes>(&outcomes(&id)?).ok();
-    let solves: Vec<Outcomes> = solves.filter_map(read).collect();
-    let solved = |of: &Outcomes| of.levels.last().is_none_or(|level| level.end() == CONVERGED);
-    if solves.iter().all(solved) {
+    let mut grids: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
+    let mut solved = true;
+    for id in scene.stop.iter().flat_map(|&stop| ids(scene, stop)) {
+        let Some(bytes) = outcomes(&id) else { continue };
+        let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
+        solved &= levels.last().is_none_or(|level| level.end() == CONVERGED);
+        for level in &levels {
+            grids.entry(level.end()).or_default().insert(level.cells);
+        }
+    }
+    if solved {
         return None;
     }
-    let mut grids: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
-    for level in solves.iter().flat_map(|of| &of.levels) {
-        grids.entry(level.end()).or_default().insert(level.cells);
-    }
     grids.remove(CONVERGED);
-    let on = |(end, cells): (&str, BTreeSet<usize>)| {
+    let mut ends = Vec::new();
+    for (end, cells) in grids {
         let cells: Vec<_> = cells.iter().map(|n| format!("1/{n}")).collect();
-        format!("{end} on {}", cells.join(", "))
-    };
-    let ends: Vec<_> = grids.into_iter().map(on).collect();
+        ends.push(format!("{end} on {}", cells.join(", ")));
+    }
     let name = &scene.name;
     Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
 }
 
-/// The pair where a rule stops on the finest grid, with the r that is drawn.
+/// Returns the pair where a rule stops on the finest grid, with the r that is drawn.
 pub(super) fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
     let grid = scene.finest();
-    let (chunks, _) = artifact(inputs, &id(scene, stop, scene.draw_r), PAIR)?.as_chunks();
+    let (chunks, _) = artifact(inputs, &id(scene, stop, scene.drawn_r()), PAIR)?.as_chunks();
     let values: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
     if values.len() != grid.nodes() + grid.boundary_nodes() {
         return Err(format!("{PAIR} is not for grid 1/{}", grid.cells()));

@@ -33,28 +33,31 @@ pub(super) fn rows(inputs: &Inputs, solves: &[String]) -> Result<Vec<Row>, Strin
     solves.iter().map(|task| row(inputs, task)).collect()
 }
 
-fn row(inputs: &Inputs, need: &str) -> Result<Row, String> {
-    let Outcomes { r, levels, .. } = from_json(inputs, need, solve::OUTCOMES)?;
+fn row(inputs: &Inputs, task: &str) -> Result<Row, String> {
+    let Outcomes { r, levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
+    let finest = levels.last().ok_or_else(|| format!("{task} has solved on no grid"))?;
     Ok(Row {
         r,
-        counts: levels.iter().map(|o| o.iterations).collect(),
-        capped: levels.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
-        delta_a: levels.last().map_or(f64::NAN, |o| o.delta_a),
+        counts: levels.iter().map(|level| level.iterations).collect(),
+        capped: levels.iter().map(|level| level.stop == StopReason::IterationLimit).collect(),
+        delta_a: finest.delta_a,
     })
 }
 
 /// Ends of the iterations on each grid, as `solve` names them; a list from each of the tasks `solves`.
 fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, String> {
-    let of_task = |task: &String| {
+    let mut ends = Vec::new();
+    for task in solves {
         let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-        Ok(levels.iter().map(Outcome::end).collect())
-    };
-    solves.iter().map(of_task).collect()
+        ends.push(levels.iter().map(Outcome::end).collect());
+    }
+    Ok(ends)
 }
 
-/// The paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`;
-/// where counts on a grid were cut off by `max_iterations`, a column `capped 1/4` that says which; where an iteration
-/// ended without a solution of the discrete problem, a column `stop 1/4` with the `ends`.
+/// Table in the paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`.
+///
+/// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
+/// ended without a solution of the discrete problem, a column `stop 1/4` holds the `ends`.
 fn table(rows: &[Row], ends: &[Vec<&str>], cells: &[usize]) -> PolarsResult<DataFrame> {
     let mut columns: Vec<Column> =
         vec![Column::new("r".into(), rows.iter().map(|row| row.r).collect::<Vec<_>>())];
@@ -85,10 +88,11 @@ mod tests {
 
     #[test]
     fn a_table_has_all_digits_and_says_what_was_cut_off() {
-        let row = |r, counts, cut, delta_a| Row { r, counts, capped: vec![false, cut], delta_a };
         let ends = [vec!["no-solution", "converged"], vec!["converged", "iteration-limit"]];
-        let rows =
-            [row(1e6, vec![1, 149], false, 1e-4 / 3.0), row(0.5, vec![3, 55], true, 3.53e-4)];
+        let rows = [
+            Row { r: 1e6, counts: vec![1, 149], capped: vec![false; 2], delta_a: 1e-4 / 3.0 },
+            Row { r: 0.5, counts: vec![3, 55], capped: vec![false, true], delta_a: 3.53e-4 },
+        ];
         expect_test::expect![[r#"
             r,1/4,1/8,delta_a,capped 1/8,stop 1/4
             1000000.0,1,149,0.000033333333333333335,false,no-solution

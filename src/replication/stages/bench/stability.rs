@@ -5,21 +5,24 @@ use crate::experiments::trial::Trial;
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 
-/// A curve with a ring at each case in which the method ran and the value is positive.
+/// Curve with a ring at each case in which the method ran and the value is positive.
 fn marked(
     label: impl Into<String>,
     cases: &[Case<f64>],
     method: &str,
     value: impl Fn(&Trial) -> Option<f64>,
 ) -> Curve {
-    let of = |case: &Case<f64>| {
-        let value = value(case.trials.get(method)?).filter(|value| *value > 0.0)?;
-        Some((case.x, value))
-    };
-    Curve::new(Marked, label, cases.iter().filter_map(of))
+    let mut points = Vec::new();
+    for case in cases {
+        let value = case.trials.get(method).and_then(&value);
+        if let Some(value) = value.filter(|value| *value > 0.0) {
+            points.push((case.x, value));
+        }
+    }
+    Curve::new(Marked, label, points)
 }
 
-/// The paper's method over the duality parameter.
+/// Draws the residual of the paper's method against the duality parameter.
 pub(super) fn duality(found: &Stress) -> Picture {
     let mut residual = Vec::new();
     for (name, cases) in found.plan.names().into_iter().zip(&found.duality) {
@@ -35,19 +38,19 @@ pub(super) fn duality(found: &Stress) -> Picture {
     charts(false, &[Chart::new("Where it stops", ["r", "KKT residual"], residual)])
 }
 
+/// Draws the residual of three methods against the tolerance, a panel per problem.
 pub(super) fn tolerances(found: &Stress) -> Picture {
-    let named = found.plan.names().into_iter().zip(&found.tolerances);
-    let parts: Vec<_> = named
-        .map(|(name, cases)| {
-            let named =
-                [("signed rule", "signed"), ("strict rule", "strict"), ("multigrid", "multigrid")];
-            let mut curves: Vec<_> =
-                named.map(|(label, name)| marked(label, cases, name, |trial| trial.kkt)).into();
-            let asked = cases.iter().map(|case| (case.x, case.x));
-            curves.push(Curve::new(Reference, "as asked", asked));
-            let axes = ["tolerance over the load", "KKT residual"];
-            Chart::new(name, axes, curves)
-        })
-        .collect();
-    charts(false, &parts)
+    let mut panels = Vec::new();
+    for (name, cases) in found.plan.names().into_iter().zip(&found.tolerances) {
+        let mut curves = Vec::new();
+        for (label, method) in
+            [("signed rule", "signed"), ("strict rule", "strict"), ("multigrid", "multigrid")]
+        {
+            curves.push(marked(label, cases, method, |trial| trial.kkt));
+        }
+        let asked = cases.iter().map(|case| (case.x, case.x));
+        curves.push(Curve::new(Reference, "as asked", asked));
+        panels.push(Chart::new(name, ["tolerance over the load", "KKT residual"], curves));
+    }
+    charts(false, &panels)
 }

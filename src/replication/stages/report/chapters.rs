@@ -1,13 +1,14 @@
-//! What the templates of the chapters are given: plain data, everything computed, nothing formatted.
+//! Data for the templates of the chapters: computed numbers, not formatted.
 
 use super::digits::compared;
 use super::search::{fixed, searched};
 use super::times::times;
 use super::versions;
+use crate::discrete::grid::Grid;
 use crate::discrete::load::integral;
 use crate::discrete::norms::worst;
 use crate::experiments::Range;
-use crate::experiments::truth::{Elements, Truth};
+use crate::experiments::truth::{Elements, Level, Truth};
 use crate::identify::Findings;
 use crate::identify::record::Record;
 use crate::pipeline::error::{Failure, from_toml};
@@ -27,39 +28,36 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use tera::Context;
 
-/// The rules that the chapters compare: of the tables, as printed, and with the dual one.
+/// Rules that the chapters compare: that of the tables, the printed one, and the dual one.
 pub(super) const RULES: [StopRule; 3] = [StopRule::Signed, StopRule::Printed, StopRule::SignedDual];
 
-/// What the templates of the chapters know of results, by name.
+/// Returns the results that the templates of the chapters show, by name.
 pub(super) fn context(
     inputs: &Inputs,
     problems: &[Scene],
     others: &[Scene],
 ) -> Result<Context, Failure> {
     let results = Results::read(artifact(inputs, results::ID, results::FILE)?)?;
-    let table = |scene: &Scene| from_json(inputs, &diff::id(scene), DIFF);
-    let tables = problems.iter().map(table).collect::<Result<Vec<TableComparison>, _>>()?;
-    let shown = problems.iter().zip(&tables);
-    let shown = shown.map(|(scene, table)| problem(inputs, &results, scene, table));
-    let others = others.iter().map(|scene| other(inputs, scene));
+    let mut tables: Vec<TableComparison> = Vec::new();
+    for scene in problems {
+        tables.push(from_json(inputs, &diff::id(scene), DIFF)?);
+    }
     let text = inputs.files.get(IDENTIFIED).ok_or("no record of the search")?;
     let record: Record = from_toml(IDENTIFIED, text)?;
     let grids: Vec<usize> = problems[0].grids.iter().map(|grid| grid.cells()).collect();
 
     let mut context = Context::new();
     context.insert("agreement", &results.agreement(&tables)?);
+    let problems_and_tables = problems.iter().zip(&tables);
+    let shown = problems_and_tables.map(|(scene, table)| problem(inputs, &results, scene, table));
     context.insert("problems", &shown.collect::<Result<Vec<_>, _>>()?);
+    let others = others.iter().map(|scene| other(inputs, scene));
     context.insert("scenes", &others.collect::<Result<Vec<_>, _>>()?);
     context.insert("r", &tables[0].rows.iter().map(|row| row.r).collect::<Vec<_>>());
     context.insert("finest", &grids.last());
     context.insert("tolerance", &tolerance(grids.len()));
     context.insert("grids", &grids);
-    // Depth and lift of the known solution whose lift is slight.
-    let grid = problems[0].finest();
-    let line = |k| grid.coordinate(k);
-    let nodes = (0..grid.nodes()).map(|k| (line(k % grid.side()), line(k / grid.side())));
-    let heights = nodes.map(|(x, y)| Exact::FreeCorner.at(x, y).value);
-    context.insert("free_corner", &Range::of(heights));
+    context.insert("free_corner", &heights_of_free_corner(problems[0].finest()));
     context.insert("searched", &searched(&record));
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
@@ -76,50 +74,61 @@ pub(super) fn context(
     Ok(context)
 }
 
+/// Returns the least and the greatest value, at the nodes of a grid, of the known solution that is lifted least.
+fn heights_of_free_corner(grid: Grid) -> Option<Range> {
+    let mut heights = Vec::new();
+    for k in 0..grid.nodes() {
+        let (x, y) = (grid.coordinate(k % grid.side()), grid.coordinate(k / grid.side()));
+        heights.push(Exact::FreeCorner.at(x, y).value);
+    }
+    Range::of(heights)
+}
+
 /// Cells per side from which the guaranteed bound of the error is close to the error.
 const EFFECTIVE_FROM: usize = 64;
 
-/// The greatest guaranteed bound over the error from [`EFFECTIVE_FROM`] on, for the default load and `bilinear`.
+/// Returns the greatest guaranteed bound over the error from [`EFFECTIVE_FROM`] on, for the default load and for
+/// `bilinear`.
 fn effectivity(elements: &[Elements]) -> Value {
-    let levels = || elements.iter().flat_map(|one| &one.levels);
-    let fine = || levels().filter(|level| level.cells >= EFFECTIVE_FROM);
+    let mut levels: Vec<&Level> = elements.iter().flat_map(|one| &one.levels).collect();
+    levels.retain(|level| level.cells >= EFFECTIVE_FROM);
     json!({
         "from": EFFECTIVE_FROM,
-        "exact": worst(fine().map(|level| level.effectivity[1])),
-        "bilinear": worst(fine().map(|level| level.bilinear[1])),
+        "exact": worst(levels.iter().map(|level| level.effectivity[1])),
+        "bilinear": worst(levels.iter().map(|level| level.bilinear[1])),
     })
 }
 
-/// The fields of a scene, and more.
+/// Returns the fields of a scene, and `more`.
 fn extended(scene: &Scene, more: Value) -> BTreeMap<String, Value> {
     let fields = [json!(scene), more].into_iter().filter_map(|value| value.as_object().cloned());
     fields.flatten().collect()
 }
 
-/// One of the paper's problems: its scene, its solves under the [`RULES`], its table.
+/// Returns, of one of the paper's problems, the scene, the solves under the [`RULES`], and the table.
 fn problem(
     inputs: &Inputs,
     results: &Results,
     scene: &Scene,
     table: &TableComparison,
 ) -> Result<BTreeMap<String, Value>, Failure> {
-    let columns = |rule: StopRule| -> Result<Vec<Outcomes>, String> {
-        let column = |r: f64| from_json(inputs, &solve::id(scene, rule, r), OUTCOMES);
-        table.rows.iter().map(|row| column(row.r)).collect()
-    };
-    let [signed, printed, dual] = RULES.map(columns);
+    let [signed, printed, dual] = RULES.map(|rule| outcomes(inputs, scene, rule, table));
     let (signed, printed, dual) = (signed?, printed?, dual?);
     let bound = tolerance(scene.grids.len());
-    let three = signed.iter().zip(&printed).zip(&dual);
-    let finest = three.filter_map(|((signed, printed), dual)| {
-        let (r, signed) = (signed.r, signed.levels.last()?);
-        let (printed, dual) = (printed.levels.last()?, dual.levels.last()?);
-        // `max |dM/dy|` over the tolerance where the signed rule stops.
-        let excess = signed.gradient_abs / bound;
-        Some(
-            json!({ "r": r, "signed": signed, "printed": printed, "dual": dual, "excess": excess }),
-        )
-    });
+    let mut finest = Vec::new();
+    for ((signed, printed), dual) in signed.iter().zip(&printed).zip(&dual) {
+        let last = [signed, printed, dual].map(|outcomes| outcomes.levels.last());
+        if let [Some(last_signed), Some(last_printed), Some(last_dual)] = last {
+            finest.push(json!({
+                "r": signed.r,
+                "signed": last_signed,
+                "printed": last_printed,
+                "dual": last_dual,
+                // `max |dM/dy|` over the tolerance where the signed rule stops.
+                "excess": last_signed.gradient_abs / bound,
+            }));
+        }
+    }
     let stopped = solve::pair(inputs, scene, scene.stop[0])?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
@@ -137,10 +146,10 @@ fn problem(
         "agreement": results.of_problem(&scene.name)?.agreement(std::slice::from_ref(table))?,
         // Of the load vector on each grid.
         "sums": signed[0].levels.iter().map(|outcome| outcome.sum_load).collect::<Vec<_>>(),
-        // What the largest published Delta a leaves in the gradient, h Delta a, and over the tolerance.
+        // Part of the gradient that the largest published Delta a causes, h Delta a, and over the tolerance.
         "gap": [gap, gap / bound],
         // A row per r.
-        "finest": finest.collect::<Vec<_>>(),
+        "finest": finest,
         // A column per r.
         "signed": signed,
         "printed": printed,
@@ -149,7 +158,18 @@ fn problem(
     Ok(extended(scene, more))
 }
 
-/// A surface in a few numbers.
+/// Returns the outcomes of a scene under a rule, one for each row of the table.
+fn outcomes(
+    inputs: &Inputs,
+    scene: &Scene,
+    rule: StopRule,
+    table: &TableComparison,
+) -> Result<Vec<Outcomes>, String> {
+    let ids = table.rows.iter().map(|row| solve::id(scene, rule, row.r));
+    ids.map(|id| from_json(inputs, &id, OUTCOMES)).collect()
+}
+
+/// Returns a few numbers that describe a surface.
 fn shape(pair: &Pair, scene: &Scene) -> Value {
     let heights = Range::of(pair.y.iter().copied());
     json!({
@@ -162,30 +182,31 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
     })
 }
 
-/// Values of f on its pieces, the background last.
+/// Returns the values of f on its pieces, the background last.
 fn values(f: &Source) -> Vec<f64> {
     let Source::Pieces { background, pieces } = f else { return Vec::new() };
     pieces.iter().map(|(_, value)| *value).chain([*background]).collect()
 }
 
-/// The values of Delta a that miss the published digits, each with that of the last three iterations.
+/// Returns the published values of Delta a whose digits do not come out, each with the values of Delta a in the last
+/// three iterations.
 fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec<Value>, String> {
-    let missed = table.rows.iter().filter(|row| !row.delta_a_exact());
-    let miss = missed.map(|row| {
+    let mut misses = Vec::new();
+    for row in table.rows.iter().filter(|row| !row.delta_a_exact()) {
         let id = solve::id(scene, scene.stop[0], row.r);
         let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
         let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
         let last: Vec<_> = finest.iter().map(|step| (step.number, step.delta_a)).collect();
-        Ok(json!({ "r": row.r, "paper": row.delta_a_paper, "last": last }))
-    });
-    miss.collect()
+        misses.push(json!({ "r": row.r, "paper": row.delta_a_paper, "last": last }));
+    }
+    Ok(misses)
 }
 
-/// A scene that is not the paper's, under its first rule and with the r that is drawn.
+/// Returns a scene that is not the paper's, solved under its first rule and with the r that is drawn.
 fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Failure> {
     let path = format!("pipeline/scenes/{}.toml", scene.name);
     let text = inputs.files.get(&path).ok_or_else(|| format!("{path} is missing"))?;
-    let solved = solve::id(scene, scene.stop[0], scene.draw_r);
+    let solved = solve::id(scene, scene.stop[0], scene.drawn_r());
     let outcomes: Outcomes = from_json(inputs, &solved, OUTCOMES)?;
     let more = json!({
         "text": String::from_utf8(text.clone())?,
@@ -199,15 +220,15 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     Ok(extended(scene, more))
 }
 
-/// All figures by their names: the file in the book's folder `figures`, and where in the book its data are, in
-/// a table beside it or on the page of data with the solution.
+/// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,
+/// a table beside it or the page of data with the solution.
 fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     let mut figures = BTreeMap::new();
-    for made in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
-        for (file, svg) in made.1 {
+    for (_, made) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
+        for (file, svg) in made {
             let Some(name) = file.strip_suffix(".svg") else { continue };
             let table = format!("{name}.csv");
-            let data = match made.1.contains_key(&table) {
+            let data = match made.contains_key(&table) {
                 true => format!("figures/{table}"),
                 false => "data.html".into(),
             };
@@ -217,22 +238,25 @@ fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     figures
 }
 
-/// As much of a hash as a reader compares.
+/// Returns the first twelve digits of a hash.
 fn short_hash(bytes: &[u8]) -> String {
     hash(bytes)[..12].to_owned()
 }
 
-/// Where the book's numbers come from: names and hashes of what was read and made, and versions.
+/// Returns the provenance of the book's numbers: names and hashes of input files and of artifacts, and versions.
 fn provenance(inputs: &Inputs) -> Value {
-    let made = inputs.artifacts.iter().filter(|(id, _)| !id.starts_with("solve/"));
-    let made = made.flat_map(|(id, made)| {
-        made.iter().map(move |(name, bytes)| (format!("{id}/{name}"), short_hash(bytes)))
-    });
-    let read = inputs.files.iter().map(|(name, bytes)| (name, short_hash(bytes)));
+    let files: Vec<_> =
+        inputs.files.iter().map(|(name, bytes)| (name, short_hash(bytes))).collect();
+    let mut artifacts = Vec::new();
+    for (id, made) in inputs.artifacts.iter().filter(|(id, _)| !id.starts_with("solve/")) {
+        for (name, bytes) in made {
+            artifacts.push((format!("{id}/{name}"), short_hash(bytes)));
+        }
+    }
     json!({
         "figures": figures(inputs).keys().collect::<Vec<_>>(),
-        "inputs": read.collect::<Vec<_>>(),
-        "artifacts": made.collect::<Vec<_>>(),
+        "inputs": files,
+        "artifacts": artifacts,
         "versions": versions(),
         // Of code and text, as an SPDX expression.
         "license": env!("CARGO_PKG_LICENSE"),

@@ -5,10 +5,10 @@ use crate::pipeline::error::{Failure, from_toml};
 use crate::replication::project::TRUTH;
 use serde::{Deserialize, Serialize};
 
-/// `pipeline/truth.toml`, as `benches/peers/truth.py` writes it.
+/// Contents of `pipeline/truth.toml`, as `benches/peers/truth.py` writes it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Record {
+struct TruthFile {
     solution: Vec<Solution>,
 }
 
@@ -21,23 +21,23 @@ struct Solution {
     numbers: Numbers<String>,
 }
 
-/// How both programs agree.
+/// Agreement of both programs.
 #[derive(Serialize)]
 pub(super) struct Agreement {
     /// Names of the solutions that the record does not have.
     missing: Vec<String>,
     /// The largest difference of two numbers.
     difference: f64,
-    /// Whether it is what rounding errors of ours explain.
+    /// True if our rounding errors explain the difference.
     agrees: bool,
 }
 
-/// The solver's errors at the finer of its resolutions are below this, as values in quadruple precision have shown.
+/// Bound of the solver's errors at the finer of its resolutions; values in quadruple precision confirm it.
 const ROUNDING: f64 = 2e-14;
 
-/// Puts the digits of the record in the place of our own.
+/// Replaces our digits by those of the record.
 pub(super) fn compared(references: &mut [Reference], record: &[u8]) -> Result<Agreement, Failure> {
-    let mut record: Record = from_toml(TRUTH, record)?;
+    let mut record: TruthFile = from_toml(TRUTH, record)?;
     let (mut missing, mut difference) = (Vec::new(), 0.0f64);
     for ours in references {
         let Some(theirs) = record.solution.iter_mut().find(|one| one.f == ours.f) else {
@@ -60,7 +60,7 @@ pub(super) fn compared(references: &mut [Reference], record: &[u8]) -> Result<Ag
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use serde_json::{Value, json};
 
     const RECORD: &str = r#"
 [[solution]]
@@ -71,19 +71,24 @@ corners = ["0", "0", "0", "0"]
 contact = [{ from = ["0.5", "0"], to = ["0.5", "0"], force = "1" }]
 "#;
 
-    fn of(record: &str) -> (Vec<Reference>, Result<Agreement, Failure>) {
-        let value = |value: f64| json!({ "value": value, "digits": "" });
+    /// Number as a [`Reference`] holds it.
+    fn value(value: f64) -> Value {
+        json!({ "value": value, "digits": "" })
+    }
+
+    fn reference(name: &str, f: &str) -> Reference {
         let (zero, end) = (value(0.0), [value(0.5), value(0.0)]);
-        let one = |name: &str, f: &str| {
-            let numbers = json!({
-                "name": name, "f": f, "energy": value(-0.25), "centre": value(0.123456789012345),
-                "corners": [zero, zero, zero, zero],
-                "contact": [{ "from": end, "to": end, "force": value(1.0) }],
-                "green": 0.0, "rellich": 0.0,
-            });
-            serde_json::from_value(numbers).unwrap()
-        };
-        let mut references = vec![one("a", "else=-1"), one("b", "else=-2")];
+        let numbers = json!({
+            "name": name, "f": f, "energy": value(-0.25), "centre": value(0.123456789012345),
+            "corners": [zero, zero, zero, zero],
+            "contact": [{ "from": end, "to": end, "force": value(1.0) }],
+            "green": 0.0, "rellich": 0.0,
+        });
+        serde_json::from_value(numbers).unwrap()
+    }
+
+    fn of(record: &str) -> (Vec<Reference>, Result<Agreement, Failure>) {
+        let mut references = vec![reference("a", "else=-1"), reference("b", "else=-2")];
         let agreement = compared(&mut references, record.as_bytes());
         (references, agreement)
     }

@@ -1,14 +1,15 @@
-//! What the chapter on cost says about recorded times: fits and crossovers.
+//! Data of the chapter on cost, from recorded times: fits and crossovers.
 
 use crate::experiments::accuracy::Findings;
 use crate::experiments::{Range, exponent};
 use crate::timing::measure::TIMED;
-use crate::timing::recorded::{self, Goal, Reached, Scaling, Timings, to_discretisation};
+use crate::timing::recorded::{
+    Goal, Reached, Scaling, Spectral, Sweep, Timings, to_discretisation,
+};
 use crate::timing::solver::Solver;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Display;
 
 /// Error of the energy, relative, at which the spectral solver and multigrid are compared.
 const FAR: f64 = 1e-10;
@@ -17,17 +18,19 @@ const CACHED_AT: usize = 512;
 /// Power laws are fitted to grids with at least so many unknowns.
 const FIT_FROM: usize = 100_000;
 
-/// Recorded times as the templates take them.
+/// Returns the recorded times in the form that the templates take.
 pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
     let mut problems: Vec<&str> = timings.solver.iter().map(|line| &*line.problem).collect();
     problems.dedup();
-    let comparison = |problem| comparison(problem, &timings.solver);
+    let comparisons: Vec<_> =
+        problems.into_iter().map(|problem| comparison(problem, &timings.solver)).collect();
+    let grids = grids(timings);
     json!({
-        "grids": grids(timings).into_iter().filter_map(|n| grid(timings, n)).collect::<Vec<_>>(),
+        "grids": grids.iter().filter_map(|&n| grid(timings, n)).collect::<Vec<_>>(),
         // The finest of those that fit into the caches.
-        "cached": grids(timings).into_iter().rfind(|&n| n <= CACHED_AT).and_then(|n| grid(timings, n)),
+        "cached": grids.iter().rfind(|&&n| n <= CACHED_AT).and_then(|&n| grid(timings, n)),
         "fits": fits(timings),
-        "comparisons": problems.into_iter().map(comparison).collect::<Vec<_>>(),
+        "comparisons": comparisons,
         "noise": noise(timings),
         "outdated": outdated(timings, accuracy),
         "spectral": spectral(timings),
@@ -35,18 +38,17 @@ pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
 }
 
 fn find(timings: &Timings, cells: usize, threads: usize, goal: Goal) -> Option<&Scaling> {
-    let wanted =
-        |line: &&Scaling| line.cells == cells && line.threads == threads && line.goal == goal;
-    timings.multigrid.iter().find(wanted)
+    let mut lines = timings.multigrid.iter().filter(|line| line.goal == goal);
+    lines.find(|line| line.cells == cells && line.threads == threads)
 }
 
-/// Multigrid on one grid to both goals.
+/// Returns the times of multigrid on one grid to both goals.
 fn to_goals(timings: &Timings, cells: usize, threads: usize) -> Option<[&Scaling; 2]> {
     let [near, floor] = Goal::ALL.map(|goal| find(timings, cells, threads, goal));
     Some([near?, floor?])
 }
 
-/// Cells per side of the grids on which one thread was timed to both goals.
+/// Returns the cells per side of the grids on which one thread was timed to both goals.
 fn grids(timings: &Timings) -> Vec<usize> {
     let mut grids: Vec<usize> = timings.multigrid.iter().map(|line| line.cells).collect();
     grids.dedup();
@@ -54,32 +56,31 @@ fn grids(timings: &Timings) -> Vec<usize> {
     grids
 }
 
-/// Multigrid on one grid: to the discretisation error, then to the rounding floor.
+/// Returns the times of multigrid on one grid: to the discretisation error, then to the rounding floor.
 fn grid(timings: &Timings, cells: usize) -> Option<Value> {
     let goals = to_goals(timings, cells, 1)?;
-    let timed = |one: &Scaling| {
-        let two = find(timings, cells, 2, one.goal);
-        json!({
-            // By threads: one, then two if there are.
-            "ns": std::iter::once(one).chain(two).map(Scaling::ns).collect::<Vec<_>>(),
-            "per_unit": one.ns() / one.work_units,
-            "stream": stream(timings, one),
-        })
-    };
     Some(json!({
         "cells": cells,
         "unknowns": goals[0].unknowns(),
         "bytes": goals[1].bytes,
-        "goals": goals.map(timed),
+        "goals": goals.map(|one_thread| times_to_goal(timings, one_thread)),
     }))
 }
 
-/// Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
-fn stream(timings: &Timings, line: &Scaling) -> f64 {
-    line.traffic / timings.bandwidth.update
+/// Returns the times per unknown to one goal on one grid: of one thread, and of two if they were timed.
+fn times_to_goal(timings: &Timings, one_thread: &Scaling) -> Value {
+    let two_threads = find(timings, one_thread.cells, 2, one_thread.goal);
+    let ns: Vec<_> =
+        [Some(one_thread), two_threads].into_iter().flatten().map(Scaling::ns).collect();
+    json!({
+        "ns": ns,
+        "per_unit": one_thread.ns() / one_thread.work_units,
+        // Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
+        "stream": one_thread.traffic / timings.bandwidth.update,
+    })
 }
 
-/// A power law of multigrid's time.
+/// Power law of multigrid's time.
 #[derive(Serialize)]
 struct Fit {
     goal: &'static str,
@@ -92,83 +93,119 @@ struct Fit {
 }
 
 fn fits(timings: &Timings) -> Vec<Fit> {
-    let fit = |goal: Goal, threads| {
-        let wanted = |line: &&Scaling| {
-            line.goal == goal && line.threads == threads && line.unknowns() >= FIT_FROM
-        };
-        let lines: Vec<_> = timings.multigrid.iter().filter(wanted).collect();
-        let points: Vec<_> = lines.iter().map(|l| (l.unknowns() as f64, l.seconds)).collect();
-        let (from, to) = (lines.first()?.unknowns(), lines.last()?.unknowns());
-        let ns = Range::of(lines.iter().map(|line| line.ns()))?;
-        Some(Fit { goal: goal.in_words(), threads, exponent: exponent(&points), from, to, ns })
-    };
-    let fits = Goal::ALL.into_iter().flat_map(|goal| [1, 2].map(|threads| fit(goal, threads)));
-    fits.flatten().filter(|fit| fit.exponent.is_finite()).collect()
+    let mut fits = Vec::new();
+    for goal in Goal::ALL {
+        for threads in [1, 2] {
+            fits.extend(fit(timings, goal, threads));
+        }
+    }
+    fits
 }
 
-/// All solvers to the discretisation error of one problem, grid by grid.
+/// Fits a power law; `None` with fewer than two grids of [`FIT_FROM`] unknowns.
+fn fit(timings: &Timings, goal: Goal, threads: usize) -> Option<Fit> {
+    let mut lines: Vec<&Scaling> = timings.multigrid.iter().collect();
+    lines
+        .retain(|line| line.goal == goal && line.threads == threads && line.unknowns() >= FIT_FROM);
+    let points: Vec<_> = lines.iter().map(|l| (l.unknowns() as f64, l.seconds)).collect();
+    let exponent = exponent(&points);
+    let (from, to) = (lines.first()?.unknowns(), lines.last()?.unknowns());
+    let ns = Range::of(lines.iter().map(|line| line.ns()))?;
+    exponent.is_finite().then_some(Fit { goal: goal.in_words(), threads, exponent, from, to, ns })
+}
+
+/// Compares the times of all solvers to the discretisation error of one problem, grid by grid.
 fn comparison(problem: &str, lines: &[Reached]) -> Value {
     let times = Solver::ON_GRIDS.map(|solver| {
-        let mine = lines.iter().filter(|l| l.solver == solver && l.problem == problem);
+        let mine = lines.iter().filter(|line| line.solver == solver && line.problem == problem);
         to_discretisation(&mine.collect::<Vec<_>>())
     });
     let grids: BTreeSet<_> = times.iter().flat_map(BTreeMap::keys).collect();
-    let row = |cells: &usize| {
-        let seconds = times.each_ref().map(|of| of.get(cells).copied());
-        let there =
-            Solver::ON_GRIDS.iter().zip(seconds).filter_map(|(solver, s)| Some((solver, s?)));
-        let best = there.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(solver, _)| solver);
-        json!({ "cells": cells, "seconds": seconds, "best": best })
-    };
-    let rows: Vec<_> = grids.into_iter().map(row).collect();
+    let mut rows = Vec::new();
+    for cells in grids {
+        let seconds = times.each_ref().map(|by_grid| by_grid.get(cells).copied());
+        let mut best: Option<(Solver, f64)> = None;
+        for (solver, time) in Solver::ON_GRIDS.into_iter().zip(seconds) {
+            if let Some(time) = time.filter(|&time| best.is_none_or(|(_, least)| time < least)) {
+                best = Some((solver, time));
+            }
+        }
+        let best = best.map(|(solver, _)| solver);
+        rows.push(json!({ "cells": cells, "seconds": seconds, "best": best }));
+    }
     json!({ "problem": problem, "solvers": Solver::ON_GRIDS, "rows": rows })
 }
 
-/// The two noisiest medians, worst first.
+/// Median with its name.
+struct Median {
+    name: String,
+    spread: f64,
+}
+
+/// Returns the two medians with the largest spread, the largest first.
 fn noise(timings: &Timings) -> Vec<Value> {
-    let on = |of: &dyn Display, cells: usize, spread: f64| (format!("{of} at 1/{cells}"), spread);
-    let sweep = timings.sweep.iter().map(|l| on(&"a sweep", l.cells, l.spread));
-    let multigrid = timings.multigrid.iter().map(|l| on(&"multigrid", l.cells, l.spread));
-    let solvers = timings.solver.iter().map(|l| on(&l.solver.in_words(), l.cells, l.spread));
-    let spectral = timings.spectral.iter();
-    let spectral = spectral.map(|l| (format!("spectral with {} nodes", l.nodes), l.spread));
-    let mut all: Vec<_> = sweep.chain(multigrid).chain(solvers).chain(spectral).collect();
-    all.sort_by(|a, b| b.1.total_cmp(&a.1));
-    all.truncate(2);
-    all.into_iter().map(|(of, spread)| json!({ "of": of, "spread": spread })).collect()
+    let mut medians = Vec::new();
+    if let Some(Sweep { cells, spread, .. }) = &timings.sweep {
+        medians.push(Median { name: format!("a sweep at 1/{cells}"), spread: *spread });
+    }
+    for Scaling { cells, spread, .. } in &timings.multigrid {
+        medians.push(Median { name: format!("multigrid at 1/{cells}"), spread: *spread });
+    }
+    for Reached { solver, cells, spread, .. } in &timings.solver {
+        let name = format!("{} at 1/{cells}", solver.in_words());
+        medians.push(Median { name, spread: *spread });
+    }
+    for Spectral { nodes, spread, .. } in &timings.spectral {
+        medians.push(Median { name: format!("spectral with {nodes} nodes"), spread: *spread });
+    }
+    medians.sort_by(|a, b| b.spread.total_cmp(&a.spread));
+    medians.truncate(2);
+    medians.iter().map(|median| json!({ "of": median.name, "spread": median.spread })).collect()
 }
 
-/// Work units to the rounding floor, as timed and as they are, on the finest grid that both know, where
-/// multigrid has changed since it was timed.
+/// Returns the work units to the rounding floor, recorded and today's, on the finest grid for which both exist, if
+/// they differ: then multigrid has changed since it was timed.
 fn outdated(timings: &Timings, accuracy: &Findings) -> Option<Value> {
-    let timed = accuracy.problems.iter().find(|problem| problem.name == TIMED.name())?;
-    let mut both = timed.levels.iter().rev().filter_map(|level| {
+    let problem = accuracy.problems.iter().find(|problem| problem.name == TIMED.name())?;
+    for level in problem.levels.iter().rev() {
         let (cells, [.., floor]) = (level.cost.cells, &level.cost.goals);
-        Some((cells, find(timings, cells, 1, Goal::Floor)?.work_units, floor.work_units))
-    });
-    let (cells, then, now) =
-        both.next().filter(|(_, then, now)| (then - now).abs() > 1e-6 * now)?;
-    Some(json!({ "cells": cells, "then": then, "now": now }))
+        if let Some(timed) = find(timings, cells, 1, Goal::Floor) {
+            let (then, now) = (timed.work_units, floor.work_units);
+            let changed = (then - now).abs() > 1e-6 * now;
+            return changed.then(|| json!({ "cells": cells, "then": then, "now": now }));
+        }
+    }
+    None
 }
 
-/// What an error of [`FAR`] in the energy takes, over problems.
-///
-/// Multigrid's error of the energy falls like the reciprocal of its unknowns, and its time grows with them.
+/// Returns the time to an error of [`FAR`] in the energy: ranges over the problems.
 fn spectral(timings: &Timings) -> Option<Value> {
-    let times = |lines: &[recorded::Spectral]| {
-        let reached = lines.iter().filter(|line| line.error <= FAR);
-        let spectral = reached.map(|line| line.seconds).reduce(f64::min)?;
-        let solver = timings.solver.iter().filter(|line| line.solver == Solver::Multigrid);
-        let multigrid = solver.filter(|line| line.problem == lines[0].problem);
-        let best = multigrid.map(|line| line.seconds * line.error).reduce(f64::min)?;
-        Some([spectral, best / FAR])
-    };
     let problems = timings.spectral.chunk_by(|a, b| a.problem == b.problem);
-    let times: Vec<_> = problems.filter_map(times).collect();
+    let times: Vec<_> = problems.filter_map(|lines| far(timings, lines)).collect();
     Some(json!({
         "error": FAR,
-        "milliseconds": Range::of(times.iter().map(|[spectral, _]| 1e3 * spectral))?,
-        // Multigrid's time over it, on a grid so fine that it would have this error.
-        "ratio": Range::of(times.iter().map(|[spectral, multigrid]| multigrid / spectral))?,
+        "milliseconds": Range::of(times.iter().map(|times| 1e3 * times.spectral))?,
+        "ratio": Range::of(times.iter().map(|times| times.multigrid / times.spectral))?,
     }))
+}
+
+/// Seconds to an error of [`FAR`] in the energy of one problem.
+struct Far {
+    /// Least recorded time of the spectral solver.
+    spectral: f64,
+    /// Extrapolated time of multigrid, on a grid so fine that it would have this error.
+    multigrid: f64,
+}
+
+/// Returns the times for the problem of these `lines` of the spectral solver.
+///
+/// Multigrid's error of the energy falls like the reciprocal of its unknowns, and its time grows with them, so that
+/// the product of error and time is the same on all grids.
+fn far(timings: &Timings, lines: &[Spectral]) -> Option<Far> {
+    let reached = lines.iter().filter(|line| line.error <= FAR);
+    let spectral = reached.map(|line| line.seconds).reduce(f64::min)?;
+    let multigrid = timings.solver.iter().filter(|line| line.solver == Solver::Multigrid);
+    let multigrid = multigrid.filter(|line| line.problem == lines[0].problem);
+    let product = multigrid.map(|line| line.seconds * line.error).reduce(f64::min)?;
+    Some(Far { spectral, multigrid: product / FAR })
 }
