@@ -1,10 +1,10 @@
 //! Parts that several figures share: plot frames with ticks, colour bars and legends.
 
-use super::palette::{INK, MUTED, RGBColor, RULE, series};
+use super::palette::{ColourScale, INK, MUTED, RGBColor, RULE, series};
 use super::picture::{END, NORMAL, Picture, Place, SMALL, START, italic, plain, text_width};
 use super::text::{Ticks, number_width};
 
-/// A rectangle of the picture with a linear scale along each side.
+/// Rectangle of the picture with a linear scale along each side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     /// Left and right end in display pixels.
@@ -18,12 +18,12 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Place of the value `x` on the horizontal axis.
+    /// Returns the place of the value `x` on the horizontal axis.
     pub(super) fn right(&self, x: f64) -> f64 {
         scale(x, self.x, self.across)
     }
 
-    /// Place of the value `y` on the vertical axis.
+    /// Returns the place of the value `y` on the vertical axis.
     pub(super) fn up(&self, y: f64) -> f64 {
         scale(y, self.y, (self.down.1, self.down.0))
     }
@@ -41,12 +41,10 @@ impl Frame {
         (0.5 * (self.across.0 + self.across.1), 0.5 * (self.down.0 + self.down.1))
     }
 
-    /// A corner of the cells into which it is cut: the i-th line across and the j-th up, or the last.
+    /// Returns the place of a corner of the cells into which the frame is cut: line `i` from the left and line `j` from
+    /// below, or the last.
     pub(super) fn corner(&self, (i, j): (usize, usize), cells: (usize, usize)) -> Place {
-        let line = |k: usize, n: usize, (low, high): (f64, f64)| {
-            low + (high - low) * k.min(n) as f64 / n as f64
-        };
-        self.at(line(i, cells.0, self.x), line(j, cells.1, self.y))
+        self.at(grid_line(i, cells.0, self.x), grid_line(j, cells.1, self.y))
     }
 
     /// Paints cells, row by row from below, `columns` in each.
@@ -64,7 +62,7 @@ impl Frame {
         }
     }
 
-    /// Vertical lines from top to bottom at `values`.
+    /// Draws vertical lines from top to bottom at `values`.
     pub(super) fn verticals(
         &self,
         picture: &mut Picture,
@@ -77,7 +75,7 @@ impl Frame {
         }
     }
 
-    /// Horizontal rules across the frame at `values`.
+    /// Draws horizontal rules across the frame at `values`.
     pub(super) fn rules(&self, picture: &mut Picture, values: impl IntoIterator<Item = f64>) {
         for y in values {
             let y = self.up(y);
@@ -115,7 +113,7 @@ impl Frame {
         }
     }
 
-    /// A filled rectangle between two values of x, from top to bottom.
+    /// Fills the rectangle between two values of x, from top to bottom.
     pub(super) fn band(&self, picture: &mut Picture, (from, to): (f64, f64), color: RGBColor) {
         picture.rect((self.right(from), self.down.0), (self.right(to), self.down.1), color);
     }
@@ -126,36 +124,45 @@ fn scale(value: f64, (v0, v1): (f64, f64), (p0, p1): (f64, f64)) -> f64 {
     p0 + t * (p1 - p0)
 }
 
+/// Returns the value at line `k` of a range cut into `n` parts, or the last line.
+fn grid_line(k: usize, n: usize, (low, high): (f64, f64)) -> f64 {
+    low + (high - low) * k.min(n) as f64 / n as f64
+}
+
 /// Least distance between two numbers along an axis.
 const APART: f64 = 4.0;
 
-/// Which of the labels, centred at ascending places, are written so that none touches the next: one of so many.
+/// Returns the least number n such that every n-th of the labels, centred at ascending places, can be written and none
+/// touches the next.
 fn every(labels: &[(f64, String)]) -> usize {
-    let half = |text: &str| 0.5 * SMALL * number_width(text);
-    let fits = |step: usize| {
+    for step in 1..labels.len() {
         let mut pairs = labels.iter().zip(labels.iter().skip(step));
-        pairs.all(|((x, text), (next, other))| next - x > half(text) + half(other) + APART)
-    };
-    (1..labels.len()).find(|&step| fits(step)).unwrap_or(labels.len().max(1))
+        if pairs.all(|((x, text), (next, other))| {
+            next - x > 0.5 * SMALL * number_width(text) + 0.5 * SMALL * number_width(other) + APART
+        }) {
+            return step;
+        }
+    }
+    labels.len().max(1)
 }
 
 /// Steps in which a colour bar is painted.
 const SHADES: usize = 128;
 
-/// A horizontal colour bar over `range`, numbers below it, its name to the left.
+/// Draws a horizontal colour bar with numbers below it and its name to the left.
 pub(super) fn colour_bar(
     picture: &mut Picture,
     across: (f64, f64),
     top: f64,
-    range: (f64, f64),
-    color: impl Fn(f64) -> RGBColor,
+    colours: ColourScale,
     name: &str,
 ) {
+    let range = colours.range();
     let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };
     for k in 0..SHADES {
-        let value = |k: usize| range.0 + (range.1 - range.0) * k as f64 / SHADES as f64;
+        let [from, to] = [k, k + 1].map(|k| grid_line(k, SHADES, range));
         // Each shade reaches to the end: the next covers the rest, and no seam shows.
-        frame.band(picture, (value(k), range.1), color(0.5 * (value(k) + value(k + 1))));
+        frame.band(picture, (from, range.1), colours.color(0.5 * (from + to)));
     }
     frame.outline(picture);
     let most = ((across.1 - across.0) / 42.0) as usize;
@@ -167,7 +174,7 @@ pub(super) fn colour_bar(
 /// Height of one row of a legend.
 pub(super) const LEGEND_ROW: f64 = 19.0;
 
-/// How what a legend explains is drawn.
+/// Drawing in a legend beside a label.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sample {
     Line,
@@ -175,7 +182,7 @@ pub(super) enum Sample {
     Ring,
 }
 
-/// What a legend explains.
+/// Entry of a legend.
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'a> {
     pub(super) label: &'a str,
@@ -183,24 +190,29 @@ pub(super) struct Entry<'a> {
     pub(super) sample: Sample,
 }
 
-/// Radius of the ring at a point that no line leads to: it must be seen.
+/// Radius of the ring at a point without a line, larger than that of other rings to be seen.
 pub(super) const LONE: f64 = 6.0;
 
-/// A legend of coloured samples: where each entry begins, in rows no wider than `width`.
+/// Legend of coloured samples.
 pub(super) struct Legend<'a> {
+    /// Entries with the places where they begin, relative to the first one.
     entries: Vec<(Entry<'a>, Place)>,
     pub(super) rows: usize,
 }
 
+/// Length of a sample.
 const STROKE: f64 = 22.0;
 
 impl<'a> Legend<'a> {
-    /// Lays out `labels`, in the order of the colours of [`series`].
+    /// Lays out lines with these `labels`, in the order of the colours of [`series`].
     pub(super) fn new(labels: impl IntoIterator<Item = &'a str>, width: f64) -> Self {
-        let solid = |(k, label)| Entry { label, color: series(k), sample: Sample::Line };
-        Self::of(labels.into_iter().enumerate().map(solid), width)
+        let labels = labels.into_iter().enumerate();
+        let entries =
+            labels.map(|(k, label)| Entry { label, color: series(k), sample: Sample::Line });
+        Self::of(entries, width)
     }
 
+    /// Lays out entries in rows no wider than `width`.
     pub(super) fn of(given: impl IntoIterator<Item = Entry<'a>>, width: f64) -> Self {
         let (mut x, mut row) = (0.0, 0);
         let mut entries = Vec::new();
@@ -215,7 +227,7 @@ impl<'a> Legend<'a> {
         Self { entries, rows: row + 1 }
     }
 
-    /// Draws it with the first entry's middle height at `at`.
+    /// Draws the legend; the place is the left end of the first entry, at its middle height.
     pub(super) fn draw(&self, picture: &mut Picture, (left, top): Place) {
         for &(Entry { label, color, sample }, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);
@@ -235,7 +247,7 @@ impl<'a> Legend<'a> {
     }
 }
 
-/// A key that explains a line style, in secondary ink; returns where it ends.
+/// Writes the explanation of a line style in secondary ink; returns the x at which the text ends.
 pub(super) fn key(picture: &mut Picture, (x, y): Place, text: &str) -> f64 {
     picture.text(text, (x, y), plain(SMALL).pos(START).color(&MUTED));
     x + text_width(text, SMALL)

@@ -1,4 +1,4 @@
-//! Parallel projection of a surface over the square: place, light, and which cell hides which.
+//! Parallel projection of a surface over the square: places, light, and the order of the cells in depth.
 
 use super::picture::Place;
 use crate::discrete::grid::Grid;
@@ -7,21 +7,20 @@ use crate::discrete::grid::Grid;
 const BOX_HEIGHT: f64 = 0.66;
 /// Display pixels per unit of length, where two panels are in a row.
 pub(super) const UNIT: f64 = 205.0;
-/// Light that falls on every side alike; the rest comes from the lamp.
+/// Light that every side receives; the rest comes from the lamp.
 const AMBIENT: f64 = 0.62;
 
-/// Degrees by which the viewer has walked counter-clockwise from the negative y axis, to look from above the
-/// lower left corner.
+/// Azimuth of the viewer above the lower left corner, in degrees anticlockwise from the negative y axis.
 const AZIMUTH: f64 = -37.5;
 /// Degrees of the viewer above the horizon.
 const ELEVATION: f64 = 30.0;
 
-/// The azimuth of the view from above one of the four corners that looks most uphill: at a corner that is higher
-/// than the one in front by as much as can be, so that the surface, a nodal vector, hides little of itself.
+/// Returns the azimuth above that of the four corners from which the surface, a nodal vector, rises most to the opposite
+/// corner: there it hides the smallest part of itself.
 pub(crate) fn uphill(grid: Grid, y: &[f64]) -> f64 {
     let n = grid.cells();
     let (mut azimuth, mut most) = (AZIMUTH, f64::NEG_INFINITY);
-    // In the order in which a viewer who walks counter-clockwise meets the corners.
+    // Anticlockwise from the lower left corner.
     for (turn, (i, j)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
         let rise = y[grid.index(n - i, n - j)] - y[grid.index(i, j)];
         if rise > most {
@@ -51,34 +50,34 @@ pub(super) struct Camera {
 
 impl Camera {
     pub(super) fn new(azimuth: f64) -> Self {
-        let radians = |degrees: f64| degrees * std::f64::consts::PI / 180.0;
-        let (sin_a, cos_a) = libm::sincos(radians(azimuth));
-        let (sin_e, cos_e) = libm::sincos(radians(ELEVATION));
+        let [(sin_a, cos_a), (sin_e, cos_e)] = [azimuth, ELEVATION]
+            .map(|degrees| libm::sincos(degrees * std::f64::consts::PI / 180.0));
         let toward = [sin_a * cos_e, -cos_a * cos_e, sin_e];
-        let sign = |t: f64| if t < 0.0 { -1.0 } else { 1.0 };
         Self {
             right: [cos_a, sin_a, 0.0],
             up: [-sin_a * sin_e, cos_a * sin_e, cos_e],
             toward,
-            near: [sign(toward[0]), sign(toward[1])],
+            near: [toward[0], toward[1]].map(|t| if t < 0.0 { -1.0 } else { 1.0 }),
         }
     }
 
-    /// Cells (column, row) of a lattice with `n` per side, each after all cells it may hide.
+    /// Cells (column, row) of a lattice with `n` per side, each after all cells that it may hide.
     ///
-    /// A ray from the viewer only ever steps to columns and rows farther away, so walking both
-    /// from the far end to the near one is an exact depth order: nothing needs sorting.
+    /// Along a ray from the viewer, columns and rows only become farther, so the order from the far end to the near end
+    /// in both is an exact order in depth without sorting.
     pub(super) fn far_to_near(&self, n: usize) -> impl Iterator<Item = (usize, usize)> {
         let [right, upper] = self.near.map(|sign| sign > 0.0);
-        let walk = move |k: usize, ascending: bool| if ascending { k } else { n - 1 - k };
-        (0..n * n).map(move |k| (walk(k % n, right), walk(k / n, upper)))
+        (0..n * n).map(move |k| {
+            let (i, j) = (k % n, k / n);
+            (if right { i } else { n - 1 - i }, if upper { j } else { n - 1 - j })
+        })
     }
 }
 
-/// Maps space to a panel.
-pub(super) struct Scene {
+/// Map from space to a panel.
+pub(super) struct View {
     pub(super) camera: Camera,
-    /// Where the middle of the box is, in display pixels.
+    /// Place of the middle of the box, in display pixels.
     pub(super) origin: Place,
     /// Display pixels per unit of length.
     pub(super) unit: f64,
@@ -86,26 +85,25 @@ pub(super) struct Scene {
     pub(super) heights: (f64, f64),
 }
 
-impl Scene {
-    /// (x, y, v) in the box: unit sides, heights scaled, centre at the origin.
-    pub(super) fn point(&self, x: f64, y: f64, v: f64) -> Vector {
+impl View {
+    /// Returns the point of the box for (x, y, v): unit sides, heights scaled, centre at the origin.
+    pub(super) fn point(&self, [x, y, v]: Vector) -> Vector {
         let (low, high) = self.heights;
         [x, y, BOX_HEIGHT * ((v - low) / (high - low) - 0.5)]
     }
 
-    /// Where (x, y, v) is in the picture.
-    pub(super) fn place(&self, x: f64, y: f64, v: f64) -> Place {
-        let point = self.point(x, y, v);
+    /// Returns the place of (x, y, v) in the picture.
+    pub(super) fn place(&self, xyv: Vector) -> Place {
+        let point = self.point(xyv);
         (
             self.origin.0 + self.unit * dot(point, self.camera.right),
             self.origin.1 - self.unit * dot(point, self.camera.up),
         )
     }
 
-    /// Light reflected by the quadrilateral with these corners, in order.
-    pub(super) fn brightness(&self, corners: [Vector; 4]) -> f64 {
-        let across = |p: usize, q: usize| [0, 1, 2].map(|d| corners[q][d] - corners[p][d]);
-        let (u, v) = (across(0, 2), across(1, 3));
+    /// Returns the light reflected by the quadrilateral with these corners, in order.
+    pub(super) fn brightness(&self, [a, b, c, d]: [Vector; 4]) -> f64 {
+        let [u, v] = [(a, c), (b, d)].map(|(p, q)| [0, 1, 2].map(|k| q[k] - p[k]));
         let normal =
             [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         // Over the viewer's left shoulder, so that slopes to either side differ.
@@ -126,8 +124,11 @@ mod tests {
         let n = 5;
         for azimuth in [-170.0, -127.5, -90.0, -37.5, 0.0, 12.0, 52.5, 90.0, 142.5, 180.0] {
             let camera = Camera::new(azimuth);
-            let order: Vec<_> = camera.far_to_near(n).collect();
-            let when = |cell| order.iter().position(|&c| c == cell).unwrap();
+            let mut turn = vec![None; n * n];
+            for (k, (i, j)) in camera.far_to_near(n).enumerate() {
+                turn[i + n * j] = Some(k);
+            }
+            assert!(turn.iter().all(Option::is_some));
             for cell in (0..n * n).map(|k| (k % n, k / n)) {
                 // March towards the viewer from points of the cell: all cells met come later.
                 for (u, v) in [(0.5, 0.5), (0.1, 0.9), (0.9, 0.1), (0.2, 0.3)] {
@@ -138,7 +139,7 @@ mod tests {
                         if x < 0.0 || y < 0.0 || x >= n as f64 || y >= n as f64 {
                             break;
                         }
-                        assert!(when((x as usize, y as usize)) >= when(cell));
+                        assert!(turn[x as usize + n * y as usize] >= turn[cell.0 + n * cell.1]);
                     }
                 }
             }

@@ -21,21 +21,13 @@ const ABOVE: f64 = 30.0;
 /// Room below a plot, for numbers and the name of the axis.
 const BELOW: f64 = 50.0;
 
-/// Draws panels, two in a row, one legend above them all; with `alike`, one range for all heights.
+/// Draws panels, two in a row, one legend above them all; with `alike`, all vertical axes have the same range.
 ///
 /// Panels without points are left out.
 pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let panels: Vec<_> = panels.iter().filter(|panel| points(panel).next().is_some()).collect();
-    let curves = || panels.iter().flat_map(|panel| &panel.curves);
-    let mut labels: Vec<&str> = Vec::new();
-    for curve in curves() {
-        let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
-        if named && !labels.contains(&&*curve.label) {
-            labels.push(&curve.label);
-        }
-    }
-    let lone = |label: &str| curves().filter(|c| c.label == label).all(|c| c.points.len() < 2);
-    let entries = entries(&labels, lone);
+    let curves: Vec<&Curve> = panels.iter().flat_map(|panel| &panel.curves).collect();
+    let entries = entries(&curves);
     let columns = panels.len().clamp(1, 2);
     let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
     let head = 12.0 + LEGEND_ROW * legend.rows as f64;
@@ -58,75 +50,102 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     picture
 }
 
-/// A colour for each label: that of its solver, or one that no solver here has. A solver that occurs
-/// under several names is dashed from the second on. What is `lone` has no line in any panel.
-fn entries<'a>(labels: &[&'a str], lone: impl Fn(&str) -> bool) -> Vec<Entry<'a>> {
+/// Returns an entry of the legend for each label: with the colour of its solver, or a colour that no solver in the
+/// picture has. The second and later labels of a solver are dashed; a label whose curves are single points is a ring.
+fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
+    let mut labels: Vec<&str> = Vec::new();
+    for curve in curves {
+        let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
+        if named && !labels.contains(&&*curve.label) {
+            labels.push(&curve.label);
+        }
+    }
     let taken: Vec<usize> = labels.iter().filter_map(|label| solver(label)).collect();
     let mut free = (0..).filter(|place| !taken.contains(place));
     let mut seen = Vec::new();
-    let mut entry = |label: &'a str| {
+    let mut entries = Vec::new();
+    for label in labels {
         let place = solver(label).unwrap_or_else(|| free.next().unwrap_or(0));
-        let sample = match (lone(label), seen.contains(&place)) {
-            (true, _) => Sample::Ring,
-            (false, true) => Sample::Dashed,
-            (false, false) => Sample::Line,
+        let has_line = curves.iter().any(|curve| curve.label == label && curve.points.len() > 1);
+        let sample = match (has_line, seen.contains(&place)) {
+            (false, _) => Sample::Ring,
+            (true, true) => Sample::Dashed,
+            (true, false) => Sample::Line,
         };
         seen.push(place);
-        Entry { label, color: series(place), sample }
-    };
-    labels.iter().map(|label| entry(label)).collect()
+        entries.push(Entry { label, color: series(place), sample });
+    }
+    entries
+}
+
+/// Curve with its entry in the legend.
+struct Measured<'a> {
+    curve: &'a Curve,
+    entry: &'a Entry<'a>,
 }
 
 fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) {
-    let curves = || panel.curves.iter().filter(|curve| !curve.points.is_empty());
-    let references = || curves().filter(|curve| curve.stroke == Stroke::Reference);
-    let entry = |curve: &Curve| entries.iter().find(|entry| entry.label == curve.label);
-    let measured = || curves().filter_map(|curve| Some((curve, entry(curve)?)));
-    let lines = |picture: &mut Picture, sample: Sample| {
-        for (curve, entry) in measured().filter(|(_, entry)| entry.sample == sample) {
-            if curve.points.len() > 1 {
-                picture.path(places(frame, curve), entry.color, 2.0);
-            }
+    let (mut references, mut measured) = (Vec::new(), Vec::new());
+    for curve in panel.curves.iter().filter(|curve| !curve.points.is_empty()) {
+        if curve.stroke == Stroke::Reference {
+            references.push(curve);
         }
-    };
+        if let Some(entry) = entries.iter().find(|entry| entry.label == curve.label) {
+            measured.push(Measured { curve, entry });
+        }
+    }
     ground(picture, panel, frame);
     picture.group("stroke-dasharray=\"16 12\"", |picture| {
-        for curve in references() {
+        for curve in &references {
             picture.path(places(frame, curve), MUTED, 1.0);
         }
     });
-    picture.group("stroke-dasharray=\"28 16\"", |picture| lines(picture, Sample::Dashed));
-    lines(picture, Sample::Line);
-    for (curve, entry) in measured().filter(|(curve, _)| curve.stroke == Stroke::Marked) {
-        let radius = if curve.points.len() > 1 { 3.5 } else { LONE };
-        for at in places(frame, curve) {
-            picture.ring(at, radius, entry.color);
+    picture.group("stroke-dasharray=\"28 16\"", |picture| {
+        lines(picture, frame, &measured, Sample::Dashed);
+    });
+    lines(picture, frame, &measured, Sample::Line);
+    for Measured { curve, entry } in measured {
+        if curve.stroke == Stroke::Marked {
+            let radius = if curve.points.len() > 1 { 3.5 } else { LONE };
+            for at in places(frame, curve) {
+                picture.ring(at, radius, entry.color);
+            }
         }
     }
-    // On the curves that it meets, with an edge of paper that keeps it legible.
+    // Names are above the curves that they meet, with a white edge that keeps them legible.
     picture.group("stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"", |picture| {
-        for curve in references() {
+        for curve in references {
             name_reference(picture, frame, curve);
         }
     });
     frame.outline(picture);
 }
 
+/// Draws the lines of the curves whose entry has this sample.
+fn lines(picture: &mut Picture, frame: &Frame, measured: &[Measured], sample: Sample) {
+    for Measured { curve, entry } in measured {
+        if entry.sample == sample && curve.points.len() > 1 {
+            picture.path(places(frame, curve), entry.color, 2.0);
+        }
+    }
+}
+
 fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
     panel.curves.iter().flat_map(|curve| &curve.points)
 }
 
-/// The ends of an axis: all values with some air, whole decades if they are few.
+/// Returns the ends of an axis, as powers of ten: around all values with a margin, whole decades if these are few.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let whole = Range { least: 0.0, greatest: 1.0 };
     let Range { least: low, greatest: high } = Range::of(values.map(decade)).unwrap_or(whole);
-    let air = 0.03 * (high - low);
+    let margin = 0.03 * (high - low);
     match high - low < 2.0 {
         true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),
-        false => (low - air, high + air),
+        false => (low - margin, high + margin),
     }
 }
 
+/// Returns the powers of ten to mark on an axis, in at most about `most` steps.
 fn ticks((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
     let (first, last) = (libm::ceil(low - 1e-9) as i32, libm::floor(high + 1e-9) as i32);
     let step = ((last - first) as usize).div_ceil(most.max(1)).max(1);
@@ -137,14 +156,15 @@ fn ticks((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// The multiples of powers of ten on an axis on which so few of these are that its steps could pass for equal.
+/// Returns the multiples of powers of ten on an axis of fewer than three decades, which could pass for a linear one
+/// without them; none on a longer axis.
 fn multiples((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     let decades = if high - low < 3.0 { low.floor() as i32..high.ceil() as i32 } else { 0..0 };
     let all = decades.flat_map(|e| (2..10).map(move |m| f64::from(e) + libm::log10(f64::from(m))));
     all.filter(move |x| (low..=high).contains(x))
 }
 
-/// Everything but the data.
+/// Draws title, rules, numbers and names of the axes.
 fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     let title = (frame.across.0, frame.down.0 - 14.0);
     picture.text(&panel.title, title, bold(LARGE).pos(START));
@@ -169,7 +189,7 @@ fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {
     curve.points.iter().map(|p| frame.at(decade(p.0), decade(p.1))).collect()
 }
 
-/// The name of a reference, beside its middle, on the side where the line is not.
+/// Writes the name of a reference beside its middle, on the side that the line leaves free.
 fn name_reference(picture: &mut Picture, frame: &Frame, curve: &Curve) {
     let ends = places(frame, curve);
     let (&[(x0, y0), ..], &[.., (x1, y1)]) = (&ends[..], &ends[..]) else { return };

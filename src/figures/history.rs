@@ -45,14 +45,16 @@ pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
     picture
 }
 
-/// Draws a panel, and returns where the next one begins.
+/// Draws a panel, and returns the top of the next one.
 fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
-    let legend = Legend::new(panel.runs.iter().map(|(label, _)| &**label), WIDTH - 90.0);
-    let lengths = panel.runs.iter().map(|(_, levels)| levels.iter().map(Vec::len).sum::<usize>());
-    let longest = lengths.max().unwrap_or(0) as f64;
-    let iterations = panel.runs.iter().flat_map(|(_, levels)| levels.iter().flatten());
-    let residuals = iterations.map(|i| i.gradient_abs.max(i.gradient_signed));
-    let largest = residuals.fold(tolerance(1), f64::max);
+    let legend = Legend::new(panel.runs.iter().map(|run| &*run.label), WIDTH - 90.0);
+    let (mut longest, mut largest) = (0, tolerance(1));
+    for run in &panel.runs {
+        longest = longest.max(run.levels.iter().map(Vec::len).sum());
+        for iteration in run.levels.iter().flatten() {
+            largest = largest.max(iteration.gradient_abs.max(iteration.gradient_signed));
+        }
+    }
     // Powers of ten at the lower and the upper edge.
     let low = -(panel.grids.len() as i32) - 1;
     let high = (libm::ceil(libm::log10(largest) + 0.05) as i32).max(low + 1);
@@ -60,7 +62,7 @@ fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
     let frame = Frame {
         across: ACROSS,
         down: (plot, plot + PLOT),
-        x: (0.0, longest * 1.02),
+        x: (0.0, longest as f64 * 1.02),
         y: (f64::from(low), f64::from(high)),
     };
     picture.text(panel.title, (ACROSS.0, top + 14.0), bold(LARGE).pos(START));
@@ -74,18 +76,21 @@ fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
     });
     picture.group(DASHED, |picture| curves(picture, panel, &frame, 1.0, |i| i.gradient_abs));
     curves(picture, panel, &frame, 2.0, |i| i.gradient_signed);
-    for (k, (_, levels)) in panel.runs.iter().enumerate() {
+    for (k, run) in panel.runs.iter().enumerate() {
         let mut number = 0;
-        for (level, last) in levels.iter().filter_map(|level| Some((level, level.last()?))) {
+        for level in &run.levels {
             number += level.len();
-            picture.ring(place(&frame, number, last.gradient_signed), 4.0, series(k));
+            if let Some(last) = level.last() {
+                picture.ring(place(&frame, number, last.gradient_signed), 4.0, series(k));
+            }
         }
     }
     frame.outline(picture);
     frame.down.1 + 52.0
 }
 
-/// Everything but the data; `powers` are the powers of ten that are marked.
+/// Draws rules, numbers and names of the axes, and the names of the tolerances; `powers` are the powers of ten that are
+/// marked.
 fn ground(
     picture: &mut Picture,
     panel: &HistoryPanel,
@@ -101,9 +106,8 @@ fn ground(
     let (x, y) = frame.middle();
     picture.text("iterations, all grids", (x, frame.down.1 + 31.0), plain(NORMAL));
     picture.text("residual", (17.0, y), plain(NORMAL).transform(UPWARDS));
-    // From the lowest upwards, none on the one below.
-    let mut places: Vec<f64> =
-        (1..).zip(panel.grids).map(|(k, _)| frame.up(-f64::from(k))).collect();
+    // From the lowest upwards, so that no name covers the one below.
+    let mut places: Vec<f64> = (1..=panel.grids.len()).map(|k| frame.up(-(k as f64))).collect();
     for k in (1..places.len()).rev() {
         places[k - 1] = places[k - 1].min(places[k] - SMALL);
     }
@@ -124,39 +128,49 @@ fn curves(
     panel: &HistoryPanel,
     frame: &Frame,
     width: f64,
-    pick: fn(&Iteration) -> f64,
+    residual: fn(&Iteration) -> f64,
 ) {
-    for (k, (_, levels)) in panel.runs.iter().enumerate() {
-        let places = (1..).zip(levels.iter().flatten()).map(|(n, i)| place(frame, n, pick(i)));
-        let thinned = thinned(places.collect());
+    for (k, run) in panel.runs.iter().enumerate() {
+        let mut places = Vec::new();
+        for (number, iteration) in (1..).zip(run.levels.iter().flatten()) {
+            places.push(place(frame, number, residual(iteration)));
+        }
+        let thinned = thinned(&places);
         if thinned.len() > 1 {
             picture.path(thinned, series(k), width);
         }
     }
 }
 
-/// At most four points per half display pixel across: first, lowest, highest, last.
+/// Keeps at most four points per half display pixel across: first, lowest, highest, last.
 ///
-/// Long runs would otherwise make files that grow without showing more.
-fn thinned(places: Vec<Place>) -> Vec<Place> {
-    let column = |p: &Place| (2.0 * p.0) as i64;
+/// All points of long runs would make large files that look the same.
+fn thinned(places: &[Place]) -> Vec<Place> {
     let mut kept = Vec::new();
     for run in places.chunk_by(|a, b| column(a) == column(b)) {
         if run.len() <= 4 {
             kept.extend_from_slice(run);
             continue;
         }
-        // The first of several.
-        let extreme = |sign: f64| {
-            let by_height =
-                |a: &usize, b: &usize| (sign * run[*a].1).total_cmp(&(sign * run[*b].1));
-            (0..run.len()).rev().max_by(by_height).unwrap_or(0)
-        };
-        let mut picks = [0, extreme(1.0), extreme(-1.0), run.len() - 1];
+        let (mut lowest, mut highest) = (0, 0);
+        for (k, (_, y)) in run.iter().enumerate() {
+            if y.total_cmp(&run[lowest].1).is_gt() {
+                lowest = k;
+            }
+            if y.total_cmp(&run[highest].1).is_lt() {
+                highest = k;
+            }
+        }
+        let mut picks = [0, lowest, highest, run.len() - 1];
         picks.sort_unstable();
         kept.extend(picks.map(|k| run[k]));
     }
     kept
+}
+
+/// Returns the number of the half display pixel that holds a place.
+fn column(place: &Place) -> i64 {
+    (2.0 * place.0) as i64
 }
 
 #[cfg(test)]
@@ -167,11 +181,14 @@ mod tests {
     fn thinning_keeps_the_envelope_and_the_order() {
         let places: Vec<Place> =
             (0..100_000).map(|k| (f64::from(k) * 0.006, f64::from((k * 7919) % 1009))).collect();
-        let thin = thinned(places.clone());
+        let thin = thinned(&places);
         assert!(thin.len() < 5000);
         assert!(thin.is_sorted_by(|a, b| a.0 <= b.0));
-        let top = |list: &[Place]| list.iter().map(|p| p.1).fold(0.0, f64::max);
-        assert_eq!(top(&thin), top(&places));
+        assert_eq!(greatest_height(&thin), greatest_height(&places));
         assert_eq!((thin[0], thin.last()), (places[0], places.last()));
+    }
+
+    fn greatest_height(places: &[Place]) -> f64 {
+        places.iter().map(|place| place.1).fold(0.0, f64::max)
     }
 }

@@ -1,8 +1,8 @@
-//! How sharply the tables fix f: published counts that come out, over the plane of two of its values.
+//! Map of the published counts that come out, over the plane of two values of f.
 
 use super::IdentifiabilityPanel;
 use super::axes::{Frame, colour_bar, key};
-use super::palette::{CONTACT, INK, RGBColor, WHITE, viridis};
+use super::palette::{CONTACT, ColourScale, INK, WHITE};
 use super::panels::{Panels, title};
 use super::picture::{NORMAL, Picture, Place, SMALL, UPWARDS, plain, text_width};
 use super::table::of_identifiability;
@@ -19,8 +19,7 @@ pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
     let counts = panels.iter().flat_map(|panel| panel.slice.exact.iter().flatten());
     let least = counts.copied().min().unwrap_or(0);
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);
-    let range = (least.min(most) as f64, most as f64);
-    let color = |n: f64| viridis((n - range.0) / (range.1 - range.0).max(1.0));
+    let colours = ColourScale::Viridis { low: least.min(most) as f64, high: most as f64 };
 
     let layout = Panels {
         count: panels.len(),
@@ -34,25 +33,19 @@ pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
     let mut picture = Picture::new(width, height);
     for (k, panel) in panels.iter().enumerate() {
         let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
-        draw_panel(&mut picture, panel, frame, color);
+        draw_panel(&mut picture, panel, frame, colours);
     }
     let top = layout.foot_top() + 14.0;
     let middle = 0.5 * width + 60.0;
     let half = 0.5 * (width - 260.0).min(420.0);
-    colour_bar(
-        &mut picture,
-        (middle - half, middle + half),
-        top,
-        range,
-        color,
-        "counts that come out",
-    );
+    let across = (middle - half, middle + half);
+    colour_bar(&mut picture, across, top, colours, "counts that come out");
     legend(&mut picture, (0.5 * width, top + 56.0), most, width);
     picture.table = Some(of_identifiability(panels));
     picture
 }
 
-/// The range of an axis: each point stands for the cell around it.
+/// Returns the range of an axis on which each value stands for the cell around it.
 fn ends(values: &[f64]) -> (f64, f64) {
     let (first, last) = (values[0], values[values.len() - 1]);
     let half = 0.5 * (last - first) / (values.len() - 1).max(1) as f64;
@@ -63,33 +56,18 @@ fn draw_panel(
     picture: &mut Picture,
     panel: &IdentifiabilityPanel,
     frame: Frame,
-    color: impl Fn(f64) -> RGBColor,
+    colours: ColourScale,
 ) {
     let slice = panel.slice;
     title(picture, &frame, panel.title);
-    let (nx, ny) = (slice.x.len(), slice.y.len());
-    let colors: Vec<_> = slice.exact.iter().flatten().map(|&count| color(count as f64)).collect();
-    frame.raster(picture, nx, &colors);
-    let corner = |i: usize, j: usize| frame.corner((i, j), (nx, ny));
-    let full = |i: usize, j: usize| slice.exact[j][i] == panel.cells;
-    for j in 0..ny {
-        for i in 0..=nx {
-            if (i > 0 && full(i - 1, j)) != (i < nx && full(i, j)) {
-                picture.path([corner(i, j), corner(i, j + 1)], CONTACT, 1.75);
-            }
+    let counts = slice.exact.iter().flatten();
+    let colors: Vec<_> = counts.map(|&count| colours.color(count as f64)).collect();
+    frame.raster(picture, slice.x.len(), &colors);
+    outline_full(picture, panel, &frame);
+    for &[x, y] in &panel.others {
+        if frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1 {
+            cross(picture, frame.at(x, y));
         }
-    }
-    for j in 0..=ny {
-        for i in 0..nx {
-            if (j > 0 && full(i, j - 1)) != (j < ny && full(i, j)) {
-                picture.path([corner(i, j), corner(i + 1, j)], CONTACT, 1.75);
-            }
-        }
-    }
-    let inside =
-        |&&[x, y]: &&[f64; 2]| frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1;
-    for &[x, y] in panel.others.iter().filter(inside) {
-        cross(picture, frame.at(x, y));
     }
     ring(picture, frame.middle());
     frame.outline(picture);
@@ -100,11 +78,38 @@ fn draw_panel(
     picture.text("f elsewhere", (frame.across.0 - 64.0, y), plain(NORMAL).transform(UPWARDS));
 }
 
+/// Outlines the region in which every count comes out: draws each side between a cell inside and a cell outside.
+fn outline_full(picture: &mut Picture, panel: &IdentifiabilityPanel, frame: &Frame) {
+    let cells = (panel.slice.x.len(), panel.slice.y.len());
+    for j in 0..cells.1 {
+        for i in 0..=cells.0 {
+            if (i > 0 && is_full(panel, i - 1, j)) != is_full(panel, i, j) {
+                let side = [frame.corner((i, j), cells), frame.corner((i, j + 1), cells)];
+                picture.path(side, CONTACT, 1.75);
+            }
+        }
+    }
+    for j in 0..=cells.1 {
+        for i in 0..cells.0 {
+            if (j > 0 && is_full(panel, i, j - 1)) != is_full(panel, i, j) {
+                let side = [frame.corner((i, j), cells), frame.corner((i + 1, j), cells)];
+                picture.path(side, CONTACT, 1.75);
+            }
+        }
+    }
+}
+
+/// True if there is a cell in column `i` and row `j` and every count comes out there.
+fn is_full(panel: &IdentifiabilityPanel, i: usize, j: usize) -> bool {
+    let count = panel.slice.exact.get(j).and_then(|row| row.get(i));
+    count == Some(&panel.cells)
+}
+
 fn ring(picture: &mut Picture, at: Place) {
     picture.ring(at, 5.5, INK);
 }
 
-/// A cross in ink on white, which shows on every colour.
+/// Draws a cross in ink on white, visible on every colour.
 fn cross(picture: &mut Picture, (x, y): Place) {
     for (color, width, size) in [(WHITE, 4.5, 5.5), (INK, 1.75, 4.5)] {
         picture.path([(x - size, y - size), (x + size, y + size)], color, width);
@@ -112,7 +117,7 @@ fn cross(picture: &mut Picture, (x, y): Place) {
     }
 }
 
-/// What the marks mean, centred.
+/// Explains the marks, centred.
 fn legend(picture: &mut Picture, (middle, y): Place, most: usize, width: f64) {
     let outline = format!("all {most} counts come out");
     let texts = [outline.as_str(), "recovered f", "other f of the book"];

@@ -1,10 +1,10 @@
 //! Figure 1: maps of the piecewise constant right-hand sides.
 
 use super::axes::{Frame, colour_bar};
-use super::palette::{INK, RGBColor, diverging, legible_on};
+use super::palette::{ColourScale, INK, legible_on};
 use super::panels::{Panels, title};
 use super::picture::{NORMAL, Picture, italic, plain};
-use super::regions::{RASTER, raster, regions, widest};
+use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
 use crate::discrete::norms::largest;
 use crate::problem::source::Source;
@@ -13,11 +13,11 @@ use crate::problem::source::Source;
 const BORDER_STEP: f64 = 1.0 / 256.0;
 /// Distance to both sides of a border at which f is compared.
 const BESIDE: f64 = 1e-6;
-/// Shades on either side of 0 for a smooth f: more would only make the file larger.
+/// Shades on either side of 0 for a smooth f; more would make the file larger and look the same.
 const BANDS: f64 = 20.0;
 /// Side of a panel in display pixels.
 ///
-/// A multiple of the raster, so that its cells fall on whole pixels.
+/// A multiple of [`RASTER`], so that its cells fall on whole pixels.
 const SIDE: f64 = 288.0;
 /// Size of a value in a wide region.
 const LABEL: f64 = 18.0;
@@ -26,12 +26,12 @@ type Point = [f64; 2];
 
 /// Draws one map per f, below its title, two in a row, with a colour bar common to all and symmetric about 0.
 ///
-/// Pieces are painted as exact polygons in their order; each value is printed where its region is
-/// widest, if it fits. A smooth f is painted as a raster, without values.
+/// Pieces are painted as exact polygons in their order; each value is printed in the widest place of its region, if it
+/// fits. A smooth f is painted as a raster, without values.
 pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
     let limit = largest(&rasters.concat());
-    let limit = if limit > 0.0 { limit } else { 1.0 };
+    let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
     let layout = Panels {
         count: panels.len(),
         side: SIDE,
@@ -45,46 +45,47 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     for (k, ((text, f), values)) in panels.iter().zip(&rasters).enumerate() {
         let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
         title(&mut picture, &frame, text);
-        draw_map(&mut picture, f, values, frame, limit);
+        draw_map(&mut picture, f, values, &frame, colours);
     }
     let middle = 0.5 * width + 10.0;
     let top = layout.foot_top() + 12.0;
     let half = 0.5 * (width - 160.0).min(420.0);
-    colour_bar(
-        &mut picture,
-        (middle - half, middle + half),
-        top,
-        (-limit, limit),
-        |value| diverging(value / limit),
-        "f (x, y)",
-    );
+    colour_bar(&mut picture, (middle - half, middle + half), top, colours, "f (x, y)");
     picture
 }
 
-/// Colours are those of values up to `limit`; `values` is the raster of f.
-fn draw_map(picture: &mut Picture, f: &Source, values: &[f64], frame: Frame, limit: f64) {
-    let color = |value: f64| diverging(value / limit);
+/// Draws the map of f, whose raster is `values`.
+fn draw_map(
+    picture: &mut Picture,
+    f: &Source,
+    values: &[f64],
+    frame: &Frame,
+    colours: ColourScale,
+) {
     match f {
         Source::Pieces { background, pieces } => {
-            frame.band(picture, frame.x, color(*background));
-            let polygons: Vec<_> = pieces
-                .iter()
-                .map(|(region, value)| (inside_square(&region.half_planes()), *value))
-                .collect();
-            let place = |p: &Point| frame.at(p[0], p[1]);
-            for (polygon, value) in &polygons {
+            frame.band(picture, frame.x, colours.color(*background));
+            let mut lines = Vec::new();
+            for (region, value) in pieces {
+                let polygon = inside_square(&region.half_planes());
                 if polygon.len() > 2 {
-                    picture.polygon(polygon.iter().map(place), color(*value));
+                    let corners = polygon.iter().map(|&[x, y]| frame.at(x, y));
+                    picture.polygon(corners, colours.color(*value));
                 }
+                lines.extend(borders(f, &polygon));
             }
-            for run in polygons.iter().flat_map(|(p, _)| borders(f, p)) {
-                picture.path(run.iter().map(place), INK, 1.0);
+            for line in lines {
+                picture.path(line.iter().map(|&[x, y]| frame.at(x, y)), INK, 1.0);
             }
-            label_regions(picture, &frame, values, color);
+            label_regions(picture, frame, values, colours);
         }
         Source::Exact(_) => {
-            let band = |value: f64| color((BANDS * value / limit).round() / BANDS * limit);
-            frame.raster(picture, RASTER, &values.iter().map(|v| band(*v)).collect::<Vec<_>>());
+            let (_, limit) = colours.range();
+            let shades: Vec<_> = values
+                .iter()
+                .map(|value| colours.color((BANDS * value / limit).round() / BANDS * limit))
+                .collect();
+            frame.raster(picture, RASTER, &shades);
         }
     }
     frame.outline(picture);
@@ -95,19 +96,21 @@ fn draw_map(picture: &mut Picture, f: &Source, values: &[f64], frame: Frame, lim
     picture.text("y", (frame.across.0 - 48.0, y), italic(NORMAL));
 }
 
-/// The part of the square that lies in all half-planes.
+/// Returns the part of the square that is in all half-planes.
 fn inside_square(planes: &[[f64; 3]]) -> Vec<Point> {
     let square = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
     planes.iter().fold(square, |polygon, &plane| clip(&polygon, plane))
 }
 
-/// Sutherland and Hodgman's clipping of a convex polygon by `a x + b y <= c`.
+/// Clips a convex polygon by the half-plane `a x + b y <= c` (Sutherland and Hodgman, Communications of the ACM 17, 1974).
+///
+/// 1. For each side from p to q, keep p if it is in the half-plane.
+/// 2. If p and q are strictly on different sides of the line `a x + b y = c`, add the point where the side meets it.
 fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
-    let excess = |p: Point| a * p[0] + b * p[1] - c;
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (k, &p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];
-        let (ep, eq) = (excess(p), excess(q));
+        let [ep, eq] = [p, q].map(|[x, y]| a * x + b * y - c);
         if ep <= 0.0 {
             kept.push(p);
         }
@@ -119,9 +122,9 @@ fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
     kept
 }
 
-/// The parts of the border of a piece that f really jumps across, inside the square.
+/// Returns the parts, inside the square, of the border of a piece at which f jumps.
 ///
-/// A later piece may cover the border, and a neighbour may have the same value.
+/// f need not jump at a border: a later piece may cover it, and a neighbour may have the same value.
 fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
     let mut runs: Vec<Vec<Point>> = Vec::new();
     let mut drawing = false;
@@ -133,10 +136,12 @@ fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
             continue;
         }
         let pieces = (length / BORDER_STEP).ceil().max(1.0);
-        let along = |t: f64| [p[0] + t * d[0], p[1] + t * d[1]];
         let normal = [BESIDE * d[1] / length, -BESIDE * d[0] / length];
         for piece in 0..pieces as usize {
-            let [from, middle, to] = [0.0, 0.5, 1.0].map(|s| along((piece as f64 + s) / pieces));
+            let [from, middle, to] = [0.0, 0.5, 1.0].map(|s| {
+                let t = (piece as f64 + s) / pieces;
+                [p[0] + t * d[0], p[1] + t * d[1]]
+            });
             let [outside, inside] = [1.0, -1.0]
                 .map(|side| [middle[0] + side * normal[0], middle[1] + side * normal[1]]);
             let within = outside.iter().chain(&inside).all(|c| c.abs() < 0.5);
@@ -158,23 +163,18 @@ fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
     runs
 }
 
-/// Prints the value of every connected region where its largest inscribed disc is.
-fn label_regions(
-    picture: &mut Picture,
-    frame: &Frame,
-    values: &[f64],
-    color: impl Fn(f64) -> RGBColor,
-) {
+/// Prints the value of every connected region in the middle of its largest inscribed disc.
+fn label_regions(picture: &mut Picture, frame: &Frame, values: &[f64], colours: ColourScale) {
     for region in regions(values) {
         let value = values[region[0]];
-        let (at, radius) = widest(&region, values);
+        let Disc { centre: (x, y), radius } = widest(&region, values);
         let text = short(value);
         let room = radius * SIDE;
-        let fits = |size: &f64| 0.5 * size * number_width(&text) < room;
         let sizes = if room > 40.0 { &[LABEL, NORMAL][..] } else { &[NORMAL] };
-        if let Some(&size) = sizes.iter().find(|size| fits(size)) {
-            let ink = legible_on(color(value));
-            picture.text(&text, frame.at(at.0, at.1), plain(size).color(&ink));
+        let size = sizes.iter().find(|size| 0.5 * **size * number_width(&text) < room);
+        if let Some(&size) = size {
+            let ink = legible_on(colours.color(value));
+            picture.text(&text, frame.at(x, y), plain(size).color(&ink));
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Drawing functions of the figures: from data to SVG text, deterministic to the byte, no files.
+//! Drawing functions of the figures, from data to SVG text: the same bytes for the same data, and no files.
 //!
-//! Every picture is at most 800 display pixels wide, takes light or dark colours as the page that shows
-//! it asks for, and carries its title and description for readers who cannot see it.
+//! Every picture is at most 800 display pixels wide, has light or dark colours like the page around it, and has a title
+//! and a description for readers who cannot see it. Central is [`Picture`], to which all drawing functions add shapes.
 
 mod axes;
 mod camera;
@@ -36,14 +36,13 @@ use crate::saddle::{Iteration, Pair};
 pub(crate) struct Surface<'a> {
     pub(crate) title: &'a str,
     pub(crate) grid: Grid,
-    /// The heights, dimensionless.
+    /// Heights, dimensionless.
     pub(crate) y: &'a [f64],
     /// Boundary nodes that are drawn as in contact.
     pub(crate) in_contact: &'a [bool],
-    /// From where it is seen: degrees by which the viewer has walked counter-clockwise from the negative y axis;
-    /// [`uphill`] hides least.
+    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`] hides least.
     pub(crate) azimuth: f64,
-    /// The range of heights and colours; without one, that of the data and zero.
+    /// Range of heights and colours; `None` for that of the data and zero.
     pub(crate) range: Option<(f64, f64)>,
 }
 
@@ -51,10 +50,18 @@ pub(crate) struct Surface<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct HistoryPanel<'a> {
     pub(crate) title: &'a str,
-    /// The nested grids of every run; the k-th, from 1, has tolerance 10^-k.
+    /// Nested grids of every run; grid number k, from 1, has tolerance 10^-k.
     pub(crate) grids: &'a [Grid],
-    /// The runs: name in the legend, and iterations on each grid, fewer grids if the run ended early.
-    pub(crate) runs: Vec<(String, Vec<Vec<Iteration>>)>,
+    pub(crate) runs: Vec<HistoryRun>,
+}
+
+/// Run of the method over nested grids.
+#[derive(Clone, Debug)]
+pub(crate) struct HistoryRun {
+    /// Name in the legend.
+    pub(crate) label: String,
+    /// Iterations on each grid; fewer grids if the run ended early.
+    pub(crate) levels: Vec<Vec<Iteration>>,
 }
 
 /// One panel of [`contact`].
@@ -62,8 +69,17 @@ pub(crate) struct HistoryPanel<'a> {
 pub(crate) struct ContactPanel<'a> {
     pub(crate) title: &'a str,
     pub(crate) grid: Grid,
-    /// The solutions compared: name in the legend, y, and the multiplier a or the flux dy/dn.
-    pub(crate) lines: Vec<(String, Pair)>,
+    /// Solutions compared.
+    pub(crate) lines: Vec<ContactLine>,
+}
+
+/// Solution along the boundary.
+#[derive(Clone, Debug)]
+pub(crate) struct ContactLine {
+    /// Name in the legend.
+    pub(crate) label: String,
+    /// Solution y, and the multiplier a or the flux dy/dn.
+    pub(crate) pair: Pair,
 }
 
 /// One panel of [`identifiability`].
@@ -72,6 +88,7 @@ pub(crate) struct IdentifiabilityPanel<'a> {
     pub(crate) title: &'a str,
     /// Counts that come out around the recovered f, which is in the middle.
     pub(crate) slice: &'a Slice,
+    /// Number of published counts.
     pub(crate) cells: usize,
     /// Other f to mark, as points of the plane.
     pub(crate) others: Vec<[f64; 2]>,
@@ -83,7 +100,7 @@ pub(crate) struct Chart {
     pub(crate) title: String,
     /// Names of the axes, with their units: across, up.
     pub(crate) axes: [&'static str; 2],
-    /// What is plotted; a curve without points is left out.
+    /// Curves; one without points is left out.
     pub(crate) curves: Vec<Curve>,
 }
 
@@ -117,22 +134,22 @@ impl Curve {
     }
 }
 
-/// How a [`Curve`] is drawn.
+/// Stroke of a [`Curve`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stroke {
-    /// A line with a ring at each point.
+    /// Line with a ring at each point.
     Marked,
     Line,
-    /// A thin dashed line in secondary ink, named at its middle and not in the legend: a bound, a slope.
+    /// Thin dashed line in secondary ink, named at its middle and not in the legend: a bound, a slope.
     Reference,
 }
 
-/// The power of ten of a value on a logarithmic scale; not finite where there is none.
+/// Returns the decimal logarithm of a value; NaN if the value is not positive, so that the picture is refused.
 fn decade(value: f64) -> f64 {
     if value > 0.0 { libm::log10(value) } else { f64::NAN }
 }
 
-/// Smallest and largest of `values`, 0 included.
+/// Returns the smallest and the largest of `values` and 0.
 pub(crate) fn range_with_zero(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     values.into_iter().fold((0.0, 0.0), |(lo, hi): (f64, f64), v| (lo.min(v), hi.max(v)))
 }

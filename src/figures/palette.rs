@@ -1,4 +1,4 @@
-//! Colours that readers with any colour vision tell apart, on white.
+//! Colours on white that readers with any colour vision can distinguish.
 
 pub(super) use plotters::style::RGBColor;
 
@@ -12,12 +12,12 @@ pub(super) const RULE: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 pub(super) const SHADE: RGBColor = RGBColor(0xee, 0xee, 0xee);
 /// Paper.
 pub(super) const WHITE: RGBColor = RGBColor(0xff, 0xff, 0xff);
-/// The part of the boundary in contact: the one hue viridis does not hold.
+/// Part of the boundary in contact, in a hue that viridis does not contain.
 pub(super) const CONTACT: RGBColor = RGBColor(0xd5, 0x2b, 0x00);
 
-/// What the colours of text, rules, grounds and series become on a dark page.
+/// Pairs (colour on a light page, colour on a dark page) of text, rules, grounds and series.
 ///
-/// [`legible_on`] has an ink and a white of its own, which stay: they stand on coloured ground.
+/// The ink and the white of [`legible_on`] are not among them, because they are on coloured ground on either page.
 pub(super) const DARK: [(u32, u32); 13] = [
     (0x222222, 0xe6e6e6),
     (0x595959, 0xb0b4bd),
@@ -34,7 +34,7 @@ pub(super) const DARK: [(u32, u32); 13] = [
     (0x000000, 0xfefefe),
 ];
 
-/// The colour that a solver has in every picture, as a place in [`series`], by how its name begins.
+/// Returns the colour that a solver has in every picture, as an index of [`series`], by the beginning of its name.
 pub(super) fn solver(label: &str) -> Option<usize> {
     const SOLVERS: [(&str, usize); 7] = [
         ("multigrid", 0),
@@ -48,7 +48,8 @@ pub(super) fn solver(label: &str) -> Option<usize> {
     SOLVERS.iter().find(|(name, _)| label.starts_with(name)).map(|(_, place)| *place)
 }
 
-/// The palette of Okabe and Ito without its yellow, which is lost on white; then it repeats.
+/// Returns colour `k` of the palette of Okabe and Ito without its yellow, which is hard to see on white; the palette
+/// repeats.
 pub(super) fn series(k: usize) -> RGBColor {
     const OKABE_ITO: [RGBColor; 7] = [
         RGBColor(0x00, 0x72, 0xb2),
@@ -62,8 +63,37 @@ pub(super) fn series(k: usize) -> RGBColor {
     OKABE_ITO[k % OKABE_ITO.len()]
 }
 
-/// Viridis at `t` in [0, 1]: perceptually uniform, lightness rising with t.
-pub(super) fn viridis(t: f64) -> RGBColor {
+/// Scale of colours for values in a range.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ColourScale {
+    /// Viridis: perceptually uniform, lightness rising with the value.
+    Viridis { low: f64, high: f64 },
+    /// Blue through white, for 0, to red, from -`limit` to `limit` (Brewer's RdBu, reversed).
+    Diverging { limit: f64 },
+}
+
+impl ColourScale {
+    /// Returns the colour of a value.
+    pub(super) fn color(self, value: f64) -> RGBColor {
+        match self {
+            Self::Viridis { low, high } => {
+                let span = if high > low { high - low } else { 1.0 };
+                viridis((value - low) / span)
+            }
+            Self::Diverging { limit } => diverging(value / limit),
+        }
+    }
+
+    /// Least and greatest value.
+    pub(super) fn range(self) -> (f64, f64) {
+        match self {
+            Self::Viridis { low, high } => (low, high),
+            Self::Diverging { limit } => (-limit, limit),
+        }
+    }
+}
+
+fn viridis(t: f64) -> RGBColor {
     const STOPS: [u32; 11] = [
         0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151,
         0xbddf26, 0xfde725,
@@ -71,33 +101,33 @@ pub(super) fn viridis(t: f64) -> RGBColor {
     between(&STOPS, t)
 }
 
-/// Blue through white to red at `t` in [-1, 1] (Brewer's RdBu, reversed): white is 0.
-pub(super) fn diverging(t: f64) -> RGBColor {
+fn diverging(t: f64) -> RGBColor {
     const STOPS: [u32; 9] =
         [0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b];
     between(&STOPS, 0.5 * (t + 1.0))
 }
 
-/// Piecewise linear through equally spaced stops, t clamped to [0, 1].
+/// Interpolates linearly between equally spaced stops, with t clamped to [0, 1].
 fn between(stops: &[u32], t: f64) -> RGBColor {
     let last = stops.len() - 1;
     let place = t.clamp(0.0, 1.0) * last as f64;
     let k = (place as usize).min(last - 1);
     let s = place - k as f64;
-    let channel = |shift: u32| {
+    let [red, green, blue] = [16, 8, 0].map(|shift| {
         let [low, high] = [stops[k], stops[k + 1]].map(|c| f64::from(c >> shift & 0xff));
         (low + s * (high - low)).round() as u8
-    };
-    RGBColor(channel(16), channel(8), channel(0))
+    });
+    RGBColor(red, green, blue)
 }
 
-/// `color` with its light scaled by `factor`, clamped.
+/// Multiplies the light of a colour by `factor`, and clamps it.
 pub(super) fn lit(color: RGBColor, factor: f64) -> RGBColor {
-    let scale = |c: u8| (f64::from(c) * factor).round().clamp(0.0, 255.0) as u8;
-    RGBColor(scale(color.0), scale(color.1), scale(color.2))
+    let [red, green, blue] = [color.0, color.1, color.2]
+        .map(|channel| (f64::from(channel) * factor).round().clamp(0.0, 255.0) as u8);
+    RGBColor(red, green, blue)
 }
 
-/// White or ink, nearly, whichever contrasts more with `ground`.
+/// Returns nearly white or nearly ink, whichever contrasts more with `ground`.
 pub(super) fn legible_on(ground: RGBColor) -> RGBColor {
     let luma =
         0.299 * f64::from(ground.0) + 0.587 * f64::from(ground.1) + 0.114 * f64::from(ground.2);

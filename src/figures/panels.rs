@@ -3,21 +3,21 @@
 use super::axes::Frame;
 use super::picture::{LARGE, Picture, bold};
 
-/// The layout, in display pixels.
+/// Layout, in display pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panels {
     pub(super) count: usize,
     pub(super) side: f64,
-    /// Empty on the left and on the right of the picture.
+    /// Empty width on the left and on the right of the picture.
     pub(super) margin: f64,
-    /// From the left edge of a panel's cell to the square.
+    /// Distance from the left edge of a panel's cell to the square.
     pub(super) left: f64,
-    /// What a cell is wider and higher than the square.
+    /// Width and height of a cell less those of the square.
     pub(super) around: (f64, f64),
     pub(super) foot: f64,
 }
 
-/// From the upper edge of a cell to the square.
+/// Distance from the upper edge of a cell to the square.
 const ABOVE: f64 = 48.0;
 
 impl Panels {
@@ -34,7 +34,7 @@ impl Panels {
         self.count.div_ceil(2) as f64 * self.cell().1
     }
 
-    /// The square of the k-th panel, with the ranges of its axes.
+    /// Returns the square of panel `k`, with the ranges of its axes.
     pub(super) fn frame(&self, k: usize, x: (f64, f64), y: (f64, f64)) -> Frame {
         let left = self.margin + (k % 2) as f64 * self.cell().0 + self.left;
         let top = (k / 2) as f64 * self.cell().1 + ABOVE;

@@ -1,4 +1,4 @@
-//! The canvas: shapes, drawn by plotters on a finer raster, put together into one SVG.
+//! Picture: shapes, drawn by plotters on a finer raster, joined in one SVG document.
 
 use super::palette::{DARK, INK, RGBColor, WHITE};
 use plotters::backend::{DrawingBackend, SVGBackend};
@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 const FINE: f64 = 4.0;
 /// plotters divides every font size by this.
 const FONT_UNIT: f64 = 1.24;
-/// Width of pictures that have no other, in display pixels.
+/// Width of most pictures, in display pixels.
 pub(super) const WIDTH: f64 = 800.0;
 /// Smallest text, in display pixels.
 pub(super) const SMALL: f64 = 12.0;
@@ -20,10 +20,10 @@ pub(super) const NORMAL: f64 = 13.0;
 /// Titles of panels.
 pub(super) const LARGE: f64 = 14.0;
 
-/// A place in display pixels, y downwards.
+/// Place in display pixels, y downwards.
 pub(super) type Place = (f64, f64);
 
-/// Width to allow for `text`: fonts are not measured, so a wide sans-serif is assumed.
+/// Returns the width to allow for `text`: fonts are not measured, so a wide sans-serif is assumed.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
@@ -36,22 +36,22 @@ fn filled(color: RGBColor) -> ShapeStyle {
 #[derive(Default)]
 pub(crate) struct Picture {
     width: f64,
-    /// May be set when all is drawn.
+    /// Height, which may be set after all is drawn.
     pub(super) height: f64,
     body: String,
-    /// Whether a place was not finite.
+    /// True if a place was not finite.
     not_finite: bool,
-    /// What is shown as CSV with a header line, where that is more than the data it is drawn from.
+    /// Data shown, as CSV with a header line; `None` if the input of the drawing function is a file of its own.
     pub(crate) table: Option<String>,
 }
 
 impl Picture {
-    /// An empty picture of this size in display pixels.
+    /// Returns an empty picture of this size in display pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
         Self { width, height, ..Self::default() }
     }
 
-    /// Whether what reaches so far to both sides of `x` lies inside.
+    /// True if the picture contains the interval from `x - reach` to `x + reach`.
     pub(super) fn holds(&self, x: f64, reach: f64) -> bool {
         x - reach >= 0.0 && x + reach <= self.width
     }
@@ -65,14 +65,14 @@ impl Picture {
         ((x * FINE).round() as i32, (y * FINE).round() as i32)
     }
 
-    /// Adds a shape: what plotters draws, without the document around it.
+    /// Adds a shape: the elements that plotters writes, without the document around them.
     fn shape<E>(&mut self, draw: impl FnOnce(&mut SVGBackend) -> Result<(), E>) {
         let mut svg = String::new();
         let drawn = draw(&mut SVGBackend::with_string(&mut svg, self.canvas()));
         assert!(drawn.is_ok(), "memory takes every byte");
-        // plotters puts text on a line of its own; joined again, it gets no stray spaces.
+        // plotters puts text on a line of its own; joined with the next line, it gets no stray spaces.
         let lines = svg.lines().filter(|l| !l.starts_with("<svg") && !l.starts_with("</svg"));
-        // Attributes that say nothing; and text is centred on its capitals, not on its x.
+        // Without attributes that have no effect, and with text centred on its capitals instead of its x.
         let shape = lines.collect::<String>().replace(" opacity=\"1\"", "");
         let shape = shape.replace(" \"/>", "\"/>").replace("dy=\"0.5ex\"", "dy=\"0.36em\"");
         self.body += &(shape + "\n");
@@ -85,7 +85,7 @@ impl Picture {
         self.body += "</g>\n";
     }
 
-    /// An open polygon, `width` display pixels thick.
+    /// Draws an open polygon, `width` display pixels thick.
     pub(super) fn path(
         &mut self,
         places: impl IntoIterator<Item = Place>,
@@ -104,7 +104,7 @@ impl Picture {
         self.shape(|svg| svg.fill_polygon(corners, &filled(color)));
     }
 
-    /// A filled rectangle between opposite corners.
+    /// Fills the rectangle between opposite corners.
     pub(super) fn rect(&mut self, (x0, y0): Place, (x1, y1): Place, color: RGBColor) {
         let low = self.fine((x0.min(x1), y0.min(y1)));
         let high = self.fine((x0.max(x1), y0.max(y1)));
@@ -123,7 +123,7 @@ impl Picture {
         self.path([middle, (x1, y0), (x1, y1), (x0, y1), (x0, y0), middle], color, width);
     }
 
-    /// A disc with a white core.
+    /// Draws a disc with a white core.
     pub(super) fn ring(&mut self, at: Place, radius: f64, color: RGBColor) {
         let at = self.fine(at);
         for (radius, color) in [(radius, color), (radius - 1.5, WHITE)] {
@@ -132,7 +132,7 @@ impl Picture {
         }
     }
 
-    /// A line of text whose middle height is at `at`.
+    /// Writes a line of text whose middle height is at `at`.
     pub(super) fn text(&mut self, text: &str, at: Place, style: TextStyle) {
         let at = self.fine(at);
         // XML has no control characters, not even escaped ones.
@@ -140,9 +140,9 @@ impl Picture {
         self.shape(|svg| svg.draw_text(&text, &style, at));
     }
 
-    /// The SVG document: scalable, shown at its size in display pixels where nothing else is said.
+    /// Returns the SVG document: scalable, and by default shown at its size in display pixels.
     ///
-    /// To readers who cannot see it, `title` says in a line what is shown, `description` how it was made.
+    /// For readers who cannot see it: `title` is a line on the contents, `description` a line on the origin.
     pub(crate) fn svg(&self, title: &str, description: &str) -> Result<String, &'static str> {
         if self.body.is_empty() {
             return Err("there is nothing to draw; record or solve something first");
@@ -166,9 +166,9 @@ impl Picture {
     }
 }
 
-/// Style rules by which a picture on a dark page shows other neutral colours and lighter series.
+/// Returns style rules with which a picture on a dark page has other neutral colours and lighter series.
 ///
-/// An image has the colour scheme of the page around it, so that a book's theme decides.
+/// An image has the colour scheme of the page around it, hence that of the book's theme.
 fn dark() -> String {
     let mut rules = String::from("@media (prefers-color-scheme:dark){");
     for (light, dark) in DARK {
@@ -192,13 +192,14 @@ fn escaped(text: &str) -> String {
         .collect()
 }
 
-/// Texts that begin or end at their place.
+/// Position of text that begins at its place.
 pub(super) const START: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
+/// Position of text that ends at its place.
 pub(super) const END: Pos = Pos { h_pos: HPos::Right, v_pos: VPos::Center };
-/// Reads from below to above.
+/// Direction of text from below to above.
 pub(super) const UPWARDS: FontTransform = FontTransform::Rotate270;
 
-/// Ink of this size in display pixels, centred on its place both ways.
+/// Returns the style of text in ink, of this size in display pixels, centred on its place horizontally and vertically.
 fn styled(size: f64, style: FontStyle) -> TextStyle<'static> {
     let font = ("sans-serif", size * FINE * FONT_UNIT).into_font().style(style);
     TextStyle::from(font).color(&INK).pos(Pos { h_pos: HPos::Center, v_pos: VPos::Center })

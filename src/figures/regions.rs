@@ -1,23 +1,22 @@
-//! Where the regions of a map are, and where in each a label has most room.
+//! Regions of a map, and the widest place in each for a label.
 
 use super::picture::Place;
 use crate::problem::source::Source;
 
-/// Cells per side of the raster that finds where labels go, and that stands for a smooth f.
+/// Cells per side of the raster for the places of labels and for pictures of a smooth f.
 pub(super) const RASTER: usize = 72;
 
-/// The coordinate of the centre of the i-th cell, which may be a fraction.
+/// Returns the coordinate of the centre of cell `i`, which may be a fraction.
 fn centre(i: f64) -> f64 {
     (i + 0.5) / RASTER as f64 - 0.5
 }
 
-/// f at the centres of the raster, row by row from below.
+/// Returns f at the centres of the raster, row by row from below.
 pub(super) fn raster(f: &Source) -> Vec<f64> {
-    let point = |k: usize| [k % RASTER, k / RASTER].map(|i| centre(i as f64));
-    (0..RASTER * RASTER).map(|k| f.at(point(k))).collect()
+    (0..RASTER * RASTER).map(|k| f.at([k % RASTER, k / RASTER].map(|i| centre(i as f64)))).collect()
 }
 
-/// The connected sets of raster cells with equal values, each in ascending order.
+/// Returns the connected sets of raster cells with equal values, each in ascending order.
 pub(super) fn regions(values: &[f64]) -> Vec<Vec<usize>> {
     let mut seen = vec![false; values.len()];
     let mut regions = Vec::new();
@@ -44,7 +43,7 @@ pub(super) fn regions(values: &[f64]) -> Vec<Vec<usize>> {
     regions
 }
 
-/// West, east, south and north of raster cell `k`.
+/// Returns the neighbours of raster cell `k` to the west, east, south and north.
 fn neighbours(k: usize) -> [Option<usize>; 4] {
     let (i, j) = (k % RASTER, k / RASTER);
     [
@@ -55,31 +54,70 @@ fn neighbours(k: usize) -> [Option<usize>; 4] {
     ]
 }
 
-/// Centre and radius of the largest disc of cells inside `region`.
-pub(super) fn widest(region: &[usize], values: &[f64]) -> (Place, f64) {
-    // In whole cells: equal distances must compare equal for a label to sit in the very middle.
-    let cell = |k: usize| ((k % RASTER) as i64, (k / RASTER) as i64);
-    let squared = |(i, j): (i64, i64), (p, q): (i64, i64)| (i - p) * (i - p) + (j - q) * (j - q);
-    let on_rim = |k: usize| neighbours(k).iter().any(|n| n.is_none_or(|n| values[n] != values[k]));
-    let rim: Vec<_> = region.iter().filter(|&&k| on_rim(k)).map(|&k| cell(k)).collect();
-    let to_rim = |at| rim.iter().map(|&p| squared(at, p)).min().unwrap_or(0);
-    let inside: Vec<_> = region.iter().map(|&k| (cell(k), to_rim(cell(k)))).collect();
-    let most = inside.iter().map(|(_, distance)| *distance).max().unwrap_or(0);
-    let best: Vec<_> =
-        inside.iter().filter(|(_, distance)| *distance == most).map(|(at, _)| *at).collect();
-    let count = best.len() as i64;
-    let (si, sj) = best.iter().fold((0, 0), |(si, sj), (i, j)| (si + i, sj + j));
-    // Of several centres, as in a strip, the one nearest to their mean; the mean itself if it is
-    // within a cell of one, as in a square with an even number of cells.
-    let off = |&(i, j): &(i64, i64)| squared((i * count, j * count), (si, sj));
-    let (i, j) = best.iter().copied().min_by_key(off).unwrap_or((0, 0));
-    let at = if off(&(i, j)) <= count * count {
-        (si as f64 / count as f64, sj as f64 / count as f64)
+/// Column and row of a raster cell.
+type Cell = (i64, i64);
+
+fn cell(k: usize) -> Cell {
+    ((k % RASTER) as i64, (k / RASTER) as i64)
+}
+
+/// Returns the square of the distance of two cells.
+fn squared_distance((i, j): Cell, (p, q): Cell) -> i64 {
+    (i - p) * (i - p) + (j - q) * (j - q)
+}
+
+/// True if a neighbour of raster cell `k` has another value or is missing.
+fn is_at_edge(k: usize, values: &[f64]) -> bool {
+    neighbours(k).iter().any(|n| n.is_none_or(|n| values[n] != values[k]))
+}
+
+/// Disc in the square.
+pub(super) struct Disc {
+    pub(super) centre: Place,
+    pub(super) radius: f64,
+}
+
+/// Returns the largest disc of cells inside `region`.
+///
+/// 1. Find the cells at the edge of the region.
+/// 2. Find the cells whose distance to the edge is greatest: the candidates for the centre.
+/// 3. Take the candidate nearest to their mean, as in a strip; take the mean itself if it is within a cell of that
+///    candidate, as in a square with an even number of cells.
+///
+/// Distances are compared as squares of whole numbers of cells, because a label is in the exact middle only if equal
+/// distances compare equal.
+pub(super) fn widest(region: &[usize], values: &[f64]) -> Disc {
+    let edge: Vec<Cell> =
+        region.iter().filter(|&&k| is_at_edge(k, values)).map(|&k| cell(k)).collect();
+    let (mut greatest, mut candidates) = (0, Vec::new());
+    for &k in region {
+        let to_edge = edge.iter().map(|&other| squared_distance(cell(k), other));
+        let distance = to_edge.min().unwrap_or(0);
+        if distance > greatest {
+            greatest = distance;
+            candidates.clear();
+        }
+        if distance == greatest {
+            candidates.push(cell(k));
+        }
+    }
+    let count = candidates.len() as i64;
+    let sum = candidates.iter().fold((0, 0), |sum: Cell, (i, j)| (sum.0 + i, sum.1 + j));
+    let mut nearest = (i64::MAX, (0, 0));
+    for &(i, j) in &candidates {
+        let distance = squared_distance((i * count, j * count), sum);
+        if distance < nearest.0 {
+            nearest = (distance, (i, j));
+        }
+    }
+    let (distance, (i, j)) = nearest;
+    let at = if distance <= count * count {
+        (sum.0 as f64 / count as f64, sum.1 as f64 / count as f64)
     } else {
         (i as f64, j as f64)
     };
-    let radius = ((most as f64).sqrt() + 0.5) / RASTER as f64;
-    ((centre(at.0), centre(at.1)), radius)
+    let radius = ((greatest as f64).sqrt() + 0.5) / RASTER as f64;
+    Disc { centre: (centre(at.0), centre(at.1)), radius }
 }
 
 #[cfg(test)]
@@ -92,10 +130,10 @@ mod tests {
         let values = raster(&f);
         let regions = regions(&values);
         assert_eq!(regions.len(), 2);
-        let (ll, radius) = widest(&regions[0], &values);
+        let Disc { centre: ll, radius } = widest(&regions[0], &values);
         assert!((ll.0 + 0.25).abs() < 1e-12 && (ll.1 + 0.25).abs() < 1e-12);
         assert!((radius - 0.25).abs() < 0.02);
-        let (rest, radius) = widest(&regions[1], &values);
+        let Disc { centre: rest, radius } = widest(&regions[1], &values);
         assert!(f.at([rest.0, rest.1]) == -1.0 && radius > 0.25);
     }
 }

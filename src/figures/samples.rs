@@ -13,9 +13,13 @@ pub(super) fn svg(picture: &Picture) -> String {
 /// The figures of both problems; `run --locked` fails where the program draws others.
 pub(super) fn committed() -> Vec<(String, String)> {
     let names = ["figure1", "figure2", "histories", "contact", "identifiability"];
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/figures");
-    let read = |name| std::fs::read_to_string(format!("{folder}/{name}.svg")).unwrap();
-    names.map(|name| (name.to_owned(), read(name))).into()
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("figures");
+    let mut figures = Vec::new();
+    for name in names {
+        let svg = std::fs::read_to_string(folder.join(format!("{name}.svg"))).unwrap();
+        figures.push((name.to_owned(), svg));
+    }
+    figures
 }
 
 /// One panel, few nodes, other shapes of f, more curves than colours, a long run.
@@ -25,7 +29,7 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     figures
 }
 
-/// Those of maps, solutions and iterations.
+/// Unusual pictures of maps, solutions and iterations.
 fn unusual_scenes() -> Vec<(String, String)> {
     let mut figures = Vec::new();
     let shapes =
@@ -49,7 +53,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     }
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
-            .map(|label| (label.into(), pair.clone()));
+            .map(|label| ContactLine { label: label.into(), pair: pair.clone() });
     let panel = ContactPanel { title, grid, lines: lines.into() };
     figures.push(("lines".into(), svg(&contact(&[panel]))));
     let long: Vec<_> = (1..=30_000)
@@ -60,22 +64,24 @@ fn unusual_scenes() -> Vec<(String, String)> {
         })
         .collect();
     let levels = vec![vec![long[0]; 7], long];
-    let run = |k| (format!("curve number {k}"), levels.clone());
-    let panel = HistoryPanel { title, grids: &grids, runs: (1..=9).map(run).collect() };
+    let runs = (1..=9)
+        .map(|k| HistoryRun { label: format!("curve number {k}"), levels: levels.clone() })
+        .collect();
+    let panel = HistoryPanel { title, grids: &grids, runs };
     figures.push(("long".into(), svg(&histories(&[panel]))));
     figures
 }
 
-/// Those of numbers.
+/// Unusual charts.
 fn unusual_charts() -> Vec<(String, String)> {
     let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
     let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
-    let few = || falling[3..6].iter().copied();
+    let few = falling[3..6].to_vec();
     let curves = vec![
         Curve::new(Marked, "multigrid", falling.clone()),
-        Curve::new(Marked, "multigrid, again", few()),
-        Curve::new(Line, "maximum error", few()),
-        Curve::new(Marked, "one", few().take(1)),
+        Curve::new(Marked, "multigrid, again", few.clone()),
+        Curve::new(Line, "maximum error", few.clone()),
+        Curve::new(Marked, "one", few[..1].to_vec()),
         Curve::new(Marked, "none", []),
         Curve::new(Reference, "order 2", slope),
     ];

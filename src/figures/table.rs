@@ -1,8 +1,10 @@
-//! What pictures show, as tables: CSV with a header line.
+//! Tables of the data in pictures: CSV with a header line.
 
-use super::{Chart, ContactPanel, HistoryPanel, IdentifiabilityPanel, Stroke};
+use super::{
+    Chart, ContactLine, ContactPanel, HistoryPanel, HistoryRun, IdentifiabilityPanel, Stroke,
+};
 
-/// A cell as RFC 4180 wants it.
+/// Quotes a cell of CSV if RFC 4180 asks for it.
 pub(crate) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) {
         format!("\"{}\"", text.replace('"', "\"\""))
@@ -11,7 +13,7 @@ pub(crate) fn quoted(text: &str) -> String {
     }
 }
 
-/// The points of all curves; references are left out.
+/// Returns the points of all curves but references.
 pub(super) fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves } in panels {
@@ -28,8 +30,8 @@ pub(super) fn of_charts(panels: &[&Chart]) -> String {
 pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
     for panel in panels {
-        for (run, levels) in &panel.runs {
-            let names = [panel.title, run].map(quoted).join(",");
+        for HistoryRun { label, levels } in &panel.runs {
+            let names = [panel.title, label].map(quoted).join(",");
             for (grid, iterations) in panel.grids.iter().zip(levels) {
                 for i in iterations {
                     let (n, signed, abs) = (i.number, i.gradient_signed, i.gradient_abs);
@@ -42,12 +44,12 @@ pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     csv
 }
 
-/// Trace and multiplier at the nodes of the boundary, by arc length from the lower left corner.
+/// Returns trace and multiplier at the boundary nodes, by arc length from the lower left corner.
 pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     let mut csv = "panel,run,s,y,a\n".to_owned();
     for panel in panels {
-        for (run, pair) in &panel.lines {
-            let names = [panel.title, run].map(quoted).join(",");
+        for ContactLine { label, pair } in &panel.lines {
+            let names = [panel.title, label].map(quoted).join(",");
             for ((b, node), a) in panel.grid.boundary().enumerate().zip(&pair.a) {
                 let (s, y) = (b as f64 * panel.grid.h(), pair.y[node]);
                 csv += &format!("{names},{s},{y},{a}\n");
@@ -57,7 +59,7 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     csv
 }
 
-/// The counts that come out, f by f.
+/// Returns the number of counts that come out for each f.
 pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
     let mut csv = "panel,f there,f elsewhere,counts\n".to_owned();
     for panel in panels {

@@ -3,6 +3,7 @@
 use super::samples::{committed, every, svg, unusual};
 use super::*;
 use crate::problem::source::Source;
+use std::collections::BTreeMap;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
 fn well_formed(svg: &str) {
@@ -16,11 +17,10 @@ fn well_formed(svg: &str) {
         let end = start + rest[start..].find('>').expect("an open tag");
         let tag = &rest[start + 1..end];
         assert!(tag.matches('"').count().is_multiple_of(2) && !tag.contains('<'), "{tag}");
-        let name = |tag: &str| tag.split_whitespace().next().unwrap_or("").to_string();
         if let Some(closing) = tag.strip_prefix('/') {
-            assert_eq!(open.pop(), Some(name(closing)));
+            assert_eq!(open.pop(), closing.split_whitespace().next());
         } else if !tag.ends_with('/') {
-            open.push(name(tag));
+            open.extend(tag.split_whitespace().next());
         }
         rest = &rest[end + 1..];
     }
@@ -37,18 +37,18 @@ fn figures_are_well_formed_labelled_and_small() {
         assert!(!svg.contains("NaN") && !svg.contains("inf\""));
         assert!(svg.len() < 400_000, "{name} has {} bytes", svg.len());
     }
-    let svg = |name: &str| &figures.iter().find(|(n, _)| *n == name).unwrap().1;
+    let svg: BTreeMap<String, String> = figures.into_iter().collect();
     for label in ["3", "\u{2212}1.002", "\u{2212}6", "1.998"] {
-        assert!(svg("figure1").contains(&format!(">{label}</text>")), "{label}");
+        assert!(svg["figure1"].contains(&format!(">{label}</text>")), "{label}");
     }
     for name in ["x", "y", "v", "\u{2212}0.5"] {
-        assert!(svg("figure2").contains(&format!(">{name}</text>")));
+        assert!(svg["figure2"].contains(&format!(">{name}</text>")));
     }
-    assert!(svg("histories").contains("h = 1/4</text>"));
-    assert!(svg("contact").contains(">upper left</text>"));
+    assert!(svg["histories"].contains("h = 1/4</text>"));
+    assert!(svg["contact"].contains(">upper left</text>"));
     for label in ["counts that come out", "all 25 counts come out", "f elsewhere", "\u{2212}1.005"]
     {
-        assert!(svg("identifiability").contains(&format!(">{label}</text>")), "{label}");
+        assert!(svg["identifiability"].contains(&format!(">{label}</text>")), "{label}");
     }
 }
 
@@ -60,8 +60,9 @@ fn a_solver_has_one_colour_and_a_second_line_of_it_is_dashed() {
     let legend: Vec<_> = svg.lines().filter(|l| l.starts_with("<polyline")).take(4).collect();
     assert!(legend[..3].iter().all(|line| line.contains("#0072B2")), "{legend:?}");
     assert!(!legend[3].contains("#0072B2"), "{legend:?}");
-    let before = |name: &str| svg[..svg.find(name).unwrap()].lines().rev().nth(1);
-    assert!(before(">one</text>").unwrap().starts_with("<circle"), "a point without a line");
+    let (before, _) = svg.split_once(">one</text>").unwrap();
+    let sample = before.lines().rev().nth(1).unwrap();
+    assert!(sample.starts_with("<circle"), "a point without a line");
     assert!(!svg.contains(">none</text>"), "a curve without points has no name");
     assert!(svg.contains("prefers-color-scheme:dark"));
 }
@@ -77,9 +78,12 @@ struct Text {
 
 impl Text {
     fn overlaps(&self, other: &Self) -> bool {
-        let meet = |(a, b): (f64, f64), (c, d): (f64, f64)| a < d && c < b;
-        meet(self.across, other.across) && meet(self.down, other.down)
+        intersect(self.across, other.across) && intersect(self.down, other.down)
     }
+}
+
+fn intersect((a, b): (f64, f64), (c, d): (f64, f64)) -> bool {
+    a < d && c < b
 }
 
 /// Advance widths of DejaVu Sans, a wide font that many systems take for sans-serif, in thousandths of its size; letters
@@ -101,32 +105,35 @@ fn advance(letter: char) -> f64 {
     f64::from(width) / 1000.0
 }
 
-/// Size of the canvas, and every text as a wide font shows it.
+/// Returns the size of the canvas, and every text with its extent in a wide font.
 fn texts(svg: &str) -> ((f64, f64), Vec<Text>) {
-    let number = |line: &str, key: &str| -> f64 {
-        let start = line.find(key).unwrap() + key.len();
-        line[start..].split('"').next().unwrap().parse().unwrap()
-    };
     let head = svg.lines().next().unwrap();
-    let canvas = (4.0 * number(head, " width=\""), 4.0 * number(head, " height=\""));
-    let text = |line: &str| {
-        let size = number(line, "font-size=\"");
-        let words = line.split_once('>').unwrap().1.trim_end_matches("</text>");
-        let words = words.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&");
-        let wide = size * words.chars().map(advance).sum::<f64>();
-        let (x, y) = (number(line, " x=\""), number(line, " y=\""));
-        let (left, right) = match () {
-            () if line.contains("\"start\"") => (x, x + wide),
-            () if line.contains("\"end\"") => (x - wide, x),
-            () => (x - wide / 2.0, x + wide / 2.0),
-        };
-        let (across, down) = match line.contains("rotate(") {
-            true => ((x - size / 2.0, x + size / 2.0), (y - wide / 2.0, y + wide / 2.0)),
-            false => ((left, right), (y - 0.4 * size, y + 0.4 * size)),
-        };
-        Text { words, size, across, down }
-    };
+    let canvas = (4.0 * attribute(head, " width=\""), 4.0 * attribute(head, " height=\""));
     (canvas, svg.lines().filter(|line| line.starts_with("<text")).map(text).collect())
+}
+
+/// Returns the number in the attribute that begins with `key`.
+fn attribute(line: &str, key: &str) -> f64 {
+    let start = line.find(key).unwrap() + key.len();
+    line[start..].split('"').next().unwrap().parse().unwrap()
+}
+
+fn text(line: &str) -> Text {
+    let size = attribute(line, "font-size=\"");
+    let words = line.split_once('>').unwrap().1.trim_end_matches("</text>");
+    let words = words.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&");
+    let wide = size * words.chars().map(advance).sum::<f64>();
+    let (x, y) = (attribute(line, " x=\""), attribute(line, " y=\""));
+    let (left, right) = match () {
+        () if line.contains("\"start\"") => (x, x + wide),
+        () if line.contains("\"end\"") => (x - wide, x),
+        () => (x - wide / 2.0, x + wide / 2.0),
+    };
+    let (across, down) = match line.contains("rotate(") {
+        true => ((x - size / 2.0, x + size / 2.0), (y - wide / 2.0, y + wide / 2.0)),
+        false => ((left, right), (y - 0.4 * size, y + 0.4 * size)),
+    };
+    Text { words, size, across, down }
 }
 
 #[test]
@@ -155,22 +162,27 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { high.abs() } else { 0.0 }).collect();
     let pair = Pair { y, a };
     let in_contact = &pair.in_contact(grid);
-    let surface =
-        |azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None };
-    let panel = ContactPanel { title: "t", grid, lines: vec![("l".into(), pair.clone())] };
-    let iteration = |number: usize| {
-        let size = high.abs() / number as f64;
-        Iteration { number, gradient_signed: size, gradient_abs: size, delta_a: size }
-    };
-    let levels = vec![vec![iteration(1)], (1..=2_000_000).step_by(1000).map(iteration).collect()];
-    let history = HistoryPanel { title: "t", grids: &grids, runs: vec![("r".into(), levels)] };
+    let [front, lower_left, lower_right, upper_right] = [0.0, -37.5, 52.5, 142.5]
+        .map(|azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None });
+    let line = ContactLine { label: "l".into(), pair: pair.clone() };
+    let panel = ContactPanel { title: "t", grid, lines: vec![line] };
+    let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
+    let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
+    let run = HistoryRun { label: "r".into(), levels };
+    let history = HistoryPanel { title: "t", grids: &grids, runs: vec![run] };
     [
         ("source", maps_of_f(&[("t", &f), ("u", &f)])),
-        ("surface", surfaces(2, &[surface(0.0)])),
-        ("surfaces", surfaces(3, &[surface(-37.5), surface(52.5), surface(142.5)])),
+        ("surface", surfaces(2, &[front])),
+        ("surfaces", surfaces(3, &[lower_left, lower_right, upper_right])),
         ("contact", contact(&[panel])),
         ("history", histories(&[history])),
     ]
+}
+
+/// Iteration whose residuals and Delta a are `first` over its number.
+fn iteration(number: usize, first: f64) -> Iteration {
+    let size = first / number as f64;
+    Iteration { number, gradient_signed: size, gradient_abs: size, delta_a: size }
 }
 
 #[test]
@@ -184,11 +196,15 @@ fn numbers_of_any_size_neither_overlap_nor_run_out() {
         for (kind, picture) in scaled(low, high) {
             let ((width, height), texts) = texts(&svg(&picture));
             for (k, text) in texts.iter().enumerate() {
-                let what = || format!("{kind} of {low:e} to {high:e}: {text:?}");
-                assert!(text.across.0 >= 0.0 && text.across.1 <= width, "{}", what());
-                assert!(text.down.0 >= 0.0 && text.down.1 <= height, "{}", what());
                 let other = texts[..k].iter().find(|other| text.overlaps(other));
-                assert!(other.is_none(), "{} {other:?}", what());
+                let inside = text.across.0 >= 0.0
+                    && text.across.1 <= width
+                    && text.down.0 >= 0.0
+                    && text.down.1 <= height;
+                assert!(
+                    inside && other.is_none(),
+                    "{kind} of {low:e} to {high:e}: {text:?} leaves the picture or meets {other:?}"
+                );
             }
             // At least two numbers beside a colour bar or an axis of values.
             let powers = texts.iter().filter(|text| text.words.contains("\u{b7}10")).count();
@@ -206,8 +222,8 @@ fn values_are_written_inside_their_regions() {
         let label = text::short(value);
         let (_, texts) = texts(&drawn);
         // Half of the side of the panel, in canvas pixels.
-        let inside = |text: &&Text| text.words == label && text.size > 12.0 * 4.0;
-        let text = texts.iter().find(inside).unwrap_or_else(|| panic!("{value}"));
+        let text = texts.iter().find(|text| text.words == label && text.size > 12.0 * 4.0);
+        let text = text.unwrap_or_else(|| panic!("{value}"));
         assert!(text.across.1 - text.across.0 < 0.5 * 288.0 * 4.0, "{text:?}");
     }
 }
@@ -216,20 +232,29 @@ fn values_are_written_inside_their_regions() {
 fn what_cannot_be_drawn_is_refused() {
     let grid = Grid::new(4).unwrap();
     let mut pair = Pair { y: vec![0.0; 25], a: vec![0.0; 16] };
-    let surface = |Pair { y, .. }: &Pair| {
-        let in_contact = &[false; 16];
-        surfaces(2, &[Surface { title: "t", grid, y, in_contact, azimuth: 0.0, range: None }])
-    };
-    svg(&surface(&pair));
+    svg(&surface(grid, &pair));
     pair.y[4] = f64::NAN;
-    let refusal = |picture: Picture| picture.svg("t", "d").unwrap_err();
-    assert!(refusal(surface(&pair)).contains("not a finite number"));
-    let panel = ContactPanel { title: "t", grid, lines: vec![("l".into(), pair)] };
-    assert!(refusal(contact(&[panel])).contains("not a finite number"));
-    let curve = |point| Curve::new(Stroke::Marked, "c", point);
-    let chart = |point| charts(false, &[Chart::new("t", ["x", "y"], vec![curve(point)])]);
-    assert!(refusal(chart(Some((1.0, 0.0)))).contains("not a finite number"));
-    assert!(refusal(chart(None)).contains("nothing to draw"));
+    assert!(refusal(&surface(grid, &pair)).contains("not a finite number"));
+    let line = ContactLine { label: "l".into(), pair };
+    let panel = ContactPanel { title: "t", grid, lines: vec![line] };
+    assert!(refusal(&contact(&[panel])).contains("not a finite number"));
+    assert!(refusal(&chart(Some((1.0, 0.0)))).contains("not a finite number"));
+    assert!(refusal(&chart(None)).contains("nothing to draw"));
+}
+
+fn refusal(picture: &Picture) -> &'static str {
+    picture.svg("t", "d").unwrap_err()
+}
+
+fn surface(grid: Grid, pair: &Pair) -> Picture {
+    let (y, in_contact) = (&pair.y, &[false; 16]);
+    surfaces(2, &[Surface { title: "t", grid, y, in_contact, azimuth: 0.0, range: None }])
+}
+
+/// Chart of one curve with at most one point.
+fn chart(point: Option<(f64, f64)>) -> Picture {
+    let curve = Curve::new(Stroke::Marked, "c", point);
+    charts(false, &[Chart::new("t", ["x", "y"], vec![curve])])
 }
 
 #[test]

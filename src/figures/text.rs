@@ -1,6 +1,6 @@
-//! Numbers as readers expect them: no stray digits, true minus signs, round tick values.
+//! Text of numbers: no stray digits, true minus signs, round tick values.
 
-/// `value` with `decimals` digits after the point, a true minus sign, and no negative zero.
+/// Returns `value` with `decimals` digits after the point, a true minus sign, and no negative zero.
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -13,7 +13,7 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
 /// Numbers at least this large are written with a power of ten.
 const LARGE: f64 = 1e6;
 
-/// `value` to at most four decimals, trailing zeros dropped; with a power of ten if it is very small or large.
+/// Returns `value` to at most four decimals, trailing zeros dropped; with a power of ten if it is very small or large.
 pub(super) fn short(value: f64) -> String {
     const DECIMALS: usize = 4;
     if value != 0.0 && !(0.5e-4..LARGE).contains(&value.abs()) {
@@ -22,19 +22,22 @@ pub(super) fn short(value: f64) -> String {
     without_zeros(&fixed(value, DECIMALS)).into()
 }
 
-/// Width of a number in a wide sans-serif font, in the font's size: for fonts are not measured.
+/// Returns the width of a number in a wide sans-serif font, over the size of the font; fonts are not measured.
 pub(super) fn number_width(number: &str) -> f64 {
-    let width = |c: char| match c {
+    number.chars().map(character_width).sum()
+}
+
+fn character_width(character: char) -> f64 {
+    match character {
         '.' | '\u{b7}' => 0.32,
         '\u{2212}' => 0.84,
         '\u{207b}' => 0.53,
         '\u{b9}' | '\u{b2}' | '\u{b3}' | '\u{2070}'..='\u{2079}' => 0.41,
         _ => 0.64,
-    };
-    number.chars().map(width).sum()
+    }
 }
 
-/// A decimal without the zeros that end its fraction.
+/// Returns a decimal without the zeros that end its fraction.
 fn without_zeros(decimal: &str) -> &str {
     match decimal.contains('.') {
         true => decimal.trim_end_matches('0').trim_end_matches('.'),
@@ -42,7 +45,7 @@ fn without_zeros(decimal: &str) -> &str {
     }
 }
 
-/// `10` to the power `exponent`, in superscript digits.
+/// Returns `10` to the power `exponent`, in superscript digits.
 pub(super) fn power_of_ten(exponent: i32) -> String {
     let text = exponent.to_string();
     let digits = text.chars().map(|c| match c {
@@ -55,7 +58,7 @@ pub(super) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", digits.collect::<String>())
 }
 
-/// `value` as a number from 1 to 10, to at most so many decimals, times a power of ten.
+/// Returns `value` as a number from 1 to 10, to at most `decimals` decimals, times a power of ten.
 fn scientific(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
@@ -63,7 +66,7 @@ fn scientific(value: f64, decimals: usize) -> String {
     format!("{mantissa}\u{b7}{}", power_of_ten(exponent.parse().unwrap_or(0)))
 }
 
-/// Round values to mark an axis with, and how to write them.
+/// Round values that are marked on an axis, with their text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
     step: f64,
@@ -73,21 +76,22 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// Multiples of 1, 2 or 5 times a power of ten inside [lo, hi], at most `most` steps of them.
+    /// Returns the multiples of 1, 2 or 5 times a power of ten inside [lo, hi], at most `most` steps of them.
     pub(super) fn inside(lo: f64, hi: f64, most: usize) -> Self {
         let most = most.max(1) as f64;
         let span = if hi > lo { hi - lo } else { 1.0 };
         let want = span / most;
         let slack = 1e-9;
-        let power = libm::floor(libm::log10(want)) as i32;
-        // Parsed, not multiplied up, so that every step is a shortest decimal.
-        let step = |(mantissa, exponent): (u8, i32)| -> f64 {
-            format!("{mantissa}e{exponent}").parse().unwrap_or(1.0)
+        let mut power = libm::floor(libm::log10(want)) as i32;
+        let [one, two, five] = [1, 2, 5].map(|digit| decimal(digit, power));
+        let enough = want * (1.0 - slack);
+        let step = match [one, two, five].into_iter().find(|&step| step >= enough) {
+            Some(step) => step,
+            None => {
+                power += 1;
+                decimal(1, power)
+            }
         };
-        let nice = [(1, power), (2, power), (5, power), (1, power + 1)];
-        let nice = nice.into_iter().find(|&nice| step(nice) >= want * (1.0 - slack));
-        let nice = nice.unwrap_or((1, power + 1));
-        let (step, power) = (step(nice), nice.1);
         let first = (lo / step - slack).ceil() as i64;
         let last = (hi / step + slack).floor() as i64;
         Self { step, power, multiples: first..=last }
@@ -100,22 +104,29 @@ impl Ticks {
     pub(super) fn labelled(&self) -> impl Iterator<Item = (f64, String)> + '_ {
         let decimals = usize::try_from(-self.power).unwrap_or(0);
         let plain = decimals <= 4 && self.values().all(|value| value.abs() < LARGE);
-        let label = move |value: f64| match plain {
-            _ if value == 0.0 => "0".into(),
-            // Rounding noise in k * step ends here: the text has as many decimals as the step.
-            true => fixed(value, decimals),
-            false => {
-                let power = libm::floor(libm::log10(value.abs())) as i32;
-                scientific(value, usize::try_from(power - self.power).unwrap_or(0))
-            }
-        };
-        self.values().map(move |value| (value, label(value)))
+        self.values().map(move |value| {
+            let label = match plain {
+                _ if value == 0.0 => "0".into(),
+                // The text has as many decimals as the step: the rounding error of k * step is not printed.
+                true => fixed(value, decimals),
+                false => {
+                    let power = libm::floor(libm::log10(value.abs())) as i32;
+                    scientific(value, usize::try_from(power - self.power).unwrap_or(0))
+                }
+            };
+            (value, label)
+        })
     }
 
-    /// Width of the longest label, in the size of its font.
+    /// Width of the longest label, over the size of its font.
     pub(super) fn widest(&self) -> f64 {
         self.labelled().map(|(_, label)| number_width(&label)).fold(0.0, f64::max)
     }
+}
+
+/// Returns the double nearest to `digit` times a power of ten: a product would have a rounding error.
+fn decimal(digit: u8, power: i32) -> f64 {
+    format!("{digit}e{power}").parse().unwrap_or(1.0)
 }
 
 #[cfg(test)]
@@ -141,20 +152,20 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_cover_what_they_say() {
-        let texts = |ticks: Ticks| ticks.labelled().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(labels(-0.31, 0.3, 6), ["\u{2212}0.2", "0", "0.2"]);
+        assert_eq!(labels(0.0, 0.3, 3), ["0", "0.1", "0.2", "0.3"]);
+        assert_eq!(labels(0.0, 0.0, 5), ["0"]);
+        assert_eq!(labels(0.0, 200.0, 4).last().unwrap(), "200");
         assert_eq!(
-            texts(Ticks::inside(-0.31, 0.3, 6)),
-            ["\u{2212}0.2", "0", "0.2"].map(String::from)
-        );
-        assert_eq!(texts(Ticks::inside(0.0, 0.3, 3)), ["0", "0.1", "0.2", "0.3"].map(String::from));
-        assert_eq!(texts(Ticks::inside(0.0, 0.0, 5)), ["0"].map(String::from));
-        assert_eq!(texts(Ticks::inside(0.0, 200.0, 4)).last().unwrap(), "200");
-        assert_eq!(
-            texts(Ticks::inside(-5e5, 1e6, 3)),
+            labels(-5e5, 1e6, 3),
             ["\u{2212}5\u{b7}10\u{2075}", "0", "5\u{b7}10\u{2075}", "1\u{b7}10\u{2076}"]
         );
         // Labels of neighbours differ.
-        let close = texts(Ticks::inside(1.2e-7, 1.24e-7, 4));
+        let close = labels(1.2e-7, 1.24e-7, 4);
         assert_eq!(close[1], "1.21\u{b7}10\u{207b}\u{2077}", "{close:?}");
+    }
+
+    fn labels(lo: f64, hi: f64, most: usize) -> Vec<String> {
+        Ticks::inside(lo, hi, most).labelled().map(|(_, text)| text).collect()
     }
 }

@@ -5,8 +5,8 @@ use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::discrete::grid::Grid;
 use crate::figures::{
-    ContactPanel, HistoryPanel, IdentifiabilityPanel, Picture, Surface, contact, histories,
-    identifiability, maps_of_f, range_with_zero, surfaces, uphill,
+    ContactLine, ContactPanel, HistoryPanel, HistoryRun, IdentifiabilityPanel, Picture, Surface,
+    contact, histories, identifiability, maps_of_f, range_with_zero, surfaces, uphill,
 };
 use crate::identify::Findings;
 use crate::pipeline::error::Failure;
@@ -248,7 +248,8 @@ fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let mut runs = Vec::new();
     for (task, r) in solve::ids(scene, scene.stop[0]).zip(&scene.r) {
-        runs.push((format!("r = {r}"), from_json(inputs, &task, HISTORY)?));
+        let levels = from_json(inputs, &task, HISTORY)?;
+        runs.push(HistoryRun { label: format!("r = {r}"), levels });
     }
     Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, runs })
 }
@@ -260,7 +261,7 @@ fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, S
         if let Some(end) = solve::no_solution(inputs, scene, stop)? {
             label += &format!(", {end}");
         }
-        lines.push((label, solve::pair(inputs, scene, stop)?));
+        lines.push(ContactLine { label, pair: solve::pair(inputs, scene, stop)? });
     }
     Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })
 }
