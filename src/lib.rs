@@ -1,6 +1,6 @@
-//! The semicoercive scalar Signorini problem: Maksimova's study replicated, and what lies past it.
+//! The semicoercive scalar Signorini problem: a replication of Maksimova's study, and results beyond it.
 //!
-//! The mathematics is a package of its own, whose rooms are named here as if they were this one's.
+//! The mathematics is a package of its own; its modules are re-exported here.
 
 pub use signorini_mathematics::{
     bounds, discrete, experiments, identify, multigrid, problem, saddle, spectral,

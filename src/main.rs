@@ -4,7 +4,7 @@ use signorini::discrete::memory::LargePages;
 use std::io::Write;
 use std::process::{ExitCode, exit};
 
-/// Where the system refuses memory, the program ends with a line instead of an abort.
+/// Ends the program with an error line instead of an abort if the system refuses memory.
 fn refuse(size: usize) -> ! {
     // Standard error is not buffered: this takes no memory.
     let _ = writeln!(

@@ -1,4 +1,4 @@
-//! The source files of the program, told by their names from what editors leave beside them; for the build script.
+//! Source files of the program, distinguished by their names from files that editors leave; for the build script.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Endings of the files that the sources in Rust include.
 const INCLUDED: [&str; 5] = [".tera", ".toml", ".md", ".mk", ".smk"];
 
-/// The file itself, or all source files below a folder, sorted by path.
+/// Returns the file itself, or all source files below a folder, sorted by path.
 pub(crate) fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
     if path.is_file() {
         return Ok(vec![path.to_path_buf()]);
@@ -20,7 +20,7 @@ pub(crate) fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
             if !name.starts_with('.') {
                 files.extend(self::files(&path)?);
             }
-        // A link may lead nowhere.
+        // A link may point to nothing.
         } else if is_source(name) && path.is_file() {
             files.push(path);
         }
@@ -29,9 +29,8 @@ pub(crate) fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Whether a source file of this program may have this name: a module in small letters, or what one includes.
+/// True if a source file of this program may have this name: a module in small letters, or a file that one includes.
 fn is_source(name: &str) -> bool {
-    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     match name.strip_suffix(".rs") {
         Some(module) => module.chars().all(|c| is_word(c) && !c.is_ascii_uppercase()),
         None => {
@@ -41,6 +40,10 @@ fn is_source(name: &str) -> bool {
                     && INCLUDED.iter().any(|ending| name.ends_with(ending))
         }
     }
+}
+
+fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
 }
 
 #[cfg(test)]
@@ -93,9 +96,8 @@ mod tests {
             for name in named.filter(|_| !source.ends_with("src/sources.rs")) {
                 let file = source.parent().unwrap().join(name).canonicalize().unwrap();
                 if file.starts_with(root.join("src").canonicalize().unwrap()) {
-                    let there =
-                        |known: &PathBuf| known.canonicalize().is_ok_and(|known| known == file);
-                    assert!(known.iter().any(there), "{name}");
+                    let mut known = known.iter().filter_map(|known| known.canonicalize().ok());
+                    assert!(known.any(|known| known == file), "{name}");
                     included += 1;
                 }
             }

@@ -1,4 +1,4 @@
-//! `dag`: the graph of tasks, to look at or for another program to run.
+//! `dag`: the graph of tasks, for programs that draw it or run it.
 
 use super::CacheArgs;
 use super::output::say;
@@ -6,9 +6,10 @@ use super::pipeline::{CACHE, Workplace};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Engine, Graph, Plan};
 use clap::Args;
+use std::io;
 use std::path::{Path, absolute};
 
-/// What `dag --help` ends with.
+/// Text at the end of `dag --help`.
 pub(super) const EXAMPLES: &str = "\
 A workflow is to be run in the folder of the project. `signorini run` then finds \
 everything done, and writes figures/ and report/.\n\
@@ -25,7 +26,7 @@ pub(super) struct DagArgs {
     cache: CacheArgs,
 }
 
-/// For whom the graph is.
+/// Format of the graph.
 #[derive(Args)]
 #[group(multiple = false)]
 struct Form {
@@ -49,38 +50,45 @@ struct Form {
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let plan = workplace.tasks(&[], None)?;
-    let place = (&*workplace.project.root, &args.cache);
-    let graph = || Graph::of(plan.tasks());
+    let root = &workplace.project.root;
     let form = &args.form;
     say(&match () {
-        () if form.mermaid => graph().mermaid(),
-        () if form.dot => graph().dot(),
-        () if form.make => workflow(&plan, place, |engine| engine.make())?,
-        () if form.snakemake => workflow(&plan, place, |engine| engine.snakemake())?,
-        () if form.json => workflow(&plan, place, |engine| Ok(engine.json()))?,
+        () if form.mermaid => Graph::of(plan.tasks()).mermaid(),
+        () if form.dot => Graph::of(plan.tasks()).dot(),
+        () if form.make => workflow(&plan, root, &args.cache, |engine| engine.make())?,
+        () if form.snakemake => workflow(&plan, root, &args.cache, |engine| engine.snakemake())?,
+        () if form.json => workflow(&plan, root, &args.cache, |engine| Ok(engine.json()))?,
         () => list(&plan),
     })
 }
 
-/// A line for each task, with what it needs.
+/// Returns a line for each task, with the tasks that it needs.
 fn list(plan: &Plan) -> String {
-    let line = |needs: &[String]| match needs {
-        [] => String::new(),
-        needs => format!(" <- {}", needs.join(", ")),
-    };
-    plan.tasks().iter().map(|task| format!("{}{}\n", task.id, line(&task.needs))).collect()
+    let mut text = String::new();
+    for task in plan.tasks() {
+        text += &task.id;
+        if !task.needs.is_empty() {
+            text += &format!(" <- {}", task.needs.join(", "));
+        }
+        text.push('\n');
+    }
+    text
 }
 
-/// The plan for an engine, with a cache given by its name from everywhere, or in the project with this root.
+/// Returns the plan as text for an engine; the cache is named by an absolute path, unless it is the default one in the
+/// project with this root.
 fn workflow(
     plan: &Plan,
-    (root, cache): (&Path, &CacheArgs),
+    root: &Path,
+    cache: &CacheArgs,
     text: fn(&Engine) -> Result<String>,
 ) -> Result<String> {
-    let wrong =
-        |e| Error::input(format!("the folder of the program or of the cache is gone ({e})"));
-    let program = std::env::current_exe().map_err(wrong)?;
-    let elsewhere = cache.cache_dir.as_deref().map(absolute).transpose().map_err(wrong)?;
+    let program = std::env::current_exe().map_err(gone)?;
+    let elsewhere = cache.cache_dir.as_deref().map(absolute).transpose().map_err(gone)?;
     let elsewhere = elsewhere.filter(|folder| *folder != root.join(CACHE));
     text(&Engine::new(plan, &program, elsewhere.as_deref().unwrap_or(Path::new(CACHE)))?)
+}
+
+fn gone(e: io::Error) -> Error {
+    Error::input(format!("the folder of the program or of the cache is gone ({e})"))
 }

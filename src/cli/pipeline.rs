@@ -1,4 +1,4 @@
-//! The project as the commands work on it, and `report`, `gc`.
+//! Walks of the project's plan for all commands; the commands `report` and `gc`.
 
 use super::interrupt::interrupted;
 use super::output::{refuse_tilde, say};
@@ -6,8 +6,8 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Edited, Editor, Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Store, Summary,
-    execute, work,
+    Edited, Editor, Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Rights, Store,
+    Summary, WalkResults, execute, work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan, scene_of};
@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The cache of a project, if no other is named.
+/// Default cache of a project.
 pub(super) const CACHE: &str = ".signorini";
 
 #[derive(Args)]
@@ -46,7 +46,7 @@ pub(super) struct Workplace {
     pub store: Store,
 }
 
-/// How much of the project a plan is, and what its results may change.
+/// Part of the project that a plan covers, and permission to change the lock file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
     /// Some tasks.
@@ -57,7 +57,7 @@ pub(super) enum Scope {
     Locked,
 }
 
-/// How to walk a plan without doing anything.
+/// Options of a walk that only judges.
 const LOOK: Options = Options { dry_run: true, force: false, keep_going: false, jobs: 0 };
 
 impl Workplace {
@@ -65,7 +65,7 @@ impl Workplace {
         Self::with(cache, Project::read)
     }
 
-    /// The place with what `read` reads of the project.
+    /// Returns the workplace with the project that `read` reads.
     fn with(cache: &CacheArgs, read: impl FnOnce(PathBuf) -> Result<Project>) -> Result<Self> {
         cache.cache_dir.as_deref().map_or(Ok(()), refuse_tilde)?;
         let root = Project::find(&current_folder()?)?;
@@ -80,15 +80,15 @@ impl Workplace {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
-    /// What [`Workplace::run`] would do, with `force` or without; needs no lock and writes nothing.
+    /// Returns a summary of what [`Workplace::run`] would do, with `force` or without; needs no lock and writes nothing.
     pub(super) fn judge(&self, plan: &Plan, scope: Scope, force: bool) -> Result<Summary> {
         let options = Options { force, ..LOOK };
         Ok(self.walk(plan, scope, options, &Progress::new(false, true))?.0)
     }
 
-    /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to
-    /// date. If this is not in the `scope`, and the results differ from it, nothing outside the cache
-    /// is written, and the summary tells in which hashes they differ.
+    /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to date. If the lock
+    /// file is to stay as it is, and the results differ from it, nothing outside the cache is written, and the summary
+    /// lists the hashes that differ.
     pub(super) fn run(
         &self,
         plan: &Plan,
@@ -97,21 +97,17 @@ impl Workplace {
         progress: &Progress,
     ) -> Result<Summary> {
         let root = &self.project.root;
-        let lock_file = |summary: &Summary, known: &LockFile| match scope {
-            Scope::Part => known.clone().updated(summary.lock_file()),
-            Scope::Whole | Scope::Locked => summary.lock_file(),
-        };
-        // Looking needs no lock and no writing, and is enough when nothing is to do.
+        // Judging needs no lock, writes nothing, and is enough if there is nothing to do.
         if !options.force {
             let (summary, known) = self.walk(plan, scope, LOOK, progress)?;
             if summary.nothing_to_do()
-                && lock_file(&summary, &known) == known
+                && lock_file(scope, &summary, &known) == known
                 && self.leftovers(&summary).is_empty()
             {
                 return Ok(summary);
             }
         }
-        // To write to project and cache is only for a project that can be run.
+        // Project and cache are written only if the project can be run.
         self.project.check()?;
         let _locks = [Exports::lock(root)?, self.store.lock()?];
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
@@ -128,7 +124,7 @@ impl Workplace {
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let lock_file = lock_file(&summary, &known);
+        let lock_file = lock_file(scope, &summary, &known);
         if lock_file != known {
             lock_file.write(root)?;
             summary.lock_file_changed = true;
@@ -137,7 +133,7 @@ impl Workplace {
         Ok(summary)
     }
 
-    /// Runs what is stale among a part of the tasks; their manifests.
+    /// Runs the stale tasks of a part of the plan; returns the manifests of all tasks of the part.
     pub(super) fn bring_up_to_date(&self, part: &Plan) -> Result<BTreeMap<String, Manifest>> {
         let progress = Progress::new(false, false);
         Ok(self.run(part, Scope::Part, Options::default(), &progress)?.manifests)
@@ -154,8 +150,8 @@ impl Workplace {
         work(&plan, asked, &workplace.store, progress)
     }
 
-    /// A plan with the tasks `asked` for: of their scenes alone if each belongs to one, so that a task costs the
-    /// same in a large project; else of the whole project.
+    /// Returns a plan with the tasks `asked` for: that of their scenes alone if each task belongs to one scene, so that a
+    /// task costs the same in a large project; else that of the whole project.
     fn with_tasks(cache: &CacheArgs, asked: &[String]) -> Result<(Self, Plan)> {
         if let Some(scenes) = asked.iter().map(|id| scene_of(id)).collect::<Option<Vec<_>>>() {
             let part = Self::with(cache, |root| Project::read_part(root, &scenes))?;
@@ -173,12 +169,12 @@ impl Workplace {
         }
     }
 
-    /// What killed runs left behind, in the cache and where exports go.
+    /// Returns the temporary files that killed runs left in the cache and in the folders of exports.
     fn leftovers(&self, summary: &Summary) -> Vec<PathBuf> {
         [self.store.leftovers(), summary.exports.leftovers(&self.project.root)].concat()
     }
 
-    /// What there is to do and to say, and the lock file as it was.
+    /// Walks the plan and plans the exports; returns the summary, and the lock file as it was.
     fn walk(
         &self,
         plan: &Plan,
@@ -188,38 +184,57 @@ impl Workplace {
     ) -> Result<(Summary, LockFile)> {
         let options = Options { jobs: jobs(options.jobs), ..options };
         let root = &self.project.root;
-        // People may edit files while tasks run; where none does, what is there now is what counts.
-        let ahead = options.dry_run && scope != Scope::Part;
-        let none = Hashes::new();
-        let look = || {
-            let known = LockFile::read(root)?;
-            let exports = Exports::look(root, if ahead { &known.exports } else { &none });
-            Ok((known, exports))
-        };
-        let walk = || execute(plan, &self.store, options, progress, interrupted());
-        let ((known, exports), mut summary) = if ahead {
-            let (looked, walked) = rayon::join(look, walk);
+        // Files are read ahead only if no task runs: while tasks run, people may edit files.
+        let ((known, exports), mut summary) = if options.dry_run && scope != Scope::Part {
+            let (looked, walked) =
+                rayon::join(|| look_ahead(root), || self.execute(plan, options, progress));
             (looked?, walked?)
         } else {
-            (look()?, walk()?)
+            let known = LockFile::read(root)?;
+            let exports = Exports::look(root, &Hashes::new());
+            ((known, exports), self.execute(plan, options, progress)?)
         };
-        let may = [options.force, scope != Scope::Part];
-        let made = &summary.manifests;
-        summary.exports = exports.plan(root, plan, made, &self.store, &known.exports, may)?;
+        let results = WalkResults {
+            plan,
+            manifests: &summary.manifests,
+            store: &self.store,
+            known: &known.exports,
+        };
+        let rights = Rights { overwrite: options.force, remove: scope != Scope::Part };
+        summary.exports = exports.plan(root, &results, rights)?;
         Ok((summary, known))
+    }
+
+    fn execute(&self, plan: &Plan, options: Options, progress: &Progress) -> Result<Summary> {
+        execute(plan, &self.store, options, progress, interrupted())
     }
 }
 
-/// The threads of a run that is told `-j`, or not told any (zero).
+/// Reads the lock file, and the exported files that it names.
+fn look_ahead(root: &Path) -> Result<(LockFile, Exports)> {
+    let known = LockFile::read(root)?;
+    let exports = Exports::look(root, &known.exports);
+    Ok((known, exports))
+}
+
+/// Returns the lock file after a walk.
+fn lock_file(scope: Scope, summary: &Summary, known: &LockFile) -> LockFile {
+    match scope {
+        Scope::Part => known.clone().updated(summary.lock_file()),
+        Scope::Whole | Scope::Locked => summary.lock_file(),
+    }
+}
+
+/// Returns the number of threads of a run with this value of `-j`, zero without one.
 pub(super) fn jobs(asked: usize) -> usize {
     match asked {
-        // The pool's, which has a bound that the environment has not.
+        // Number of threads of the pool, which is bounded, unlike a number in the environment.
         0 => rayon::current_num_threads(),
         asked => threads("-j", asked),
     }
 }
 
-/// Refuses a place for files of ours in a folder whose files are inputs or exports.
+/// Refuses a place for files of this program in a folder with inputs or exports.
 pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()> {
     let (root, path) = (real(root), real(path));
     let inside = ["report", "figures", "pipeline"];
@@ -259,7 +274,7 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
     }))
 }
 
-/// A line on a file that was not written.
+/// Returns a line on a file that was not written.
 pub(super) fn edited(file: &Edited) -> String {
     let path = &file.path;
     match file.by {
@@ -291,7 +306,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     say(&format!("{}\n", book.display()))
 }
 
-/// Path of the first page of the book among the paths of exported files.
+/// Returns the path of the first page of the book among the paths of exported files.
 pub(super) fn first_page<'a>(exported: impl Iterator<Item = &'a String> + Clone) -> Option<String> {
     const BOOK: &str = "report/book/";
     let page = crate::report::first_page(exported.filter_map(|path| path.strip_prefix(BOOK)))?;
@@ -317,7 +332,7 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let plan = workplace.tasks(&[], None)?;
     let wanted: BTreeSet<String> = plan.tasks().iter().map(|task| task.id.clone()).collect();
-    // To count needs no lock, and no cache: a folder that was misspelt is not made.
+    // Counting needs no lock; and without a cache no lock is taken, which would create a folder that was misspelt.
     let there = workplace.store.folder().is_dir();
     let _lock = if args.dry_run || !there { None } else { Some(workplace.store.lock()?) };
     let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;

@@ -1,8 +1,8 @@
-//! The tasks as a workflow of another program, which runs each by a process of its own.
+//! Workflows for other programs (engines), which run each task by a process of its own.
 //!
-//! The target of a rule is a stamp in the cache, which `run --task` writes. The name of a stamp stands for all
-//! that the task is made from: a stamp that exists is up to date, whatever its time and the clocks of several
-//! machines say, and a rule of an older project names other stamps.
+//! The target of a rule is a stamp in the cache, which `run --task` writes. The name of a stamp is a hash of all inputs
+//! of its task: a stamp that exists is up to date, whatever its time and the clocks of several machines say, and a rule
+//! of an older project names other stamps.
 
 use super::{Plan, Store, stage};
 use crate::pipeline::error::{Error, Result};
@@ -10,7 +10,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A plan for another program's engine, to be run in the folder of the project.
+/// Plan in the form of a workflow, to be run in the folder of the project.
 pub struct Engine<'a> {
     plan: &'a Plan,
     /// Names of the stamps, in the order of the tasks.
@@ -21,15 +21,15 @@ pub struct Engine<'a> {
     cache: &'a str,
 }
 
-/// A task as an engine sees it.
-struct Rule<'a> {
+/// Task with its stamp.
+struct StampedTask<'a> {
     id: &'a str,
     needs: &'a [String],
     stamp: &'a str,
 }
 
 impl<'a> Engine<'a> {
-    /// This plan, to be run by the program at this path on the cache at that one.
+    /// Returns the workflow of this plan, for the program and the cache with these paths.
     ///
     /// # Errors
     /// [`Error::Input`] if a path is not UTF-8, or the id of a task has more than one line.
@@ -43,28 +43,26 @@ impl<'a> Engine<'a> {
         Ok(Self { plan, stamps: plan.stamps(), folder, program, cache })
     }
 
-    /// The tasks, what each needs, and the stamp that exists once it is done.
+    /// Returns, as JSON, the tasks, the tasks that each needs, and the stamp that exists after it has run.
     pub fn json(&self) -> String {
-        let task = |rule: Rule| {
-            let stamp = format!("{}/{}", self.folder, rule.stamp);
-            json!({ "id": rule.id, "needs": rule.needs, "stamp": stamp })
-        };
-        let tasks: Vec<_> = self.rules().map(task).collect();
+        let mut tasks = Vec::new();
+        for StampedTask { id, needs, stamp } in self.tasks() {
+            let stamp = format!("{}/{stamp}", self.folder);
+            tasks.push(json!({ "id": id, "needs": needs, "stamp": stamp }));
+        }
         let text = serde_json::to_string_pretty(&json!({ "schema": 1, "tasks": tasks }));
         text.expect("names are plain data") + "\n"
     }
 
-    /// A makefile for GNU make: a rule for each task, and one that keeps the file up to date.
+    /// Returns a makefile for GNU make: a rule for each task, and one that keeps the file up to date.
     ///
     /// # Errors
     /// [`Error::Input`] if make cannot name one of the paths.
     pub fn make(&self) -> Result<String> {
         refuse(self.program, "the program", char::is_control, "move it")?;
-        // In names of targets make takes these for its own, escaped or not.
-        let is_special = |c: char| c.is_control() || "*?[;|\\".contains(c);
-        refuse(self.cache, "the cache", is_special, "give another with --cache-dir")?;
+        refuse(self.cache, "the cache", is_special_in_make, "give another with --cache-dir")?;
         let stamp_of: BTreeMap<&str, &str> =
-            self.rules().map(|rule| (rule.id, rule.stamp)).collect();
+            self.tasks().map(|task| (task.id, task.stamp)).collect();
         let mut text = format!(
             "{MAKE_TITLE}SIGNORINI := {}\nCACHE := {}\nSTAMPS := {}\n{MAKE}",
             in_make(&in_shell(self.program)),
@@ -72,46 +70,58 @@ impl<'a> Engine<'a> {
             in_make(&self.folder).replace(' ', "\\ ").replace(':', "\\:"),
         );
         text += "\nall:";
-        self.stamps.iter().for_each(|stamp| text += &format!(" \\\n  $(STAMPS)/{stamp}"));
+        for stamp in &self.stamps {
+            text += &format!(" \\\n  $(STAMPS)/{stamp}");
+        }
         text += "\n";
-        for Rule { id, needs, stamp } in self.rules() {
+        for StampedTask { id, needs, stamp } in self.tasks() {
             text += &format!("\n$(MADE)/{stamp}:");
             if !needs.is_empty() {
-                // Order only: times of stamps mean nothing.
+                // The needs determine the order only: times of stamps mean nothing.
                 text += " |";
             }
-            needs
-                .iter()
-                .for_each(|need| text += &format!(" $(STAMPS)/{}", stamp_of[need.as_str()]));
+            for need in needs {
+                text += &format!(" $(STAMPS)/{}", stamp_of[need.as_str()]);
+            }
             text += &format!("\n\t@$(TASK) {}\n", in_shell(id).replace('$', "$$"));
         }
         Ok(text)
     }
 
-    /// A Snakefile: a rule for each stage, whose jobs run one task each.
+    /// Returns a Snakefile: a rule for each stage, whose jobs run one task each.
     ///
     /// # Errors
     /// [`Error::Input`] if Snakemake cannot name the cache.
     pub fn snakemake(&self) -> Result<String> {
-        // In names of files they hold a wildcard.
-        let is_brace = |c: char| "{}".contains(c);
         refuse(self.cache, "the cache", is_brace, "give another with --cache-dir")?;
-        // A string of JSON is one of Python.
+        // A string of JSON is also a string of Python.
         let [program, cache] = [self.program, self.cache].map(|path| json!(path).to_string());
         let mut text = format!(
             "{SNAKEMAKE_TITLE}SIGNORINI = config.get(\"signorini\", {program})\n\
             CACHE = config.get(\"cache\", {cache})\n{SNAKEMAKE}"
         );
-        let mut stages: Vec<&str> = self.rules().map(|rule| stage(rule.id)).collect();
+        let mut stages: Vec<&str> = self.tasks().map(|task| stage(task.id)).collect();
         stages.dedup();
-        stages.iter().for_each(|stage| text += &RULE.replace("STAGE", stage));
+        for stage in stages {
+            text += &RULE.replace("STAGE", stage);
+        }
         Ok(text)
     }
 
-    fn rules(&self) -> impl Iterator<Item = Rule<'_>> {
+    fn tasks(&self) -> impl Iterator<Item = StampedTask<'_>> {
         let tasks = self.plan.tasks().iter().zip(&self.stamps);
-        tasks.map(|(task, stamp)| Rule { id: &task.id, needs: &task.needs, stamp })
+        tasks.map(|(task, stamp)| StampedTask { id: &task.id, needs: &task.needs, stamp })
     }
+}
+
+/// True if make gives the character a meaning of its own in names of targets, even if it is escaped.
+fn is_special_in_make(c: char) -> bool {
+    c.is_control() || "*?[;|\\".contains(c)
+}
+
+/// True if the character encloses a wildcard in names of files of Snakemake.
+fn is_brace(c: char) -> bool {
+    "{}".contains(c)
 }
 
 fn utf8<'a>(path: &'a Path, what: &str) -> Result<&'a str> {
@@ -131,17 +141,17 @@ fn refuse(name: &str, what: &str, is_special: impl Fn(char) -> bool, remedy: &st
     }
 }
 
-/// A word of a shell's command.
+/// Quotes a word of a shell's command.
 fn in_shell(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// The value of a variable of a makefile.
+/// Quotes the value of a variable of a makefile.
 fn in_make(value: &str) -> String {
     let mut text = String::new();
     for c in value.chars() {
         if c == '#' {
-            // Backslashes before it count twice.
+            // Make reads pairs of backslashes before this character as single ones.
             let backslashes = text.chars().rev().take_while(|&c| c == '\\').count();
             text += &"\\".repeat(backslashes + 1);
         }
@@ -151,17 +161,17 @@ fn in_make(value: &str) -> String {
     text
 }
 
-/// The first lines of the makefile.
+/// First lines of the makefile.
 const MAKE_TITLE: &str = include_str!("engine/title.mk");
 
-/// The makefile between the paths and the rules of the tasks.
+/// Part of the makefile between the paths and the rules of the tasks.
 const MAKE: &str = include_str!("engine/head.mk");
 
-/// The first lines of the Snakefile.
+/// First lines of the Snakefile.
 const SNAKEMAKE_TITLE: &str = include_str!("engine/title.smk");
 
-/// The Snakefile between the paths and the rules of the stages.
+/// Part of the Snakefile between the paths and the rules of the stages.
 const SNAKEMAKE: &str = include_str!("engine/head.smk");
 
-/// The rule of the Snakefile for the stage called STAGE.
+/// Rule of the Snakefile for the stage called STAGE.
 const RULE: &str = include_str!("engine/rule.smk");

@@ -4,25 +4,25 @@ use serde::de::DeserializeOwned;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a command ended early. Each kind has its exit code; see [`Error::exit_code`].
+/// Reason for which a command ended early. Each kind has an exit code; see [`Error::exit_code`].
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Wrong input or configuration; the text names the remedy.
     #[error("{0}")]
     Input(String),
-    /// A name that nothing has; the text says which there are.
+    /// Unknown name; the text lists the known ones.
     #[error("{0}")]
     Unknown(String),
     /// The system refused to read or write.
     #[error("cannot {verb} {}: {source}; {remedy}", path.display())]
     Io {
-        /// What was tried: `read`, `write`, ...
+        /// Verb for the attempt: `read`, `write`, ...
         verb: &'static str,
-        /// On what.
+        /// Path of the attempt.
         path: PathBuf,
-        /// The system's words.
+        /// Error of the system.
         source: io::Error,
-        /// What the user can do.
+        /// Advice to the user.
         remedy: &'static str,
     },
     /// Tasks that failed, each with its reason.
@@ -33,14 +33,14 @@ pub enum Error {
     Interrupted,
 }
 
-/// What every fallible function above the mathematics returns.
+/// Result of every fallible function above the mathematics.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a task could not do its work: whatever went wrong below, in words.
+/// Reason for which a task could not do its work: any error from below.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 impl Error {
-    /// Wrong input or configuration.
+    /// Returns the error for wrong input or configuration.
     pub fn input(text: impl Into<String>) -> Self {
         Self::Input(text.into())
     }
@@ -55,10 +55,10 @@ impl Error {
     }
 }
 
-/// Description of what [`conflict`] finds.
+/// Name for a [`conflict`] in messages.
 pub(crate) const CONFLICT: &str = "conflict of a merge";
 
-/// Line of the first conflict that `git merge` marked in a text, if there is one.
+/// Returns the line of the first conflict that `git merge` marked in a text, if there is one.
 pub(crate) fn conflict(text: &[u8]) -> Option<usize> {
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
     let (first, _) = lines.find(|(_, line)| line.starts_with(b"<<<<<<< "))?;
@@ -86,7 +86,7 @@ pub fn from_toml<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Res
 
 /// Turns an I/O result into ours, with the path and a remedy that fits the kind of failure.
 pub trait IoContext<T> {
-    /// Names what was tried on which path.
+    /// Adds the attempt, as a verb, and its path.
     ///
     /// # Errors
     /// The I/O error, as [`Error::Io`].

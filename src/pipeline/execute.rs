@@ -1,4 +1,6 @@
-//! Walks the plan: looks each task up, and runs what is stale as soon as all it needs is there.
+//! Walk of the plan: looks each task up in the cache, and runs the stale ones as soon as all they need is up to date.
+//!
+//! Central is [`execute`].
 
 use super::manifest::{Manifest, Reason, Verdict};
 use super::run::run;
@@ -12,9 +14,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Instant;
 
-/// Walks the plan; what it writes goes to the cache only, whose lock the caller holds.
+/// Walks the plan; writes only to the cache, whose lock the caller holds.
 ///
-/// `interrupted` is looked at before each task starts; what has started is finished.
+/// 1. Judge: look up all tasks whose needs are up to date, until none is left; those that the cache lacks are stale.
+/// 2. Run stale tasks, each in a thread of its own, at most as many at once as there are threads.
+/// 3. After each task that ends, judge the tasks that waited for it, and run those that are stale.
+///
+/// Easily broken: the inputs of a task are known only when all its needs are up to date, because artifacts are inputs
+/// by content; so a task that runs and makes the same artifacts again leaves later tasks up to date.
+///
+/// `interrupted` is read before each task starts; a task that has started is finished.
 ///
 /// # Errors
 /// [`Error::Input`] or [`Error::Io`] if the cache refuses; [`Error::Interrupted`].
@@ -42,25 +51,29 @@ pub fn execute(
     Ok(walk.finish())
 }
 
-/// How far a task is.
+/// State of a task during the walk.
 enum State {
-    /// For a task that it needs.
+    /// A task that it needs is not up to date.
     Waiting,
     /// Up to date, from the start or since it ran.
     Done(Manifest),
-    /// To be run, running, or run in vain, for this reason.
+    /// To be run, running, or failed; it runs for this reason.
     Stale(Reason),
 }
 
-/// A stale task that can run.
+/// Stale task that can run.
 struct Job {
     task: usize,
     inputs: BTreeMap<String, String>,
     reason: Reason,
 }
 
-/// What came of it: which task, why and how long it ran, and what it made.
-type Done = (usize, Ran, Result<Manifest>);
+/// Job that has ended.
+struct Ended {
+    task: usize,
+    ran: Ran,
+    result: Result<Manifest>,
+}
 
 struct Walk<'a> {
     plan: &'a Plan,
@@ -73,17 +86,16 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Looks up all tasks that wait for none any more; returns those that have to run.
+    /// Looks up all waiting tasks whose needs are up to date; returns those that have to run.
     fn judge(&mut self) -> Result<Vec<Job>> {
         let mut jobs = Vec::new();
         loop {
-            let waits = |k: &usize| matches!(self.states[*k], State::Waiting);
-            let is_ready = |k: &usize| self.waits_for(&self.plan.tasks()[*k]).is_none();
-            let ready: Vec<usize> = (0..self.states.len()).filter(waits).filter(is_ready).collect();
+            let mut ready = self.waiting();
+            ready.retain(|&k| self.waits_for(&self.plan.tasks()[k]).is_none());
             if ready.is_empty() {
                 return Ok(jobs);
             }
-            // Side by side: to read and hash artifacts is most of a run with nothing to do.
+            // In parallel: reading and hashing artifacts takes most of the time of a run with nothing to do.
             let found: Vec<_> = ready.par_iter().map(|&k| self.look_up(k)).collect();
             for (task, (inputs, found)) in ready.into_iter().zip(found) {
                 self.states[task] = match found {
@@ -103,7 +115,13 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The inputs of a task, and its run with these if the cache has it.
+    /// Numbers of the tasks that wait for another.
+    fn waiting(&self) -> Vec<usize> {
+        let states = self.states.iter().enumerate();
+        states.filter(|(_, state)| matches!(state, State::Waiting)).map(|(k, _)| k).collect()
+    }
+
+    /// Returns the inputs of a task, and its run with these inputs if the cache has it.
     fn look_up(&self, k: usize) -> (BTreeMap<String, String>, std::result::Result<Hit, Reason>) {
         let task = &self.plan.tasks()[k];
         let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs);
@@ -115,14 +133,14 @@ impl<'a> Walk<'a> {
         (inputs, found)
     }
 
-    /// The first task that this one needs and that is not up to date.
+    /// Returns the first task that this one needs and that is not up to date.
     fn waits_for(&self, task: &Task) -> Option<&'a str> {
-        let done = |need: &&String| matches!(self.states[self.index(need)], State::Done(_));
-        let need = task.needs.iter().find(|need| !done(need))?;
-        Some(&self.plan.tasks()[self.index(need)].id)
+        let mut needs = task.needs.iter().map(|need| self.index(need));
+        let need = needs.find(|&need| !matches!(self.states[need], State::Done(_)))?;
+        Some(&self.plan.tasks()[need].id)
     }
 
-    /// The stale task that this one cannot do without, if only by way of others.
+    /// Returns the stale task for which this one waits, directly or through others.
     fn blocked_by(&self, task: &'a Task) -> &'a str {
         let mut last = task;
         while let Some(need) = self.waits_for(last) {
@@ -151,7 +169,7 @@ impl<'a> Walk<'a> {
         pool.in_place_scope(|scope| {
             let mut running = 0;
             loop {
-                // No more than there are threads, so that an interrupt finds nothing else started.
+                // At most as many as there are threads, so that after an interrupt no other task is started.
                 while running < pool.current_num_threads() && !self.stops() && broken.is_none() {
                     let Some(job) = queue.pop_front() else { break };
                     self.start(job, scope, &send);
@@ -160,9 +178,9 @@ impl<'a> Walk<'a> {
                 if running == 0 {
                     break;
                 }
-                let done = receive.recv().expect("this end has a sender as well");
+                let ended = receive.recv().expect("this end has a sender as well");
                 running -= 1;
-                match self.settle(done) {
+                match self.settle(ended) {
                     Ok(jobs) => queue.extend(jobs),
                     Err(e) => broken = broken.take().or(Some(e)),
                 }
@@ -176,7 +194,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Says how much is to be done, and why.
+    /// Announces the number of tasks to run, and the reasons.
     fn announce(&self, queue: &VecDeque<Job>) {
         let done = self.states.iter().filter(|state| matches!(state, State::Done(_))).count();
         let reasons: Vec<&Reason> = queue.iter().map(|job| &job.reason).collect();
@@ -188,27 +206,29 @@ impl<'a> Walk<'a> {
         failed || self.interrupted.load(Ordering::Relaxed)
     }
 
-    /// Hands a job with what it reads to a thread, which reports to `send`.
-    fn start<'s>(&self, job: Job, scope: &Scope<'s>, send: &Sender<Done>)
+    /// Starts a job in a thread, which reports its end to `send`.
+    fn start<'s>(&self, job: Job, scope: &Scope<'s>, send: &Sender<Ended>)
     where
         'a: 's,
     {
         let (send, store) = (send.clone(), self.store);
         let task = &self.plan.tasks()[job.task];
         self.progress.start(&task.id);
-        let needed = |need: &String| (need.clone(), self.manifest(need).outputs.clone());
-        let needed: Vec<(String, Hashes)> = task.needs.iter().map(needed).collect();
+        let mut needed: Vec<(String, Hashes)> = Vec::new();
+        for need in &task.needs {
+            needed.push((need.clone(), self.manifest(need).outputs.clone()));
+        }
         scope.spawn(move |_| {
             let start = Instant::now();
             let result = run(task, job.inputs, needed, store);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.
-            let _ = send.send((job.task, ran, result));
+            let _ = send.send(Ended { task: job.task, ran, result });
         });
     }
 
-    /// Notes what came of a task; returns those that waited and now have to run.
-    fn settle(&mut self, (task, ran, result): Done) -> Result<Vec<Job>> {
+    /// Records the end of a job; returns the tasks that waited and now have to run.
+    fn settle(&mut self, Ended { task, ran, result }: Ended) -> Result<Vec<Job>> {
         self.progress.done(&ran, result.is_ok());
         match result {
             Ok(manifest) => {
@@ -218,8 +238,7 @@ impl<'a> Walk<'a> {
             Err(Error::Stage(reasons)) => self.summary.failed.extend(reasons),
             Err(other) => return Err(other),
         }
-        let is_waiting = |k: &usize| matches!(self.states[*k], State::Waiting);
-        let waited: Vec<usize> = (0..self.states.len()).filter(is_waiting).collect();
+        let waited = self.waiting();
         let jobs = self.judge()?;
         for k in waited {
             if matches!(self.states[k], State::Done(_)) {
@@ -229,7 +248,7 @@ impl<'a> Walk<'a> {
         Ok(jobs)
     }
 
-    /// The summary, when nothing runs any more.
+    /// Completes the summary after all jobs have ended.
     fn finish(mut self) -> Summary {
         let mut ran: BTreeMap<String, Ran> =
             self.summary.ran.drain(..).map(|ran| (ran.task.clone(), ran)).collect();
@@ -249,13 +268,11 @@ impl<'a> Walk<'a> {
             self.summary.verdicts.push(Judged { task: id.clone(), verdict });
             self.summary.ran.extend(ran.remove(id));
         }
-        let states = self.plan.tasks().iter().zip(self.states);
-        self.summary.manifests = states
-            .filter_map(|(task, state)| match state {
-                State::Done(manifest) => Some((task.id.clone(), manifest)),
-                _ => None,
-            })
-            .collect();
+        for (task, state) in self.plan.tasks().iter().zip(self.states) {
+            if let State::Done(manifest) = state {
+                self.summary.manifests.insert(task.id.clone(), manifest);
+            }
+        }
         self.summary
     }
 }

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The folders of the project in which exports lie, beside files of people's own.
+/// Folders of the project that hold exports, beside files of the user.
 const FOLDERS: [&str; 2] = ["figures", "report"];
 
-/// An export that is not overwritten.
+/// Export that is not overwritten.
 #[derive(Debug)]
 pub struct Edited {
     /// Path in the project.
@@ -27,94 +27,132 @@ pub enum Editor {
     Hand,
     /// `git merge` marked a conflict in it.
     Merge,
-    /// There is no record, as after `git clean`: this program may have written them.
+    /// There is no record, as after `git clean`; this program may have written them.
     Unknown,
 }
 
-/// Files to write and to remove so that the project folder shows what the tasks last computed.
+/// WalkResults of a walk, to be exported.
+pub struct WalkResults<'a> {
+    /// Plan that was walked.
+    pub plan: &'a Plan,
+    /// Manifests of the tasks that are up to date.
+    pub manifests: &'a BTreeMap<String, Manifest>,
+    /// Cache with the artifacts.
+    pub store: &'a Store,
+    /// Exports in the lock file.
+    pub known: &'a Hashes,
+}
+
+/// Files that an export may change besides those that this program is on record to have written.
+#[derive(Clone, Copy)]
+pub struct Rights {
+    /// True if every file may be overwritten.
+    pub overwrite: bool,
+    /// True if files of earlier plans may be removed: the plan is that of the whole project.
+    pub remove: bool,
+}
+
+/// Copy of an artifact in the project.
+struct Export<'a> {
+    task: &'a Task,
+    artifact: &'a str,
+    /// Path in the project.
+    path: String,
+    hash: &'a String,
+}
+
+impl<'a> WalkResults<'a> {
+    /// Returns the copies of all artifacts that are up to date and exported.
+    fn exports(&self) -> Vec<Export<'a>> {
+        let mut exports = Vec::new();
+        for task in self.plan.tasks() {
+            let (Some(folder), Some(manifest)) = (task.export, self.manifests.get(&task.id)) else {
+                continue;
+            };
+            for (artifact, hash) in &manifest.outputs {
+                exports.push(Export { task, artifact, path: format!("{folder}/{artifact}"), hash });
+            }
+        }
+        exports
+    }
+
+    /// True if the cache has a run that made this artifact with this hash.
+    fn has_made(&self, export: &Export, hash: &str) -> bool {
+        let runs = self.store.manifests(&export.task.id);
+        runs.iter().any(|run| run.outputs.get(export.artifact).is_some_and(|made| made == hash))
+    }
+}
+
+/// Files to write and to remove so that the project folder has the current artifacts.
 #[derive(Debug, Default)]
 pub struct Exports {
-    /// Path in the project -> hash, of everything that is to be there.
+    /// Path in the project -> hash, of all exports.
     pub files: Hashes,
     /// Files with other bytes than this program wrote; they are neither written nor removed.
     pub edited: Vec<Edited>,
     write: Hashes,
     remove: BTreeSet<String>,
     written: Written,
-    /// Hashes of what was there when it was looked ahead.
+    /// Hashes of files that were read ahead, `None` for a file that was absent.
     there: BTreeMap<String, Option<String>>,
 }
 
 impl Exports {
-    /// The record of exports, and what is there of the files that the plan is expected to name.
+    /// Reads the record of exports, and ahead the files that the plan is expected to name.
     pub fn look(project: &Path, expected: &Hashes) -> Self {
-        let look = |path: &String| Some((path.clone(), hash_if_there(&project.join(path)).ok()?));
         let plain = expected.par_iter().map(|(path, _)| path).filter(|path| is_plain(path));
-        let there = || plain.filter_map(look).collect();
-        // What cannot be read is a mistake only if the plan does name it.
-        let (written, there) = rayon::join(|| Written::read(project), there);
+        // A file that cannot be read is a mistake only if the plan does name it.
+        let there =
+            plain.filter_map(|path| Some((path.clone(), hash_if_there(&project.join(path)).ok()?)));
+        let (written, there) = rayon::join(|| Written::read(project), || there.collect());
         Self { written, there, ..Self::default() }
     }
 
-    /// What exporting these manifests would change.
+    /// Plans the export of these results.
     ///
-    /// A file may be overwritten if it is empty, or signorini is on record to have written it: in the
-    /// lock file, whose exports are `known`, in the cache or in the record of exports. With `force`, every file may be. If
-    /// `whole`, the plan is all there is, and files of earlier plans are to go.
+    /// A file may be overwritten if it is empty, or if this program is on record to have written it: in the lock file,
+    /// in the cache or in the record of exports; and as far as `rights` allow it.
     ///
     /// # Errors
-    /// [`Error::Io`] if a file is there and cannot be read.
-    pub fn plan<'p>(
-        mut self,
-        project: &Path,
-        plan: &'p Plan,
-        manifests: &BTreeMap<String, Manifest>,
-        store: &Store,
-        known: &Hashes,
-        [force, whole]: [bool; 2],
-    ) -> Result<Self> {
-        let exported =
-            |task: &'p Task| Some((task, task.export?, &manifests.get(&task.id)?.outputs));
-        // Task, name of the artifact, where its copy is to be, and its hash.
-        let copies: Vec<(&Task, &String, String, &String)> = plan
-            .tasks()
-            .iter()
-            .filter_map(exported)
-            .flat_map(|(task, folder, made)| {
-                made.iter().map(move |(name, hash)| (task, name, format!("{folder}/{name}"), hash))
-            })
-            .collect();
+    /// [`Error::Io`] if a file exists and cannot be read.
+    pub fn plan(mut self, project: &Path, results: &WalkResults, rights: Rights) -> Result<Self> {
+        let exports = results.exports();
         let mut there = std::mem::take(&mut self.there);
-        let unseen = copies.par_iter().filter(|(.., path, _)| !there.contains_key(path));
-        let look = |path: &String| Ok((path.clone(), hash_if_there(&project.join(path))?));
-        let unseen = unseen.map(|(.., path, _)| look(path));
-        there.extend(unseen.collect::<Result<Vec<_>>>()?);
-        for (task, name, path, wanted) in copies {
-            let found = there.get(&path).and_then(Option::as_ref);
+        let unseen = exports.par_iter().filter(|export| !there.contains_key(&export.path));
+        let seen = unseen.map(|Export { path, .. }| {
+            let found = hash_if_there(&project.join(path))?;
+            Ok((path.clone(), found))
+        });
+        let seen = seen.collect::<Result<Vec<_>>>()?;
+        there.extend(seen);
+        for export in exports {
+            let (path, wanted) = (export.path.clone(), export.hash.clone());
             self.files.insert(path.clone(), wanted.clone());
-            if found == Some(wanted) {
-                continue;
-            }
-            let in_cache = |found: &str| {
-                let earlier = store.manifests(&task.id);
-                earlier.iter().any(|then| then.outputs.get(name).is_some_and(|hash| hash == found))
+            let may_write = match there.get(&path).and_then(Option::as_ref) {
+                None => true,
+                Some(found) if *found == wanted => continue,
+                // An empty file holds nothing that could be lost.
+                Some(found) => {
+                    rights.overwrite
+                        || *found == hash(&[])
+                        || self.on_record(results.known, &path, found)
+                        || results.has_made(&export, found)
+                }
             };
-            // An empty file holds nothing that could be lost.
-            let lost = found.filter(|found| !force && **found != hash(&[]));
-            if lost.is_some_and(|found| !self.on_record(known, &path, found) && !in_cache(found)) {
-                self.edited.push(self.edited(project, path));
+            if may_write {
+                self.write.insert(path, wanted);
             } else {
-                self.write.insert(path, wanted.clone());
+                self.edited.push(self.edited(project, path));
             }
         }
-        // What a task that failed or waits made before is still wanted.
-        if whole && manifests.len() == plan.tasks().len() {
-            self.remove_old(project, plan, known)?;
+        // If a task failed or waits, its earlier exports stay.
+        if rights.remove && results.manifests.len() == results.plan.tasks().len() {
+            self.remove_old(project, results)?;
         }
         Ok(self)
     }
 
-    /// An export with bytes that nothing has on record.
+    /// Describes an export with bytes that are not on record.
     fn edited(&self, project: &Path, path: String) -> Edited {
         let text = read(&project.join(&path)).unwrap_or_default();
         let by = match () {
@@ -125,27 +163,27 @@ impl Exports {
         Edited { path, by }
     }
 
-    /// Whether this program wrote these bytes to this file.
+    /// True if this program is on record to have written these bytes to this file.
     fn on_record(&self, known: &Hashes, path: &str, found: &str) -> bool {
-        let written = || self.written.0.get(path).is_some_and(|hashes| hashes.contains(found));
-        known.get(path).is_some_and(|hash| hash == found) || written()
+        known.get(path).is_some_and(|hash| hash == found)
+            || self.written.0.get(path).is_some_and(|hashes| hashes.contains(found))
     }
 
-    /// Files that are on record and that no task makes any more are to go. People edit records too: what lies
-    /// elsewhere than exports, or is an input, stays.
-    fn remove_old(&mut self, project: &Path, plan: &Plan, known: &Hashes) -> Result<()> {
-        let may_go = |path: &&String| {
-            let folder = path.split('/').next().unwrap_or_default();
-            FOLDERS.contains(&folder)
-                && is_plain(path)
-                && !self.files.contains_key(*path)
-                && !plan.tasks().iter().any(|task| task.files.contains_key(*path))
-        };
-        let old = known.keys().chain(self.written.0.keys());
+    /// Plans to remove the files that are on record and that no task makes any more. Somebody may have edited a record:
+    /// files outside the folders of exports and inputs of tasks stay.
+    fn remove_old(&mut self, project: &Path, results: &WalkResults) -> Result<()> {
         let mut remove = BTreeSet::new();
-        for path in old.filter(may_go) {
+        for path in results.known.keys().chain(self.written.0.keys()) {
+            let folder = path.split('/').next().unwrap_or_default();
+            if !FOLDERS.contains(&folder)
+                || !is_plain(path)
+                || self.files.contains_key(path)
+                || results.plan.tasks().iter().any(|task| task.files.contains_key(path))
+            {
+                continue;
+            }
             let found = hash_if_there(&project.join(path))?;
-            if found.is_some_and(|found| self.on_record(known, path, &found)) {
+            if found.is_some_and(|found| self.on_record(results.known, path, &found)) {
                 remove.insert(path.clone());
             }
         }
@@ -153,7 +191,7 @@ impl Exports {
         Ok(())
     }
 
-    /// The right to write to the project.
+    /// Takes the lock with which a process may write to the project.
     ///
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
@@ -161,14 +199,14 @@ impl Exports {
         Lock::take(&project.join("pipeline/.lock"))
     }
 
-    /// What killed runs left behind, if none is at work.
+    /// Returns the temporary files and folders that killed runs left, if no run is at work.
     pub fn leftovers(&self, project: &Path) -> Vec<PathBuf> {
         let paths = self.files.keys().filter_map(|path| Path::new(path).parent());
         let folders: BTreeSet<&Path> = paths.chain([Path::new("pipeline")]).collect();
         leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
-    /// How many files there are to write.
+    /// Number of files to write.
     pub fn to_write(&self) -> usize {
         self.write.len()
     }
@@ -178,7 +216,7 @@ impl Exports {
         &self.remove
     }
 
-    /// Whether the project folder already shows everything, as far as it may be changed.
+    /// True if the project folder needs no change, or none that is allowed.
     pub fn is_empty(&self) -> bool {
         self.write.is_empty() && self.remove.is_empty()
     }
@@ -191,7 +229,7 @@ impl Exports {
         if self.is_empty() {
             return Ok(());
         }
-        // Before and after: a run killed in between has put nothing there that is not on record.
+        // Saved before and after the files: even if a run is killed in between, all that it wrote is on record.
         let mut written = self.written.clone();
         for (path, hash) in &self.write {
             written.0.entry(path.clone()).or_default().insert(hash.clone());
@@ -214,10 +252,10 @@ impl Exports {
     }
 }
 
-/// Which bytes this copy of the project was given, by path and hash; not for other copies.
+/// Record of the exports of this copy of the project: hashes of the bytes that were written, by path.
 ///
-/// The lock file says what they were when it was committed, and the cache may be removed: neither
-/// knows of a run whose lock file was reverted.
+/// The lock file has the hashes at its commit, and the cache may be removed: neither has those of a run whose lock file
+/// was reverted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Written(BTreeMap<String, BTreeSet<String>>);
 
@@ -226,7 +264,7 @@ impl Written {
         project.join("pipeline/.exported.json")
     }
 
-    /// What is on record; a record that is missing or damaged is as good as empty.
+    /// Reads the record; one that is missing or damaged counts as empty.
     fn read(project: &Path) -> Self {
         let text = read(&Self::path(project)).unwrap_or_default();
         serde_json::from_slice(&text).unwrap_or_default()

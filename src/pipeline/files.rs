@@ -7,7 +7,7 @@ use std::fs::{self, File, Permissions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
 
-/// How the names of temporary files begin and end; what is between is random.
+/// Beginning and end of the names of temporary files; the part between them is random.
 const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
 
 /// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
@@ -19,7 +19,7 @@ pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write_as(folder_of(&target), &target, bytes, kept)
 }
 
-/// The end of a chain of links, which need not exist; the path itself if it is no link.
+/// Returns the end of a chain of links, which need not exist; the path itself if it is no link.
 pub(crate) fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -31,7 +31,7 @@ pub(crate) fn link_target(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::new(ErrorKind::Unsupported, "it links to itself"))
 }
 
-/// Links in a chain beyond which systems take it for a circle.
+/// Number of links in a chain beyond which systems take it for a circle.
 const MOST_LINKS: usize = 40;
 
 /// Writes a whole file or nothing, with the temporary name in a folder that exists, on the same file system.
@@ -43,56 +43,67 @@ pub(super) fn write_by_way_of(scratch: &Path, path: &Path, bytes: &[u8]) -> Resu
 fn write_as(scratch: &Path, path: &Path, bytes: &[u8], kept: Option<Permissions>) -> Result<()> {
     let folder = folder_of(path);
     fs::create_dir_all(folder).context("create", folder)?;
-    let write = move || {
-        let mut temporary = tempfile::Builder::new();
-        temporary.prefix(TEMPORARY[0]).suffix(TEMPORARY[1]);
-        // Temporary files are private otherwise; what is to stay private is so from the start.
-        #[cfg(unix)]
-        if kept.is_none() {
-            temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        }
-        let mut file = temporary.tempfile_in(scratch)?;
-        file.write_all(bytes)?;
-        if let Some(permissions) = kept {
-            file.as_file().set_permissions(permissions)?;
-        }
-        file.as_file().sync_all()?;
-        file.persist(path)?;
-        Ok(())
-    };
-    write().context("write", path)
+    write_and_rename(scratch, path, bytes, kept).context("write", path)
 }
 
-/// The folder of a file, which may be named without one.
+fn write_and_rename(
+    scratch: &Path,
+    path: &Path,
+    bytes: &[u8],
+    kept: Option<Permissions>,
+) -> io::Result<()> {
+    let mut temporary = tempfile::Builder::new();
+    temporary.prefix(TEMPORARY[0]).suffix(TEMPORARY[1]);
+    // By default a temporary file is private. One with permissions to keep stays so until it has them.
+    #[cfg(unix)]
+    if kept.is_none() {
+        temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    }
+    let mut file = temporary.tempfile_in(scratch)?;
+    file.write_all(bytes)?;
+    if let Some(permissions) = kept {
+        file.as_file().set_permissions(permissions)?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// Returns the folder of a file, the current folder if the path names none.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
-/// A new folder in this one, which goes when the value does; [`leftovers`] knows its name.
+/// Creates a folder in this one, which is removed when the value is dropped; [`leftovers`] finds it by its name.
 pub(crate) fn temporary_folder(folder: &Path) -> io::Result<tempfile::TempDir> {
     fs::create_dir_all(folder)?;
     tempfile::Builder::new().prefix(TEMPORARY[0]).suffix(TEMPORARY[1]).tempdir_in(folder)
 }
 
-/// Whether [`write_atomically`] gives such names to files that are not yet whole.
+/// True if the name has the form that [`write_atomically`] gives to files that are not yet whole.
 pub(super) fn is_temporary(name: &str) -> bool {
     name.starts_with(TEMPORARY[0]) && name.ends_with(TEMPORARY[1])
 }
 
-/// The temporary files and folders in these folders, as far as they can be read.
+/// Returns the temporary files and folders in those of these folders that can be read.
 ///
-/// If no run is at work, killed ones left them.
+/// If no run is at work, runs that were killed have left them.
 pub(super) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
-    let entries = folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
-    let temporary =
-        entries.flatten().filter(|entry| is_temporary(&entry.file_name().to_string_lossy()));
-    temporary.map(|entry| entry.path()).collect()
+    let mut leftovers = Vec::new();
+    for entries in folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()) {
+        for entry in entries.flatten() {
+            if is_temporary(&entry.file_name().to_string_lossy()) {
+                leftovers.push(entry.path());
+            }
+        }
+    }
+    leftovers
 }
 
-/// Removes what [`leftovers`] found; only for whoever holds the lock.
+/// Removes the [`leftovers`]; the caller holds the lock.
 pub(crate) fn remove(leftovers: &[PathBuf]) {
     for path in leftovers {
-        // What is left behind is a nuisance, not a reason to stop.
+        // A leftover that cannot be removed does no harm.
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
 }
@@ -100,21 +111,24 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
 /// Removes a file, and the folders up to `top` that it leaves empty.
 pub(super) fn remove_from(top: &Path, file: &Path) -> Result<()> {
     fs::remove_file(file).context("remove", file)?;
-    // Fails, as it should, at the first folder that still holds something.
-    let folders = file.ancestors().skip(1).take_while(|folder| *folder != top);
-    folders.map(fs::remove_dir).take_while(io::Result::is_ok).for_each(drop);
+    for folder in file.ancestors().skip(1).take_while(|folder| *folder != top) {
+        // Fails for a folder that is not empty.
+        if fs::remove_dir(folder).is_err() {
+            break;
+        }
+    }
     Ok(())
 }
 
-/// The contents of a file, or of what a link to a file points to; what is neither file nor folder, such as a
-/// pipe, is refused: it may never end.
+/// Returns the contents of a file, or of the file to which a link points; refuses a path that is neither file nor
+/// folder, such as a pipe, which may never end.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     read_in_pieces(path, |piece| bytes.extend_from_slice(piece))?;
     Ok(bytes)
 }
 
-/// Passes the contents of a file on, piece by piece, in as few calls of the system as there can be.
+/// Passes the contents of a file to `pass`, piece by piece, in as few calls of the system as possible.
 fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
     thread_local!(static PIECE: RefCell<Vec<u8>> = RefCell::new(vec![0; 1 << 17]));
     let there = fs::metadata(path)?;
@@ -131,7 +145,7 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
             };
             pass(&piece[..length]);
             read += length as u64;
-            // Files of most kinds end where they say, and need not be asked once more.
+            // A file of the length that the system tells needs no further call to find its end.
             if length == 0 || read == there.len() {
                 return Ok(());
             }
@@ -139,7 +153,7 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
     })
 }
 
-/// Hexadecimal blake3 of a file that need not be there.
+/// Returns the hexadecimal blake3 of a file, `None` if it does not exist.
 pub(super) fn hash_if_there(path: &Path) -> Result<Option<String>> {
     let mut hasher = blake3::Hasher::new();
     let read = read_in_pieces(path, |piece| {
@@ -148,12 +162,12 @@ pub(super) fn hash_if_there(path: &Path) -> Result<Option<String>> {
     Ok(if_there(path, read)?.map(|()| hasher.finalize().to_hex().to_string()))
 }
 
-/// The contents of a file that need not be there.
+/// Returns the contents of a file, `None` if it does not exist.
 pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     if_there(path, read(path))
 }
 
-/// What came of reading a file or folder that need not be there; a link that leads nowhere is there.
+/// Turns the error that a file or folder does not exist into `None`; a link to nothing exists.
 pub(super) fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>> {
     match read {
         Err(e)
@@ -174,7 +188,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     text.context("read", path)
 }
 
-/// Whether a path with `/` is one line, and leads downwards from where it starts, on every system.
+/// True if a path with `/` is a single line, and on every system leads to a place below its start.
 pub(super) fn is_plain(path: &str) -> bool {
     !path.is_empty()
         && !path.contains('\\')
@@ -182,14 +196,14 @@ pub(super) fn is_plain(path: &str) -> bool {
         && Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
-/// The path without links, `.` and `..`; its last parts need not exist.
+/// Returns the path without links, `.` and `..`; its last parts need not exist.
 pub(crate) fn real(path: &Path) -> PathBuf {
     if let Ok(real) = path.canonicalize() {
         return real;
     }
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     match (path.parent(), path.components().next_back()) {
-        // Below what does not exist there are no links.
+        // Below a folder that does not exist there are no links.
         (Some(parent), Some(Component::ParentDir)) => {
             let mut path = real(parent);
             path.pop();
@@ -200,10 +214,10 @@ pub(crate) fn real(path: &Path) -> PathBuf {
     }
 }
 
-/// Every file below `folder` by its path from there, with `/` on every system.
+/// Reads every file below `folder`; paths begin there, with `/` on every system.
 ///
-/// Files and folders whose path `skip` names are left out. Links to folders are refused, since they
-/// may lead round in a circle or to the whole disk.
+/// Files and folders are left out if `skip` is true for their path. Links to folders are refused, because they may form
+/// a circle or lead to the whole disk.
 pub(crate) fn read_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,
@@ -215,8 +229,10 @@ pub(crate) fn read_tree(
         for entry in fs::read_dir(&here).map_err(|e| (here.clone(), e))? {
             let entry = entry.map_err(|e| (here.clone(), e))?;
             let path = entry.path();
-            let unnamed = || io::Error::new(ErrorKind::InvalidFilename, "its name is not UTF-8");
-            let name = entry.file_name().into_string().map_err(|_| (path.clone(), unnamed()))?;
+            let name = entry.file_name().into_string().map_err(|_| {
+                let why = "its name is not UTF-8";
+                (path.clone(), io::Error::new(ErrorKind::InvalidFilename, why))
+            })?;
             let name = format!("{prefix}{name}");
             if skip(&name) {
                 continue;

@@ -1,4 +1,4 @@
-//! What the cache holds and nothing refers to.
+//! Garbage: files of the cache to which nothing refers.
 
 use super::files::{if_there, is_temporary, read, read_if_there, remove_from};
 use super::manifest::{Manifest, is_hash, is_stamp};
@@ -9,38 +9,45 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What `gc` found that nothing refers to.
+/// Numbers and sizes of the files that `gc` removes and keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Garbage {
-    /// Files.
+    /// Number of files to which nothing refers.
     pub files: usize,
-    /// Their bytes.
+    /// Bytes in these files, and in parts of others to which nothing refers.
     pub bytes: u64,
-    /// Files that stay.
+    /// Number of files that stay.
     pub kept_files: usize,
-    /// Their bytes.
+    /// Bytes that stay.
     pub kept_bytes: u64,
 }
 
-/// What the latest runs of tasks need.
+/// Files that the latest runs of tasks need.
 #[derive(Default)]
 struct Needed {
-    /// Files that stay, but for those to be shortened.
+    /// Files that stay, also if they become shorter.
     files: BTreeSet<PathBuf>,
-    /// Manifests with earlier runs, by file: what is to be left of them, and how many bytes less that is.
-    shorter: BTreeMap<PathBuf, (String, u64)>,
+    /// Files with manifests of earlier runs too.
+    shorter: BTreeMap<PathBuf, Shortened>,
+}
+
+/// File of manifests without those of earlier runs.
+struct Shortened {
+    lines: String,
+    /// Number of bytes that are removed.
+    fewer: u64,
 }
 
 impl Store {
-    /// Removes what the `keep` latest runs of the tasks in `wanted` do not need.
+    /// Removes all files that the `keep` latest runs of the tasks in `wanted` do not need.
     ///
-    /// With `dry`, only counts. Temporary files left by killed runs, locks that nobody can hold
-    /// while the caller holds that of the cache, and other layouts go as well;
-    /// files that are none of ours stay, whatever folder was named as the cache.
+    /// With `dry`, only counts. Removes also the temporary files of killed runs, the locks of tasks, which nobody can
+    /// hold while the caller holds the lock of the cache, and other layouts. Files of other programs stay, whatever
+    /// folder was named as the cache.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::pipeline::error::Error::Io), also if a folder or manifests cannot be read: they tell
-    /// what is needed.
+    /// [`Error::Io`](crate::pipeline::error::Error::Io), also if a folder or manifests cannot be read, because they
+    /// determine which files are needed.
     pub fn collect_garbage(
         &self,
         wanted: &BTreeSet<String>,
@@ -48,7 +55,7 @@ impl Store {
         dry: bool,
     ) -> Result<Garbage> {
         let Needed { files: needed, shorter } = self.needed(wanted, keep)?;
-        let superseded: u64 = shorter.values().map(|(_, fewer)| fewer).sum();
+        let superseded: u64 = shorter.values().map(|file| file.fewer).sum();
         let mut garbage = Garbage { bytes: superseded, ..Garbage::default() };
         for path in self.ours()? {
             let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
@@ -65,15 +72,15 @@ impl Store {
         }
         garbage.kept_bytes = garbage.kept_bytes.saturating_sub(superseded);
         if !dry {
-            // Last: on a full disk there is room for a new file only now.
-            for (file, (lines, _)) in &shorter {
+            // Last: only now is there room for a new file on a disk that was full.
+            for (file, Shortened { lines, .. }) in &shorter {
                 self.write(file, lines.as_bytes())?;
             }
         }
         Ok(garbage)
     }
 
-    /// What these tasks' latest runs need, as many of each.
+    /// Returns the files that the `keep` latest runs of each of these tasks need.
     fn needed(&self, wanted: &BTreeSet<String>, keep: usize) -> Result<Needed> {
         let (mut needed, mut runs) = (Needed::default(), BTreeSet::new());
         for task in wanted {
@@ -90,11 +97,11 @@ impl Store {
             }
             if lines.len() < stored.len() {
                 let fewer = (stored.len() - lines.len()) as u64;
-                needed.shorter.insert(file.clone(), (lines, fewer));
+                needed.shorter.insert(file.clone(), Shortened { lines, fewer });
             }
             needed.files.insert(file);
         }
-        // A stamp is true as long as the run that it names is there.
+        // A stamp is valid if the run that it names is kept.
         let mut stamps = list(&self.root.join(STAMPS))?;
         stamps.retain(|stamp| {
             let run = read(stamp).unwrap_or_default();
@@ -104,14 +111,12 @@ impl Store {
         Ok(needed)
     }
 
-    /// The files of this layout and of all others: what lies and is called as this program does it.
+    /// Returns the files of this layout and of all others: those with places and names that this program gives.
     fn ours(&self) -> Result<Vec<PathBuf>> {
-        let is_layout = |path: &PathBuf| {
-            let version = name(path).strip_prefix('v').unwrap_or_default();
-            !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
-        };
         let mut ours = Vec::new();
-        for layout in list(&self.cache)?.into_iter().filter(is_layout) {
+        let mut layouts = list(&self.cache)?;
+        layouts.retain(|path| is_layout(name(path)));
+        for layout in layouts {
             for path in list(&layout)? {
                 match name(&path) {
                     OBJECTS => collect(&path, &mut ours, &|path| {
@@ -138,18 +143,27 @@ impl Store {
     }
 }
 
-/// The last part of a path; empty if it is not UTF-8, as no name of ours is.
+/// True if a folder has a name like `v2`.
+fn is_layout(name: &str) -> bool {
+    let version = name.strip_prefix('v').unwrap_or_default();
+    !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// Returns the last part of a path; empty if it is not UTF-8, unlike all names that this program gives.
 fn name(path: &Path) -> &str {
     path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
 }
 
-/// What a folder holds; nothing if it is not there.
+/// Returns the paths in a folder; none if it does not exist.
 fn list(folder: &Path) -> Result<Vec<PathBuf>> {
-    let list = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>();
-    Ok(if_there(folder, list())?.unwrap_or_default())
+    Ok(if_there(folder, paths_in(folder))?.unwrap_or_default())
 }
 
-/// Collects the temporary files and those that `is_ours` knows below a folder.
+fn paths_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect()
+}
+
+/// Collects, below a folder, the temporary files and those for which `is_ours` is true.
 fn collect(folder: &Path, found: &mut Vec<PathBuf>, is_ours: &dyn Fn(&Path) -> bool) -> Result<()> {
     for path in list(folder)? {
         if path.is_dir() && !path.is_symlink() {

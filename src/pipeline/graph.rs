@@ -1,66 +1,90 @@
-//! The graph of tasks: who needs whom, without the work, as text for programs that draw graphs.
+//! Graph of tasks and their needs, as text for programs that draw graphs.
 
 use super::Task;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Ids of tasks, each after all it needs, with the ids of these.
+/// Nodes of the graph, each after all that it needs.
 #[derive(Clone, Debug, Serialize)]
-pub struct Graph(pub Vec<(String, Vec<String>)>);
+pub struct Graph(pub Vec<GraphNode>);
+
+/// Task with its needs.
+#[derive(Clone, Debug, Serialize)]
+pub struct GraphNode {
+    /// Id of the task.
+    pub id: String,
+    /// Ids of the tasks that it needs.
+    pub needs: Vec<String>,
+}
 
 impl Graph {
-    /// The graph of these tasks.
+    /// Returns the graph of these tasks.
     pub fn of(tasks: &[Task]) -> Self {
-        Self(tasks.iter().map(|task| (task.id.clone(), task.needs.clone())).collect())
+        let nodes = tasks.iter();
+        Self(nodes.map(|Task { id, needs, .. }| GraphNode::new(id, needs)).collect())
     }
 
-    /// Edges as (needed, needing).
-    fn edges(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.0.iter().flat_map(|(id, needs)| needs.iter().map(move |need| (&**need, &**id)))
-    }
-
-    /// For Mermaid, which draws it in Markdown.
+    /// Returns the graph as text for Mermaid, which draws it in Markdown.
     pub fn mermaid(&self) -> String {
-        let number: BTreeMap<&str, usize> = self.0.iter().map(|(id, _)| &**id).zip(0..).collect();
+        let number: BTreeMap<&str, usize> = self.0.iter().map(|node| &*node.id).zip(0..).collect();
         let mut text = String::from("graph LR\n");
-        self.0.iter().for_each(|(id, _)| {
+        for GraphNode { id, .. } in &self.0 {
             text += &format!("  t{}[\"{}\"]\n", number[&**id], in_mermaid(id));
-        });
-        self.edges()
-            .for_each(|(from, to)| text += &format!("  t{} --> t{}\n", number[from], number[to]));
+        }
+        for GraphNode { id, needs } in &self.0 {
+            for need in needs {
+                text += &format!("  t{} --> t{}\n", number[&**need], number[&**id]);
+            }
+        }
         text
     }
 
-    /// For Graphviz.
+    /// Returns the graph as text for Graphviz.
     pub fn dot(&self) -> String {
         let mut text = String::from("digraph signorini {\n  rankdir=LR; node [shape=box];\n");
-        self.0.iter().for_each(|(id, _)| text += &format!("  {};\n", in_dot(id)));
-        self.edges()
-            .for_each(|(from, to)| text += &format!("  {} -> {};\n", in_dot(from), in_dot(to)));
+        for GraphNode { id, .. } in &self.0 {
+            text += &format!("  {};\n", in_dot(id));
+        }
+        for GraphNode { id, needs } in &self.0 {
+            for need in needs {
+                text += &format!("  {} -> {};\n", in_dot(need), in_dot(id));
+            }
+        }
         text + "}\n"
     }
 }
 
-/// A name as Graphviz reads it.
+impl GraphNode {
+    /// Returns the node of a task.
+    pub fn new(id: &str, needs: &[String]) -> Self {
+        Self { id: id.into(), needs: needs.to_vec() }
+    }
+}
+
+/// Quotes a name for Graphviz.
 fn in_dot(id: &str) -> String {
     format!("\"{}\"", id.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// A name as Mermaid reads it between quotes: what could end it, or be taken for markup, by its number.
+/// Escapes a name for Mermaid, to be put between quotes: characters that could end the name, or be read as markup, are
+/// written as numbers.
 fn in_mermaid(id: &str) -> String {
-    let marks = "\"#&;<>`\\";
-    let escaped = |c: char| match marks.contains(c) || c.is_control() {
-        true => format!("#{};", u32::from(c)),
-        false => c.to_string(),
-    };
-    id.chars().map(escaped).collect()
+    let mut text = String::new();
+    for c in id.chars() {
+        if "\"#&;<>`\\".contains(c) || c.is_control() {
+            text += &format!("#{};", u32::from(c));
+        } else {
+            text.push(c);
+        }
+    }
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The quoted names in a text for Graphviz, by its rules: a backslash takes the character after it along.
+    /// Returns the quoted names in a text for Graphviz by its rules: a backslash escapes the character after it.
     fn quoted(dot: &str) -> Vec<String> {
         let (mut names, mut open, mut chars) = (Vec::new(), None::<String>, dot.chars());
         while let Some(c) = chars.next() {
@@ -76,21 +100,22 @@ mod tests {
         names
     }
 
-    /// The labels in a text for Mermaid, which ends them at a quote and reads numbers between `#` and `;`.
+    /// Returns the label in a line for Mermaid, which ends it at a quote and reads numbers between `#` and `;`.
+    fn label(line: &str) -> Option<String> {
+        let (_, rest) = line.split_once("[\"")?;
+        let (label, rest) = rest.split_once('"')?;
+        assert_eq!(rest, "]", "{line}");
+        let mut parts = label.split('#');
+        let mut read = parts.next()?.to_owned();
+        for part in parts {
+            let (number, rest) = part.split_once(';')?;
+            read.push(char::from_u32(number.parse().ok()?)?);
+            read += rest;
+        }
+        Some(read)
+    }
+
     fn labels(mermaid: &str) -> Vec<String> {
-        let label = |line: &str| {
-            let (_, rest) = line.split_once("[\"")?;
-            let (label, rest) = rest.split_once('"')?;
-            assert_eq!(rest, "]", "{line}");
-            let mut parts = label.split('#');
-            let mut read = parts.next()?.to_owned();
-            for part in parts {
-                let (number, rest) = part.split_once(';')?;
-                read.push(char::from_u32(number.parse().ok()?)?);
-                read += rest;
-            }
-            Some(read)
-        };
         mermaid.lines().filter_map(label).collect()
     }
 
@@ -107,10 +132,10 @@ mod tests {
             "a/é it's $HOME %x",
         ];
         let all: Vec<String> = names.map(str::to_owned).to_vec();
-        let mut graph = Graph(all.iter().map(|id| (id.clone(), Vec::new())).collect());
+        let mut graph = Graph(all.iter().map(|id| GraphNode::new(id, &[])).collect());
         assert_eq!(quoted(&graph.dot()), all);
         assert_eq!(labels(&graph.mermaid()), all);
-        graph.0.push(("last".into(), all.clone()));
+        graph.0.push(GraphNode::new("last", &all));
         let pairs = all.iter().flat_map(|id| [id.clone(), "last".into()]);
         let wanted: Vec<String> = all.iter().cloned().chain(["last".into()]).chain(pairs).collect();
         assert_eq!(quoted(&graph.dot()), wanted);

@@ -1,18 +1,18 @@
-//! Advisory locks of the operating system, which die with their process: for one alone, or for several.
+//! Advisory locks of the operating system, held by one process alone or shared; they end with their process.
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
-/// Held as long as this process may write to what the lock stands for.
+/// Lock, held as long as the value exists.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,
 }
 
 impl Lock {
-    /// Takes the lock whose file is `path` alone; the file and its folder are created if need be.
+    /// Takes the lock whose file is `path` for this process alone; creates the file and its folder if they do not exist.
     ///
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
@@ -28,7 +28,7 @@ impl Lock {
         Ok(Self::signed(file, &alone()))
     }
 
-    /// The same, but waits for whoever holds the lock, after `busy` was told who that is.
+    /// Takes the lock for this process alone; if another holds it, tells `busy` the holder, and waits.
     ///
     /// # Errors
     /// [`Error::Io`], and [`Error::Input`] where the file system has no locks.
@@ -41,7 +41,8 @@ impl Lock {
         Ok(Self::signed(file, &alone()))
     }
 
-    /// Takes the lock together with all others who share it; waits for one who holds it alone.
+    /// Takes the lock together with all others that share it; if another holds it alone, tells `busy` the holder, and
+    /// waits.
     ///
     /// # Errors
     /// As [`Lock::wait`].
@@ -51,29 +52,28 @@ impl Lock {
             busy(&holder(&mut file));
             file.lock_shared().map_err(|e| refused(&e, path))?;
         }
-        // All who share it write the same, so that it does not matter who comes first.
+        // All that share it write the same name, so that their order has no effect.
         Ok(Self::signed(file, SHARED))
     }
 
-    /// The lock, with its holder's name in the file, if that can be written: on a full disk it cannot.
+    /// Returns the lock, and writes its holder's name to the file, unless the disk is full.
     fn signed(mut file: File, name: &str) -> Self {
-        if holder(&mut file) != name {
-            let text = format!("{name}\n");
-            let write = |file: &mut File| {
-                file.rewind()?;
-                file.write_all(text.as_bytes())?;
-                file.set_len(text.len() as u64)
-            };
-            if write(&mut file).is_err() {
-                // Better no name than that of another.
-                let _ = file.set_len(0);
-            }
+        if holder(&mut file) != name && write_name(&mut file, name).is_err() {
+            // The name of an earlier holder would be wrong.
+            let _ = file.set_len(0);
         }
         Self { _file: file }
     }
 }
 
-/// What those who share a lock are called.
+fn write_name(file: &mut File, name: &str) -> io::Result<()> {
+    let text = format!("{name}\n");
+    file.rewind()?;
+    file.write_all(text.as_bytes())?;
+    file.set_len(text.len() as u64)
+}
+
+/// Name of the holders of a shared lock.
 const SHARED: &str = "`run --task`";
 
 fn alone() -> String {
@@ -87,14 +87,14 @@ fn open(path: &Path) -> Result<File> {
     options.read(true).write(true).create(true).truncate(false).open(path).context("open", path)
 }
 
-/// Who wrote last that it holds the lock: a courtesy, on which nothing depends.
+/// Returns the name of the last holder, for messages only.
 fn holder(file: &mut File) -> String {
     let mut text = String::new();
     let _ = file.rewind().and_then(|()| file.read_to_string(&mut text));
     text.lines().next().unwrap_or("unknown process").into()
 }
 
-/// Whether the lock was to be had at once.
+/// Returns true if the lock was free, false if another holds it.
 fn tried(lock: std::result::Result<(), TryLockError>, path: &Path) -> Result<bool> {
     match lock {
         Ok(()) => Ok(true),

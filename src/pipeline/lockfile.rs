@@ -1,4 +1,4 @@
-//! `pipeline/lock.toml`: the hashes that everyone's run must reproduce, committed with the scenes.
+//! `pipeline/lock.toml`: the hashes that every run must reproduce, committed with the scenes.
 
 use super::Hashes;
 use super::files::{read_if_there, write_atomically};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the committed figures.\n\
     # Written by `signorini run`; `signorini run --locked` fails when a run differs.\n\n";
 
-/// The committed record of a full run.
+/// Committed record of a full run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LockFile {
@@ -21,7 +21,7 @@ pub struct LockFile {
 }
 
 impl LockFile {
-    /// Path in the project.
+    /// Returns the path of the lock file in a project.
     pub fn path(project: &Path) -> PathBuf {
         project.join("pipeline").join("lock.toml")
     }
@@ -53,14 +53,14 @@ impl LockFile {
         write_atomically(&Self::path(project), text.as_bytes())
     }
 
-    /// This record with the entries of a later, partial run.
+    /// Returns this record with the entries of a later, partial run.
     pub fn updated(mut self, later: Self) -> Self {
         self.tasks.extend(later.tasks);
         self.exports.extend(later.exports);
         self
     }
 
-    /// One line for each entry of `self` that `other` lacks or has differently, and vice versa.
+    /// Returns a line for each entry that only one of both records has, or that differs.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let both = [(&self.tasks, &other.tasks), (&self.exports, &other.exports)];
         let changes = both.into_iter().flat_map(|(ours, theirs)| changes(ours, theirs));

@@ -1,4 +1,4 @@
-//! Manifests: what a task read and wrote, whole, so that a change can be explained and not only noticed.
+//! Manifests: all inputs and outputs of a run of a task, so that a change can be explained and not only noticed.
 
 use super::files::is_plain;
 use super::{Hashes, Plan, Task, hash, stage};
@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// The record of one run of a task.
+/// Record of one run of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Task id.
@@ -19,25 +19,25 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// The line to store: the seal, and what it seals.
+    /// Returns the line to store: the seal and the record.
     pub(super) fn to_line(&self) -> String {
         let json = self.to_json();
         format!("{} {json}\n", hash(json.as_bytes()))
     }
 
-    /// The manifest in a stored line; `None` if it was truncated or edited, or names what lies outside
-    /// the cache or an export's folder.
+    /// Returns the manifest in a stored line; `None` if the line was truncated or edited, or names a path outside the
+    /// cache or an export's folder.
     pub(super) fn from_line(line: &[u8]) -> Option<Self> {
         let (seal, json) = line.strip_suffix(b"\n")?.split_at_checked(blake3::OUT_LEN * 2 + 1)?;
         if *seal != *format!("{} ", hash(json)).as_bytes() {
             return None;
         }
         let manifest: Self = serde_json::from_slice(json).ok()?;
-        let safe = |(name, hash): (&String, &String)| is_plain(name) && is_hash(hash);
-        manifest.outputs.iter().all(safe).then_some(manifest)
+        let safe = manifest.outputs.iter().all(|(name, hash)| is_plain(name) && is_hash(hash));
+        safe.then_some(manifest)
     }
 
-    /// A hash of the whole record: an edited one is not believed, and it is the name of the run.
+    /// Returns a hash of the whole record, with which an edited record is recognised; it is also the name of the run.
     pub(super) fn seal(&self) -> String {
         hash(self.to_json().as_bytes())
     }
@@ -46,14 +46,14 @@ impl Manifest {
         serde_json::to_string(self).expect("a manifest is plain data")
     }
 
-    /// Hash of all artifacts with their names.
+    /// Returns the hash of all artifacts with their names.
     pub fn digest(&self) -> String {
         hash(&serde_json::to_vec(&self.outputs).expect("hashes are plain data"))
     }
 }
 
 impl Plan {
-    /// A task's inputs today, given the outputs of every task that it needs.
+    /// Returns a task's inputs today, given the outputs of every task that it needs.
     pub(super) fn inputs<'a>(
         &self,
         task: &Task,
@@ -68,18 +68,23 @@ impl Plan {
         inputs
     }
 
-    /// The inputs that no other task makes.
+    /// Returns the inputs that no other task makes.
     fn own_inputs(&self, task: &Task) -> BTreeMap<String, String> {
         let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.clone())]);
-        inputs.extend(task.parameters.iter().map(|(k, v)| (format!("parameter {k}"), v.clone())));
-        inputs.extend(task.files.iter().map(|(path, bytes)| (format!("file {path}"), hash(bytes))));
+        for (key, value) in &task.parameters {
+            inputs.insert(format!("parameter {key}"), value.clone());
+        }
+        for (path, bytes) in &task.files {
+            inputs.insert(format!("file {path}"), hash(bytes));
+        }
         inputs
     }
 
-    /// A name for each task and all that it is made from: as long as nothing of that changes, the same.
+    /// Returns a stamp for each task: a name that changes exactly if an input of the task or of a task that it needs
+    /// changes.
     ///
-    /// It is known before anything has run, and fit for a file or the target of a rule: the stage and
-    /// sixteen hexadecimal digits.
+    /// Stamps are known before anything has run. They can name files and targets of rules: the stage and sixteen
+    /// hexadecimal digits.
     pub fn stamps(&self) -> Vec<String> {
         let mut keys = BTreeMap::<&str, String>::new();
         let mut stamps = Vec::with_capacity(self.tasks().len());
@@ -94,7 +99,7 @@ impl Plan {
         stamps
     }
 
-    /// What has changed since this run among the task's inputs that no other task makes.
+    /// Returns the changes since this run of the task's inputs that no other task makes.
     pub fn own_changes(&self, task: &Task, since: &Manifest) -> Vec<Change> {
         let mut old = since.inputs.clone();
         old.retain(|input, _| !input.starts_with(ARTIFACT));
@@ -102,57 +107,51 @@ impl Plan {
     }
 }
 
-/// The input that stands for the code: what it is built from, with which compiler and options.
+/// Name of the input for the program: a digest of its sources, the compiler and its options.
 pub(super) const PROGRAM: &str = "program";
 
-/// Digits of a key that tell stamps apart.
+/// Number of digits of a key in a stamp.
 const STAMP_DIGITS: usize = 16;
 
-/// Whether a file is called like a stamp.
+/// True if the name has the form of a stamp.
 pub(super) fn is_stamp(name: &str) -> bool {
     name.rsplit_once('-').is_some_and(|(_, key)| {
         key.len() == STAMP_DIGITS && key.bytes().all(|b| b.is_ascii_hexdigit())
     })
 }
 
-/// How the inputs begin that other tasks make.
+/// Beginning of the names of inputs that other tasks make.
 const ARTIFACT: &str = "artifact ";
 
-/// One input that is not what it was.
+/// Change of one input.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Change {
-    /// Which input.
+    /// Name of the input.
     pub input: String,
-    /// Its value or hash when the task last ran; `None` if it was not an input then.
+    /// Value or hash when the task last ran; `None` if it was not an input then.
     pub old: Option<String>,
-    /// Its value or hash today; `None` if it no longer is an input.
+    /// Value or hash today; `None` if it no longer is an input.
     pub new: Option<String>,
 }
 
-/// The inputs that differ between a stored manifest and today.
+/// Returns the inputs that differ between a stored manifest and today.
 pub(super) fn changes(
     old: &BTreeMap<String, String>,
     new: &BTreeMap<String, String>,
 ) -> Vec<Change> {
     let keys: BTreeSet<_> = old.keys().chain(new.keys()).collect();
-    keys.into_iter()
-        .filter(|key| old.get(*key) != new.get(*key))
-        .map(|key| Change {
-            input: key.clone(),
-            old: old.get(key).cloned(),
-            new: new.get(key).cloned(),
-        })
-        .collect()
+    let mut changes = Vec::new();
+    for key in keys {
+        let (old, new) = (old.get(key).cloned(), new.get(key).cloned());
+        if old != new {
+            changes.push(Change { input: key.clone(), old, new });
+        }
+    }
+    changes
 }
 
 impl fmt::Display for Change {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Hashes are for machines; twelve digits tell two of them apart.
-        let brief = |value: &Option<String>| match value {
-            None => "absent".to_owned(),
-            Some(v) if is_hash(v) => v[..12].into(),
-            Some(v) => v.clone(),
-        };
         let subject = match self.input.as_str() {
             PROGRAM => "the program changed",
             input => input,
@@ -163,24 +162,35 @@ impl fmt::Display for Change {
             compare(subject, old, new, &mut differences);
         }
         match &differences[..] {
-            [(place, old, new), rest @ ..] if place != subject => {
+            [Difference { place, old, new }, rest @ ..] if place != subject => {
                 write!(out, "{place}: {old} -> {new}")?;
                 out.write_str(if rest.is_empty() { "" } else { ", and elsewhere" })
             }
-            // Of one part, and as it was written.
+            // A value without parts, as it was written.
             _ => write!(out, "{subject}: {} -> {}", brief(&self.old), brief(&self.new)),
         }
     }
 }
 
-/// Finds the parts in which two values differ: objects with the same keys and arrays of the same length are taken
-/// apart, lists of plain values are not.
-fn compare<'a>(
-    place: &str,
+/// Returns a value, or the first twelve digits of a hash, which identify it.
+fn brief(value: &Option<String>) -> &str {
+    match value {
+        None => "absent",
+        Some(hash) if is_hash(hash) => &hash[..12],
+        Some(value) => value,
+    }
+}
+
+/// Difference of two JSON values in one place.
+struct Difference<'a> {
+    place: String,
     old: &'a Value,
     new: &'a Value,
-    found: &mut Vec<(String, &'a Value, &'a Value)>,
-) {
+}
+
+/// Finds the differences of two values: of objects with the same keys and arrays of the same length part by part, but
+/// not of lists of plain values.
+fn compare<'a>(place: &str, old: &'a Value, new: &'a Value, found: &mut Vec<Difference<'a>>) {
     match (old, new) {
         _ if old == new => {}
         (Value::Object(old), Value::Object(new)) if old.keys().eq(new.keys()) => {
@@ -195,16 +205,16 @@ fn compare<'a>(
                 compare(&format!("{place}[{k}]"), old, new, found);
             }
         }
-        _ => found.push((place.into(), old, new)),
+        _ => found.push(Difference { place: place.into(), old, new }),
     }
 }
 
-/// Whether a text is a hash as this program writes them.
+/// True if the text has the form of a hash that this program writes.
 pub(super) fn is_hash(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
 }
 
-/// Why a task has to run.
+/// Reason for which a task has to run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "why", content = "what")]
 pub enum Reason {
@@ -214,7 +224,7 @@ pub enum Reason {
     Changed(Vec<Change>),
     /// This artifact is missing, truncated or edited.
     Damaged(String),
-    /// The cache cannot be read, for this reason: nothing is known of earlier runs.
+    /// The cache cannot be read, for this reason, so that nothing is known of earlier runs.
     Unreadable(String),
     /// `--force`.
     Forced,
@@ -236,7 +246,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// Why several tasks have to run, in a few words: the first reason, and how many have others.
+/// Returns in a few words why several tasks have to run: the first reason, and how many tasks have other reasons.
 pub fn why(reasons: &[&Reason]) -> String {
     let Some(first) = reasons.first() else { return String::new() };
     match reasons.iter().filter(|reason| *reason != first).count() {
@@ -246,7 +256,7 @@ pub fn why(reasons: &[&Reason]) -> String {
     }
 }
 
-/// What becomes of a task.
+/// Verdict on a task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "state", content = "reason")]
 pub enum Verdict {
@@ -254,7 +264,7 @@ pub enum Verdict {
     Fresh,
     /// To be run.
     Stale(Reason),
-    /// Cannot be told before this task, which is stale, has run.
+    /// Unknown before this task, which is stale, has run.
     Waits(String),
 }
 
@@ -280,39 +290,41 @@ mod tests {
         }
     }
 
+    /// Words for the change of a parameter.
+    fn told(old: &str, new: &str) -> String {
+        let [old, new] = [old, new].map(|value| Some(value.to_owned()));
+        Change { input: "parameter p".into(), old, new }.to_string()
+    }
+
     #[test]
     fn of_a_value_with_parts_only_the_changed_ones_are_told() {
-        let told = |old: &str, new: &str| {
-            let [old, new] = [old, new].map(|value| Some(value.to_owned()));
-            Change { input: "parameter p".into(), old, new }.to_string()
-        };
         assert_eq!(told("1e6", "10"), "parameter p: 1e6 -> 10");
         assert_eq!(told("[4, 8]", "[3, 8]"), "parameter p: [4, 8] -> [3, 8]");
-        let plan =
-            |r: f64, cap: usize| format!(r#"[{{"r":[{r:?},1.0],"cap":5}},{{"r":[],"cap":{cap}}}]"#);
+        let old = r#"[{"r":[1000000.0,1.0],"limit":5},{"r":[],"limit":7}]"#;
+        let other_r = r#"[{"r":[0.5,1.0],"limit":5},{"r":[],"limit":7}]"#;
+        let other_limit = r#"[{"r":[0.5,1.0],"limit":5},{"r":[],"limit":8}]"#;
+        assert_eq!(told(old, other_r), "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0]");
         assert_eq!(
-            told(&plan(1e6, 7), &plan(0.5, 7)),
-            "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0]"
-        );
-        assert_eq!(
-            told(&plan(1e6, 7), &plan(0.5, 8)),
+            told(old, other_limit),
             "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0], and elsewhere"
         );
-        assert_eq!(told(&plan(1.0, 7), "[]"), format!("parameter p: {} -> []", plan(1.0, 7)));
+        assert_eq!(told(old, "[]"), format!("parameter p: {old} -> []"));
     }
 
     #[test]
     fn a_stored_manifest_is_believed_only_unedited() {
         let line = sample().to_line();
-        let read = |line: &str| Manifest::from_line(line.as_bytes());
-        assert_eq!(read(&line), Some(sample()));
-        assert_eq!(read(&line.replace("\"10\"", "\"11\"")), None);
-        assert!((0..line.len()).all(|end| read(&line[..end]).is_none()));
-        // Sealed again, but its artifact would be written outside the project.
+        assert_eq!(Manifest::from_line(line.as_bytes()), Some(sample()));
+        let edited = line.replace("\"10\"", "\"11\"");
+        assert_eq!(Manifest::from_line(edited.as_bytes()), None);
+        for end in 0..line.len() {
+            assert_eq!(Manifest::from_line(&line.as_bytes()[..end]), None);
+        }
+        // With a valid seal, but with an artifact that would be written outside the project.
         for name in ["../../thesis.txt", "/tmp/thesis.txt"] {
             let mut forged = sample();
             forged.outputs.insert(name.into(), hash(b"x"));
-            assert_eq!(read(&forged.to_line()), None);
+            assert_eq!(Manifest::from_line(forged.to_line().as_bytes()), None);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a person sees while tasks run: a bar on a terminal, plain lines elsewhere, on standard error.
+//! Progress while tasks run: a bar on a terminal, plain lines elsewhere, on standard error.
 
 use super::Ran;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Reports the walk of the plan.
+/// Report on the walk of the plan.
 pub struct Progress {
     bar: Option<ProgressBar>,
     /// Tasks that run now.
@@ -20,7 +20,7 @@ pub struct Progress {
 const TICK: Duration = Duration::from_millis(200);
 
 impl Progress {
-    /// A bar if standard error is a terminal. `verbose` adds a line per task; `quiet` silences all.
+    /// Returns a report with a bar if standard error is a terminal. `verbose` adds a line per task; `quiet` silences all.
     pub fn new(verbose: bool, quiet: bool) -> Self {
         let bar = if quiet { None } else { bar("[{bar:30}] {pos}/{len}  {elapsed}  {wide_msg}") };
         Self { bar, running: Mutex::default(), verbose: verbose && !quiet, quiet }
@@ -76,7 +76,7 @@ impl Progress {
         bar.set_message(running.iter().map(String::as_str).collect::<Vec<_>>().join(", "));
     }
 
-    /// A line for whoever wonders why nothing happens.
+    /// Writes the reason for a delay.
     pub(super) fn note(&self, line: &str) {
         if !self.quiet {
             talk(line);
@@ -90,8 +90,7 @@ impl Progress {
     }
 }
 
-/// A bar of this style, if standard error is a terminal on which a line can be drawn over, with a
-/// person before it.
+/// Returns a bar of this style if standard error is a terminal that can overwrite a line, outside continuous integration.
 pub(crate) fn bar(template: &str) -> Option<ProgressBar> {
     let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
     let logged = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
@@ -103,7 +102,7 @@ pub(crate) fn bar(template: &str) -> Option<ProgressBar> {
     })
 }
 
-/// A line of talk on standard error; a reader that has gone away is no reason to stop.
+/// Writes a line on standard error; if that is closed, the line is lost, and the program goes on.
 pub(crate) fn talk(line: &str) {
     let _ = writeln!(anstream::stderr(), "{line}");
 }

@@ -1,4 +1,4 @@
-//! Runs one task: reads what it needs from the store, and stores what it makes.
+//! Run of one task: reads the artifacts that it needs from the store, and stores those that it makes.
 
 use super::manifest::{Manifest, PROGRAM};
 use super::store::Store;
@@ -25,15 +25,17 @@ pub(super) fn run(
         digest: &digest,
         scratch: store.scratch(),
     };
-    let failed = |reason: String| Error::Stage(vec![format!("{}: {reason}", task.id)]);
-    // A panic must not take the other tasks with it; its own message has been printed.
-    let made = catch_unwind(AssertUnwindSafe(|| (task.work)(&given)))
-        .map_err(|_| failed("panicked, which is a fault of the program".into()))?;
-    let made = made.map_err(|reason| failed(reason.to_string()))?;
-    store.record(&task.id, inputs, &made)
+    // A panic must not end the other tasks; its own message has been printed.
+    let reason = match catch_unwind(AssertUnwindSafe(|| (task.work)(&given))) {
+        Ok(Ok(made)) => return store.record(&task.id, inputs, &made),
+        Ok(Err(failure)) => failure.to_string(),
+        Err(_) => "panicked, which is a fault of the program".to_owned(),
+    };
+    Err(Error::Stage(vec![format!("{}: {reason}", task.id)]))
 }
 
-/// Hash of the inputs without the program: with it, every change of code would redraw what shows it.
+/// Returns the hash of the inputs without the program: with it, every change of code would change the figures, which
+/// show this hash.
 fn shown_digest(inputs: &BTreeMap<String, String>) -> String {
     let shown: BTreeMap<_, _> = inputs.iter().filter(|(input, _)| *input != PROGRAM).collect();
     hash(&serde_json::to_vec(&shown).expect("inputs are plain data"))

@@ -1,4 +1,4 @@
-//! The cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
+//! Cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
 
 use super::files::{hash_if_there, leftovers, read, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason, changes};
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Layout of the cache; another layout lives in another folder, so that versions do not collide.
+/// Folder of this layout of the cache; another layout has another folder, so that versions do not collide.
 const LAYOUT: &str = "v2";
 
 /// Folder of the artifacts, in that of the layout.
@@ -23,27 +23,27 @@ pub(super) const LOCKS: &str = "locks";
 /// Folder of the stamps, in that of the layout.
 pub(super) const STAMPS: &str = "stamps";
 
-/// How the names of the files end that hold the manifests of a task.
+/// Ending of the files with the manifests of a task.
 pub(super) const RUNS: &str = ".runs";
 
-/// A cache folder.
+/// Cache folder.
 #[derive(Debug)]
 pub struct Store {
     pub(super) cache: PathBuf,
     pub(super) root: PathBuf,
 }
 
-/// An intact earlier run of a task with the inputs asked for.
+/// Earlier run of a task with the inputs asked for and intact artifacts.
 #[derive(Clone, Debug)]
 pub struct Hit {
-    /// Its record.
+    /// Record of the run.
     pub manifest: Manifest,
-    /// Whether later runs had other inputs: it has to become the latest.
+    /// True if later runs had other inputs, so that this one has to become the latest.
     pub(super) reverted: bool,
 }
 
 impl Store {
-    /// The cache in folder `cache`, which need not exist yet.
+    /// Returns the cache in folder `cache`, which need not exist yet.
     ///
     /// # Errors
     /// [`Error::Input`] if it is not a folder.
@@ -57,7 +57,7 @@ impl Store {
         Ok(Self { cache: cache.to_path_buf(), root: cache.join(LAYOUT) })
     }
 
-    /// The folder given to [`Store::new`].
+    /// Returns the folder given to [`Store::new`].
     pub fn folder(&self) -> &Path {
         &self.cache
     }
@@ -70,17 +70,19 @@ impl Store {
         Lock::take(&self.cache.join("lock"))
     }
 
-    /// The right to write single tasks to the cache, beside others that do the same.
+    /// Takes the shared lock with which several processes may write single tasks to the cache; `busy` is told the
+    /// holder for whom it waits.
     pub(super) fn share(&self, busy: &dyn Fn(&str)) -> Result<Lock> {
         Lock::share(&self.cache.join("lock"), busy)
     }
 
-    /// The right to run this task, for one who shares the cache.
+    /// Takes the lock of one task, for a process that shares the lock of the cache; `busy` is told the holder for whom it
+    /// waits.
     pub(super) fn lock_task(&self, task: &str, busy: &dyn Fn(&str)) -> Result<Lock> {
         Lock::wait(&self.root.join(LOCKS).join(hash(task.as_bytes())), busy)
     }
 
-    /// Notes for an engine that the task with this stamp is done, by which run.
+    /// Writes the stamp of a task, with the name of its run, so that an engine finds the task done.
     pub(super) fn stamp(&self, stamp: &str, manifest: &Manifest) -> Result<()> {
         let path = self.stamp_file(stamp);
         let text = manifest.seal() + "\n";
@@ -90,22 +92,22 @@ impl Store {
         self.write(&path, text.as_bytes())
     }
 
-    /// The file that is there once the task with this stamp is done.
+    /// Returns the path of a stamp, which exists after its task has run.
     pub fn stamp_file(&self, stamp: &str) -> PathBuf {
         self.stamp_folder().join(stamp)
     }
 
-    /// The folder of the stamps.
+    /// Returns the folder of the stamps.
     pub(super) fn stamp_folder(&self) -> PathBuf {
         self.root.join(STAMPS)
     }
 
-    /// What killed runs left behind, if none is at work.
+    /// Returns the temporary files and folders that killed runs left, if no run is at work.
     pub fn leftovers(&self) -> Vec<PathBuf> {
         leftovers([self.scratch().to_path_buf()])
     }
 
-    /// Where all temporary files are, so that those of a killed run are found at a glance.
+    /// Returns the folder of all temporary files, so that those of a killed run are found without a search.
     pub(super) fn scratch(&self) -> &Path {
         &self.root
     }
@@ -115,18 +117,18 @@ impl Store {
         write_by_way_of(self.scratch(), path, bytes)
     }
 
-    /// All believable manifests of a task, latest first.
+    /// Returns all valid manifests of a task, latest first.
     pub fn manifests(&self, task: &str) -> Vec<Manifest> {
         believable(task, &self.runs(task)).collect()
     }
 
-    /// The stored manifests of a task, a line for each run, the latest last.
+    /// Returns the stored manifests of a task, a line for each run, the latest last.
     fn runs(&self, task: &str) -> Vec<u8> {
-        // Unreadable is as good as absent: the task runs, and writing reports what is wrong.
+        // Unreadable counts as absent: the task runs, and writing reports the error.
         read_if_there(&self.runs_file(task)).ok().flatten().unwrap_or_default()
     }
 
-    /// The run of `task` with these inputs, if its artifacts are intact; otherwise why it must run.
+    /// Returns the run of `task` with these inputs if its artifacts are intact, otherwise the reason to run the task.
     ///
     /// # Errors
     /// The reason for running the task.
@@ -135,8 +137,9 @@ impl Store {
         task: &str,
         inputs: &BTreeMap<String, String>,
     ) -> std::result::Result<Hit, Reason> {
-        let unreadable = |e: Error| Reason::Unreadable(e.to_string());
-        let stored = read_if_there(&self.runs_file(task)).map_err(unreadable)?.unwrap_or_default();
+        let stored = read_if_there(&self.runs_file(task))
+            .map_err(|e| Reason::Unreadable(e.to_string()))?
+            .unwrap_or_default();
         let mut runs = believable(task, &stored);
         let latest = runs.next().ok_or(Reason::NeverRan)?;
         let reverted = latest.inputs != *inputs;
@@ -146,20 +149,24 @@ impl Store {
         } else {
             latest
         };
-        // Side by side, though tasks are looked up so too: one may have made more than all others.
-        let damage = |(name, hash): (&String, &String)| match hash_if_there(&self.object(hash)) {
-            Ok(found) if found.as_ref() == Some(hash) => None,
-            Ok(_) => Some(Reason::Damaged(name.clone())),
-            Err(e) => Some(unreadable(e)),
-        };
-        match manifest.outputs.par_iter().find_map_first(damage) {
+        // In parallel, like the look-ups of several tasks: one task may have more artifacts than all others.
+        let outputs = manifest.outputs.par_iter();
+        match outputs.find_map_first(|(name, hash)| self.damage(name, hash)) {
             Some(reason) => Err(reason),
             None => Ok(Hit { manifest, reverted }),
         }
     }
 
-    /// Makes this the latest run of its task, so that `gc` keeps what is in use, and the only one with
-    /// its inputs.
+    /// Returns the reason to run a task again if this artifact is not intact.
+    fn damage(&self, name: &str, hash: &String) -> Option<Reason> {
+        match hash_if_there(&self.object(hash)) {
+            Ok(found) if found.as_ref() == Some(hash) => None,
+            Ok(_) => Some(Reason::Damaged(name.into())),
+            Err(e) => Some(Reason::Unreadable(e.to_string())),
+        }
+    }
+
+    /// Makes this run the latest of its task, so that `gc` keeps it, and the only one with its inputs.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -170,29 +177,30 @@ impl Store {
         self.write(&self.runs_file(&manifest.task), lines.collect::<String>().as_bytes())
     }
 
-    /// The artifact with this hash, if it is stored and intact.
+    /// Returns the artifact with this hash, if it is stored and intact.
     pub fn get(&self, wanted: &str) -> Option<Vec<u8>> {
         let bytes = read(&self.object(wanted)).ok()?;
         (hash(&bytes) == wanted).then_some(bytes)
     }
 
-    /// All artifacts of a manifest.
+    /// Returns all artifacts of a manifest.
     ///
     /// # Errors
-    /// [`Error::Input`] if one vanished since [`Store::lookup`] found it intact.
+    /// [`Error::Input`] if an artifact was changed since [`Store::lookup`] found it intact.
     pub fn artifacts(&self, task: &str, outputs: &Hashes) -> Result<Artifacts> {
-        outputs
-            .iter()
-            .map(|(name, hash)| match self.get(hash) {
-                Some(bytes) => Ok((name.clone(), bytes)),
-                None => Err(Error::input(format!(
+        let mut artifacts = Artifacts::new();
+        for (name, hash) in outputs {
+            let bytes = self.get(hash).ok_or_else(|| {
+                Error::input(format!(
                     "artifact {name} of {task} was changed while signorini ran; run again"
-                ))),
-            })
-            .collect()
+                ))
+            })?;
+            artifacts.insert(name.clone(), bytes);
+        }
+        Ok(artifacts)
     }
 
-    /// Stores artifacts, then the manifest: killed in between, the task has simply not run.
+    /// Stores artifacts, then the manifest, so that a task has not run if its process is killed in between.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -224,7 +232,7 @@ impl Store {
     }
 }
 
-/// The believable among the stored manifests of a task, latest first, each read when it is asked for.
+/// Returns the valid ones of the stored manifests of a task, latest first; each is parsed when the iterator reaches it.
 pub(super) fn believable(task: &str, stored: &[u8]) -> impl Iterator<Item = Manifest> {
     let lines = stored.split_inclusive(|byte| *byte == b'\n').rev();
     lines.filter_map(Manifest::from_line).filter(move |manifest| manifest.task == task)

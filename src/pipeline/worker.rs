@@ -1,8 +1,8 @@
-//! Runs single tasks, beside other processes and machines that do the same on one cache.
+//! Runs of single tasks by several processes, on one machine or several, with one cache.
 //!
-//! All of them share the lock of the cache, so that no whole run and no `gc` comes between, and each
-//! task has a lock of its own: who comes second waits, and finds the task done. Only the cache is
-//! written, an object or manifest at a time; a process that is killed has not run its task.
+//! All processes share the lock of the cache, which excludes whole runs and `gc`, and each task has a lock of its own:
+//! a second process waits for it, and finds the task done. Only the cache is written, an object or manifest at a time;
+//! a task whose process is killed has not run.
 
 use super::manifest::{Manifest, Verdict};
 use super::run::run;
@@ -15,12 +15,12 @@ use std::time::Instant;
 /// Runs those tasks of the plan that are `asked` for and not up to date, one after the other.
 ///
 /// # Errors
-/// [`Error::Input`] with the command that helps if one that they need is not up to date;
+/// [`Error::Input`] with the command to run first if a task that they need is not up to date;
 /// [`Error::Stage`] from the first task that fails; [`Error::Io`] from the cache.
 pub fn work(plan: &Plan, asked: &[String], store: &Store, progress: &Progress) -> Result<Summary> {
-    let waits =
-        |holder: &str| progress.note(&format!("waiting for {holder}, at work in the cache"));
-    let _cache = store.share(&waits)?;
+    let _cache = store.share(&|holder| {
+        progress.note(&format!("waiting for {holder}, at work in the cache"));
+    })?;
     let mut worker = Worker { store, progress, summary: Summary::default() };
     for (task, stamp) in plan.tasks().iter().zip(plan.stamps()) {
         let inputs = plan.inputs(task, |need| &worker.summary.manifests[need].outputs);
@@ -55,10 +55,9 @@ impl Worker<'_> {
         stamp: &str,
     ) -> Result<Manifest> {
         let id = &task.id;
-        let waits = |holder: &str| {
+        let _task = self.store.lock_task(id, &|holder| {
             self.progress.note(&format!("waiting for {holder}, at work on {id}"));
-        };
-        let _task = self.store.lock_task(id, &waits)?;
+        })?;
         let (manifest, verdict) = match self.store.lookup(id, &inputs) {
             Ok(hit) => {
                 if hit.reverted {
@@ -69,9 +68,10 @@ impl Worker<'_> {
             Err(reason) => {
                 self.progress.begin(1, &reason.to_string());
                 self.progress.start(id);
-                let outputs =
-                    |need: &String| (need.clone(), self.summary.manifests[need].outputs.clone());
-                let needed: Vec<(String, Hashes)> = task.needs.iter().map(outputs).collect();
+                let mut needed: Vec<(String, Hashes)> = Vec::new();
+                for need in &task.needs {
+                    needed.push((need.clone(), self.summary.manifests[need].outputs.clone()));
+                }
                 let start = Instant::now();
                 let made = run(task, inputs, needed, self.store);
                 let ran = Ran { task: id.clone(), reason: reason.clone(), time: start.elapsed() };

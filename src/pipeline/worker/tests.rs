@@ -7,24 +7,26 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// `a/1`, and `b/1` that adds its needs' bytes to its own; each counts how often it ran.
+/// Plan of `a/1` and `b/1` with one value.
 fn plan(value: u8, ran: &Arc<AtomicUsize>) -> Plan {
     plan_of("program", [value; 2], ran)
 }
 
-/// The same with a value for each, for this program.
+/// Plan, for this program, of `a/1`, and of `b/1`, which adds the bytes of `a/1` to its own; `ran` counts the runs of
+/// both.
 fn plan_of(program: &str, [a, b]: [u8; 2], ran: &Arc<AtomicUsize>) -> Plan {
-    let task = |id: &str, value: u8, needs: &[&str]| {
-        let ran = ran.clone();
-        let parameters = BTreeMap::from([("value".into(), value.to_string())]);
-        let needs = needs.iter().map(|need| (*need).to_owned()).collect();
-        Task::new(id, parameters, needs, move |inputs: &Inputs| {
-            ran.fetch_add(1, Ordering::SeqCst);
-            let needed = inputs.artifacts.values().flat_map(|made| made.values().flatten());
-            Ok(Artifacts::from([("out".into(), vec![value + needed.sum::<u8>()])]))
-        })
-    };
-    Plan::new(program, vec![task("a/1", a, &[]), task("b/1", b, &["a/1"])]).unwrap()
+    Plan::new(program, vec![task("a/1", a, &[], ran), task("b/1", b, &["a/1"], ran)]).unwrap()
+}
+
+fn task(id: &str, value: u8, needs: &[&str], ran: &Arc<AtomicUsize>) -> Task {
+    let ran = ran.clone();
+    let parameters = BTreeMap::from([("value".into(), value.to_string())]);
+    let needs = needs.iter().map(|need| (*need).to_owned()).collect();
+    Task::new(id, parameters, needs, move |inputs: &Inputs| {
+        ran.fetch_add(1, Ordering::SeqCst);
+        let needed = inputs.artifacts.values().flat_map(|made| made.values().flatten());
+        Ok(Artifacts::from([("out".into(), vec![value + needed.sum::<u8>()])]))
+    })
 }
 
 fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
@@ -34,14 +36,18 @@ fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
 
 #[test]
 fn a_stamp_names_all_that_a_task_is_made_from() {
-    let stamps =
-        |program: &str, values| plan_of(program, values, &Arc::new(AtomicUsize::new(0))).stamps();
-    let one = stamps("program", [1, 1]);
-    let changed = |other: Vec<String>| [0, 1].map(|k| one[k] != other[k]);
-    assert_eq!(changed(stamps("program", [1, 1])), [false, false]);
-    assert_eq!(changed(stamps("program", [1, 2])), [false, true]);
-    assert_eq!(changed(stamps("program", [2, 1])), [true, true], "what is needed counts too");
-    assert_eq!(changed(stamps("another", [1, 1])), [true, true]);
+    let ran = Arc::new(AtomicUsize::new(0));
+    let stamps = plan_of("program", [1, 1], &ran).stamps();
+    for (program, values, changed) in [
+        ("program", [1, 1], [false, false]),
+        ("program", [1, 2], [false, true]),
+        // The stamp of `b/1` stands for the inputs of `a/1` too.
+        ("program", [2, 1], [true, true]),
+        ("another", [1, 1], [true, true]),
+    ] {
+        let others = plan_of(program, values, &ran).stamps();
+        assert_eq!([0, 1].map(|k| stamps[k] != others[k]), changed, "{program} {values:?}");
+    }
 }
 
 #[test]
@@ -49,19 +55,23 @@ fn garbage_keeps_the_stamps_of_runs_that_it_keeps() {
     let (cache, ran) = (tempfile::tempdir().unwrap(), Arc::new(AtomicUsize::new(0)));
     let store = Store::new(cache.path()).unwrap();
     let wanted = BTreeSet::from(["a/1".to_owned(), "b/1".to_owned()]);
-    let there = |plan: &Plan| plan.stamps().iter().all(|s| store.stamp_file(s).exists());
     let [old, new] = [plan(1, &ran), plan(2, &ran)];
     for plan in [&old, &new] {
         work_on(plan, &["a/1", "b/1"], cache.path()).unwrap();
-        assert!(there(plan));
+        assert_eq!(stamps_in(&store, plan), 2);
     }
     store.collect_garbage(&wanted, 2, false).unwrap();
-    assert!(there(&old) && there(&new));
+    assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
     store.collect_garbage(&wanted, 1, false).unwrap();
-    assert!(there(&new) && old.stamps().iter().all(|s| !store.stamp_file(s).exists()));
+    assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [0, 2]);
     // Two objects, two manifests and two stamps; the locks have gone already.
     let garbage = store.collect_garbage(&BTreeSet::new(), 1, true).unwrap();
     assert_eq!(garbage.files, 6, "{garbage:?}");
+}
+
+/// Number of stamps of a plan in a cache.
+fn stamps_in(store: &Store, plan: &Plan) -> usize {
+    plan.stamps().iter().filter(|stamp| store.stamp_file(stamp).exists()).count()
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod times;
 use super::solutions::Solutions;
 use super::{artifact, figures, results, to_json};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
-use crate::pipeline::{Artifacts, Graph, Inputs, Task, hash};
+use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Task, hash};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::report;
@@ -74,7 +74,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
-    graph.0.push((ID.into(), needs.clone()));
+    graph.0.push(GraphNode::new(ID, &needs));
     // By hash, because `explain` prints changed parameters, old and new.
     let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
     let commands = project.commands;
