@@ -171,12 +171,22 @@ const signorini = (() => {
       else if (level.iterations === CAP) level.stop = "iteration-limit";
     }
 
-    // Boundary nodes in contact: where the force h a is more than a rounding error of the largest
-    // value of y and of the force, as in src/mathematics/discrete/kkt.rs.
+    // The largest absolute value of y and of the forces h a.
+    largest() {
+      const of = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
+      return Math.max(of(this.y), (1 / this.n) * of(this.a));
+    }
+
+    // The size of rounding errors, as in src/mathematics/discrete/kkt.rs.
+    rounding() {
+      return this.n * Number.EPSILON * this.largest();
+    }
+
+    // Contact at the boundary nodes, where the force h a is positive or y is zero, up to rounding errors, as in
+    // src/mathematics/saddle/mod.rs.
     contact() {
-      const { n, nodes, y, a } = this;
-      const largest = nodes.reduce((most, k, b) => Math.max(most, Math.abs(y[k]), a[b] / n), 0);
-      return [...a].map((value) => value / n > n * Number.EPSILON * largest);
+      const { n, nodes, y, a } = this, h = 1 / n, zero = this.rounding();
+      return nodes.map((k, b) => h * a[b] > zero || Math.abs(y[k]) <= zero);
     }
 
     // The sum of the forces h a at the boundary nodes, which a solution has equal to minus the sum of the load.

@@ -16,10 +16,11 @@
 
   let run; // the solve that is shown
   let target; // what it runs to: "play", "grid", "end", or nothing
+  let frame; // the next picture that the browser is asked for
   let owed = 0; // iterations that playing is behind, with their fraction
   let before = 0; // time of the last picture
   let spent = 0; // milliseconds of iterating since the start
-  let azimuth = 0; // degrees by which the viewer has walked around the surface
+  let azimuth = -37.5; // degrees by which the viewer has walked around the surface
 
   // ---- What is asked ----------------------------------------------------------------------------
 
@@ -49,6 +50,29 @@
     form.rule.value = of ? "signed" : data.defaults.rule;
   }
 
+  // The address that asks for what the controls say: to come back to, or to send to others.
+  function writeAddress() {
+    const query = new URLSearchParams(location.search);
+    for (const name of ["problem", "f", "r", "load", "rule", "finest"]) query.set(name, form[name].value);
+    if (form.problem.value !== "own") query.delete("f");
+    query.set("truth", Number(form.truth.checked));
+    window.history.replaceState(window.history.state, "", `?${query}${location.hash}`);
+  }
+
+  // A link says what to show, not after a #, which the page for printing keeps for places of its own:
+  // explore.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing.
+  function readAddress() {
+    const query = new URLSearchParams(location.search);
+    form.problem.value = query.get("problem") || (query.has("f") ? "own" : form.problem.value);
+    choicesOfProblem();
+    form.truth.checked = query.get("truth") !== "0";
+    for (const name of ["f", "r"]) if (query.has(name)) form[name].value = query.get(name);
+    for (const name of ["load", "rule", "finest"]) {
+      const offered = [...form[name].options].some((option) => option.value === query.get(name));
+      if (offered) form[name].value = query.get(name);
+    }
+  }
+
   // The command that makes the same iterations.
   function command() {
     const { problem, grids, r, rule } = run;
@@ -64,6 +88,7 @@
     }
     target = undefined;
     spent = 0;
+    find(".explore-announced").textContent = "";
     for (const field of [form.f, form.r]) field.removeAttribute("aria-invalid");
     try {
       run = asked();
@@ -74,9 +99,8 @@
       find(".explore-command").textContent = "";
       announce();
       error.field.setAttribute("aria-invalid", "true");
-      error.field.focus();
     }
-    for (const part of root.querySelectorAll("[data-do], .explore-shown")) {
+    for (const part of root.querySelectorAll(".explore-transport [data-do], .explore-shown")) {
       part.toggleAttribute("inert", !run);
     }
     form.truth.disabled = !run || !run.problem.truth;
@@ -102,7 +126,7 @@
       go("play");
     },
     step() {
-      pause();
+      target = undefined;
       if (run.done) restart();
       iterate(() => false);
       show();
@@ -128,6 +152,8 @@
     target = where;
     owed = 1;
     before = performance.now();
+    find(".explore-announced").textContent = "";
+    cancelAnimationFrame(frame);
     advance(before);
   }
 
@@ -155,7 +181,7 @@
       target = undefined;
     }
     if (!target || !calm.matches) show();
-    if (target) requestAnimationFrame(advance);
+    if (target) frame = requestAnimationFrame(advance);
   }
 
   function all() {
@@ -185,8 +211,10 @@
     const [mantissa, exponent] = x.toExponential(1).replace("-", "−").split("e");
     const raised = [...String(Number(exponent.replace("−", "-")))]
       .map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c])).join("");
-    return `${mantissa}·10${raised}`;
+    return raised === "⁰" ? mantissa : `${mantissa}·10${raised}`;
   }
+
+  const times = (iterations) => `${iterations} iteration${iterations === 1 ? "" : "s"}`;
 
   const published = () => run.problem.table.find((row) => row.r === run.r);
 
@@ -233,10 +261,10 @@
       "there the discrete problem has no solution, although the problem itself has one.";
     if (stop === "diverged") return `Diverged on the grid 1/${n}.${warning}`;
     const over = stop === "iteration-limit" ? `The rule is not met on 1/${n} within ` : "";
-    if (over) return `${over}${iterations} iterations.${warning}`;
+    if (over) return `${over}${times(iterations)}.${warning}`;
     if (!stop) return `Grid 1/${n}, iteration ${iterations}.${warning}`;
-    if (!run.done) return `The rule is met on 1/${n} after ${iterations} iterations.${warning}`;
-    if (!row) return `Done: ${iterations} iterations on 1/${n}, Δa = ${sci(delta)}.${warning}`;
+    if (!run.done) return `The rule is met on 1/${n} after ${times(iterations)}.${warning}`;
+    if (!row) return `Done: ${times(iterations)} on 1/${n}, Δa = ${sci(delta)}.${warning}`;
     const same = run.levels.filter((level, k) => level.iterations === row.counts[k]).length;
     const paper = n === data.grids[data.grids.length - 1] ? `, published ${sci(row.delta_a)}` : "";
     const whose = run.problem.load === "nodal" ? "" : " (which are for f at the nodes)";
@@ -254,10 +282,11 @@
     boundary();
   }
 
+  // The least interval with zero and the values; if these are rounding errors, one as long as the solution is large.
   const span = (values) => {
     let low = 0, high = 0;
-    for (const v of values) [low, high] = [Math.min(low, v), Math.max(high, v)];
-    return high - low > 1e-9 ? [low, high] : [low, low + 1];
+    for (const v of values) if (Number.isFinite(v)) [low, high] = [Math.min(low, v), Math.max(high, v)];
+    return high - low > run.rounding() ? [low, high] : [low, low + (run.largest() || 1)];
   };
 
   // Round numbers in [low, high], about `count` of them.
@@ -265,10 +294,11 @@
     const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw));
     const step = power * [1, 2, 5, 10].find((factor) => factor * power >= raw);
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-    const first = Math.ceil(low / step - 1e-9);
+    const first = Math.ceil(low / step - 1e-9), long = digits > 3 || Math.max(-low, high) >= 1e5;
     return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => {
       const value = (first + k) * step;
-      return [value, first + k === 0 ? "0" : value.toFixed(digits).replace("-", "−")];
+      const label = long ? sci(value).replace(".0", "") : value.toFixed(digits).replace("-", "−");
+      return [value, first + k === 0 ? "0" : label];
     });
   }
 
@@ -307,10 +337,10 @@
     const toward = [sinA * cosE, -cosA * cosE, sinE];
     const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     const truth = form.truth.checked ? run.problem.truth : undefined;
-    const [low, high] = span(truth ? [...run.y, ...truth.v] : run.y), floor = low - 0.12 * (high - low);
-    const unit = Math.min(width / 1.66, height / 1.44);
+    const [low, high] = span(truth ? [...run.y, ...truth.v] : run.y), floor = low - 0.16 * (high - low);
+    const unit = Math.min((width - 96) / 1.44, height / 1.44); // with room for labels on both sides
     const point = (x, y, v) => [x, y, 0.66 * ((v - floor) / (high - floor) - 0.5)];
-    const place = (p) => [0.53 * width + unit * dot(p, right), 0.52 * height - unit * dot(p, up)];
+    const place = (p) => [0.5 * width + 11 + unit * dot(p, right), 0.505 * height - unit * dot(p, up)];
     const trace = (points) => {
       pen.beginPath();
       points.forEach((p) => pen.lineTo(...place(p)));
@@ -327,12 +357,14 @@
     pen.fill();
     // The wall to the left carries the scale of v.
     const left = dot([fx, -fy, 0], right) < dot([-fx, fy, 0], right) ? [fx, -fy] : [-fx, fy];
-    [pen.font, pen.textBaseline, pen.textAlign] = [style.font, "middle", "right"];
-    for (const [v, label] of ticks(floor, high, 4)) {
+    const write = (content, [x, y], align, slope = "") => {
+      [pen.font, pen.fillStyle, pen.textBaseline, pen.textAlign] = [`${slope} ${style.font}`, ink, "middle", align];
+      pen.fillText(content, x, y);
+    };
+    for (const [v, label] of ticks(low, high, 4)) {
       stroke([point(-fx, fy, v), point(fx, fy, v), point(fx, -fy, v)], rule, v === 0 ? 1.5 : 0.75);
       const [x, y] = place(point(...left, v));
-      pen.fillStyle = ink;
-      pen.fillText(label, x - 6, y);
+      write(label, [x - 6, y], "right");
     }
     for (const [x, y] of [[-fx, fy], [fx, fy], [fx, -fy]]) {
       stroke([point(x, y, floor), point(x, y, high)], rule, 1);
@@ -388,11 +420,24 @@
         stroke(points, style.getPropertyValue("--explore-second"), 1.5);
       }
     }
-    for (const [name, x, y] of [["x", 0, -fy], ["y", -fx, 0]]) {
-      const [px, py] = place(point(x * 1.2, y * 1.2, floor));
-      [pen.fillStyle, pen.textAlign, pen.font] = [ink, "center", `italic ${style.font}`];
-      pen.fillText(name, px, py + 4);
+    // Along the near sides of the floor the scales of x and y, at the top of the wall the name of the height.
+    const sides = [["x", (t, d) => point(t, -fy * d, floor)], ["y", (t, d) => point(-fx * d, t, floor)]];
+    for (const [name, beside] of sides) {
+      const [inner, outer] = [1, 1.06].map((d) => place(beside(0, d)));
+      const [dx, dy] = [outer[0] - inner[0], outer[1] - inner[1]];
+      const below = Math.abs(dx) < Math.abs(dy), align = below ? "center" : dx > 0 ? "left" : "right";
+      const label = (t, content, slope) => {
+        const [x, y] = place(beside(t, 1.06));
+        write(content, below ? [x, y + 10] : [x + 4 * Math.sign(dx), y], align, slope);
+      };
+      for (const [t, content] of [[-0.5, "−0.5"], [0, "0"], [0.5, "0.5"]]) {
+        stroke([beside(t, 1), beside(t, 1.06)], ink, 1);
+        label(t, content);
+      }
+      label(0.25, name, "italic");
     }
+    const [topX, topY] = place(point(...left, high));
+    write("v", [topX, topY - 12], "center", "italic");
   }
 
   // A drawing surface of the width that the page gives it, with text of one size on any screen.
@@ -460,17 +505,18 @@
         }
       }
       out += line(left, bottom, end, bottom, "axis") + line(left, top, left, bottom, "axis");
-      out += line(left, 10, left + 22, 10, "first") + text(left + 28, 14, "max ∂", "start");
-      out += line(left + 78, 10, left + 100, 10, "second dashed");
-      out += text(left + 106, 14, "max |∂|", "start");
-      out += line(left + 166, 10, left + 188, 10, "bound") + text(left + 194, 14, "tolerance", "start");
+      const key = Math.min(left, width - 260);
+      out += line(key, 10, key + 22, 10, "first") + text(key + 28, 14, "max ∂", "start");
+      out += line(key + 78, 10, key + 100, 10, "second dashed");
+      out += text(key + 106, 14, "max |∂|", "start");
+      out += line(key + 166, 10, key + 188, 10, "bound") + text(key + 194, 14, "tolerance", "start");
       return out;
     });
   }
 
   function boundary() {
     chart("boundary", 326, (width) => {
-      const left = 52, end = width - 14, across = (s) => left + (end - left) * (s / 4);
+      const left = 72, end = width - 14, across = (s) => left + (end - left) * (s / 4);
       const { n, nodes, a, y } = run, touched = run.contact();
       let out = "";
       const panel = (top, bottom, name, kind, values) => {
@@ -482,7 +528,7 @@
         [1, 2, 3].forEach((s) => { out += line(across(s), top, across(s), bottom, "rule"); });
         // Closed: the corner where it ends is the one where it began.
         out += path([...values, values[0]].map((v, b) => [across(b / n), down(v)]), kind);
-        out += text(12, (top + bottom) / 2 + 4, name, "middle", "italic");
+        out += text(6, (top + bottom) / 2 + 4, name, "middle", "italic");
         out += line(left, top, left, bottom, "axis") + line(left, bottom, end, bottom, "axis");
       };
       panel(22, 134, "y", "first", nodes.map((k) => y[k]));
@@ -501,7 +547,7 @@
       [0, 1, 2, 3, 4].forEach((s) => {
         out += line(across(s), 284, across(s), 288, "axis") + text(across(s), 301, s);
       });
-      return out + text(across(2), 319, "arc length, anticlockwise from the lower left corner");
+      return out + text(across(2), 319, "arc length, anticlockwise");
     });
   }
 
@@ -509,11 +555,10 @@
 
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("change", (event) => {
+    if (event.target.name === "problem") choicesOfProblem();
     if (event.target === form.truth) show();
-    else if (event.target !== form.speed) {
-      if (event.target.name === "problem") choicesOfProblem();
-      changed();
-    }
+    else if (event.target !== form.speed) changed();
+    writeAddress();
   });
   root.addEventListener("click", (event) => {
     const { do: what, r } = event.target.dataset || {};
@@ -521,6 +566,7 @@
     if (r) {
       form.r.value = r;
       changed();
+      writeAddress();
     }
   });
   // mdBook turns the page on arrow keys and searches on letters; in here they belong to the controls.
@@ -543,17 +589,7 @@
   new ResizeObserver(() => show()).observe(root);
   new MutationObserver(() => show()).observe(document.documentElement, { attributeFilter: ["class"] });
 
-  // A link may say what to show, not after a #, which the page for printing keeps for places of its own:
-  // explore.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing.
-  const query = new URLSearchParams(location.search);
-  if (query.has("problem")) form.problem.value = query.get("problem");
-  choicesOfProblem();
-  form.truth.checked = query.get("truth") === "1";
-  for (const name of ["f", "r"]) if (query.has(name)) form[name].value = query.get(name);
-  for (const name of ["load", "rule", "finest"]) {
-    const offered = [...form[name].options].some((option) => option.value === query.get(name));
-    if (offered) form[name].value = query.get(name);
-  }
+  readAddress();
   root.hidden = false;
   changed();
 })();

@@ -1,6 +1,6 @@
 // Right-hand sides f in JavaScript: the notation of scenes, and the load vectors (6) made from it.
 //
-// Reads what src/mathematics/problem/source.rs reads and refuses what it refuses; the texts in
+// Reads what src/mathematics/problem/source.rs reads, and refuses what it refuses, with the same words; the texts in
 // tests/suite/grammar.txt hold both to that. Served as it is written: no library, no build step.
 "use strict";
 
@@ -9,10 +9,14 @@ const rightHandSide = (() => {
   const STEP_OFF = 1e-9;
   // The largest coordinate of a centre, and radius, as in src/mathematics/problem/shape.rs.
   const VAST = 1e3;
+  // Sizes of f that the program computes with, as in shape.rs.
+  const [LEAST, GREATEST] = [1e-130, 1e130];
   // What rounding may leave of an integral that is zero, as in src/replication/scene.rs.
   const ROUNDING = 1e-12;
   // Points of Gauss' rule between two ordinates at which a section of f has a kink.
   const POINTS = 12;
+  // A right-hand side, for messages.
+  const EXAMPLE = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 
   // ---- Texts ------------------------------------------------------------------------------------
 
@@ -24,23 +28,34 @@ const rightHandSide = (() => {
     return at < 0 ? undefined : [text.slice(0, at), text.slice(at + separator.length)];
   }
 
-  function number(text) {
-    const written = trim(text);
-    const value = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(written) ? Number(written) : NaN;
-    if (!Number.isFinite(value)) throw new Error(`“${written}” is not a finite number; give a decimal such as -1.5`);
-    return value;
+  function decimal(text) {
+    const digits = trim(text);
+    return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(digits) ? Number(digits) : NaN;
   }
 
-  function numbers(text, count, example) {
+  // Reads a finite number, or a fraction of two such as -1/3.
+  function number(text) {
+    const parts = splitOnce(text, "/") || [text, "1"], [above, below] = parts.map(decimal);
+    if (Number.isFinite(above) && Number.isFinite(below) && Number.isFinite(above / below)) return above / below;
+    const remedy = "give a decimal such as -1.5, or a fraction such as -1/3";
+    throw new Error(`\`${trim(text)}\` in f is not a finite number; ${remedy}`);
+  }
+
+  // A number as the program writes it.
+  const written = (value) => String(value).replace("e+", "e");
+
+  function numbers(text, count, name, want, example) {
     const values = text.split(",").map(number);
-    if (values.length !== count) throw new Error(`write ${count} numbers, as in ${example}`);
+    if (values.length !== count) throw new Error(`\`${name}\` takes ${want}, e.g. ${example}`);
     return values;
   }
 
   // A quarter of the plane: lower or upper, left or right.
   function quadrant(name) {
     const half = (negative) => (negative ? [-Infinity, 0] : [0, Infinity]);
-    if (!["ll", "lr", "ul", "ur"].includes(name)) throw new Error("write ll, lr, ul or ur, as in quadrant(ll)");
+    if (!["ll", "lr", "ul", "ur"].includes(name)) {
+      throw new Error("`quadrant` takes one of ll, lr, ul, ur, e.g. quadrant(ll)");
+    }
     return { kind: "rect", name, x: half(name[1] === "l"), y: half(name[0] === "l") };
   }
 
@@ -51,15 +66,15 @@ const rightHandSide = (() => {
     const inner = rest.slice(0, -1);
     switch (trim(name)) {
       case "rect": {
-        const [x0, x1, y0, y1] = numbers(inner, 4, "rect(-0.25,0.25,-0.25,0.25)");
+        const [x0, x1, y0, y1] = numbers(inner, 4, "rect", "x0,x1,y0,y1", "rect(-0.25,0.25,-0.25,0.25)");
         return { kind: "rect", x: [x0, x1], y: [y0, y1] };
       }
       case "halfplane": {
-        const [a, b, c] = numbers(inner, 3, "halfplane(1,1,0)");
+        const [a, b, c] = numbers(inner, 3, "halfplane", "a,b,c of a x + b y <= c", "halfplane(1,1,0)");
         return { kind: "halfplane", a, b, c };
       }
       case "disc": {
-        const [x, y, radius] = numbers(inner, 3, "disc(0,0,0.25)");
+        const [x, y, radius] = numbers(inner, 3, "disc", "x,y,radius", "disc(0,0,0.25)");
         return { kind: "disc", x, y, radius };
       }
       case "quadrant":
@@ -90,7 +105,7 @@ const rightHandSide = (() => {
     const pieces = [];
     let background;
     for (const item of text.split(/[;\n]/).map(trim).filter((item) => item)) {
-      const cannotRead = new Error(`cannot read “${item}”; write e.g. rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1`);
+      const cannotRead = new Error(`cannot read \`${item}\` in f; write e.g. '${EXAMPLE}'`);
       const sides = splitOnce(item, "=");
       if (!sides) throw cannotRead;
       const [left, value] = [trim(sides[0]), number(sides[1])];
@@ -102,32 +117,45 @@ const rightHandSide = (() => {
       const shape = region(left);
       if (!shape) throw cannotRead;
       if (isEmpty(shape)) {
-        throw new Error(`“${left}” is no region; order its bounds, and give a size or a normal that is not zero`);
+        const remedy = "order its bounds, and give a size or a normal that is not zero";
+        throw new Error(`\`${left}\` in f is no region; ${remedy}`);
       }
       if (shape.kind === "disc" && [shape.x, shape.y, shape.radius].some((s) => Math.abs(s) > VAST)) {
-        throw new Error(`“${left}”: centre and radius are at most ${VAST}; write a straight border as a half-plane`);
+        const most = `the centre and the radius of what is round are at most ${VAST}`;
+        throw new Error(`\`${left}\` in f: ${most}; write a straight border as a half-plane or half-space`);
       }
       pieces.push({ shape, value });
     }
     const covered = ["ll", "lr", "ul", "ur"].every((name) => pieces.some(({ shape }) => shape.name === name));
     if (background === undefined && !covered) {
-      throw new Error("say what f is where no region is, by “else=value”");
+      const missing = `\`${whole.replace(/\p{White_Space}+/gu, " ")}\` in f stands without \`else=value\``;
+      throw new Error(`${missing} for where no piece is; write e.g. '${EXAMPLE}'`);
     }
     const source = { pieces, background: background || 0 };
     checkIntegral(source);
     return source;
   }
 
-  // Condition (2): a solution exists if the integral of f is negative, by more than rounding.
+  // What the program asks of f: sizes that it computes with, and condition (2): a solution exists if the integral of f
+  // is negative, by more than rounding.
   function checkIntegral(source) {
+    const values = [source.background, ...source.pieces.map(({ value }) => value)];
+    const largest = values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+    if (largest >= GREATEST) throw outOfScale("the largest value", largest);
     const integral = ({ pieces, background }, change) => integrated(4, {
       pieces: pieces.map(({ shape, value }) => ({ shape, value: change(value) })),
       background: change(background),
     }, "bilinear").reduce((sum, part) => sum + part, 0);
     const [ofF, ofSize] = [integral(source, (v) => v), integral(source, Math.abs)];
+    if (largest > 0 && ofSize < LEAST) throw outOfScale("the integral of the size", ofSize);
     if (ofF < -ROUNDING * ofSize) return;
-    const shown = Math.abs(ofF) <= ROUNDING * ofSize ? "0" : String(Number(ofF.toPrecision(4)));
+    const size = Math.abs(ofF), plain = size >= 1e-2 && size < 1e6;
+    const shown = size <= ROUNDING * ofSize ? "0" : plain ? ofF.toFixed(4) : written(ofF.toExponential(3));
     throw new Error(`the integral of f is ${shown}, but (2) asks for a negative one; lower f somewhere`);
+  }
+
+  function outOfScale(what, size) {
+    return new Error(`${what} of f is ${written(size)}, outside ${written(LEAST)} to ${written(GREATEST)}; scale f`);
   }
 
   // ---- Values -----------------------------------------------------------------------------------

@@ -1,61 +1,31 @@
 //! The book of this project as a reader opens it: the live iteration in a browser gives the tables'
 //! counts, and what the book says about the program is what the program says.
 
+mod controls;
+mod pictures;
+
 use crate::common::{browser, commands, copy, dom, skip, unescaped};
+use crate::grammar::{SCRIPT, run_script};
 use serde_json::Value;
-use signorini::discrete::grid::nested;
-use signorini::discrete::load::load;
+use signorini::discrete::grid::{Grid, nested};
+use signorini::discrete::load::{LoadRule, load};
+use signorini::discrete::transfer::Prolongation;
 use signorini::pipeline::hash;
 use signorini::replication::scene::Scene;
-use signorini::saddle::{Params, StopRule, solve_nested};
-use std::collections::BTreeMap;
+use signorini::saddle::{Pair, Params, StopRule, solve_nested};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Presses "Compute both tables here", which leaves all numbers in the page.
 const PRESS_ALL: &str = r#"document.querySelector('[data-do="all"]').click();"#;
 
-/// Goes through the controls as a reader would, and notes what the page says.
-const GO_THROUGH: &str = r##"
-// Pictures come by the browser's real clock, everything else in here by its virtual one.
-window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 16);
-const form = document.querySelector(".explore form"), log = [];
-const say = (what) => log.push([what, document.querySelector(".explore-status").textContent,
-  [...document.querySelectorAll(".explore-counts tbody tr:first-child td")].map((c) => c.textContent).join(" ")]);
-const press = (name) => document.querySelector(`[data-do="${name}"]`).click();
-const choose = (name, value) => {
-  form[name].value = value;
-  form.dispatchEvent(new Event("change", { bubbles: true }));
-};
-const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
-window.addEventListener("error", (event) => log.push(["error", event.message, ""]));
-(async () => {
-  await sleep(500); say("opened");
-  choose("problem", "2"); await sleep(500); say("problem 2");
-  document.querySelector('[data-r="1"]').click(); await sleep(500); say("r = 1");
-  choose("rule", "printed"); await sleep(500); say("printed");
-  choose("rule", "signed"); choose("finest", "16"); await sleep(500); say("three grids");
-  press("restart"); say("start");
-  press("step"); say("one step");
-  press("grid"); await sleep(100); say("one grid");
-  press("play"); await sleep(5000); say("played");
-  choose("problem", "own"); await sleep(500); say("own");
-  choose("f", "disc(0,0,0.25)=2; else=-1"); await sleep(500); say("disc");
-  choose("f", "disc(0,0)=2; else=-1"); await sleep(500); say("nonsense");
-  choose("f", "else=1"); await sleep(500); say("no solution");
-  choose("problem", "2"); await sleep(500);
-  const canvas = document.querySelector(".explore canvas"), alone = canvas.toDataURL();
-  form.truth.click();
-  log.push(["truth", `${!form.truth.disabled && canvas.toDataURL() !== alone}`, ""]);
-  log.push(["spent", document.querySelector('[data-value="spent"]').textContent, ""]);
-  const paths = document.querySelectorAll(".explore svg path[d^=M]").length;
-  log.push(["drawn", String(paths), ""]);
-  document.body.dataset.log = JSON.stringify(log);
-})();"##;
+/// What all tests do on the page, before what one of them does.
+const READER: &str = include_str!("explore/reader.js");
 
 #[test]
 fn the_page_gives_the_published_counts_and_the_last_bit() {
@@ -114,40 +84,56 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
 }
 
 #[test]
-fn the_controls_do_what_they_say() {
-    let Some(browser) = browser() else {
-        skip("no chromium; nobody has pressed the buttons of explore.html");
-        return;
-    };
-    let page = opened(&browser, book(), "", GO_THROUGH, 40_000);
-    let log = page.split(r#"data-log=""#).nth(1).unwrap_or_else(|| panic!("no log in {page}"));
-    let log: Vec<[String; 3]> =
-        serde_json::from_str(&unescaped(log.split('"').next().unwrap())).unwrap();
-    let said: BTreeMap<&str, (&str, &str)> =
-        log.iter().map(|[what, status, counts]| (&**what, (&**status, &**counts))).collect();
-    assert!(!said.contains_key("error"), "{log:?}");
-    let is = |what: &str, status: &str, counts: &str| {
-        let (true_status, true_counts) = said[what];
-        assert!(true_status.contains(status), "{what}: {true_status}");
-        assert_eq!(true_counts, counts, "{what}");
-    };
-    is("opened", "Done: 5 of 5 counts as published", "1 2 10 41 150");
-    is("problem 2", "Done: 5 of 5 counts as published", "3 4 7 11 23");
-    is("r = 1", "Δa = 5.8·10⁻², published 5.8·10⁻²", "3 2 2 5 16");
-    is("printed", "Done: 1 of 5 counts as published", "3 38 284 1807 10270");
-    is("three grids", "Done: 3 of 3 counts as published", "3 2 2");
-    is("start", "Grid 1/4, iteration 0.", "0  ");
-    is("one step", "Grid 1/4, iteration 1.", "1  ");
-    is("one grid", "The rule is met on 1/4 after 3 iterations.", "3  ");
-    is("played", "Done: 3 of 3 counts as published", "3 2 2");
-    assert!(said["own"].0.starts_with("Done: "), "{log:?}");
-    assert_ne!(said["own"].1, said["disc"].1);
-    assert_eq!(said["nonsense"].0, "cannot read “disc(0,0)”.");
-    assert!(said["no solution"].0.contains("that discrete problem has no solution"), "{log:?}");
-    assert_eq!(said["truth"].0, "true", "the net of the true solution is drawn");
-    assert!(said["spent"].0.ends_with(" ms"), "{log:?}");
-    // Two residuals, trace, multiplier, and the bar of contact.
-    assert!(said["drawn"].0.parse::<usize>().unwrap() >= 4, "{log:?}");
+fn contact_is_where_the_program_finds_it() {
+    const TEXTS: [&str; 5] = [
+        "quadrant(ll)=-6; else=1.998",
+        "else=-1",
+        "disc(0.1,0,0.25)=4; else=-1",
+        "halfplane(1,-1,0)=1; disc(0,0,0.25)=-9; else=-1",
+        "disc(0,0,0.25)=4e-12; else=-1e-12",
+    ];
+    // Before the first iteration, where v and the multiplier are zero, after one, and at the end.
+    const RUN: &str = r#"
+const answer = JSON.stringify(texts.map((f) => {
+  const problem = { f, load: "nodal", tie: "lower-left", diagonal: "rising", prolongation: "bilinear" };
+  const run = new signorini.Run(problem, [4, 8, 16], 10, "printed-dual");
+  const contact = () => run.contact().map(Number).join("");
+  return [[contact()], (run.step(), [contact()]), (run.finish(), [contact()])].flat();
+}));
+"#;
+    let data = format!("const texts = {};\n", serde_json::json!(TEXTS));
+    let method = include_str!("../../report/templates/arrow-hurwicz.js");
+    let Some(answer) = run_script(&[SCRIPT, method, &data, RUN].concat()) else { return };
+    let answers: Vec<[String; 3]> = serde_json::from_str(&answer).unwrap();
+    let grids = nested(&[4, 8, 16]).unwrap();
+    for (text, page) in TEXTS.into_iter().zip(answers) {
+        let f = text.parse().unwrap();
+        let loads: Vec<_> = grids.iter().map(|&g| load(g, &f, LoadRule::default())).collect();
+        let params = |max_iterations| Params {
+            r: 10.0,
+            rule: StopRule::PrintedDual,
+            max_iterations,
+            ..Params::default()
+        };
+        let after = |grids: &[Grid], max_iterations| {
+            let params = params(max_iterations);
+            let (_, pair) = solve_nested(
+                grids,
+                &loads[..grids.len()],
+                &params,
+                Prolongation::default(),
+                &mut (),
+            );
+            digits(&pair.in_contact(grids[grids.len() - 1]))
+        };
+        let start = digits(&Pair::zero(grids[0]).in_contact(grids[0]));
+        let program = [start, after(&grids[..1], 1), after(&grids, 1_000_000)];
+        assert_eq!(page, program, "{text}");
+    }
+}
+
+fn digits(in_contact: &[bool]) -> String {
+    in_contact.iter().map(|&contact| if contact { '1' } else { '0' }).collect()
 }
 
 #[test]
@@ -211,12 +197,22 @@ fn signorini(args: &[&str]) -> Output {
     command.args(args).current_dir(project()).output().expect("the binary starts")
 }
 
+/// What a test notes on the page that a link asks for by `query`, where it does `act`.
+fn notes(browser: &Path, book: &Path, query: &str, act: &str) -> Vec<Value> {
+    let script = format!("{READER}\nread(async () => {{{act}}});");
+    let page = opened(browser, book, query, &script, 60_000);
+    let log = page.split(r#"data-log=""#).nth(1).unwrap_or_else(|| panic!("no notes in {page}"));
+    serde_json::from_str(&unescaped(log.split('"').next().unwrap())).unwrap()
+}
+
 /// The elements of the page that a link asks by `query` after `script` has run at its end for so many
 /// milliseconds of its own time.
 fn opened(browser: &Path, book: &Path, query: &str, script: &str, budget: u32) -> String {
+    static OPENED: AtomicUsize = AtomicUsize::new(0);
     let source = fs::read_to_string(book.join("explore.html")).unwrap();
     // Beside the page itself, so that all it loads is where it expects it.
-    let page = book.join(format!("explore-test-{budget}.html"));
+    let number = OPENED.fetch_add(1, Ordering::Relaxed);
+    let page = book.join(format!("explore-test-{number}.html"));
     let body = source.replace("</body>", &format!("<script>{script}</script></body>"));
     assert_ne!(body, source);
     fs::write(&page, body).unwrap();

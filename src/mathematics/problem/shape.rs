@@ -185,8 +185,9 @@ pub(super) fn number(text: &str) -> Result<f64, SourceError> {
     value.filter(|value| value.is_finite()).ok_or_else(|| SourceError::NotFinite(text.into()))
 }
 
+/// Returns nothing for an infinity too: one over it would pass as the number 0.
 fn decimal(text: &str) -> Option<f64> {
-    text.trim().parse().ok()
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 /// Number as a person writes it, `0.25` or `1e-310`, in the fewest digits that read back to the same bits.

@@ -256,7 +256,9 @@ mod tests {
         let f: Source = "rect(-1/4,1/4,-1/4,1/4)=1/3; else=-1/3".parse().unwrap();
         assert_eq!(f.at([0.0, 0.0]), 1.0 / 3.0);
         assert_eq!(f.at([0.4, 0.4]), -1.0 / 3.0);
-        for wrong in ["else=1/0", "else=1/2/3", "else=/2", "else=-1/x"] {
+        for wrong in
+            ["else=1/0", "else=1/2/3", "else=/2", "else=-1/x", "else=-1/inf", "else=-1/1e400"]
+        {
             assert!(matches!(wrong.parse::<Source>(), Err(SourceError::NotFinite(_))), "{wrong}");
         }
     }

@@ -8,7 +8,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::integral;
 use crate::discrete::norms::worst;
 use crate::experiments::Range;
-use crate::experiments::truth::{Elements, Level, Truth};
+use crate::experiments::truth::{Elements, ElementsLevel, Truth};
 use crate::identify::Findings;
 use crate::identify::record::Record;
 use crate::pipeline::error::{Failure, from_toml};
@@ -90,7 +90,7 @@ const EFFECTIVE_FROM: usize = 64;
 /// Returns the greatest guaranteed bound over the error from [`EFFECTIVE_FROM`] on, for the default load and for
 /// `bilinear`.
 fn effectivity(elements: &[Elements]) -> Value {
-    let mut levels: Vec<&Level> = elements.iter().flat_map(|one| &one.levels).collect();
+    let mut levels: Vec<&ElementsLevel> = elements.iter().flat_map(|one| &one.levels).collect();
     levels.retain(|level| level.cells >= EFFECTIVE_FROM);
     json!({
         "from": EFFECTIVE_FROM,
