@@ -38,20 +38,25 @@ pub fn cores() -> usize {
 /// Bytes that this program may still allocate, as far as the system tells: what is free on the machine, in
 /// its control group, and below the limit of the process (`ulimit -v`).
 pub fn available_memory() -> Option<u64> {
-    let number = |text: &str| text.split_whitespace().find_map(|word| word.parse::<u64>().ok());
-    let kilobytes = |file: &str, key: &str| Some(1024 * number(&field(file, key)?)?);
-    let free = kilobytes("/proc/meminfo", "MemAvailable");
-    let group = |file: &str| fs::read_to_string(format!("/sys/fs/cgroup/memory.{file}")).ok();
-    let most = group("max").and_then(|text| number(&text));
+    memory_left(|file| fs::read_to_string(file).ok())
+}
+
+/// The same, from the system's files.
+fn memory_left(read: impl Fn(&str) -> Option<String>) -> Option<u64> {
+    // The first number of the line that begins so.
+    let number = |file: &str, key: &str| -> Option<u64> {
+        let text = read(file)?;
+        let mut lines = text.lines().filter_map(|line| line.strip_prefix(key));
+        lines.next()?.split_whitespace().find_map(|word| word.parse().ok())
+    };
+    let free = number("/proc/meminfo", "MemAvailable:").map(|kilobytes| 1024 * kilobytes);
     // Of what the group has, the system drops files that it caches before it runs out of memory.
-    let stat = group("stat").unwrap_or_default();
-    let taken = stat.lines().find_map(|line| number(line.strip_prefix("anon ")?)).unwrap_or(0);
-    let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
-    let space = limits.lines().find_map(|line| number(line.strip_prefix("Max address space")?));
-    let used = kilobytes("/proc/self/status", "VmSize").unwrap_or(0);
-    let left = space.map(|space| space.saturating_sub(used));
-    let in_group = most.map(|most| most.saturating_sub(taken));
-    [free, in_group, left].into_iter().flatten().min()
+    let taken = number("/sys/fs/cgroup/memory.stat", "anon ").unwrap_or(0);
+    let in_group = number("/sys/fs/cgroup/memory.max", "").map(|most| most.saturating_sub(taken));
+    let used = number("/proc/self/status", "VmSize:").unwrap_or(0);
+    let space = number("/proc/self/limits", "Max address space");
+    let below_limit = space.map(|space| space.saturating_sub(1024 * used));
+    [free, in_group, below_limit].into_iter().flatten().min()
 }
 
 /// Largest load average of a machine that measures undisturbed: half of one core.
@@ -115,5 +120,42 @@ mod tests {
         let busy = |load| Machine { load, ..here.clone() }.busy();
         assert_eq!(busy(0.2), None);
         assert!(busy(4.58).unwrap().contains("load average 4.58"));
+    }
+
+    /// Memory left on a machine with 8000 KiB free, whose other files are these.
+    fn left(files: &[(&str, &str)]) -> Option<u64> {
+        let meminfo =
+            "MemTotal:       16000 kB\nMemFree:         1000 kB\nMemAvailable:    8000 kB\n";
+        let files = [&[("/proc/meminfo", meminfo)], files].concat();
+        memory_left(|file| {
+            files.iter().find(|(name, _)| *name == file).map(|(_, text)| (*text).to_owned())
+        })
+    }
+
+    #[test]
+    fn memory_left_is_the_least_of_machine_group_and_limit() {
+        let free = Some(8000 * 1024);
+        assert_eq!(left(&[]), free);
+        // Files that the group has cached do not count as taken.
+        let stat = ("/sys/fs/cgroup/memory.stat", "anon 1000000\nfile 900000\nanon_thp 7\n");
+        let max = "/sys/fs/cgroup/memory.max";
+        assert_eq!(left(&[(max, "5000000\n"), stat]), Some(4_000_000));
+        assert_eq!(left(&[(max, "5000000\n")]), Some(5_000_000));
+        assert_eq!(left(&[(max, "900000\n"), stat]), Some(0));
+        assert_eq!(left(&[(max, "max\n"), stat]), free);
+        assert_eq!(left(&[(max, "900000000\n"), stat]), free);
+        let status =
+            ("/proc/self/status", "Name:\tsignorini\nVmPeak:\t9999 kB\nVmSize:\t1000 kB\n");
+        let limits = |space| {
+            format!(
+                "Limit                     Soft Limit           Hard Limit           Units     \n\
+                 Max stack size            8388608              unlimited            bytes     \n\
+                 Max address space         {space}              unlimited            bytes     \n"
+            )
+        };
+        assert_eq!(left(&[("/proc/self/limits", &limits("3024000")), status]), Some(2_000_000));
+        assert_eq!(left(&[("/proc/self/limits", &limits("1000")), status]), Some(0));
+        assert_eq!(left(&[("/proc/self/limits", &limits("unlimited")), status]), free);
+        assert_eq!(memory_left(|_| None), None);
     }
 }

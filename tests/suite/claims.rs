@@ -62,47 +62,6 @@ fn the_lanes_count_what_the_solver_counts() {
 }
 
 #[test]
-fn the_best_r_is_the_least_of_its_row_and_lies_in_its_interval() {
-    let claims = measured();
-    for row in claims.problems.iter().flat_map(|problem| &problem.rows) {
-        let best = row.best.unwrap();
-        let counts = || claims.r.iter().zip(&row.counts);
-        for (&r, count) in counts() {
-            let Some(count) = count.reached() else { continue };
-            assert!(best.iterations <= count);
-            if best.flat.0 <= r && r <= best.flat.1 {
-                assert!(10 * count <= 11 * best.iterations, "{row:?}");
-            }
-        }
-        assert!(counts().any(|(r, count)| *r == best.r && count.iterations == best.iterations));
-        assert!(best.flat.0 <= best.r && best.r <= best.flat.1);
-    }
-}
-
-#[test]
-fn more_accuracy_takes_more_sweeps() {
-    for problem in &measured().problems {
-        let counts = |measure, cells| {
-            let row = problem.rows.iter().find(|r| r.measure == measure && r.cells == cells);
-            &row.unwrap().counts
-        };
-        for cells in [4, 8, 16] {
-            let (rough, fine) =
-                (counts(Measure::Kkt(1e-3), cells), counts(Measure::Kkt(1e-6), cells));
-            assert!(
-                rough.iter().zip(fine).all(|(rough, fine)| rough.iterations <= fine.iterations)
-            );
-        }
-        // From the same start, the absolute value can only delay the first stop.
-        let (signed, printed) = (
-            counts(Measure::Rule(StopRule::Signed), 4),
-            counts(Measure::Rule(StopRule::Printed), 4),
-        );
-        assert!(signed.iter().zip(printed).all(|(s, p)| s.iterations <= p.iterations));
-    }
-}
-
-#[test]
 fn from_ten_up_r_makes_no_difference_to_an_accuracy() {
     // For large r the penalty alone holds the contact nodes at zero.
     for problem in &measured().problems {

@@ -50,14 +50,51 @@ fn module(file: &Path) -> Vec<String> {
     parts
 }
 
-/// What follows `prefix` in the code of a file, up to the end of the name; comments and unit tests do not count.
-fn names_after<'a>(text: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
+/// The code of a file; comments and unit tests do not count.
+fn code(file: &Path) -> String {
+    let text = fs::read_to_string(file).unwrap();
     let text = text.split("\nmod tests {").next().unwrap_or_default();
-    let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-    code.flat_map(move |line| line.split(prefix).skip(1)).map(|rest| {
-        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-        &rest[..end]
-    })
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.fold(String::new(), |code, line| code + line + "\n")
+}
+
+/// Paths in some code, each as its names.
+type Paths = Vec<Vec<String>>;
+
+/// The paths in some code that follow `root`; what stands in braces counts as several.
+fn paths_after(code: &str, root: &str) -> Paths {
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices(root) {
+        // Not the end of another word, and not in the middle of a path.
+        if !code[..at].ends_with(|c: char| c.is_alphanumeric() || "_:".contains(c)) {
+            read_path(&code[at + root.len()..], &[], &mut found);
+        }
+    }
+    found
+}
+
+/// Reads a path or a group of paths in braces, each with `prefix` before it; returns the code that follows.
+fn read_path<'a>(code: &'a str, prefix: &[String], found: &mut Paths) -> &'a str {
+    if let Some(mut rest) = code.strip_prefix('{') {
+        while let Some(next) = rest.find(|c: char| !c.is_whitespace() && c != ',') {
+            if let Some(rest) = rest[next..].strip_prefix('}') {
+                return rest;
+            }
+            rest = read_path(&rest[next..], prefix, found);
+            // Other names for what is imported do not matter here.
+            rest = &rest[rest.find([',', '}']).unwrap_or(rest.len())..];
+        }
+        return rest;
+    }
+    let end = code.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(code.len());
+    let path = [prefix, &[code[..end].to_owned()]].concat();
+    match code[end..].strip_prefix("::") {
+        Some(rest) => read_path(rest, &path, found),
+        None => {
+            found.push(path);
+            &code[end..]
+        }
+    }
 }
 
 #[test]
@@ -73,10 +110,9 @@ fn rooms_use_only_rooms_before_them() {
         let here =
             place(&name).unwrap_or_else(|| panic!("src/{name} has no place among the rooms"));
         for file in sources(&room) {
-            let text = fs::read_to_string(&file).unwrap();
-            for used in names_after(&text, "crate::") {
-                if place(used).is_none_or(|there| there > here) {
-                    wrong.insert(format!("{} uses {used}", file.display()));
+            for path in paths_after(&code(&file), "crate::") {
+                if place(&path[0]).is_none_or(|there| there > here) {
+                    wrong.insert(format!("{} uses {}", file.display(), path[0]));
                 }
             }
         }
@@ -84,22 +120,64 @@ fn rooms_use_only_rooms_before_them() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Modules, and where each finds the names that it takes from its own submodules.
+struct Modules {
+    code: BTreeMap<Vec<String>, String>,
+    imported: BTreeMap<Vec<String>, Vec<String>>,
+}
+
+impl Modules {
+    fn read() -> Self {
+        let files = sources(&source_folder());
+        let code: BTreeMap<_, _> = files.iter().map(|file| (module(file), code(file))).collect();
+        let mut all = Self { code, imported: BTreeMap::new() };
+        for (here, text) in &all.code {
+            for path in paths_after(text, "use ") {
+                let path = [&here[..], &path].concat();
+                let there = all.module_of(&path);
+                if there.len() > here.len() {
+                    let name = [&here[..], &path[path.len() - 1..]].concat();
+                    all.imported.insert(name, there);
+                }
+            }
+        }
+        all
+    }
+
+    /// The module that a path from the root leads to or into.
+    fn module_of(&self, path: &[String]) -> Vec<String> {
+        let depth = (0..=path.len()).rev().find(|&depth| self.code.contains_key(&path[..depth]));
+        let there = &path[..depth.unwrap_or(0)];
+        let name = path.get(..there.len() + 1).and_then(|name| self.imported.get(name));
+        name.cloned().unwrap_or_else(|| there.into())
+    }
+
+    /// The modules that a module names.
+    fn used_by(&self, here: &[String]) -> BTreeSet<Vec<String>> {
+        let mut used = BTreeSet::new();
+        for path in paths_after(&self.code[here], "crate::") {
+            used.insert(self.module_of(&path));
+        }
+        for path in paths_after(&self.code[here], "super::") {
+            let ups = path.iter().take_while(|name| *name == "super").count();
+            let above = &here[..here.len().saturating_sub(ups + 1)];
+            used.insert(self.module_of(&[above, &path[ups..]].concat()));
+        }
+        used
+    }
+}
+
 #[test]
 fn modules_of_a_room_form_no_circle() {
-    // Arrows between modules with the same parent, read off `super::name` and full paths.
+    let modules = Modules::read();
+    // Arrows between modules with the same parent, also for what is inside them.
     let mut arrows: BTreeMap<Vec<String>, BTreeSet<Vec<String>>> = BTreeMap::new();
-    let files = sources(&source_folder());
-    let modules: BTreeSet<_> = files.iter().map(|file| module(file)).collect();
-    for file in &files {
-        let text = fs::read_to_string(file).unwrap();
-        let here = module(file);
-        let Some((_, parent)) = here.split_last() else { continue };
-        let full = format!("crate::{}::", parent.join("::"));
-        let used = names_after(&text, "super::").chain(names_after(&text, &full));
-        for name in used {
-            let there: Vec<_> = parent.iter().cloned().chain([name.to_owned()]).collect();
-            if there != here && modules.contains(&there) {
-                arrows.entry(here.clone()).or_default().insert(there);
+    for here in modules.code.keys() {
+        for there in modules.used_by(here) {
+            let common = here.iter().zip(&there).take_while(|(here, there)| here == there).count();
+            if common > 0 && common < here.len().min(there.len()) {
+                let [from, to] = [here, &there].map(|module| module[..=common].to_vec());
+                arrows.entry(from).or_default().insert(to);
             }
         }
     }
@@ -119,6 +197,24 @@ fn modules_of_a_room_form_no_circle() {
             }
         }
     }
+}
+
+#[test]
+fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined() {
+    let code =
+        "use super::{Best, verdict::{Tally, Verdict as V}, *};\nlet x = crate::a::f::<T>(b);";
+    let joined =
+        |root| paths_after(code, root).iter().map(|path| path.join("::")).collect::<Vec<_>>();
+    assert_eq!(joined("super::"), ["Best", "verdict::Tally", "verdict::Verdict", ""]);
+    assert_eq!(joined("crate::"), ["a::f::"]);
+    let names = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
+    let modules = Modules::read();
+    assert_eq!(
+        modules.module_of(&names("experiments::claims::Verdict::Confirmed")),
+        names("experiments::claims::verdict")
+    );
+    let used = modules.used_by(&names("experiments::claims::verdict"));
+    assert!(used.contains(&names("saddle::stopping")), "{used:?}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::kkt;
 use signorini::discrete::load::{LoadRule, load};
 use signorini::discrete::transfer::Prolongation;
+use signorini::experiments::Range;
 use signorini::experiments::problems::Problem;
 use signorini::experiments::rounding::{self, rounding};
 use signorini::experiments::stress::{self, Stress, stress};
@@ -28,36 +29,51 @@ fn tables(grids: &[usize]) -> Vec<Problem> {
         .collect()
 }
 
+/// The experiments of the book, with fewer nodes, iterations and random problems.
 fn found() -> &'static Stress {
     static ONCE: OnceLock<Stress> = OnceLock::new();
-    ONCE.get_or_init(|| stress(&stress::Plan::new(tables(&[4, 8, 16, 32, 64]))).unwrap())
+    ONCE.get_or_init(|| {
+        let full = stress::Plan::new(tables(&[4, 8, 16]));
+        stress(&stress::Plan { coarse: 8, fine: 32, cap: 4000, random: 200, ..full }).unwrap()
+    })
 }
 
 #[test]
-fn every_run_ends_and_says_what_is_so() {
-    let found = found();
-    for trial in found.trials() {
-        assert!(trial.steps <= 100_000, "{trial:?}");
+fn no_claim_of_a_solver_is_wrong_and_every_failure_is_reported() {
+    for trial in found().trials() {
         assert!(trial.holds != Some(false), "{trial:?}");
         assert!(trial.says_that_it_failed() || trial.kkt.is_some(), "{trial:?}");
     }
-    assert_eq!((found.tally.wrong, found.tally.unreported), (0, 0));
 }
 
 #[test]
-fn the_signed_rule_is_met_far_from_the_solution_and_no_tolerance_mends_it() {
-    let plateau = found().summary.plateau.clone().expect("in problem 2");
-    assert_eq!((plateau.problem.as_str(), plateau.steps), ("problem 2", 240));
-    assert!(plateau.tolerances.least <= 1e-14 && plateau.tolerances.greatest >= 1e-6);
-    assert!(plateau.kkt > 0.05);
+fn the_signed_rule_is_met_far_from_the_solution_for_every_r() {
     assert_eq!(found().duality.len(), 3);
     for (problem, cases) in found().duality.iter().enumerate() {
         for case in cases {
             // In the third the cap may come first, where r is small.
-            assert!(case["signed"].converged() || problem == 2 && case.x < 1e-6, "{case:?}");
-            assert!(case["signed"].kkt > Some(0.1), "{case:?}");
+            assert!(case["signed"].converged() || problem == 2 && case.x < 1e-5, "{case:?}");
+            assert!(case["signed"].kkt > Some(0.05), "{case:?}");
         }
     }
+}
+
+#[test]
+fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
+    let found = found();
+    let plateau = found.summary.plateau.clone().expect("tolerances met at the same iteration");
+    let Range { least, greatest } = plateau.tolerances;
+    assert!(least <= 1e-14 && greatest >= 1e-6 && plateau.kkt > 0.05, "{plateau:?}");
+    let problem = found.plan.names().iter().position(|name| *name == plateau.problem).unwrap();
+    let (grid, f) = (Grid::new(found.plan.coarse).unwrap(), &found.plan.problems[problem].f);
+    let load = load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage {});
+    let largest = load.iter().fold(0.0f64, |largest, entry| entry.abs().max(largest));
+    let [before, after] = [plateau.steps - 1, plateau.steps].map(|max_iterations| {
+        let (rule, tolerance) = (StopRule::Signed, f64::MIN_POSITIVE);
+        let params = Params { r: 10.0, tolerance, rule, max_iterations };
+        arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid)).gradient_signed / largest
+    });
+    assert!(before > greatest && after <= least, "{before:e} {after:e} {plateau:?}");
 }
 
 #[test]
@@ -109,7 +125,6 @@ fn multigrid_stands_a_vanishing_integral_jumps_and_spikes() {
 #[test]
 fn multigrid_solves_random_problems() {
     let random = &found().random;
-    assert!(random.problems >= 1000);
     assert_eq!((random.unsolved, random.wrong), (0, 0), "{random:?}");
     assert!(random.most <= 30, "{random:?}");
 }

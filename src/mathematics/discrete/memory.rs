@@ -56,3 +56,66 @@ unsafe impl GlobalAlloc for LargePages {
         unsafe { System.dealloc(memory, layout) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::catch_unwind;
+
+    const LENIENT: LargePages = LargePages { refused: None };
+    const STRICT: LargePages = LargePages { refused: Some(|size| panic!("{size} refused")) };
+
+    /// More than any machine has.
+    const TOO_MUCH: usize = isize::MAX as usize - (1 << 20);
+
+    fn layout(size: usize, align: usize) -> Layout {
+        Layout::from_size_align(size, align).expect("a valid layout")
+    }
+
+    #[test]
+    fn blocks_keep_their_alignment_and_contents_when_they_grow_and_shrink() {
+        let sizes = [100, LARGE_PAGE - 1, 2 * LARGE_PAGE, 2 * LARGE_PAGE + 1, 5 * LARGE_PAGE, 100];
+        for align in [8, 64, 4096, 4 * LARGE_PAGE] {
+            // SAFETY: each block is used within its size, and given back with the layout that it has.
+            unsafe {
+                let mut now = layout(sizes[0], align);
+                let mut memory = LENIENT.alloc_zeroed(now);
+                for size in sizes {
+                    let kept = size.min(now.size());
+                    memory = LENIENT.realloc(memory, now, size);
+                    assert!(!memory.is_null() && memory.addr().is_multiple_of(align), "{align}");
+                    now = layout(size, align);
+                    let block = std::slice::from_raw_parts_mut(memory, size);
+                    assert!(block[..kept].iter().all(|byte| [0, 7].contains(byte)), "{size}");
+                    block.fill(7);
+                }
+                LENIENT.dealloc(memory, now);
+                let zeros = layout(3 * LARGE_PAGE, align);
+                let memory = LENIENT.alloc_zeroed(zeros);
+                assert!(std::slice::from_raw_parts(memory, zeros.size()).iter().all(|b| *b == 0));
+                LENIENT.dealloc(memory, zeros);
+            }
+        }
+    }
+
+    #[test]
+    fn a_refusal_is_reported_with_the_bytes_asked_for() {
+        let too_much = layout(TOO_MUCH, 64);
+        let small = layout(100, 64);
+        // SAFETY: a block that was refused is not used, and the small one is given back as it is.
+        unsafe {
+            assert!(LENIENT.alloc(too_much).is_null() && LENIENT.alloc_zeroed(too_much).is_null());
+            let memory = STRICT.alloc(small);
+            assert!(LENIENT.realloc(memory, small, TOO_MUCH).is_null());
+            for refused in [
+                catch_unwind(|| _ = STRICT.alloc(too_much)),
+                catch_unwind(|| _ = STRICT.alloc_zeroed(too_much)),
+                catch_unwind(|| _ = STRICT.realloc(memory, small, TOO_MUCH)),
+            ] {
+                let said = refused.expect_err("a refusal").downcast::<String>().expect("a text");
+                assert_eq!(*said, format!("{TOO_MUCH} refused"));
+            }
+            STRICT.dealloc(memory, small);
+        }
+    }
+}

@@ -8,11 +8,11 @@ pub(crate) fn vectorised<R>(work: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     {
         // DQ extends F.
-        if std::arch::is_x86_feature_detected!("avx512dq") {
+        if std::arch::is_x86_feature_detected!("avx512dq") && allowed(Vectors::Avx512) {
             // SAFETY: the processor has the features that the function is compiled for.
             return unsafe { avx512(work) };
         }
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if std::arch::is_x86_feature_detected!("avx2") && allowed(Vectors::Avx2) {
             // SAFETY: as above.
             return unsafe { avx2(work) };
         }
@@ -30,6 +30,35 @@ fn avx512<R>(work: impl FnOnce() -> R) -> R {
 #[target_feature(enable = "avx2")]
 fn avx2<R>(work: impl FnOnce() -> R) -> R {
     work()
+}
+
+/// Kinds of vector instructions, each with those before it.
+#[cfg(any(target_arch = "x86_64", test))]
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Vectors {
+    #[cfg(test)]
+    None,
+    Avx2,
+    Avx512,
+}
+
+/// Returns true: only tests forbid instructions.
+#[cfg(all(target_arch = "x86_64", not(test)))]
+#[inline(always)]
+fn allowed(_: Vectors) -> bool {
+    true
+}
+
+/// Returns true if [`with_each`] does not forbid these instructions.
+#[cfg(test)]
+fn allowed(vectors: Vectors) -> bool {
+    MOST.get().is_none_or(|most| vectors <= most)
+}
+
+#[cfg(test)]
+thread_local! {
+    /// Most that [`vectorised`] may use in this thread; `None` stands for all that there is.
+    static MOST: std::cell::Cell<Option<Vectors>> = const { std::cell::Cell::new(None) };
 }
 
 /// Numbers that are compared side by side: too many for the compiler to write out one by one, after which it would
@@ -72,20 +101,137 @@ impl Largest {
     }
 }
 
-/// The results of the same work without vector instructions and with each kind that the processor has.
+/// The results of the same work without vector instructions and with each kind that the processor has, in one thread:
+/// of what is inlined in the closure, and of each call of [`vectorised`] below it.
 #[cfg(test)]
-pub(crate) fn with_each<R>(work: impl Fn() -> R) -> Vec<R> {
-    let mut results = vec![work()];
+pub(crate) fn with_each<R: Send>(work: impl Fn() -> R + Sync) -> Vec<R> {
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let with = |most: Vectors, work: &(dyn Fn() -> R + Sync)| {
+        alone.install(|| {
+            MOST.set(Some(most));
+            work()
+        })
+    };
+    let mut results = vec![with(Vectors::None, &work)];
     #[cfg(target_arch = "x86_64")]
     {
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has the features that the function is compiled for.
-            results.push(unsafe { avx2(&work) });
+            results.push(with(Vectors::Avx2, &|| unsafe { avx2(&work) }));
         }
         if std::arch::is_x86_feature_detected!("avx512dq") {
             // SAFETY: as above.
-            results.push(unsafe { avx512(&work) });
+            results.push(with(Vectors::Avx512, &|| unsafe { avx512(&work) }));
         }
     }
     results
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::bounds;
+    use crate::discrete::load::{Diagonal, LoadRule, load};
+    use crate::discrete::{cube, grid::Grid, norms};
+    use crate::multigrid::{Goal, MultigridParams, solve_cube, solve_square};
+    use crate::problem::source::Source;
+    use crate::problem::{cube::Exact as OnCube, exact::Exact};
+    use crate::saddle::batch::{AsDefined, Job, JobGoal, Number, run};
+    use crate::saddle::{Method, Pair, StopRule};
+    use crate::spectral::{Params, spectral};
+    use std::fmt::Debug;
+
+    /// Two arcs of contact and one, with straight jumps and with circles.
+    const SOURCES: [&str; 3] = [
+        "quadrant(ll)=3; else=-1.1",
+        "disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1",
+        "disc(-0.5,-0.5,0.4)=14; rect(0.2,0.5,0.2,0.5)=16; else=-5",
+    ];
+
+    fn sources() -> impl Iterator<Item = Source> {
+        SOURCES.iter().map(|f| f.parse().expect("a valid f"))
+    }
+
+    /// Fails if vector instructions change a bit of what a computation gives; `{:?}` shows each number in full.
+    #[track_caller]
+    fn compare<T: Debug>(work: impl Fn() -> T + Sync) {
+        let results = with_each(|| format!("{:?}", work()));
+        let other = results.iter().find(|result| **result != results[0]);
+        assert!(other.is_none(), "{} instead of {}", other.unwrap_or(&results[0]), results[0]);
+    }
+
+    fn waves(many: usize) -> Vec<f64> {
+        (0..many).map(|k| libm::sin(12.9898 * k as f64)).collect()
+    }
+
+    #[test]
+    fn each_kind_of_instructions_is_tried_by_itself() {
+        let kinds = with_each(|| [Vectors::Avx2, Vectors::Avx512].map(allowed));
+        let expected = [[false, false], [true, false], [true, true]];
+        assert_eq!(kinds, expected[..kinds.len()]);
+    }
+
+    #[test]
+    fn vector_instructions_change_no_bit_of_errors() {
+        // Rows that are no multiple of the lanes.
+        let grid = Grid::new(37).expect("fine enough");
+        let y = waves(grid.nodes());
+        Exact::ALL.iter().for_each(|&exact| compare(|| norms::errors(grid, exact, &y)));
+        let grid = cube::Grid::new(11).expect("fine enough");
+        let y = waves(grid.nodes());
+        OnCube::ALL.iter().for_each(|&exact| compare(|| cube::errors(grid, exact, &y)));
+    }
+
+    #[test]
+    fn vector_instructions_change_no_bit_of_a_batch() {
+        fn ends<N: Number>() -> impl Debug {
+            let grid = Grid::new(11).expect("fine enough");
+            let f = load(grid, &sources().next().expect("one"), LoadRule::LumpedAverage {});
+            let (load, start) = (f.iter().map(|&f| N::of(f)).collect::<Vec<_>>(), Pair::zero(grid));
+            let goals = StopRule::ALL.map(|rule| JobGoal::Rule(rule, 1e-4));
+            let methods = [(0.0, true), (1.0, false)].map(|(weight, loose)| Method::Uzawa {
+                weight,
+                inner: 1e-5,
+                loose,
+            });
+            let methods = [[Method::ArrowHurwicz; 1].as_slice(), &methods].concat();
+            let mut jobs = Vec::new();
+            for (method, r) in methods.iter().flat_map(|&method| [(method, 0.3), (method, 1e4)]) {
+                for goal in goals.into_iter().chain([JobGoal::Kkt(1e-4)]) {
+                    jobs.push(Job { load: &load, start: &start, method, r, goal, cap: 300 });
+                }
+            }
+            run(grid, &jobs, &mut AsDefined)
+        }
+        compare(ends::<f64>);
+        compare(ends::<f32>);
+    }
+
+    #[test]
+    fn vector_instructions_change_no_bit_of_true_solutions() {
+        for f in sources() {
+            compare(|| {
+                let solution = spectral(&f, Params::default()).expect("a solution");
+                (solution.energy, solution.contact, solution.checks, solution.steps)
+            });
+        }
+    }
+
+    #[test]
+    fn vector_instructions_change_no_bit_of_multigrid_and_bounds() {
+        const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(1e-8), Goal::RoundingFloor];
+        let params = GOALS.map(|goal| MultigridParams { goal, ..MultigridParams::default() });
+        let exact = LoadRule::Exact { diagonal: Diagonal::default() };
+        for f in sources() {
+            let grid = Grid::new(40).expect("fine enough");
+            let load = load(grid, &f, exact);
+            compare(|| {
+                params.each_ref().map(|params| solve_square(grid.cells(), &load, None, params))
+            });
+            compare(|| bounds(grid, &f, &waves(grid.nodes())));
+        }
+        let grid = cube::Grid::new(12).expect("fine enough");
+        let load = cube::load(grid, |point| OnCube::FreeDisc.at(point).f);
+        compare(|| params.each_ref().map(|params| solve_cube(grid.cells(), &load, None, params)));
+    }
 }

@@ -176,6 +176,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn slopes_pass_the_lines_by_at_the_factor_of_the_nearest() {
+        let line = |points| Curve::new(Marked, "", points);
+        // Times x, the values are 4, 8 and 6: the lowest is on the first line, the highest too.
+        let lines = [line([(1.0, 4.0), (4.0, 2.0)]), line([(2.0, 3.0), (3.0, 2.0)])];
+        let ends = |factor| Law { label: "", power: -1.0, factor }.beside(&lines).points;
+        assert_eq!(ends(0.5), [(1.0, 2.0), (4.0, 0.5)]);
+        assert_eq!(ends(2.0), [(1.0, 16.0), (4.0, 4.0)]);
+    }
+
+    #[test]
     fn a_run_that_another_beats_is_left_out() {
         let points = vec![(2.0, 0.5), (1.0, 0.25), (3.0, 0.1), (4.0, 0.2)];
         assert_eq!(front(points), [(1.0, 0.25), (3.0, 0.1)]);

@@ -282,3 +282,28 @@ impl Row {
         Self { measure, cells, counts, best }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The best of some counts for r = 1, 10, 100, ..; those that are none hit a cap of 10.
+    fn best<const N: usize>(counts: [Option<usize>; N]) -> Option<(f64, usize, (f64, f64))> {
+        let r: Vec<f64> = (0..N).map(|k| 10f64.powi(k as i32)).collect();
+        let count = |count: Option<usize>| match count {
+            Some(iterations) => Count { iterations, stop: StopReason::Converged },
+            None => Count { iterations: 10, stop: StopReason::IterationLimit },
+        };
+        let row = Row::new(Measure::Kkt(1e-3), 16, &r, counts.map(count).into());
+        row.best.map(|Best { r, iterations, flat }| (r, iterations, flat))
+    }
+
+    #[test]
+    fn the_best_r_is_the_least_with_the_fewest_iterations_and_its_interval_has_no_gap() {
+        let counts = [None, Some(11), Some(10), Some(10), Some(12), Some(10)];
+        assert_eq!(best(counts), Some((100.0, 10, (10.0, 1000.0))));
+        assert_eq!(best([Some(10), None, Some(10)]), Some((1.0, 10, (1.0, 1.0))));
+        assert_eq!(best([None, Some(20)]), Some((10.0, 20, (10.0, 10.0))));
+        assert_eq!(best([None, None]), None);
+    }
+}

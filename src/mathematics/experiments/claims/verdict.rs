@@ -298,7 +298,74 @@ fn median(sorted: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Table;
     use super::*;
+    use crate::saddle::StopReason;
+
+    fn reached(iterations: usize) -> Count {
+        Count { iterations, stop: StopReason::Converged }
+    }
+
+    fn capped() -> Count {
+        Count { iterations: 50, stop: StopReason::IterationLimit }
+    }
+
+    fn measured(number: u8, cells: Vec<Cell>) -> Measured {
+        let tables = vec![Table { rule: StopRule::Signed, lines: Vec::new() }];
+        Measured { number, sums: [0.0; 2], rows: Vec::new(), tables, cells }
+    }
+
+    fn cell(r: f64, arrow_hurwicz: Count, uzawa: [Count; 4]) -> Cell {
+        Cell { cells: 16, target: 1e-3, r, arrow_hurwicz, uzawa }
+    }
+
+    /// Cells of two problems for two values of r; in one of them Arrow-Hurwicz does not converge.
+    fn made_up() -> [Measured; 2] {
+        let first = [
+            cell(1.0, reached(10), [reached(30), reached(20), capped(), reached(15)]),
+            cell(10.0, reached(20), [reached(20), reached(10), reached(40), capped()]),
+        ];
+        let second = [
+            cell(1.0, capped(), [reached(60), capped(), capped(), reached(45)]),
+            cell(10.0, reached(10), [reached(80), capped(), capped(), capped()]),
+        ];
+        [measured(1, first.into()), measured(2, second.into())]
+    }
+
+    #[test]
+    fn ratios_are_of_the_cells_where_arrow_hurwicz_converged() {
+        let problems = made_up();
+        let of = |variant, r| {
+            let Ratios { cheaper: Tally { holds, cases, .. }, capped, median, range, .. } =
+                Ratios::of(variant, &problems, Some(1e-3), r);
+            (holds, cases, capped, median, [range.least, range.greatest])
+        };
+        assert_eq!(of(0, None), (2, 3, 0, 3.0, [1.0, 8.0]));
+        // Of two variants the best is the one that converged, though it took more sweeps than the cap of the other.
+        assert_eq!(of(BEST, None), (2, 3, 0, 1.5, [0.5, 8.0]));
+        assert_eq!(of(2, Some(10.0)), (2, 2, 1, 3.5, [2.0, 5.0]));
+        let none = Ratios::of(0, &problems, Some(1e-6), None);
+        assert!(none.median.is_nan() && none.cheaper.cases == 0);
+    }
+
+    #[test]
+    fn gains_are_per_target_per_r_and_at_the_best_r_of_each_method() {
+        let verdicts = Verdicts::of(&[], &made_up());
+        let gains = verdicts.gains.iter().map(|gain| (gain.target, gain.r, gain.median));
+        let medians = [3.0, 2.0, 5.0, 2.5, 1.5];
+        assert_eq!(gains.collect::<Vec<_>>(), medians.map(|median| (Some(1e-3), None, median)));
+        let at = verdicts.gains_at.iter().map(|pair| {
+            pair.each_ref().map(|ratios| (ratios.target, ratios.r.unwrap(), ratios.median))
+        });
+        let expected =
+            [[(None, 1.0, 3.0), (None, 1.0, 1.5)], [(None, 10.0, 4.5), (None, 10.0, 4.25)]];
+        assert_eq!(at.collect::<Vec<_>>(), expected);
+        let best = verdicts.gains_at_best.map(Option::unwrap);
+        assert_eq!(best.map(|range| [range.least, range.greatest]), [[2.0, 6.0], [1.0, 4.5]]);
+        let Tally { holds, cases, .. } = verdicts.gain_depends_on_r;
+        assert_eq!((holds, cases), (1, 2));
+        assert_eq!((verdicts.cheaper.holds, verdicts.cheapest.holds), (2, 2));
+    }
 
     #[test]
     fn the_median_of_an_even_number_is_between_the_middle_two() {

@@ -121,3 +121,188 @@ impl Summary {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Changed, Plan, Random, Series, Single, Tally};
+    use super::*;
+    use crate::experiments::problems::Problem;
+
+    fn trial(stop: &str, steps: usize, kkt: f64) -> Trial {
+        Trial { stop: stop.into(), steps, kkt: Some(kkt), ..Trial::default() }
+    }
+
+    fn case<X>(x: X, trials: &[(&str, Trial)]) -> Case<X> {
+        let named = trials.iter().map(|(name, trial)| ((*name).to_owned(), trial.clone()));
+        Case { x, trials: named.collect() }
+    }
+
+    /// Runs over r: the value of r, how the signed rule and the strict rule ended, and the residual under the former.
+    fn duality(runs: [(f64, &str, &str, f64); 3]) -> Series<f64> {
+        let of = |(r, signed, strict, kkt)| {
+            case(r, &[("signed", trial(signed, 1, kkt)), ("strict", trial(strict, 1, 0.0))])
+        };
+        runs.map(of).into()
+    }
+
+    /// Runs with a factor on f: its exponent, the paper's method and multigrid, each with how and after what it ended.
+    fn scaling(exponent: i32, paper: (&str, usize), multigrid: (&str, usize)) -> Case<i32> {
+        let [scaled, multigrid] = [paper, multigrid].map(|(stop, steps)| trial(stop, steps, 0.0));
+        case(exponent, &[("scaled", scaled), ("multigrid", multigrid)])
+    }
+
+    fn deficit(x: f64, steps: usize, stop: &str, work: f64, kkt: f64) -> Case<f64> {
+        let multigrid = Trial { work, ..trial(stop, 1, kkt) };
+        case(x, &[("strict", trial("converged", steps, 0.0)), ("multigrid", multigrid)])
+    }
+
+    fn tolerance(x: f64, steps: usize, multigrid: &str) -> Case<f64> {
+        let signed = trial("converged", steps, 1.0 / steps as f64);
+        case(x, &[("signed", signed), ("multigrid", trial(multigrid, 1, 0.0))])
+    }
+
+    fn single(changes: usize) -> Single {
+        let change = Changed { r: 1.0, cells: 4, double: 2, single: None };
+        Single { number: 1, cells: 9, changed: vec![change; changes] }
+    }
+
+    /// Runs that nobody made, each different from the others of its kind.
+    fn made_up() -> Stress {
+        let problem = |number| Problem {
+            number,
+            f: String::new(),
+            load: Default::default(),
+            prolongation: Default::default(),
+            grids: Vec::new(),
+            r: Vec::new(),
+            max_iterations: 1,
+        };
+        let with_floor = |name, floor| (name, Trial { floor, ..trial("converged", 1, 0.0) });
+        let of_load = |work, kkt| {
+            let trial = Trial { work, ..trial("rounding-floor", 1, kkt) };
+            vec![case(1.0, &[("multigrid", trial)])]
+        };
+        let (met, cap, floor) = ("converged", "iteration-limit", "rounding-floor");
+        Stress {
+            plan: Plan::new([1, 2].map(problem).into()),
+            duality: vec![
+                duality([(0.1, met, cap, 0.5), (1.0, met, met, 2.0), (10.0, cap, met, 9.0)]),
+                duality([(0.1, met, met, 0.25), (1.0, met, cap, 0.4), (10.0, met, met, 3.0)]),
+            ],
+            scaling: vec![
+                scaling(-3, ("diverged", 7), ("cycle-limit", 60)),
+                scaling(-2, (met, 7), (floor, 4)),
+                scaling(0, (met, 7), (floor, 5)),
+                scaling(3, (met, 7), (met, 3)),
+                scaling(4, (met, 8), (floor, 6)),
+            ],
+            deficits: [
+                vec![
+                    deficit(1e-1, 10, floor, 20.0, 0.0),
+                    deficit(1e-13, 30, "cycle-limit", 99.0, 1e-3),
+                ],
+                vec![
+                    deficit(1e-2, 5, floor, 12.0, 0.0),
+                    deficit(1e-14, 300, "cycle-limit", 88.0, 2e-3),
+                ],
+            ],
+            tolerances: vec![
+                vec![tolerance(1e-2, 3, met), tolerance(1e-4, 3, met), tolerance(1e-6, 5, floor)],
+                vec![
+                    tolerance(1e-2, 2, met),
+                    tolerance(1e-4, 8, met),
+                    tolerance(1e-6, 8, met),
+                    tolerance(1e-8, 8, floor),
+                ],
+            ],
+            floors: vec![
+                case(4.0, &[with_floor("multigrid", Some(1.5)), with_floor("strict", Some(2.5))]),
+                case(8.0, &[with_floor("multigrid", Some(3.0)), with_floor("strict", Some(2.0))]),
+                case(16.0, &[with_floor("multigrid", None)]),
+            ],
+            single_floors: Vec::new(),
+            starts: vec![case(
+                "nowhere".into(),
+                &[
+                    ("strict", Trial { stop: "diverged".into(), ..Trial::default() }),
+                    ("multigrid", Trial { stop: met.into(), ..Trial::default() }),
+                ],
+            )],
+            jumps: of_load(30.0, 1e-9),
+            spikes: of_load(40.0, 1e-12),
+            random: Random {
+                problems: 1,
+                coarsest: 2,
+                finest: 2,
+                mean: 1.0,
+                most: 1,
+                unsolved: 0,
+                wrong: 0,
+            },
+            single: vec![single(2), single(1)],
+            tally: Tally::default(),
+            summary: Summary::default(),
+        }
+    }
+
+    #[test]
+    fn each_field_is_of_the_runs_that_it_is_named_after() {
+        let range = |least, greatest| Some(Range { least, greatest });
+        let plateau = Plateau {
+            problem: "problem 2".into(),
+            steps: 8,
+            tolerances: Range { least: 1e-8, greatest: 1e-4 },
+            kkt: 0.125,
+        };
+        let expected = Summary {
+            converging_r: range(10.0, 10.0),
+            failing_r: range(0.1, 1.0),
+            signed_kkt: range(0.25, 3.0),
+            plateau: Some(plateau),
+            multigrid_tolerance: Some(1e-6),
+            scaled_same: Some([-2, 3]),
+            scaled_cycles: range(3.0, 6.0),
+            stalled: range(1e-14, 1e-13),
+            stalled_runs: 2,
+            stalled_kkt: range(1e-3, 2e-3),
+            deficit_work: range(12.0, 20.0),
+            deficit_steps: range(5.0, 300.0),
+            multigrid_floor: range(1.5, 3.0),
+            strict_floor: range(2.0, 2.5),
+            load_work: range(30.0, 40.0),
+            load_kkt: range(1e-12, 1e-9),
+            single_changed: 3,
+        };
+        assert_eq!(Summary::of(&made_up()), expected);
+    }
+
+    #[test]
+    fn the_tally_counts_wrong_claims_and_silent_failures() {
+        let mut runs = made_up();
+        let [right, wrong] = [Some(true), Some(false)];
+        for (case, holds) in runs.deficits[0].iter_mut().zip([right, wrong]) {
+            case.trials.get_mut("multigrid").unwrap().holds = holds;
+        }
+        let expected = Tally {
+            runs: runs.trials().count(),
+            claims: 2,
+            wrong: 1,
+            // The start from which multigrid returns nothing and says that it converged.
+            unreported: 1,
+            signed: 6,
+            signed_unsolved: 2,
+        };
+        assert_eq!(runs.tally(), expected);
+        assert_eq!(expected.runs, 2 * (6 + 5 + 4 + 7 + 1) + 5 + 2);
+    }
+
+    #[test]
+    fn two_tolerances_are_no_plateau_and_nothing_is_said_of_no_runs() {
+        let mut runs = made_up();
+        runs.tolerances.pop();
+        assert_eq!(Summary::of(&runs).plateau, None);
+        runs.duality.clear();
+        let Summary { converging_r, failing_r, signed_kkt, .. } = Summary::of(&runs);
+        assert_eq!([converging_r, failing_r, signed_kkt], [None; 3]);
+    }
+}
