@@ -2,18 +2,14 @@
 
 use crate::common::Dice;
 use crate::cube_loads::{exact_load, nodal_load, stress_loads};
-use crate::solvers::{
-    ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS, absurd_starts, assert_threads_do_not_matter,
-    distance,
-};
+use crate::domains::{self, rounding_level};
+use crate::solvers::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS, distance};
 use proptest::prelude::*;
 use signorini::discrete::cube::{Grid, errors, judge};
 use signorini::discrete::norms::Errors;
 use signorini::multigrid::active_set::active_set;
 use signorini::multigrid::cube::Cube;
-use signorini::multigrid::{
-    self, Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
-};
+use signorini::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop};
 use signorini::problem::cube::Exact;
 
 fn grid(n: usize) -> Grid {
@@ -21,28 +17,15 @@ fn grid(n: usize) -> Grid {
 }
 
 fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
-    let params = MultigridParams { goal, ..Default::default() };
-    multigrid::solve_cube(n, load, None, &params).expect("valid load")
+    domains::run::<Cube>(n, load, goal)
 }
 
-fn oracle(n: usize, load: &[f64]) -> Vec<f64> {
-    active_set::<Cube>(n, load).expect("valid load").0
-}
-
-fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
+pub(crate) fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
     judge(grid(n), y, load).kkt.natural
 }
 
-/// What rounding errors alone leave of the optimality conditions, in units of the load.
-fn rounding_level(n: usize, y: &[f64]) -> f64 {
-    32.0 * f64::EPSILON * largest(y) / n as f64
-}
-
-fn largest(y: &[f64]) -> f64 {
-    y.iter().fold(0.0, |largest, value| value.abs().max(largest))
-}
-
-fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+/// Loads of the problems with a formula for the solution, by name.
+pub(crate) fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n))).into()
 }
 
@@ -89,26 +72,6 @@ fn one_cycle_reaches_the_discretisation_error() {
 }
 
 #[test]
-fn multigrid_and_active_set_agree_to_rounding() {
-    for n in [2, 4, 6, 12, 16] {
-        for (name, load) in exact_loads(n).into_iter().chain(stress_loads(n)) {
-            let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} {n} {outcome:?}");
-            let oracle = oracle(n, &load);
-            // Twice what the solver asks for: the check adds in another order.
-            let level = 2.0 * rounding_level(n, &oracle);
-            // Values are determined up to the conditioning of the contact set.
-            let rounding = 1e3 * f64::EPSILON * largest(&oracle) * n as f64;
-            assert!(distance(&y, &oracle) <= rounding, "{name} {n} {}", distance(&y, &oracle));
-            for y in [&y, &oracle] {
-                let left = natural_residual(n, y, &load);
-                assert!(left <= level, "{name} {n} {left:e} {level:e} {outcome:?}");
-            }
-        }
-    }
-}
-
-#[test]
 fn work_does_not_depend_on_the_grid() {
     for n in [64, 128] {
         let mut workspace = Multigrid::cube(n).expect("valid size");
@@ -136,109 +99,6 @@ fn work_does_not_depend_on_the_grid() {
         let bytes = workspace.bytes() as f64 / (n + 1).pow(3) as f64;
         assert!(bytes < BYTES[1], "{n} {bytes}");
     }
-}
-
-#[test]
-fn a_claimed_tolerance_holds() {
-    let n = 32;
-    for (name, load) in stress_loads(n) {
-        for exponent in (4..20).step_by(3) {
-            let tolerance = 10_f64.powi(-exponent);
-            let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
-            let measured = natural_residual(n, &y, &load);
-            match outcome.stop {
-                MultigridStop::Converged => {
-                    let slack = 0.25 * rounding_level(n, &y);
-                    assert!(measured <= tolerance + slack, "{name} {measured:e} {tolerance:e}");
-                }
-                MultigridStop::RoundingFloor => {
-                    assert!(measured <= 2.0 * rounding_level(n, &y), "{name} {measured:e}");
-                }
-                stop => panic!("{name} {tolerance:e} {stop:?}"),
-            }
-        }
-    }
-}
-
-#[test]
-fn solutions_scale_with_the_load() {
-    let n = 16;
-    let load = exact_load(Exact::FreeDisc, n);
-    let (y, plain) = run(n, &load, Goal::RoundingFloor);
-    for exponent in [-500, -332, -40, 40, 332, 500] {
-        let factor = 2_f64.powi(exponent);
-        let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
-        let (z, outcome) = run(n, &scaled, Goal::RoundingFloor);
-        assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles));
-        assert!(y.iter().zip(&z).all(|(y, z)| y * factor == *z), "2^{exponent}");
-    }
-}
-
-#[test]
-fn threads_do_not_change_a_bit() {
-    let n = 64;
-    let load = exact_load(Exact::FreeDisc, n);
-    assert_threads_do_not_matter(|| run(n, &load, Goal::RoundingFloor).0);
-}
-
-#[test]
-fn absurd_starts_lead_to_the_same_solution() {
-    let n = 32;
-    for problem in Exact::ALL {
-        let load = exact_load(problem, n);
-        let (y, _) = run(n, &load, Goal::RoundingFloor);
-        for (k, start) in absurd_starts(&y).iter().enumerate() {
-            let params = MultigridParams::default();
-            let (z, outcome) =
-                multigrid::solve_cube(n, &load, Some(start), &params).expect("valid");
-            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{problem:?} {k} {outcome:?}");
-            let rounding = 1e3 * f64::EPSILON * largest(&y);
-            assert!(distance(&y, &z) < rounding, "{problem:?} start {k} {}", distance(&y, &z));
-        }
-    }
-}
-
-#[test]
-fn impossible_input_is_refused() {
-    let n = 8;
-    let good = vec![-1.0; 729];
-    let params = MultigridParams::default();
-    let solve = |n: usize, load: &[f64]| multigrid::solve_cube(n, load, None, &params).map(|_| ());
-    let direct = |load: &[f64]| active_set::<Cube>(n, load).map(|_| ());
-    for wrong in [0, 1, 9, 10, 14] {
-        assert!(matches!(solve(wrong, &good), Err(InputError::GridSize(..))), "{wrong}");
-    }
-    assert!(matches!(solve(n, &good[1..]), Err(InputError::Length { found: 728, expected: 729 })));
-    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let mut bad = good.clone();
-        bad[40] = value;
-        assert_eq!(solve(n, &bad), Err(InputError::NotFinite("load")));
-        assert_eq!(direct(&bad), Err(InputError::NotFinite("load")));
-        let start = multigrid::solve_cube(n, &good, Some(&bad), &params).map(|_| ());
-        assert_eq!(start, Err(InputError::NotFinite("start")));
-    }
-    let opposite: Vec<_> = good.iter().map(|entry| -entry).collect();
-    for bad in [opposite, vec![0.0; 729]] {
-        assert!(matches!(solve(n, &bad), Err(InputError::NotCoercive(_))));
-        assert!(matches!(direct(&bad), Err(InputError::NotCoercive(_))));
-    }
-}
-
-#[test]
-fn the_workspace_can_be_used_again() {
-    let n = 32;
-    let mut workspace = Multigrid::cube(n).expect("valid size");
-    let params = MultigridParams::default();
-    let mut solve = |load: &[f64]| {
-        workspace.solve(load, None, &params).expect("valid load");
-        let mut y = vec![0.0; load.len()];
-        workspace.write_solution(&mut y);
-        y
-    };
-    let load = exact_load(Exact::FreeDisc, n);
-    let first = solve(&load);
-    solve(&exact_load(Exact::FullContact, n));
-    assert!(first == solve(&load));
 }
 
 /// Waves of these amplitudes and noise, with a negative sum.
@@ -279,8 +139,8 @@ proptest! {
         let load = random_load(n, &amplitudes, roughness, deficit_exponent);
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
         prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
-        let oracle = oracle(n, &load);
-        let level = 2.0 * rounding_level(n, &oracle);
+        let (oracle, _) = active_set::<Cube>(n, &load).expect("valid");
+        let level = 2.0 * rounding_level::<Cube>(n, &oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
         prop_assert!(natural_residual(n, &oracle, &load) <= level);
         prop_assert!(distance(&y, &oracle) <= 1e6 * level, "{}", distance(&y, &oracle) / level);

@@ -13,6 +13,7 @@ mod contact;
 mod cube;
 mod cube_loads;
 mod disks;
+mod domains;
 mod engines;
 mod explore;
 mod faults;

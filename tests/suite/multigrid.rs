@@ -1,10 +1,8 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
 use crate::common::{Dice, random_source};
-use crate::solvers::{
-    ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK, WORK_UNITS, absurd_starts,
-    assert_threads_do_not_matter, distance,
-};
+use crate::domains::{self, rounding_level};
+use crate::solvers::{ALGEBRAIC, COUNTED, HARD, TEXTBOOK, WORK_UNITS, distance, distance_in_h1};
 use proptest::prelude::*;
 use rayon::prelude::*;
 use signorini::discrete::grid::Grid;
@@ -15,9 +13,7 @@ use signorini::discrete::stiffness::energy;
 use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini::multigrid::active_set::active_set;
 use signorini::multigrid::square::Square;
-use signorini::multigrid::{
-    self, Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
-};
+use signorini::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop};
 use signorini::problem::exact::Exact;
 use signorini::problem::source::{Source, Tie};
 
@@ -35,18 +31,17 @@ fn exact_values(problem: Exact, n: usize) -> Vec<f64> {
     (0..grid.nodes()).map(|k| at(k).value).collect()
 }
 
-fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
+pub(crate) fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
     kkt(grid(n), y, load).natural
 }
 
-fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
-    let params = MultigridParams { goal, ..Default::default() };
-    multigrid::solve_square(n, load, None, &params).expect("valid load")
+/// Loads of the problems with a formula for the solution, by name.
+pub(crate) fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+    Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n))).into()
 }
 
-/// What rounding errors alone leave of the optimality conditions.
-fn rounding_level(y: &[f64]) -> f64 {
-    32.0 * f64::EPSILON * y.iter().fold(0.0, |largest, value| value.abs().max(largest))
+fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
+    domains::run::<Square>(n, load, goal)
 }
 
 #[test]
@@ -85,13 +80,8 @@ fn one_cycle_reaches_the_discretisation_error() {
             };
             let ratio = norm(&y, &exact_discrete) / norm(&exact_discrete, &values);
             assert!(ratio < 0.25, "{problem:?} {n} algebraic over discretisation error {ratio}");
-            let zero = vec![0.0; y.len()];
-            let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();
-            let h1 = |y: &[f64]| errors_in_h1(n, y, &zero);
-            assert!(
-                h1(&algebraic) < ALGEBRAIC * errors(grid(n), problem, &y).h1,
-                "{problem:?} {n} H1"
-            );
+            let algebraic = distance_in_h1(grid(n), &y, &exact_discrete);
+            assert!(algebraic < ALGEBRAIC * errors(grid(n), problem, &y).h1, "{problem:?} {n} H1");
         }
     }
 }
@@ -110,7 +100,7 @@ fn at_the_discretisation_error(n: usize, f: &Source) -> (f64, usize) {
     let (discrete, _, coarse) = solved(n, Goal::RoundingFloor);
     // Energies fall like the square of h: on a grid of a quarter of the width the excess is a sixteenth.
     let excess = 16.0 / 15.0 * (coarse - solved(4 * n, Goal::RoundingFloor).2);
-    (errors_in_h1(n, &y, &discrete) / (2.0 * excess).sqrt(), outcome.cycles)
+    (distance_in_h1(grid(n), &y, &discrete) / (2.0 * excess).sqrt(), outcome.cycles)
 }
 
 /// The largest of these ratios over random problems, and the number of those that one cycle was enough for.
@@ -158,50 +148,13 @@ fn the_residual_tells_in_twenty_thousand_problems() {
     }
 }
 
-/// H1 seminorm of the difference of two discrete functions.
-fn errors_in_h1(n: usize, a: &[f64], b: &[f64]) -> f64 {
-    let at = |i: usize, j: usize| a[j * (n + 1) + i] - b[j * (n + 1) + i];
-    let mut sum = 0.0;
-    for j in 0..=n {
-        for k in 0..n {
-            let share = if j == 0 || j == n { 0.5 } else { 1.0 };
-            sum += share * (at(k + 1, j) - at(k, j)).powi(2);
-            sum += share * (at(j, k + 1) - at(j, k)).powi(2);
-        }
-    }
-    sum.sqrt()
-}
-
-#[test]
-fn multigrid_and_active_set_agree_to_rounding() {
-    for n in [4, 6, 16, 40, 64] {
-        let exact = Exact::ALL.map(|problem| ("exact", exact_load(problem, n)));
-        for (name, load) in exact.into_iter().chain(stress_loads(n)) {
-            let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-            let (oracle, _) = active_set::<Square>(n, &load).expect("valid load");
-            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} {n} {outcome:?}");
-            // Values are determined up to the conditioning of the contact set.
-            let level = rounding_level(&oracle);
-            assert!(
-                distance(&y, &oracle) < 1e3 * level,
-                "{name} {n} {}",
-                distance(&y, &oracle) / level
-            );
-            for y in [&y, &oracle] {
-                assert!(natural_residual(n, y, &load) <= level, "{name} {n} {outcome:?}");
-            }
-        }
-    }
-}
-
 #[test]
 fn work_does_not_depend_on_the_grid() {
     let goals = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor]
         .into_iter()
         .zip(WORK_UNITS.map(|units| COUNTED * units));
     for n in [64, 128, 256, 512] {
-        let exact = Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n)));
-        let usual = exact.into_iter().chain(paper_loads(n)).map(|load| (load, 1.0));
+        let usual = exact_loads(n).into_iter().chain(paper_loads(n)).map(|load| (load, 1.0));
         let degenerate = stress_loads(n).into_iter().map(|load| (load, HARD));
         for ((name, load), allowance) in usual.chain(degenerate) {
             for (goal, limit) in goals.clone() {
@@ -215,111 +168,6 @@ fn work_does_not_depend_on_the_grid() {
             }
         }
     }
-}
-
-#[test]
-fn a_claimed_tolerance_holds() {
-    let n = 64;
-    for (name, load) in stress_loads(n) {
-        for exponent in 2..20 {
-            let tolerance = 10_f64.powi(-exponent);
-            let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
-            let measured = natural_residual(n, &y, &load);
-            // The check adds in another order.
-            let slack = 8.0 * f64::EPSILON * rounding_level(&y) / (32.0 * f64::EPSILON);
-            match outcome.stop {
-                MultigridStop::Converged => {
-                    assert!(measured <= tolerance + slack, "{name} {measured:e}")
-                }
-                MultigridStop::RoundingFloor => assert!(measured <= rounding_level(&y), "{name}"),
-                stop => panic!("{name} {tolerance:e} {stop:?}"),
-            }
-        }
-    }
-}
-
-#[test]
-fn solutions_scale_with_the_load() {
-    let n = 32;
-    let load = exact_load(Exact::FreeCorner, n);
-    let (y, plain) = run(n, &load, Goal::RoundingFloor);
-    for exponent in [-500, -332, -40, 40, 332, 500] {
-        let factor = 2_f64.powi(exponent);
-        let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
-        let (z, outcome) = run(n, &scaled, Goal::RoundingFloor);
-        assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles));
-        let same = y.iter().zip(&z).all(|(y, z)| y * factor == *z);
-        assert!(same, "2^{exponent}");
-    }
-}
-
-#[test]
-fn threads_do_not_change_a_bit() {
-    let n = 512;
-    let load = exact_load(Exact::FreeSegment, n);
-    assert_threads_do_not_matter(|| run(n, &load, Goal::RoundingFloor).0);
-}
-
-#[test]
-fn absurd_starts_lead_to_the_same_solution() {
-    let n = 64;
-    for problem in Exact::ALL {
-        let load = exact_load(problem, n);
-        let (y, _) = run(n, &load, Goal::RoundingFloor);
-        for (k, start) in absurd_starts(&y).iter().enumerate() {
-            let params = MultigridParams::default();
-            let (z, outcome) =
-                multigrid::solve_square(n, &load, Some(start), &params).expect("valid");
-            assert_eq!(
-                outcome.stop,
-                MultigridStop::RoundingFloor,
-                "{problem:?} start {k} {outcome:?}"
-            );
-            assert!(distance(&y, &z) < 100.0 * rounding_level(&y), "{problem:?} start {k}");
-        }
-    }
-}
-
-#[test]
-fn impossible_input_is_refused() {
-    let n = 16;
-    let good = vec![-1.0; 17 * 17];
-    let params = MultigridParams::default();
-    let solve =
-        |n: usize, load: &[f64]| multigrid::solve_square(n, load, None, &params).map(|_| ());
-    assert!(matches!(solve(9, &good), Err(InputError::GridSize(9, _))));
-    assert!(matches!(solve(0, &good), Err(InputError::GridSize(0, _))));
-    assert!(matches!(solve(n, &good[1..]), Err(InputError::Length { found: 288, expected: 289 })));
-    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let mut bad = good.clone();
-        bad[40] = value;
-        assert_eq!(solve(n, &bad), Err(InputError::NotFinite("load")));
-    }
-    let opposite: Vec<_> = good.iter().map(|entry| -entry).collect();
-    assert!(matches!(solve(n, &opposite), Err(InputError::NotCoercive(sum)) if sum == 289.0));
-    assert!(matches!(solve(n, &vec![0.0; 289]), Err(InputError::NotCoercive(_))));
-    // The smallest negative sum there is must not drown in rounding errors.
-    let mut barely = vec![1e16, -1e16, -1.0];
-    barely.resize(289, 0.0);
-    assert!(solve(n, &barely).is_ok());
-}
-
-#[test]
-fn the_workspace_stays_small_and_can_be_used_again() {
-    let n = 512;
-    let mut workspace = Multigrid::square(n).expect("valid size");
-    assert!(workspace.bytes() as f64 <= BYTES[0] * ((n + 1) * (n + 1)) as f64);
-    let load = exact_load(Exact::FreeCorner, n);
-    let params = MultigridParams::default();
-    let mut solve = |load: &[f64]| {
-        workspace.solve(load, None, &params).expect("valid load");
-        let mut y = vec![0.0; load.len()];
-        workspace.write_solution(&mut y);
-        y
-    };
-    let first = solve(&load);
-    solve(&exact_load(Exact::FullContact, n));
-    assert!(first == solve(&load));
 }
 
 #[test]
@@ -353,7 +201,7 @@ proptest! {
         prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
         let (oracle, _) = active_set::<Square>(n, &load).expect("valid");
         // Twice what the solver asks for: the check adds in another order.
-        let level = 2.0 * rounding_level(&oracle);
+        let level = 2.0 * rounding_level::<Square>(n, &oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
         prop_assert!(natural_residual(n, &oracle, &load) <= level);
         prop_assert!(distance(&y, &oracle) <= 1e4 * level, "{}", distance(&y, &oracle) / level);

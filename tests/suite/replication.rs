@@ -86,13 +86,27 @@ fn the_printed_rule_cannot_have_made_the_tables() {
     }
 }
 
+/// Thousandths between which each value of f gives all counts, the other value being that of the scene; one thousandth
+/// further out some count is another.
 #[test]
-fn a_step_of_the_third_decimal_of_f_is_seen() {
-    // The comparison would be worth little if it held for any f near ours.
+fn counts_hold_each_value_of_f_within_a_few_thousandths() {
     let project = project();
-    let mut scene = project.scene("problem2").unwrap().clone();
-    scene.f = "quadrant(ll)=-6; else=1.997".parse().unwrap();
-    assert!(exact_counts(&project.paper, &scene, StopRule::Signed) < 25);
+    for (name, value_is_odd, thousandths) in [
+        ("problem1", true, 2996..=3000),
+        ("problem1", false, -1003..=-1002),
+        ("problem2", true, -6003..=-5995),
+        ("problem2", false, 1997..=2000),
+    ] {
+        let mut scene = project.scene(name).unwrap().clone();
+        let [odd, other] = if name == "problem1" { [3000, -1002] } else { [-6000, 1998] };
+        for value in thousandths.start() - 1..=thousandths.end() + 1 {
+            let [odd, other] = if value_is_odd { [value, other] } else { [odd, value] };
+            let f = format!("quadrant(ll)={odd}e-3; else={other}e-3");
+            scene.f = f.parse().unwrap();
+            let all = exact_counts(&project.paper, &scene, StopRule::Signed) == 25;
+            assert_eq!(all, thousandths.contains(&value), "{f}");
+        }
+    }
 }
 
 /// Keeps the greatest nodal error on each grid.

@@ -1,5 +1,8 @@
 //! What every solver must stand, on the square and on the cube.
 
+use signorini::discrete::grid::Grid;
+use signorini::discrete::stiffness::energy;
+
 /// Work units in which multigrid reaches the discretisation error, a residual of 1e-10 and the rounding floor, on
 /// grids from 1/64 on. The paper's problems and smooth loads may take [`COUNTED`] times as much, since residuals and
 /// transfers count as well; loads with scattered or vanishing contact, and the cube, [`HARD`] times as much.
@@ -43,4 +46,11 @@ pub(crate) fn assert_threads_do_not_matter(solve: impl Fn() -> Vec<f64> + Sync) 
 /// The largest difference of two vectors.
 pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The H1 seminorm of the difference of two functions that are linear on triangles.
+pub(crate) fn distance_in_h1(grid: Grid, a: &[f64], b: &[f64]) -> f64 {
+    let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    // Without a load the energy is half of the square of the seminorm.
+    (2.0 * energy(grid, &difference, &vec![0.0; difference.len()])).sqrt()
 }
