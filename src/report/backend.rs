@@ -1,4 +1,4 @@
-//! A further output of the book, made by a program that `book.toml` names.
+//! Further outputs of the book, made by programs that `book.toml` names.
 
 use mdbook_driver::errors::{Error, Result};
 use mdbook_renderer::{RenderContext, Renderer};
@@ -16,20 +16,20 @@ pub(super) struct Settings {
     optional: bool,
 }
 
-/// mdBook's own way to run the program, but for its standard output: ours carries data.
+/// Output made by another program. mdBook can run the program itself, but with our standard output, which carries data.
 pub(super) struct Backend {
     name: String,
     settings: Settings,
 }
 
 impl Backend {
-    /// The output with this name, unless mdBook makes it without another program.
+    /// Returns the output with this name, unless mdBook makes it without another program.
     pub(super) fn new((name, settings): (String, Settings)) -> Option<Self> {
         let is_inside = name == "html" || name == "markdown";
         (!is_inside).then_some(Self { name, settings })
     }
 
-    /// The program and its arguments; a path leads from the folder of `book.toml`.
+    /// Returns the program with its arguments; a path begins in the folder of `book.toml`.
     fn command(&self, root: &Path) -> Result<Command> {
         let line = self.settings.command.clone().unwrap_or(format!("mdbook-{}", self.name));
         let words = shlex::split(&line).filter(|words| !words.is_empty());
@@ -45,6 +45,13 @@ impl Backend {
         command.args(&words[1..]);
         Ok(command)
     }
+
+    fn failure(&self, why: &str) -> Error {
+        let name = &self.name;
+        Error::msg(format!(
+            "the output {name} fails: {why}; mend [output.{name}] in report/book.toml"
+        ))
+    }
 }
 
 impl Renderer for Backend {
@@ -56,24 +63,19 @@ impl Renderer for Backend {
         fs::create_dir_all(&context.destination)?;
         let mut command = self.command(&context.root)?;
         command.stdin(Stdio::piped()).stdout(io::stderr()).current_dir(&context.destination);
-        let wrong = |why: String| {
-            let name = &self.name;
-            Error::msg(format!(
-                "the output {name} fails: {why}; mend [output.{name}] in report/book.toml"
-            ))
-        };
         let mut child = match command.spawn() {
             Err(e) if self.settings.optional && e.kind() == ErrorKind::NotFound => return Ok(()),
-            child => child.map_err(|e| wrong(format!("its program cannot be started ({e})")))?,
+            Err(e) => return Err(self.failure(&format!("its program cannot be started ({e})"))),
+            Ok(child) => child,
         };
-        // A program that does not read what it is told is none the worse for it.
+        // A program need not read its input: an error of writing it is ignored.
         let _ = child
             .stdin
             .take()
             .map(|stdin| serde_json::to_writer(io::BufWriter::new(stdin), context));
         match child.wait()? {
             status if status.success() => Ok(()),
-            status => Err(wrong(format!("its program ended with {status}"))),
+            status => Err(self.failure(&format!("its program ended with {status}"))),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! mdBook, run in this process in a folder of its own, from bytes to bytes.
+//! Build of the book from bytes to bytes, by mdBook in this process and in a temporary folder.
 
 use super::backend::Backend;
 use super::mathml::{Labels, collect_labels, convert};
@@ -11,12 +11,12 @@ use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-/// Names of pages that mdBook makes of its own accord.
+/// Names of pages that mdBook adds.
 const MADE_BY_MDBOOK: [&str; 2] = ["src/toc.md", "src/print.md"];
 
-/// The first page of a book with these files, by path from its folder.
+/// Returns the first page of a book with these files, by path from its folder.
 ///
-/// In a book that has further outputs, mdBook gives a folder to each.
+/// In a book with further outputs, mdBook makes a folder for each output.
 pub(crate) fn first_page<'a>(built: impl Iterator<Item = &'a str> + Clone) -> Option<&'static str> {
     ["index.html", "html/index.html"]
         .into_iter()
@@ -25,13 +25,12 @@ pub(crate) fn first_page<'a>(built: impl Iterator<Item = &'a str> + Clone) -> Op
 
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
 ///
-/// Paths that begin with `../` are those of files outside that folder which pages may include.
-/// Formulas in `*.md` are set as MathML. Returns every file of the built book by its path in it.
-/// The same files give the same bytes. A folder of its own in `scratch` is used meanwhile and removed
-/// at the end, also on errors.
+/// Files whose paths begin with `../` are outside that folder, and pages may include them. Formulas in `*.md` are set as
+/// MathML. Returns every file of the built book by its path there; equal files give equal bytes. A temporary folder in
+/// `scratch` is used and removed at the end, also after errors.
 ///
 /// # Errors
-/// A sentence if a formula, a reference or a link is wrong, mdBook refuses the book, or the disk does.
+/// A sentence if a formula, a reference or a link is wrong, mdBook refuses the book, or a file cannot be written.
 pub fn build(
     files: &BTreeMap<String, Vec<u8>>,
     scratch: &Path,
@@ -60,7 +59,9 @@ pub fn build(
     config.build.create_missing = false;
 
     if is_on("links", &config) {
-        pages.keys().try_for_each(|name| includes::check(name, files))?;
+        for name in pages.keys() {
+            includes::check(name, files)?;
+        }
     }
 
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
@@ -79,10 +80,12 @@ pub fn build(
     let built = read_tree(&folder, |_| false).map_err(|(path, source)| io(&path, source))?;
     let first = first_page(built.keys().map(String::as_str)).unwrap_or_default();
     let inside = first.trim_end_matches("index.html");
-    let html = built
-        .iter()
-        .filter_map(|(name, bytes)| Some((name.strip_prefix(inside)?, bytes.as_slice())));
-    let html: BTreeMap<&str, &[u8]> = html.collect();
+    let mut html: BTreeMap<&str, &[u8]> = BTreeMap::new();
+    for (name, bytes) in &built {
+        if let Some(name) = name.strip_prefix(inside) {
+            html.insert(name, bytes);
+        }
+    }
     for (name, text) in &pages {
         if let Some(page) = links::page(name, &html) {
             includes::refuse_left(name, text, html[page.as_str()])?;
@@ -92,7 +95,7 @@ pub fn build(
     Ok(built)
 }
 
-/// Has mdBook build all outputs of the book in this folder.
+/// Builds all outputs of the book in this folder by mdBook.
 fn with_mdbook(folder: &Path, config: Config) -> mdbook_driver::errors::Result<()> {
     let outputs = config.outputs()?;
     let mut book = MDBook::load_with_config(folder, config)?;
@@ -102,7 +105,7 @@ fn with_mdbook(folder: &Path, config: Config) -> mdbook_driver::errors::Result<(
     book.build()
 }
 
-/// Whether mdBook's own preprocessor with this name works on the pages.
+/// True if mdBook's own preprocessor with this name works on the pages.
 fn is_on(preprocessor: &str, config: &Config) -> bool {
     let named = config.get::<toml::Value>(&format!("preprocessor.{preprocessor}"));
     config.build.use_default_preprocessors || named.is_ok_and(|named| named.is_some())
@@ -112,7 +115,7 @@ fn is_on(preprocessor: &str, config: &Config) -> bool {
 pub(crate) fn settings(book_toml: &[u8]) -> Result<Config, String> {
     let text = std::str::from_utf8(book_toml).map_err(|_| "report/book.toml: not UTF-8 text")?;
     let config = Config::from_str(text).map_err(|error| format!("report/book.toml: {error:#}"))?;
-    // mdBook empties the first folder and may write to the second: they must be ours.
+    // mdBook empties the first folder and may write to the second: neither may hold files of the user.
     for (setting, folder, ours) in [
         ("build.build-dir", &config.build.build_dir, "book"),
         ("book.src", &config.book.src, "src"),

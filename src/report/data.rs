@@ -1,4 +1,4 @@
-//! The data behind the tables of the pages: CSV with all digits, made from the values that a template shows.
+//! Data of the tables on the pages: CSV with all digits, made from the values that a template shows.
 
 use crate::figures::table::quoted;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
@@ -7,18 +7,18 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use tera::{Kwargs, State, Tera, TeraResult};
 
-/// Characters that a name in a link cannot have as they are.
+/// Characters that must be escaped in a link.
 const RESERVED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.').remove(b'~');
 
-/// CSV files that the templates asked for, by name.
+/// CSV files for which the templates asked, by name.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Data(Arc<Mutex<BTreeMap<String, String>>>);
 
 impl Data {
     /// Registers the filter `data`: `{{ ROWS | data(name="NAME") }}` makes `data/NAME.csv` of the rows, objects
-    /// with the same fields, and shows a link to it.
+    /// with equal fields, and shows a link to the file.
     ///
-    /// `keys=["a", "b"]` keeps only these fields; `by="COMMAND"` names what made the numbers, if it is not
+    /// `keys=["a", "b"]` keeps only these fields; `by="COMMAND"` names the command that made the numbers, if it is not
     /// `signorini run`.
     pub(super) fn register(&self, tera: &mut Tera) {
         let data = self.clone();
@@ -46,7 +46,7 @@ impl Data {
         ))
     }
 
-    /// The files so far, by their names with ending.
+    /// Returns the files so far, by their names with ending.
     pub(super) fn files(&self) -> BTreeMap<String, String> {
         let files = self.0.lock().expect("no panic while it is held");
         files.iter().map(|(name, csv)| (format!("{name}.csv"), csv.clone())).collect()
@@ -62,15 +62,15 @@ fn keep(value: &mut Value, keys: &[String]) {
     }
 }
 
-/// Cells of a row, each with the name of its column.
-type Row = Vec<(String, Value)>;
+/// Cells of a row of a data file, each with the name of its column.
+type DataRow = Vec<(String, Value)>;
 
-/// A line for each element of a list, or one for an object.
+/// Returns CSV with a line for each element of a list, or one line for an object.
 ///
 /// Fields of objects in objects have a column each, `outer.inner`, and so do elements of a list without objects,
 /// `list.1`. A list with objects has a line for each element, which repeats the other fields.
 fn csv(value: &Value) -> String {
-    let rows: Vec<Row> = match value {
+    let rows: Vec<DataRow> = match value {
         Value::Array(items) => items.iter().flat_map(|item| rows("", item)).collect(),
         other => rows("", other),
     };
@@ -81,12 +81,15 @@ fn csv(value: &Value) -> String {
         }
     }
     let header: Vec<String> = columns.iter().map(|name| quoted(name)).collect();
-    let lines = rows.iter().map(|row| columns.iter().map(|name| cell(row, name)).collect());
-    let lines = std::iter::once(header).chain(lines);
-    lines.map(|cells| cells.join(",") + "\n").collect()
+    let mut csv = header.join(",") + "\n";
+    for row in &rows {
+        let cells: Vec<String> = columns.iter().map(|name| cell(row, name)).collect();
+        csv += &(cells.join(",") + "\n");
+    }
+    csv
 }
 
-fn cell(row: &Row, column: &str) -> String {
+fn cell(row: &DataRow, column: &str) -> String {
     match row.iter().find(|(name, _)| name == column).map(|(_, value)| value) {
         None => String::new(),
         Some(Value::String(text)) => quoted(text),
@@ -94,28 +97,32 @@ fn cell(row: &Row, column: &str) -> String {
     }
 }
 
-/// The rows of a value whose name is `name`.
-fn rows(name: &str, value: &Value) -> Vec<Row> {
-    let inner = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
+/// Returns the rows of a value whose name is `name`.
+fn rows(name: &str, value: &Value) -> Vec<DataRow> {
     match value {
         Value::Array(items) if has_object(value) => {
             items.iter().flat_map(|item| rows(name, item)).collect()
         }
         Value::Array(items) => {
-            let indexed = (1..).zip(items).map(|(k, item)| (inner(&format!("{k}")), item));
-            joined(indexed.collect())
+            let numbered = (1..).zip(items);
+            joined(numbered.map(|(k, item)| (inner_name(name, &format!("{k}")), item)).collect())
         }
         Value::Object(fields) => {
-            joined(fields.iter().map(|(key, field)| (inner(key), field)).collect())
+            joined(fields.iter().map(|(key, field)| (inner_name(name, key), field)).collect())
         }
-        Value::Null => vec![Row::new()],
+        Value::Null => vec![DataRow::new()],
         scalar => vec![vec![(name.to_owned(), scalar.clone())]],
     }
 }
 
-/// The rows of an object with these fields: those of its lists of objects, each with all other fields.
-fn joined(fields: Vec<(String, &Value)>) -> Vec<Row> {
-    let (mut same, mut lines) = (Row::new(), Vec::new());
+/// Returns the name of the part `key` of a value.
+fn inner_name(outer: &str, key: &str) -> String {
+    if outer.is_empty() { key.to_owned() } else { format!("{outer}.{key}") }
+}
+
+/// Returns the rows of an object with these fields: the rows of its lists of objects, each with all other fields.
+fn joined(fields: Vec<(String, &Value)>) -> Vec<DataRow> {
+    let (mut same, mut lines) = (DataRow::new(), Vec::new());
     for (name, field) in fields {
         let of_field = rows(&name, field);
         match field {
@@ -173,16 +180,16 @@ mod tests {
         data.register(&mut tera);
         let context = tera::Context::from_serialize(&json!({ "a": [{ "x": 1, "y": 2 }], "b": [] }));
         let context = context.unwrap();
-        let mut shown = |text: &str| {
-            tera.add_raw_templates([("page", text)]).unwrap();
-            tera.render("page", &context)
-        };
-        let link = shown("{{ a | data(name=\"a b\", keys=[\"x\"], by=\"hand\") }}").unwrap();
+        tera.add_raw_templates([
+            ("first", "{{ a | data(name=\"a b\", keys=[\"x\"], by=\"hand\") }}"),
+            ("second", "{{ b | data(name=\"a b\") }}"),
+        ])
+        .unwrap();
         let expected =
             "<p class=\"data\"><a href=\"data/a-b.csv\">Data</a> | made by <code>hand</code></p>";
-        assert_eq!(link, expected);
+        assert_eq!(tera.render("first", &context).unwrap(), expected);
         assert_eq!(data.files(), BTreeMap::from([("a-b.csv".into(), "x\n1\n".into())]));
-        let error = shown("{{ b | data(name=\"a b\") }}").unwrap_err().to_string();
+        let error = tera.render("second", &context).unwrap_err().to_string();
         assert!(error.contains("two different data are named `a-b`"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! How numbers read in the book: template filters that write LaTeX between dollars.
+//! Template filters for numbers in the book, which write LaTeX between dollars.
 
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 
@@ -19,7 +19,7 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
         equation(kwargs, format!("1/{cells}"))
     });
-    // For the scripts of a page: text, lists and numbers as JSON; a number as JavaScript writes it.
+    // For the scripts of a page: text, lists and numbers as JSON; numbers in the form of JavaScript.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
     // Numbers of a picture, to four decimals.
     tera.register_filter("decimals", |values: Vec<f64>, _: Kwargs, _: &State| {
@@ -32,7 +32,7 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("text", |text: String, _: Kwargs, _: &State| plain_text(&text));
 }
 
-/// A text of the user's as Markdown that shows it as it is.
+/// Returns a text of the user as Markdown that shows it unchanged.
 fn plain_text(text: &str) -> String {
     let mut markdown = String::new();
     for c in text.chars() {
@@ -44,7 +44,7 @@ fn plain_text(text: &str) -> String {
     markdown
 }
 
-/// `{{ require(that=CONDITION, what="...") }}`: nothing, or an error that stops the build.
+/// Function `{{ require(that=CONDITION, what="...") }}`: nothing, or an error that stops the build.
 fn require(kwargs: Kwargs, _: &State) -> TeraResult<String> {
     match kwargs.must_get::<bool>("that")? {
         true => Ok(String::new()),
@@ -59,12 +59,12 @@ fn math(latex: String) -> String {
     format!("${latex}$")
 }
 
-/// JSON that can stand in a `<script>`, which only `</` could end.
+/// Returns JSON for a `<script>`, in which `</` is escaped because it could end the script.
 fn json(value: &Value) -> String {
     serde_json::to_string(value).expect("plain data").replace("</", r"<\/")
 }
 
-/// `$x = value$` if the filter is called with `eq="x"`, else `$value$`.
+/// Returns `$x = value$` if the filter is called with `eq="x"`, else `$value$`.
 fn equation(kwargs: Kwargs, value: String) -> TeraResult<String> {
     Ok(math(match kwargs.get::<String>("eq")? {
         Some(name) => format!("{name} = {value}"),
@@ -72,9 +72,10 @@ fn equation(kwargs: Kwargs, value: String) -> TeraResult<String> {
     }))
 }
 
-/// So many significant digits, with a power of ten where that is shorter, as in the paper's last column.
+/// Returns x with this number of significant digits, with a power of ten where that is shorter, as in the paper's last
+/// column.
 ///
-/// A power of ten itself stands without a factor: it is a size that was chosen, not measured.
+/// A power of ten itself has no factor: such values were chosen, not measured.
 fn scientific(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return plain(x);
@@ -94,7 +95,7 @@ fn scientific(x: f64, digits: usize) -> String {
     }
 }
 
-/// The shortest decimal that is right to ten places; powers of ten from a million up as such.
+/// Returns the shortest decimal that is right to ten places; a power of ten from a million up as such.
 fn plain(x: f64) -> String {
     if x.is_nan() {
         return r"\text{not a number}".into();
@@ -111,7 +112,7 @@ fn plain(x: f64) -> String {
     if text == "-0" { "0" } else { text }.to_string()
 }
 
-/// A ratio: whole from ten up, one decimal below, a power of ten when huge.
+/// Returns a ratio: a whole number from ten up, one decimal below, a power of ten from 1e5 up and for small ones.
 fn factor(x: f64) -> String {
     match x.abs() {
         size if size >= 1e5 || !x.is_finite() => scientific(x, 2),
@@ -125,12 +126,12 @@ fn two_digits(x: f64) -> f64 {
     format!("{x:.1e}").parse().unwrap_or(x)
 }
 
-/// A ratio that may be close to one: two decimals below ten, else as [`factor`].
+/// Returns a ratio that may be close to one: two decimals below ten, else as [`factor`].
 fn ratio(x: f64) -> String {
     if (0.095..9.95).contains(&x.abs()) { format!("{x:.2}") } else { factor(x) }
 }
 
-/// Digits in groups of three from five digits up, parted by narrow spaces.
+/// Returns the digits of a number, from five digits up in groups of three with narrow spaces.
 fn grouped(n: usize) -> String {
     let digits = n.to_string();
     if digits.len() < 5 {
@@ -146,7 +147,7 @@ fn grouped(n: usize) -> String {
     out
 }
 
-/// Numbers up to twelve in words.
+/// Returns a number up to twelve in words.
 fn word(n: usize) -> String {
     const WORDS: [&str; 13] = [
         "none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",

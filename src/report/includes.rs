@@ -1,11 +1,11 @@
-//! Directives of mdBook in pages: what they include must be among the files that the book is made from.
+//! Check of mdBook's directives in pages: the files that they include must be among those from which the book is made.
 
 use super::mathml::place;
 use regex::{Captures, Regex};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// Directives as mdBook finds them: one that a backslash turns into text, to the end of its line, or kind and rest.
+/// Directive in the sense of mdBook: one that a backslash turns into text, to the end of its line, or kind and rest.
 static DIRECTIVE: LazyLock<Regex> = LazyLock::new(|| {
     let pattern = r"\\\{\{#.*\}\}|\{\{\s*#([a-zA-Z0-9_]+)\s+([^}]+)\}\}";
     Regex::new(pattern).expect("the pattern is tested")
@@ -15,12 +15,12 @@ static DIRECTIVE: LazyLock<Regex> = LazyLock::new(|| {
 static BEGINNING: LazyLock<Regex> =
     LazyLock::new(|| Regex::new(r"\{\{\s*#").expect("the pattern is tested"));
 
-/// Files that include each other, beyond which mdBook gives up.
+/// Depth of files that include each other beyond which mdBook gives up.
 const DEPTH: usize = 10;
 
 const REMEDY: &str = "name a file in report/templates by its path from the page, or a scene as ../../pipeline/scenes/NAME.toml; copy other files into report/templates; `\\{{#` is the text itself";
 
-/// Refuses a directive of a page, or of what it includes, that includes no file of `files`, or nothing of one.
+/// Refuses a directive, of a page or of a file that it includes, that includes no file of `files`, or no part of one.
 ///
 /// Paths of `files` begin in the folder of `book.toml`.
 pub(super) fn check(page: &str, files: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
@@ -32,7 +32,7 @@ fn check_below(file: &str, files: &BTreeMap<String, Vec<u8>>, depth: usize) -> R
         return Ok(());
     };
     for found in DIRECTIVE.captures_iter(text) {
-        let Some((path, part)) = included(&found) else { continue };
+        let Some(Target { path, part }) = included(&found) else { continue };
         let check = match resolved(file, path) {
             Some(there) if depth == DEPTH => Err(format!("{there} includes itself")),
             Some(there) => match files.get(&there) {
@@ -50,20 +50,28 @@ fn check_below(file: &str, files: &BTreeMap<String, Vec<u8>>, depth: usize) -> R
     Ok(())
 }
 
-/// Path of the file that a directive includes, and the lines or the anchor after the colon.
-fn included<'a>(found: &Captures<'a>) -> Option<(&'a str, Option<&'a str>)> {
+/// Target of a directive.
+struct Target<'a> {
+    /// Path of a file.
+    path: &'a str,
+    /// Lines or anchor after the colon.
+    part: Option<&'a str>,
+}
+
+/// Returns the target of a directive that includes a file.
+fn included<'a>(found: &Captures<'a>) -> Option<Target<'a>> {
     let target = found.get(2)?.as_str().split_whitespace().next()?;
     match found.get(1)?.as_str() {
         "include" | "rustdoc_include" => Some(match target.split_once(':') {
-            Some((path, part)) => (path, Some(part)),
-            None => (target, None),
+            Some((path, part)) => Target { path, part: Some(part) },
+            None => Target { path: target, part: None },
         }),
-        "playground" | "playpen" => Some((target, None)),
+        "playground" | "playpen" => Some(Target { path: target, part: None }),
         _ => None,
     }
 }
 
-/// Path that a path in `file` leads to, from the folder of `book.toml`; none for an absolute one.
+/// Returns a path in `file` as a path from the folder of `book.toml`; `None` for an absolute one.
 fn resolved(file: &str, path: &str) -> Option<String> {
     let mut steps: Vec<&str> = file.split('/').collect();
     steps.pop();
@@ -78,7 +86,7 @@ fn resolved(file: &str, path: &str) -> Option<String> {
     Some(steps.join("/"))
 }
 
-/// Refuses a file of which a directive would include nothing.
+/// Refuses a file that lacks the part for which a directive asks.
 fn has_part(bytes: &[u8], part: Option<&str>) -> Result<(), String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "the file is not UTF-8 text".to_owned())?;
     let Some(part) = part else { return Ok(()) };
@@ -89,8 +97,8 @@ fn has_part(bytes: &[u8], part: Option<&str>) -> Result<(), String> {
         Ok(_) => Ok(()),
         Err(_) if first.is_empty() => Ok(()),
         Err(_) => {
-            let is_anchor = |rest: &str| rest.split_whitespace().next() == Some(first);
-            match text.split("ANCHOR:").skip(1).any(is_anchor) {
+            let mut anchors = text.split("ANCHOR:").skip(1);
+            match anchors.any(|anchor| anchor.split_whitespace().next() == Some(first)) {
                 true => Ok(()),
                 false => Err(format!("the file has no line with `ANCHOR: {first}`")),
             }
@@ -98,7 +106,7 @@ fn has_part(bytes: &[u8], part: Option<&str>) -> Result<(), String> {
     }
 }
 
-/// Refuses a page of which the built book shows a directive that nothing has replaced.
+/// Refuses a page whose HTML shows a directive that mdBook has not replaced.
 pub(super) fn refuse_left(chapter: &str, markdown: &str, built: &[u8]) -> Result<(), String> {
     let shown = BEGINNING.find_iter(&String::from_utf8_lossy(built)).count();
     let texts = DIRECTIVE.captures_iter(markdown).filter(|found| found.get(1).is_none());
@@ -107,8 +115,9 @@ pub(super) fn refuse_left(chapter: &str, markdown: &str, built: &[u8]) -> Result
     if shown <= meant {
         return Ok(());
     }
-    let is_text = |at: usize| texts.iter().any(|text| text.range().contains(&at));
-    let left = BEGINNING.find_iter(markdown).find(|found| !is_text(found.start()));
+    let left = BEGINNING
+        .find_iter(markdown)
+        .find(|found| !texts.iter().any(|text| text.range().contains(&found.start())));
     let Some(left) = left else {
         return Err(format!(
             "{chapter}: a file that it includes has a directive `{{{{#`; take it out"
@@ -175,10 +184,12 @@ mod tests {
         assert!(checked("{{#include ../round.txt}}").unwrap_err().contains("includes itself"));
     }
 
+    fn left(markdown: &str, built: &str) -> Result<(), String> {
+        refuse_left("src/a.md", markdown, built.as_bytes())
+    }
+
     #[test]
     fn what_is_left_in_a_built_page_is_found_beside_what_is_meant_as_text() {
-        let left =
-            |markdown: &str, built: &str| refuse_left("src/a.md", markdown, built.as_bytes());
         let page = "\\{{#include a}} {{#b}}\n\n`{{#template c d}}`\n";
         assert_eq!(left(page, "<p>{{#include a}} {{#b}}</p> done"), Ok(()));
         let error = left(page, "{{#include a}} {{#b}} <code>{{#template c d}}</code>").unwrap_err();

@@ -1,4 +1,4 @@
-//! Links and pictures of a page must lead somewhere.
+//! Check of the links and pictures of a page: their targets must exist.
 
 use super::mathml::{parse, place};
 use percent_encoding::percent_decode_str;
@@ -8,16 +8,16 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::LazyLock;
 
-/// Text that looks like a link or a picture of a file with a space in its name, and is none in Markdown.
+/// Text that looks like a link or a picture of a file with a space in its name, but is plain text in Markdown.
 static SPACED: LazyLock<Regex> = LazyLock::new(|| {
     let pattern = r"\[[^\[\]\n]*\]\(([^()<>\x22'\n]* [^()<>\x22'\n]*\.[A-Za-z0-9]{1,5})\)";
     Regex::new(pattern).expect("the pattern is tested")
 });
 
-/// The built page of a chapter, if the book has one.
+/// Returns the built page of a chapter, if the book has one.
 pub(super) fn page(chapter: &str, built: &BTreeMap<&str, &[u8]>) -> Option<String> {
     let file = chapter.strip_prefix("src/").unwrap_or(chapter);
-    // mdBook takes it for the first page of its folder.
+    // mdBook makes a readme the first page of its folder.
     let readme = file.len().saturating_sub("readme.md".len());
     let index = match file.get(readme..).is_some_and(|end| end.eq_ignore_ascii_case("readme.md")) {
         true => format!("{}index.html", &file[..readme]),
@@ -26,10 +26,9 @@ pub(super) fn page(chapter: &str, built: &BTreeMap<&str, &[u8]>) -> Option<Strin
     [html(file), index].into_iter().find(|page| built.contains_key(page.as_str()))
 }
 
-/// Refuses a link or a picture of a chapter that leads to no file of the `built` book, or to no place in it; `page` is
-/// the chapter's own.
+/// Refuses a link or a picture of a chapter without a target in the `built` book; `page` is the page of the chapter.
 ///
-/// Links to other sites and to the top of this one are not followed, and tags of HTML are not looked into.
+/// Links to other sites and to the top of this one are not followed, and tags of HTML are not read.
 pub(super) fn check(
     chapter: &str,
     markdown: &str,
@@ -62,7 +61,7 @@ pub(super) fn check(
     text.into_iter().try_for_each(|range| refuse_spaces(chapter, markdown, range))
 }
 
-/// Refuses what is meant as a link or a picture in this text, and is none for the space in the name of its file.
+/// Refuses text that is meant as a link or a picture, but is plain text because of the space in the name of its file.
 fn refuse_spaces(chapter: &str, markdown: &str, text: Range<usize>) -> Result<(), String> {
     let Some(found) = SPACED.captures(&markdown[text.clone()]) else { return Ok(()) };
     let at = place(chapter, markdown, text.start + found.get(1).map_or(0, |name| name.start()));
@@ -70,18 +69,22 @@ fn refuse_spaces(chapter: &str, markdown: &str, text: Range<usize>) -> Result<()
     Err(format!("{at}: a space ends the link to `{name}`; write (<{name}>)"))
 }
 
-/// The file that mdBook makes of a page.
+/// Returns the file that mdBook makes of a page.
 fn html(file: &str) -> String {
     file.strip_suffix(".md").map_or(file.into(), |stem| format!("{stem}.html"))
 }
 
-/// Follows a link of the file `page` of the book; why that fails, if it does.
+/// Follows a link of the file `page` of the book.
+///
+/// # Errors
+/// The reason for which the target does not exist.
 fn follow(page: &str, target: &str, built: &BTreeMap<&str, &[u8]>) -> Result<(), String> {
-    let elsewhere = |scheme: &str| scheme.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-');
-    if target.starts_with('/') || target.split_once(':').is_some_and(|(s, _)| elsewhere(s)) {
+    let scheme = target.split_once(':').map(|(scheme, _)| scheme);
+    let is_scheme =
+        scheme.is_some_and(|s| s.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-'));
+    if target.starts_with('/') || is_scheme {
         return Ok(());
     }
-    let decoded = |part: &str| percent_decode_str(part).decode_utf8_lossy().into_owned();
     let (path, id) = target.split_once('#').unwrap_or((target, ""));
     let path = decoded(path.split('?').next().unwrap_or_default());
     let mut steps: Vec<&str> = page.split('/').collect();
@@ -110,26 +113,36 @@ fn follow(page: &str, target: &str, built: &BTreeMap<&str, &[u8]>) -> Result<(),
     }
 }
 
+/// Decodes `%20` and its like.
+fn decoded(part: &str) -> String {
+    percent_decode_str(part).decode_utf8_lossy().into_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Checks a link in the page `a` or `sub/b` of a small book, on line 3.
+    fn checked(page: &str, link: &str) -> Result<(), String> {
+        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2>".as_bytes();
+        let files = ["a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
+        let built = BTreeMap::from(files.map(|name| (name, html)));
+        let markdown = format!("# One\n\n{link}\n");
+        check(&format!("src/{page}.md"), &markdown, &format!("{page}.html"), &built)
+    }
+
     #[test]
     fn what_leads_nowhere_is_named_with_its_line() {
-        let page = b"<h1 id=\"one\"></h1><h2 id=\"gr\xc3\xb6\xc3\x9fe\"></h2>".to_vec();
-        let files = ["a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
-        let built = BTreeMap::from(files.map(|name| (name, &page[..])));
-        let a = |link: &str| check("src/a.md", &format!("# One\n\n{link}\n"), "a.html", &built);
-        let b = |link: &str| check("src/sub/b.md", link, "sub/b.html", &built);
         for link in [
             "[x](sub/b.md), [x](sub/b.html?q#one), [x](#one), [x](#größe), [x](#gr%C3%B6%C3%9Fe), [x]()",
             "[x](./results.csv), ![x](figures/my%20plate.svg), ![x](<figures/my plate.svg>)",
             "[x](https://nowhere.md), [x](//nowhere.md), [x](/nowhere), <a@b.c>, [x](mailto:a@b.c), `[x](nowhere.md)`",
             "[x][y]\n\n[y]: a.md#one",
         ] {
-            assert_eq!(a(link), Ok(()), "{link}");
+            assert_eq!(checked("a", link), Ok(()), "{link}");
         }
-        assert_eq!(b("[x](../a.md), [x](b.md#one) and ![x](../figures/my%20plate.svg)"), Ok(()));
+        let links = "[x](../a.md), [x](b.md#one) and ![x](../figures/my%20plate.svg)";
+        assert_eq!(checked("sub/b", links), Ok(()));
         for (link, why) in [
             ("[x](nowhere.md)", "`nowhere.md` leads nowhere: the book has no nowhere.html"),
             ("![x](figures/no.svg)", "the book has no figures/no.svg"),
@@ -137,12 +150,13 @@ mod tests {
             ("[x](sub/b.md#two)", "sub/b.html has no heading"),
             ("[x][y]\n\n[y]: b.md", "the book has no b.html"),
         ] {
-            let error = a(link).unwrap_err();
+            let error = checked("a", link).unwrap_err();
             assert!(error.starts_with("src/a.md:3: ") && error.contains(why), "{error}");
         }
-        assert!(b("[x](a.md)").unwrap_err().contains("the book has no sub/a.html"));
+        let error = checked("sub/b", "[x](a.md)").unwrap_err();
+        assert!(error.contains("the book has no sub/a.html"), "{error}");
         for link in ["![x](figures/my plate.svg)", "*see* [the x](my notes.pdf), and"] {
-            let error = a(link).unwrap_err();
+            let error = checked("a", link).unwrap_err();
             assert!(error.starts_with("src/a.md:3: a space ends the link to `"), "{error}");
         }
         for prose in [
@@ -151,7 +165,7 @@ mod tests {
             "$f[x](a b.c)$",
             "[x](results.csv \"a b.c\")",
         ] {
-            assert_eq!(a(prose), Ok(()), "{prose}");
+            assert_eq!(checked("a", prose), Ok(()), "{prose}");
         }
     }
 
@@ -159,8 +173,13 @@ mod tests {
     fn a_chapter_has_the_page_that_mdbook_makes_of_it() {
         let built =
             BTreeMap::from(["a.html", "index.html", "sub/index.html"].map(|name| (name, &b""[..])));
-        let page = |chapter| page(chapter, &built).unwrap_or_default();
-        assert_eq!(["src/a.md", "src/README.md"].map(page), ["a.html", "index.html"]);
-        assert_eq!(["src/sub/Readme.md", "src/SUMMARY.md"].map(page), ["sub/index.html", ""]);
+        for (chapter, html) in [
+            ("src/a.md", Some("a.html")),
+            ("src/README.md", Some("index.html")),
+            ("src/sub/Readme.md", Some("sub/index.html")),
+            ("src/SUMMARY.md", None),
+        ] {
+            assert_eq!(page(chapter, &built).as_deref(), html, "{chapter}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! LaTeX between dollars becomes MathML, and `eq:n` links find their equation.
+//! Formulas of the pages: LaTeX between dollars becomes MathML, and a link `eq:n` becomes one to its equation.
 
 use pulldown_cmark::{Event, Options, Parser, Tag};
 use pulldown_latex::config::{DisplayMode, RenderConfig};
@@ -29,70 +29,96 @@ pub(super) fn collect_labels(
     Ok(())
 }
 
-/// Replaces formulas by MathML and `[](eq:n)` by a link to equation (n); leaves code alone.
+/// Replaces formulas by MathML and `[](eq:n)` by a link to equation (n); leaves code unchanged.
 ///
 /// `$...$` is inline, `$$...$$` displayed, `\$` a dollar; `\tag{n}` at the end of a displayed
 /// formula numbers it. The result is Markdown again.
 pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<String, String> {
-    let mut out = String::with_capacity(2 * markdown.len());
-    let mut done = 0;
-    let mut replace = |range: Range<usize>, text: &str| {
-        out.push_str(&markdown[done..range.start]);
-        out.push_str(text);
-        done = range.end;
-    };
+    let mut page = Rewritten { markdown, out: String::with_capacity(2 * markdown.len()), done: 0 };
     for (event, range) in parse(markdown) {
-        let start = range.start;
-        let wrong = |what: String| format!("{}: {what}", place(chapter, markdown, start));
-        match event {
-            Event::InlineMath(latex) => {
-                let math = set(&latex, DisplayMode::Inline).map_err(wrong)?;
-                // Browsers break a line between a formula and the mark after it.
-                match markdown[range.end..].chars().next().filter(|c| ",.;:)".contains(*c)) {
-                    Some(mark) => replace(
-                        range.start..range.end + mark.len_utf8(),
-                        &format!(r#"<span class="nobreak">{math}{mark}</span>"#),
-                    ),
-                    None => replace(range, &math),
-                }
-            }
-            Event::DisplayMath(latex) => {
-                let (body, label) = split_tag(&latex);
-                let math = set(body, DisplayMode::Block).map_err(wrong)?;
-                let equation = match label {
-                    Some(n) => format!(
-                        r#"<span class="equation" id="eq-{n}">{math}<span class="tag">({n})</span></span>"#
-                    ),
-                    None => format!(r#"<span class="equation">{math}</span>"#),
-                };
-                replace(range, &equation);
-            }
-            Event::Start(Tag::Link { dest_url, .. }) => {
-                if let Some(label) = dest_url.strip_prefix("eq:") {
-                    let home = labels.get(label).ok_or_else(|| {
-                        wrong(format!(
-                            "no equation is tagged ({label}), but `eq:{label}` refers to it"
-                        ))
-                    })?;
-                    // Both begin with the folder of the pages.
-                    let up = "../".repeat(chapter.matches('/').count().saturating_sub(1));
-                    let file = home.strip_prefix("src/").unwrap_or(home);
-                    replace(range, &format!("[({label})](<{up}{file}#eq-{label}>)"));
-                }
-            }
-            Event::Text(_) => {
-                if let Some(at) = bare_dollar(markdown, range) {
+        let at = range.start;
+        let rewritten = match event {
+            Event::InlineMath(latex) => page.inline(range, &latex),
+            Event::DisplayMath(latex) => page.displayed(range, &latex),
+            Event::Start(Tag::Link { dest_url, .. }) => match dest_url.strip_prefix("eq:") {
+                Some(label) => page.link(range, chapter, label, labels),
+                None => Ok(()),
+            },
+            Event::Text(_) => match bare_dollar(markdown, range) {
+                Some(at) => {
                     let at = place(chapter, markdown, at);
                     return Err(format!(
                         "{at}: unpaired `$`; write `\\$` for a dollar, or close the formula"
                     ));
                 }
-            }
-            _ => {}
-        }
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        };
+        rewritten.map_err(|what| format!("{}: {what}", place(chapter, markdown, at)))?;
     }
-    out.push_str(&markdown[done..]);
-    Ok(out)
+    page.out.push_str(&markdown[page.done..]);
+    Ok(page.out)
+}
+
+/// Page in which parts are replaced, one after the other.
+struct Rewritten<'a> {
+    markdown: &'a str,
+    out: String,
+    /// Number of bytes of `markdown` that are replaced or copied already.
+    done: usize,
+}
+
+impl Rewritten<'_> {
+    fn replace(&mut self, range: Range<usize>, text: &str) {
+        self.out.push_str(&self.markdown[self.done..range.start]);
+        self.out.push_str(text);
+        self.done = range.end;
+    }
+
+    fn inline(&mut self, range: Range<usize>, latex: &str) -> Result<(), String> {
+        let math = set(latex, DisplayMode::Inline)?;
+        // Browsers break a line between a formula and the mark after it.
+        match self.markdown[range.end..].chars().next().filter(|c| ",.;:)".contains(*c)) {
+            Some(mark) => self.replace(
+                range.start..range.end + mark.len_utf8(),
+                &format!(r#"<span class="nobreak">{math}{mark}</span>"#),
+            ),
+            None => self.replace(range, &math),
+        }
+        Ok(())
+    }
+
+    fn displayed(&mut self, range: Range<usize>, latex: &str) -> Result<(), String> {
+        let (body, label) = split_tag(latex);
+        let math = set(body, DisplayMode::Block)?;
+        let equation = match label {
+            Some(n) => format!(
+                r#"<span class="equation" id="eq-{n}">{math}<span class="tag">({n})</span></span>"#
+            ),
+            None => format!(r#"<span class="equation">{math}</span>"#),
+        };
+        self.replace(range, &equation);
+        Ok(())
+    }
+
+    /// Replaces a link in a chapter by one to the equation with this label.
+    fn link(
+        &mut self,
+        range: Range<usize>,
+        chapter: &str,
+        label: &str,
+        labels: &Labels,
+    ) -> Result<(), String> {
+        let home = labels.get(label).ok_or_else(|| {
+            format!("no equation is tagged ({label}), but `eq:{label}` refers to it")
+        })?;
+        // Both paths begin with the folder of the pages.
+        let up = "../".repeat(chapter.matches('/').count().saturating_sub(1));
+        let file = home.strip_prefix("src/").unwrap_or(home);
+        self.replace(range, &format!("[({label})](<{up}{file}#eq-{label}>)"));
+        Ok(())
+    }
 }
 
 /// Parses as mdBook does, with formulas, and leaves out blocks of code.
@@ -116,12 +142,12 @@ pub(super) fn parse(markdown: &str) -> impl Iterator<Item = (Event<'_>, Range<us
     })
 }
 
-/// File and line of a byte in the text of a chapter.
+/// Returns file and line of a byte in the text of a chapter.
 pub(super) fn place(chapter: &str, markdown: &str, at: usize) -> String {
     format!("{chapter}:{}", 1 + markdown[..at].matches('\n').count())
 }
 
-/// The formula without its closing `\tag{n}`, and n.
+/// Returns the formula without its closing `\tag{n}`, and n.
 fn split_tag(latex: &str) -> (&str, Option<&str>) {
     let trimmed = latex.trim();
     trimmed
@@ -130,34 +156,35 @@ fn split_tag(latex: &str) -> (&str, Option<&str>) {
         .map_or((trimmed, None), |(body, label)| (body.trim(), Some(label)))
 }
 
-/// Position of a dollar in `range` that no backslash escapes.
+/// Returns the position of a dollar in `range` that no backslash escapes.
 fn bare_dollar(markdown: &str, range: Range<usize>) -> Option<usize> {
     range.clone().find(|&at| markdown.as_bytes()[at] == b'$' && !markdown[..at].ends_with('\\'))
 }
 
+/// Sets a formula as MathML.
 fn set(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
-    let failed = |message: String| {
-        let formula = latex.trim();
-        format!("cannot set the formula `{formula}`: {message}")
-    };
     let storage = Storage::new();
     let events: Vec<_> = Latex::new(latex, &storage)
         .collect::<Result<_, _>>()
-        .map_err(|error| failed(first_line(&error.to_string())))?;
+        .map_err(|error| not_set(latex, first_line(&error.to_string())))?;
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
     let mut mathml = String::new();
     push_mathml(&mut mathml, events.into_iter().map(Ok::<_, std::convert::Infallible>), config)
-        .map_err(|error| failed(error.to_string()))?;
+        .map_err(|error| not_set(latex, &error.to_string()))?;
     Ok(shield(&mathml))
 }
 
-/// The parser draws the place below its first line; the error names the formula anyway.
-fn first_line(message: &str) -> String {
-    let line = message.lines().next().unwrap_or_default();
-    line.trim_start_matches("parsing error: ").to_string()
+fn not_set(latex: &str, message: &str) -> String {
+    format!("cannot set the formula `{}`: {message}", latex.trim())
 }
 
-/// Writes what Markdown could take for markup as character references, and everything on one line.
+/// Returns the first line of a message of the parser, which marks the place in further lines; our message has the whole
+/// formula.
+fn first_line(message: &str) -> &str {
+    message.lines().next().unwrap_or_default().trim_start_matches("parsing error: ")
+}
+
+/// Writes characters that Markdown could read as markup as character references, and the whole formula on one line.
 fn shield(mathml: &str) -> String {
     // Inline is the default. Solidus and bars are ordinary symbols in TeX but spaced operators in MathML; and the
     // renderer escapes the ampersand of the entity it writes for a control space.
@@ -236,9 +263,12 @@ mod tests {
         assert_eq!(below, "[(7)](<../b.md#eq-7>)");
     }
 
+    fn message(markdown: &str) -> String {
+        converted(markdown).unwrap_err()
+    }
+
     #[test]
     fn mistakes_are_named() {
-        let message = |text: &str| converted(text).unwrap_err();
         let formula = message("fine $x$ and $\\frac{1}$");
         assert!(
             formula.starts_with("src/a.md:1: cannot set the formula `\\frac{1}`: "),

@@ -1,5 +1,7 @@
-//! Templates and computed data become Markdown, Markdown becomes a book that needs no network; knows nothing
-//! of this paper. Errors are sentences that begin with the place to look at: a file, and where it is known a line.
+//! Templates and computed data become Markdown, Markdown becomes a book that needs no network; independent of this
+//! paper. Errors are sentences that begin with the place of the mistake: a file, and a line if it is known.
+//!
+//! Central are [`pages`] and [`build`].
 
 mod backend;
 mod build;

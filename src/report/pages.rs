@@ -1,20 +1,20 @@
-//! Templates and data become Markdown.
+//! Pages in Markdown, made from templates and data.
 
 use super::data::Data;
 use super::filters;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
-/// Ending of the templates that become a page each; the others hold components.
+/// Ending of the templates of which each becomes a page; other templates hold components.
 pub(crate) const PAGE: &str = ".md.tera";
 
-/// Renders every `*.md.tera` among `templates` and copies every `*.md` and `*.js`; adds the data that the templates link.
+/// Renders every `*.md.tera` among `templates`, copies every `*.md` and `*.js`, and adds the data to which pages link.
 ///
-/// Keys of `templates` are paths below `report/templates`; those of the result are paths below
-/// `report`, in the book's source folder, as [`super::build`] takes them.
+/// Keys of `templates` are paths below `report/templates`; keys of the result are paths below
+/// `report`, in the book's source folder, in the form that [`super::build`] takes.
 ///
 /// # Errors
-/// A sentence with file and line of what does not parse, or asks for something the data do not have.
+/// A sentence with file and line of text that does not parse, or that asks for data that do not exist.
 pub fn pages(
     templates: &BTreeMap<String, String>,
     context: &Context,
@@ -28,11 +28,13 @@ pub fn pages(
     let mut pages = made(templates, |name, _| {
         tera.render(name, context).map_err(|error| located(name, &error))
     })?;
-    pages.extend(data.files().into_iter().map(|(name, csv)| (format!("src/data/{name}"), csv)));
+    for (name, csv) in data.files() {
+        pages.insert(format!("src/data/{name}"), csv);
+    }
     Ok(pages)
 }
 
-/// The same pages in a project without the data that templates need: each says why it was left out.
+/// Returns the pages of a project without the data that templates need; each gives the `reason` why it was left out.
 ///
 /// # Errors
 /// A sentence if two templates make one page.
@@ -48,30 +50,40 @@ pub(crate) fn stubs(
     })
 }
 
-/// A mistake that was found in a page, with its place in the template: the line, if the page has it from there.
+/// Returns a mistake in a page with its place in the template: the line, if the template has an equal one.
 pub(crate) fn in_template(
     mistake: String,
     pages: &BTreeMap<String, String>,
     templates: &BTreeMap<String, String>,
 ) -> String {
-    let found = || {
-        let (stem, rest) = mistake.strip_prefix("src/")?.split_once(".md:")?;
-        let (number, what) = rest.split_once(": ")?;
-        let mut lines = pages.get(&format!("src/{stem}.md"))?.lines();
-        let wrong = lines.nth(number.parse::<usize>().ok()?.checked_sub(1)?)?;
-        let endings = [PAGE, ".md"].into_iter();
-        let (name, text) =
-            endings.filter_map(|end| templates.get_key_value(&format!("{stem}{end}"))).next()?;
-        let line = text.lines().position(|line| line == wrong);
-        let line = line.map_or(String::new(), |line| format!(":{}", line + 1));
-        Some(format!("report/templates/{name}{line}: {what}"))
-    };
-    // Of what a page includes, every line is as in its file.
-    let copied = || Some(format!("report/templates/{}", mistake.strip_prefix("src/")?));
-    found().or_else(copied).unwrap_or(mistake)
+    if let Some(found) = found_in_template(&mistake, pages, templates) {
+        return found;
+    }
+    match mistake.strip_prefix("src/") {
+        // A file that a page includes is the copy of a file among the templates.
+        Some(file) => format!("report/templates/{file}"),
+        None => mistake,
+    }
 }
 
-/// The pages among `templates`, those that end with [`PAGE`] made from their name and text.
+fn found_in_template(
+    mistake: &str,
+    pages: &BTreeMap<String, String>,
+    templates: &BTreeMap<String, String>,
+) -> Option<String> {
+    let (stem, rest) = mistake.strip_prefix("src/")?.split_once(".md:")?;
+    let (number, what) = rest.split_once(": ")?;
+    let mut lines = pages.get(&format!("src/{stem}.md"))?.lines();
+    let wrong = lines.nth(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+    let mut sources = [PAGE, ".md"].into_iter();
+    let (name, text) =
+        sources.find_map(|ending| templates.get_key_value(&format!("{stem}{ending}")))?;
+    let line = text.lines().position(|line| line == wrong);
+    let line = line.map_or(String::new(), |line| format!(":{}", line + 1));
+    Some(format!("report/templates/{name}{line}: {what}"))
+}
+
+/// Returns the pages of `templates`; `make` makes those of templates that end with [`PAGE`], from name and text.
 fn made(
     templates: &BTreeMap<String, String>,
     make: impl Fn(&str, &str) -> Result<String, String>,
@@ -95,7 +107,7 @@ fn made(
     Ok(pages)
 }
 
-/// The error with its place; in a component, with the page that called it as well.
+/// Returns the error with its place; in a component, also with the page that called it.
 fn located(page: &str, error: &tera::Error) -> String {
     let (file, line, message) = match error.kind() {
         ErrorKind::SyntaxError(at) | ErrorKind::RenderingError(at) => {
