@@ -214,7 +214,10 @@ fn impossible_input_is_refused<D: Domain>() {
     };
     for &wrong in D::REFUSED {
         let refusal = D::solve(wrong, &vec![-1.0; D::nodes(wrong)], None, &params).map(|_| ());
-        assert!(matches!(refusal, Err(InputError::GridSize(n, _)) if n == wrong), "{wrong}");
+        assert!(
+            matches!(refusal, Err(InputError::GridSize { cells, .. }) if cells == wrong),
+            "{wrong}"
+        );
     }
     let short = Err(InputError::Length { found: expected - 1, expected });
     assert_eq!(refusals(n, &good[1..]), [short.clone(), short]);

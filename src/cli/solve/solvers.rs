@@ -154,7 +154,7 @@ impl Problem {
         let place = self.scene.as_deref().unwrap_or(option);
         match e {
             InputError::NotCoercive(sum) => Error::Stage(vec![self.without_solution(*sum)]),
-            InputError::GridSize(..) => Error::input(format!("--h: {e}; choose another")),
+            InputError::GridSize { .. } => Error::input(format!("--h: {e}")),
             _ => Error::input(format!("{place}: {e}; check f")),
         }
     }

@@ -52,7 +52,7 @@ pub fn active_set<D: Dimension>(
     load: &[f64],
 ) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     if n < 2 {
-        return Err(InputError::GridSize(n, "at least 2"));
+        return Err(InputError::GridSize { cells: n, rule: "at least 2", nearest: vec![2] });
     }
     on_network(&Network::new(D::AXES, n, coupling::<D>(n)), band::<D>(n), load)
 }

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::coarsest::Coarsest;
 use super::geometry::MultigridGeometry;
-use super::input::{InputError, check_length, check_start};
+use super::input::{InputError, check_length, check_start, nearest_sizes};
 use super::level::MultigridLevel;
 use super::load;
 use super::pass;
@@ -42,7 +42,11 @@ pub(super) struct SpringSource {
 
 impl<G: MultigridGeometry> Hierarchy<G> {
     pub(super) fn allocate(n: usize) -> Result<Self, InputError> {
-        let coarsest = G::coarsest(n).ok_or(InputError::GridSize(n, G::CELLS))?;
+        let coarsest = G::coarsest(n).ok_or_else(|| InputError::GridSize {
+            cells: n,
+            rule: G::CELLS,
+            nearest: nearest_sizes(n, |size| G::coarsest(size).is_some()),
+        })?;
         let cells = std::iter::successors(Some(coarsest), |cells| Some(2 * cells));
         Ok(Self {
             levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new::<G>).collect(),

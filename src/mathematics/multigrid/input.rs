@@ -5,9 +5,16 @@ use crate::discrete::simd::LANES;
 /// Reason for which a solver rejects its input.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum InputError {
-    /// Number of cells per side, and a description of the numbers that can be used.
-    #[error("{0} cells per side: must be {1}")]
-    GridSize(usize, &'static str),
+    /// Number of cells per side that cannot be used.
+    #[error("{cells} cells per side: must be {rule}; the nearest: {}", in_words(nearest))]
+    GridSize {
+        /// The number.
+        cells: usize,
+        /// Description of the numbers that can be used.
+        rule: &'static str,
+        /// Next smaller and next larger number that can be used, as far as there are such.
+        nearest: Vec<usize>,
+    },
     /// A field whose length is not the number of nodes.
     #[error("{found} numbers given for the {expected} nodes of the grid")]
     Length {
@@ -22,6 +29,20 @@ pub enum InputError {
     /// Sum of a load, which is zero or positive.
     #[error("the load sums to {0:e}: without a negative sum the problem has no unique solution")]
     NotCoercive(f64),
+}
+
+fn in_words(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
+}
+
+/// Next smaller and next larger number of cells per side than `n` that can be used.
+pub(super) fn nearest_sizes(n: usize, can_be_used: impl Fn(usize) -> bool) -> Vec<usize> {
+    let powers = (0..usize::BITS).map(|k| 1_usize << k);
+    let sizes = powers.flat_map(|power| [1, 3, 5, 7].map(|odd| power.checked_mul(odd)));
+    let sizes: Vec<usize> = sizes.flatten().filter(|&size| can_be_used(size)).collect();
+    let below = sizes.iter().copied().filter(|&size| size < n).max();
+    let above = sizes.iter().copied().filter(|&size| size > n).min();
+    below.into_iter().chain(above).collect()
 }
 
 /// Checks that a field has one number for each node.
