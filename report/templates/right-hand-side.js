@@ -141,13 +141,13 @@ const rightHandSide = (() => {
   function checkIntegral(source) {
     const values = [source.background, ...source.pieces.map(({ value }) => value)];
     const largest = values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
-    if (largest >= GREATEST) throw outOfScale("the largest value", largest);
+    if (largest > 0 && !(largest >= LEAST && largest < GREATEST)) throw outOfScale("the largest value of |f|", largest);
     const integral = ({ pieces, background }, change) => integrated(4, {
       pieces: pieces.map(({ shape, value }) => ({ shape, value: change(value) })),
       background: change(background),
     }, "bilinear").reduce((sum, part) => sum + part, 0);
     const [ofF, ofSize] = [integral(source, (v) => v), integral(source, Math.abs)];
-    if (largest > 0 && ofSize < LEAST) throw outOfScale("the integral of the size", ofSize);
+    if (largest > 0 && ofSize < LEAST) throw outOfScale("the integral of |f|", ofSize);
     if (ofF < -ROUNDING * ofSize) return;
     const size = Math.abs(ofF), plain = size >= 1e-2 && size < 1e6;
     const shown = size <= ROUNDING * ofSize ? "0" : plain ? ofF.toFixed(4) : written(ofF.toExponential(3));
@@ -155,7 +155,7 @@ const rightHandSide = (() => {
   }
 
   function outOfScale(what, size) {
-    return new Error(`${what} of f is ${written(size)}, outside ${written(LEAST)} to ${written(GREATEST)}; scale f`);
+    return new Error(`${what} is ${written(size)}, outside ${written(LEAST)} to ${written(GREATEST)}; scale f`);
   }
 
   // ---- Values -----------------------------------------------------------------------------------

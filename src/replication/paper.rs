@@ -1,10 +1,12 @@
 //! The published tables, and the tolerance we declare for them.
 
-use super::project::PAPER;
 use super::scene::repeated;
 use crate::identify::Target;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
+
+/// Path of the published tables in the project.
+pub const PAPER: &str = "pipeline/paper.toml";
 
 /// `pipeline/paper.toml`: facts as printed, and what we call a match.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 use crate::pipeline::Artifacts;
 use crate::pipeline::error::{Error, IoContext, Result, from_toml};
 use crate::pipeline::files::{read_if_there, read_text, read_tree};
-use crate::replication::paper::Paper;
+use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
 use crate::report;
 use crate::timing::recorded::{self, Timings};
@@ -12,9 +12,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use unicode_normalization::UnicodeNormalization;
-
-/// Path of the published tables in the project.
-pub const PAPER: &str = "pipeline/paper.toml";
 
 /// Path of the record of the searches for f in the project.
 pub const IDENTIFIED: &str = "pipeline/identified.toml";

@@ -102,7 +102,9 @@ fn each_run_that_is_timed_reaches_its_goal() {
     for line in &timings.solver {
         let residual = match line.goal.strip_prefix("relative KKT ") {
             Some(target) => target.parse().unwrap(),
-            None if [PUBLISHED, Goal::Discretisation.in_words()].contains(&&*line.goal) => 1.0,
+            // The published rule says nothing about the residual.
+            None if line.goal == PUBLISHED => f64::INFINITY,
+            None if line.goal == Goal::Discretisation.in_words() => 1.0,
             None => 1e-10,
         };
         assert!(line.kkt <= residual, "{line:?}");

@@ -6,7 +6,6 @@ use signorini::discrete::load::load;
 use signorini::identify::*;
 use signorini::saddle::{Params, StopRule, solve_nested};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 
@@ -44,7 +43,7 @@ fn coarse(mut target: Target, levels: usize) -> Target {
 
 /// The table of f on `levels` grids by the plain solver, one r after the other.
 fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
-    let geometry = &Space::Quadrants.geometries()[0];
+    let geometry = Geometry::quadrants();
     let variant = Variant::default();
     let cells: Vec<usize> = (0..levels).map(|level| COARSEST << level).collect();
     let grids = nested(&cells).unwrap();
@@ -70,26 +69,28 @@ fn target_of(table: &Table) -> Target {
 }
 
 fn evaluator<'a>(target: &'a Target, variant: &Variant) -> Evaluator<'a> {
-    Evaluator::new(target, variant, &Space::Quadrants.geometries()).unwrap()
+    Evaluator::new(target, variant, &[Geometry::quadrants()]).unwrap()
 }
 
-fn request(values: &str, method: Method) -> Request {
+fn request(values: &str) -> Request {
     Request {
-        space: Space::Quadrants,
+        space: Space::OddQuadrant,
         values: Lattice::parse_all(values).unwrap(),
         variant: Variant::default(),
-        method,
         negative_integral: true,
         exact_grids: 2,
-        seed: 7,
         top: 5,
-        part: None,
     }
 }
 
-fn run(request: &Request, target: &Target, threads: usize) -> Report {
-    let budget = Budget { threads: Some(threads), ..Budget::default() };
-    search(request, target, budget, None, &AtomicBool::new(false), &mut |_, _| ()).unwrap()
+fn run(request: &Request, target: &Target) -> SearchReport {
+    search(request, target, &AtomicBool::new(false), &mut |_| ()).unwrap()
+}
+
+/// The report of a search on so many threads.
+fn run_on(threads: usize, request: &Request, target: &Target) -> SearchReport {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| run(request, target))
 }
 
 proptest! {
@@ -183,27 +184,23 @@ fn table_1_also_comes_out_with_the_gradient_before_the_dual_step() {
 #[test]
 fn enumeration_finds_the_values_of_problem_2() {
     let target = published(2);
-    let report =
-        run(&request("-7:-5:0.5; 1:3:0.5; 1:3:0.5; 1:3:0.5", Method::Enumerate), &target, 1);
+    let report = run(&request("-7:-5:0.5; 1:3:0.5"), &target);
     // The integral of -6, 2, 2, 2 vanishes, so that (2) excludes it.
     assert!(report.complete && report.found.iter().all(|f| f.integral < 0.0));
     let open = Request { negative_integral: false, ..report.request };
-    let best = &run(&open, &target, 1).found[0];
-    assert_eq!(best.candidate.values(), [-6.0, 2.0, 2.0, 2.0]);
+    let best = &run(&open, &target).found[0];
+    assert_eq!((&*best.f, best.candidate.values()), ("quadrant(ll)=-6; else=2", vec![-6.0, 2.0]));
     assert_eq!((best.score.exact, best.score.cells, best.score.delta_a_exact), (25, 25, 4));
 }
 
 #[test]
 fn the_first_found_does_not_depend_on_how_many_are_kept() {
     let target = published(2);
-    let five = Request {
-        space: Space::OddQuadrant,
-        ..request("-6.02:-5.98:0.005; 1.985:2:0.005", Method::Enumerate)
-    };
-    let all = run(&five, &target, 1).found;
+    let five = request("-6.02:-5.98:0.005; 1.985:2:0.005");
+    let all = run(&five, &target).found;
     assert!(all.iter().any(|found| found.score.exact < 25), "one misses a count");
     for top in 1..5 {
-        let found = run(&Request { top, ..five.clone() }, &target, 1).found;
+        let found = run(&Request { top, ..five.clone() }, &target).found;
         assert_eq!(found, all[..top], "{top}");
         assert_eq!(found[0].score.exact, 25);
     }
@@ -212,114 +209,60 @@ fn the_first_found_does_not_depend_on_how_many_are_kept() {
 /// Plants f, hides it, and searches the table of its first three grids.
 #[test]
 fn a_planted_f_or_an_equivalent_one_is_recovered() {
-    for (seed, planted) in
-        [(1, [-4.0, 1.5, 0.5, 1.5]), (2, [2.5, -1.5, -2.0, -1.0]), (3, [1.0, -3.0, 2.5, -3.5])]
-    {
-        let target = target_of(&literal(&planted, Measure::Signed, 3));
-        let enumerated = run(&request("-4:4:0.5", Method::Enumerate), &target, 2);
-        let best = &enumerated.found[0];
+    let on_quadrant = |[one, rest]: [f64; 2]| [rest, one, rest, rest];
+    for planted in [[-4.0, 1.0], [2.5, -1.5], [-3.5, 0.5]] {
+        let target = target_of(&literal(&on_quadrant(planted), Measure::Signed, 3));
+        let best = &run(&request("-4:4:0.5"), &target).found[0];
         assert_eq!(best.score.exact, 15, "planted {planted:?}, found {}", best.f);
-        let again = literal(&best.candidate.values(), Measure::Signed, 3);
+        let f: signorini::problem::source::Source = best.f.parse().unwrap();
+        let quadrants = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
+        let again = literal(&quadrants.map(|point| f.at(point)), Measure::Signed, 3);
         assert_eq!(target_of(&again).counts, target.counts);
-        // By annealing, on a lattice too fine to enumerate.
-        let anneal = Method::Anneal { chains: 8, steps: 2000 };
-        let annealed = run(&Request { seed, ..request("-4:4:0.1", anneal) }, &target, 2);
-        assert_eq!(
-            annealed.found[0].score.exact, 15,
-            "planted {planted:?}: {:?}",
-            annealed.found[0]
-        );
     }
 }
 
 #[test]
-fn reports_do_not_depend_on_threads_nor_on_interruptions() {
+fn reports_do_not_depend_on_threads() {
     let target = coarse(published(2), 3);
-    for method in [Method::Enumerate, Method::Anneal { chains: 20, steps: 200 }] {
-        let request = request("-8:4:1", method);
-        let once = run(&request, &target, 1);
-        assert_eq!(once, run(&request, &target, 3));
-        // Stopped after every batch, written, read and resumed.
-        let mut state: Option<String> = None;
-        let resumed = loop {
-            let stop = AtomicBool::new(false);
-            let resume = state.as_deref().map(|text| serde_json::from_str(text).unwrap());
-            let mut observe = |_: &Progress, checkpoint: Option<&Checkpoint>| {
-                if checkpoint.is_some() {
-                    state = Some(serde_json::to_string(&checkpoint).unwrap());
-                    stop.store(true, Ordering::Relaxed);
-                }
-            };
-            let report =
-                search(&request, &target, Budget::default(), resume, &stop, &mut observe).unwrap();
-            if report.complete {
-                break report;
-            }
-        };
-        assert_eq!(once, resumed);
-        let foreign: Checkpoint = serde_json::from_str(&state.unwrap()).unwrap();
-        let other = Request { seed: 8, ..request };
-        let refused = search(
-            &other,
-            &target,
-            Budget::default(),
-            Some(foreign),
-            &AtomicBool::new(false),
-            &mut |_, _| (),
-        );
-        assert_eq!(refused, Err(IdentifyError::ForeignCheckpoint));
+    // Several blocks of items.
+    for values in ["-8:4:0.02", "-8:4:0.1"] {
+        let request = Request { exact_grids: 1, ..request(values) };
+        let once = run_on(1, &request, &target);
+        assert!(once.complete && !once.found.is_empty());
+        assert_eq!(once, run_on(3, &request, &target));
     }
 }
 
 #[test]
 fn searches_stop_in_the_midst_of_a_candidate() {
-    // More iterations than anybody waits for: whatever ends must have looked at the flag between two.
+    // More iterations than anybody waits for: what ends must have looked at the flag between two.
     let mut target = coarse(published(2), 2);
     target.counts.iter_mut().for_each(|row| row[0] = 1_000_000_000_000);
     let raised = AtomicBool::new(true);
     let mut evaluator = evaluator(&target, &Variant::default()).halted_by(&raised);
     assert!(!evaluator.forced(0, &[-6.0, 2.0, 2.0, 1.99], f64::INFINITY).is_exact());
-    for method in [Method::Anneal { chains: 2, steps: 3 }, Method::Enumerate] {
+    for exact_grids in [0, 1] {
         let stop = AtomicBool::new(false);
-        // Called while the first candidate is being run.
-        let mut observe =
-            |_: &Progress, _: Option<&Checkpoint>| stop.store(true, Ordering::Relaxed);
-        let request = Request { exact_grids: 0, ..request("-6,2,1.99", method) };
-        let report =
-            search(&request, &target, Budget::default(), None, &stop, &mut observe).unwrap();
-        assert!(!report.complete && report.found.is_empty(), "{report:?}");
+        let request = Request { exact_grids, ..request("-6,2,1.99") };
+        std::thread::scope(|scope| {
+            let searching = scope.spawn(|| search(&request, &target, &stop, &mut |_| ()).unwrap());
+            stop.store(true, Ordering::Relaxed);
+            let report = searching.join().unwrap();
+            assert!(!report.complete && report.found.is_empty(), "{report:?}");
+        });
     }
 }
 
 #[test]
-fn a_spent_budget_or_a_raised_flag_keeps_what_was_found() {
+fn a_raised_flag_keeps_what_was_found() {
     let target = coarse(published(2), 3);
-    let request = request("-8:4:0.25", Method::Enumerate);
-    let none = Budget { time: Some(Duration::ZERO), ..Budget::default() };
-    let report =
-        search(&request, &target, none, None, &AtomicBool::new(false), &mut |_, _| ()).unwrap();
-    assert!(!report.complete && report.found.is_empty());
+    let request = request("-8:4:0.05");
     let stop = AtomicBool::new(false);
-    let mut observe = |progress: &Progress, _: Option<&Checkpoint>| {
+    let mut observe = |progress: &SearchProgress| {
         stop.store(progress.best.is_some(), Ordering::Relaxed);
     };
-    let report = search(&request, &target, Budget::default(), None, &stop, &mut observe).unwrap();
+    let report = search(&request, &target, &stop, &mut observe).unwrap();
     assert!(!report.complete && !report.found.is_empty());
-}
-
-#[test]
-fn selection_prefers_the_variant_that_made_the_table() {
-    let planted = [-4.0, 1.5, 0.5, 1.5];
-    let target = target_of(&literal(&planted, Measure::Signed, 3));
-    let tables = [(target, request("-4:2:0.5", Method::Enumerate))];
-    let variants =
-        [Variant { measure: Measure::Printed, ..Variant::default() }, Variant::default()];
-    let ranking =
-        select(&variants, &tables, Budget::default(), &AtomicBool::new(false), &mut |_| ())
-            .unwrap();
-    assert_eq!(ranking[0].variant, Variant::default());
-    assert_eq!(ranking[1].description, "absolute value in (13), as printed");
-    assert!(ranking[0].total() < ranking[1].total());
 }
 
 #[test]
@@ -397,14 +340,7 @@ fn tables_that_are_none_are_refused() {
     assert_eq!(bad(&|t| t.counts[2].truncate(4)), IdentifyError::Ragged);
     assert_eq!(bad(&|t| t.counts[2][0] = 0), IdentifyError::NotPositive(3));
     assert_eq!(bad(&|t| t.r.clear()), IdentifyError::Rows(0));
-    let two = request("1:2:1; 3", Method::Enumerate);
-    let refused = search(
-        &two,
-        &published(1),
-        Budget::default(),
-        None,
-        &AtomicBool::new(false),
-        &mut |_, _| (),
-    );
-    assert!(refused.unwrap_err().to_string().contains("2 lists for 4 values"));
+    let three = request("1:2:1; 3; 4");
+    let refused = search(&three, &published(1), &AtomicBool::new(false), &mut |_| ());
+    assert!(refused.unwrap_err().to_string().contains("3 lists of values for the 2 values of f"));
 }

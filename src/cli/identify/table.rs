@@ -1,8 +1,8 @@
 //! What a search found, as tables to read.
 
-use super::Answer;
+use super::{Answer, Selection};
 use crate::cli::output::{columns, styled};
-use crate::identify::{Found, Selection, Target, agrees};
+use crate::identify::{Found, Target, agrees};
 use anstyle::AnsiColor;
 
 pub(super) const LEGEND: &str = "
@@ -17,17 +17,13 @@ integral    of f over the square; (2) asks for less than zero
 pub(super) fn found(answer: &Answer) -> String {
     let report = &answer.report;
     let head = styled(&format!("Problem {}", answer.problem), AnsiColor::Cyan);
-    let part = report.request.part.map_or(String::new(), |part| format!(", part {part}"));
-    let mut out = format!("{head}{part}: {} candidates tried", report.tried);
-    let grids = report.entered.iter().enumerate().skip(1);
-    grids.for_each(|(level, n)| out += &format!(", {n} on grid {}", level + 1));
+    let mut out = format!("{head}: {} candidates tried", report.tried);
+    for (level, runs) in report.entered.iter().enumerate().skip(1) {
+        out += &format!(", {runs} on grid {}", level + 1);
+    }
     out += if report.complete { "\n" } else { "; stopped early\n" };
     if report.found.is_empty() {
-        return out
-            + match report.request.part {
-                Some(_) => "nothing found in this part; the others may have it\n",
-                None => "nothing found; widen --values, lower --exact-grids or give more time\n",
-            };
+        return out + "nothing found; widen --values, or lower --exact-grids\n";
     }
     let rows =
         report.found.iter().enumerate().map(|(k, Found { score, integral, delta_a, f, .. })| {

@@ -1,7 +1,7 @@
 //! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
 
 use crate::cli::output::talk;
-use crate::identify::Progress;
+use crate::identify::SearchProgress;
 use crate::pipeline::bar;
 use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
@@ -13,29 +13,31 @@ const LINE: Duration = Duration::from_secs(10);
 pub(super) struct Watch {
     name: String,
     bar: Option<ProgressBar>,
+    began: Instant,
     spoke: Instant,
-    last: Option<Progress>,
+    last: Option<SearchProgress>,
 }
 
 impl Watch {
     pub(super) fn new(name: &str) -> Self {
         let bar = bar("{prefix} [{bar:24}] {percent:>3} %  {eta:>4}  {wide_msg}");
         bar.iter().for_each(|bar| bar.set_prefix(name.to_owned()));
-        Self { name: name.into(), bar, spoke: Instant::now(), last: None }
+        let now = Instant::now();
+        Self { name: name.into(), bar, began: now, spoke: now, last: None }
     }
 
-    pub(super) fn show(&mut self, progress: &Progress) {
+    pub(super) fn show(&mut self, progress: &SearchProgress) {
         self.last = Some(progress.clone());
         match &self.bar {
             Some(bar) => {
-                bar.set_length(progress.items.1);
-                bar.set_position(progress.items.0);
-                bar.set_message(in_words(progress));
+                bar.set_length(progress.all);
+                bar.set_position(progress.done);
+                bar.set_message(in_words(progress, self.began.elapsed()));
             }
             None if self.spoke.elapsed() >= LINE => {
-                let (done, all) = progress.items;
-                let percent = 100 * done / all.max(1);
-                talk(&format!("{}: {percent} %, {}", self.name, in_words(progress)));
+                let percent = 100 * progress.done / progress.all.max(1);
+                let words = in_words(progress, self.began.elapsed());
+                talk(&format!("{}: {percent} %, {words}", self.name));
                 self.spoke = Instant::now();
             }
             None => {}
@@ -45,7 +47,7 @@ impl Watch {
     /// Seconds so far, and runs per second that entered each grid.
     pub(super) fn rates(&self) -> (f64, Vec<f64>) {
         let Some(last) = &self.last else { return (0.0, Vec::new()) };
-        let seconds = last.elapsed.as_secs_f64();
+        let seconds = self.began.elapsed().as_secs_f64();
         (seconds, last.entered.iter().map(|&n| n as f64 / seconds).collect())
     }
 
@@ -61,15 +63,16 @@ impl Watch {
             bar.finish_and_clear();
         }
         if let Some(last) = &self.last {
-            let time = last.elapsed.as_secs_f64();
-            talk(&format!("{}: {time:.1} s, {}", self.name, in_words(last)));
+            let time = self.began.elapsed();
+            let words = in_words(last, time);
+            talk(&format!("{}: {:.1} s, {words}", self.name, time.as_secs_f64()));
         }
     }
 }
 
 /// Candidates, the rate at which each grid is entered, and the best so far.
-fn in_words(progress: &Progress) -> String {
-    let seconds = progress.elapsed.as_secs_f64().max(1e-3);
+fn in_words(progress: &SearchProgress, time: Duration) -> String {
+    let seconds = time.as_secs_f64().max(1e-3);
     let tried = progress.tried as f64;
     let mut text = format!("{} candidates, {}/s", short(tried), short(tried / seconds));
     for (level, &n) in progress.entered.iter().enumerate().skip(1) {

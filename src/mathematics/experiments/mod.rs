@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod claims;
 pub mod cube;
 pub mod known;
+mod numbers;
 pub mod problems;
 pub mod rounding;
 pub mod saddle;

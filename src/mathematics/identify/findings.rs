@@ -3,8 +3,7 @@
 use super::evaluate::{Evaluator, grid};
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
 use super::rank::explain;
-use super::request::{Method, Request};
-use super::search::{Budget, Report, search};
+use super::search::{Request, SearchReport, search};
 use super::space::{Candidate, Geometry, Lattice, Space};
 use super::variant::Variant;
 use super::{Found, IdentifyError, Target};
@@ -56,12 +55,12 @@ pub struct Findings {
     /// Counts that come out when the first and the last value of f move.
     pub slice: Slice,
     /// The blind search.
-    pub search: Report,
+    pub search: SearchReport,
 }
 
 /// Finds out about `f`, which is constant on the quadrants, and about `alternatives`.
 ///
-/// Each alternative is four decimals separated by `;`. The results do not depend on `threads`.
+/// Each alternative is four decimals separated by `;`. Runs on the threads of the current rayon pool, on whose number the results do not depend.
 ///
 /// # Errors
 /// [`IdentifyError`] if the target is no table, a question makes no sense, or f has other pieces.
@@ -71,25 +70,20 @@ pub fn findings(
     f: &Source,
     alternatives: &[String],
     questions: &Questions,
-    threads: usize,
 ) -> Result<Findings, IdentifyError> {
     let (own, values) =
         Geometry::of_quadrants(f).ok_or_else(|| IdentifyError::Pieces(f.to_string()))?;
-    let space = Space::Quadrants.geometries();
-    let quadrants = &space[0];
+    let quadrants = Geometry::quadrants();
     let on_quadrants = quadrant_values(f);
     let blind = Request {
         space: questions.space,
         values: Lattice::parse_all(&questions.values)?,
         variant: *variant,
-        method: Method::Enumerate,
         negative_integral: true,
         exact_grids: 2,
-        seed: 0,
         top: questions.top,
-        part: None,
     };
-    let mut evaluator = Evaluator::new(target, variant, &space)?;
+    let mut evaluator = Evaluator::new(target, variant, std::slice::from_ref(&quadrants))?;
     let alternative = |text: &String| {
         let lattices = Lattice::parse_all(text)?;
         let places = lattices.iter().map(Lattice::places).max().unwrap_or(0);
@@ -100,7 +94,7 @@ pub fn findings(
         }
         let candidate = Candidate { geometry: 0, ticks, places };
         let values = candidate.values();
-        let found = explain(&mut evaluator, quadrants, &candidate);
+        let found = explain(&mut evaluator, &quadrants, &candidate);
         let source = quadrants.source(&values);
         let sum = |level: usize| load(grid(level), &source, variant.load).iter().sum();
         let sums = (0..target.levels()).map(sum).collect();
@@ -116,10 +110,7 @@ pub fn findings(
         alternatives,
         identifiability: identifiability(&evaluator, &on_quadrants),
         slice: slice(&on_own_pieces, &values, first_and_last, reach, points),
-        search: {
-            let budget = Budget { threads: Some(threads), ..Budget::default() };
-            search(&blind, target, budget, None, &AtomicBool::new(false), &mut |_, _| ())?
-        },
+        search: search(&blind, target, &AtomicBool::new(false), &mut |_| ())?,
     })
 }
 

@@ -1,4 +1,4 @@
-//! Recovery of the lost Figure 1: which right-hand side f, under which reading of the method, gives the published tables.
+//! Recovery of Figure 1: which right-hand side f, under which reading of the method, gives the published tables.
 //!
 //! # Idea
 //! The iteration is positively homogeneous and piecewise linear in f, so a table of counts cuts the
@@ -10,32 +10,22 @@
 //! nearly everything.
 //!
 //! # Parts
-//! [`Variant`] is a reading of the method, [`Space`] a family of f, [`Evaluator`] runs one candidate,
-//! [`search`] looks through a space, [`select`] compares variants, [`identifiability`] tells how
-//! sharply the tables fix what was found.
+//! [`Variant`] is a reading of the method, [`Space`] a family of f with two values, [`Evaluator`] runs one candidate,
+//! [`search`] tries every candidate of a space, [`identifiability`] tells how sharply the tables fix what was found.
 
 mod evaluate;
 mod findings;
 mod identifiability;
-mod merge;
-mod plan;
-pub(crate) mod random;
 mod rank;
-pub mod record;
-mod request;
 mod search;
-mod select;
 mod space;
 mod variant;
 
 pub use evaluate::{Evaluator, Forced, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
-pub use merge::merge;
 pub use rank::{Found, Score};
-pub use request::{Method, Part, Request};
-pub use search::{Budget, Checkpoint, Progress, Report, search};
-pub use select::{Selection, select};
+pub use search::{Request, SearchProgress, SearchReport, search};
 pub use space::{Candidate, Geometry, Lattice, Space};
 pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
 
@@ -56,7 +46,7 @@ pub struct Target {
     pub delta_a: Vec<f64>,
 }
 
-/// Why a search cannot run.
+/// Reason for which a search cannot run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
     /// Rows of the table of different length, or not one per r.
@@ -85,7 +75,7 @@ pub enum IdentifyError {
     Values(String),
     /// A number of lists of values that is neither one nor that of the values of f.
     #[error(
-        "--values has {lists} lists for {pieces} values of f; give one for all, or one for each"
+        "{lists} lists of values for the {pieces} values of f; give one for all, or one for each"
     )]
     ValueCount {
         /// Lists given.
@@ -94,25 +84,14 @@ pub enum IdentifyError {
         pieces: usize,
     },
     /// An f that is not made of quadrants.
-    #[error("f = {0} is not made of quadrants; leave `identify` out of the scene's outputs")]
+    #[error("f = {0} is not made of quadrants")]
     Pieces(String),
     /// More candidates than can be numbered.
-    #[error("the space has more than 2^53 candidates; use fewer values or the annealing method")]
+    #[error("the space has more than 2^53 candidates; use fewer values")]
     TooMany,
-    /// A checkpoint of a different search.
-    #[error(
-        "the checkpoint belongs to a different search; delete it or repeat the command it came from"
-    )]
-    ForeignCheckpoint,
-    /// A text that names no part of a search.
-    #[error("`{0}` is no part of a search; write K/N with 1 <= K <= N, such as 2/8")]
-    Part(String),
-    /// Checkpoints that are not those of all parts of one search, each once and at its end.
-    #[error("{0}")]
-    Merge(String),
 }
 
-/// Whether ours agrees with a published value to the two digits that the paper prints.
+/// True if ours agrees with a published value to the two digits that the paper prints.
 pub fn agrees(ours: f64, published: f64) -> bool {
     format!("{ours:.1e}") == format!("{published:.1e}")
 }

@@ -46,7 +46,7 @@ fn objective(misfit: f64, delta_a_misfit: f64, complexity: u32) -> f64 {
 }
 
 /// The largest count misfit of a run with this objective: it is attained with the right Delta a and one value.
-pub(super) fn count_misfit_below(objective: f64) -> f64 {
+fn count_misfit_below(objective: f64) -> f64 {
     (objective - COMPLEXITY_WEIGHT).max(0.0)
 }
 
@@ -111,6 +111,11 @@ impl Best {
 
     pub(super) fn list(&self) -> &[Ranked] {
         &self.list
+    }
+
+    /// Smallest objective, if any candidate was kept.
+    pub(super) fn objective(&self) -> Option<f64> {
+        self.list.iter().map(|ranked| ranked.rank.1).reduce(f64::min)
     }
 
     /// Rank beyond which a candidate has no place, if there is one.

@@ -1,248 +1,251 @@
-//! The search: exhaustive enumeration of a lattice, or annealing from many starts.
+//! The search: every point of a lattice of values, on every geometry of a family.
 //!
-//! Work is cut into numbered items, each with its own seed; rayon deals them out in batches of fixed
-//! size, an item knows only what earlier batches of its block found, and results are merged in an order
-//! of their own. What is found therefore depends on the request alone, not on the number of threads or on how often the
-//! search was interrupted and resumed.
+//! 1. Candidates are numbered and cut into items of [`ITEM`]; rayon runs the items of a batch side by side.
+//! 2. Those that miss a count on the coarsest grids are discarded, many in one pass ([`Evaluator::screened`]).
+//! 3. The others make a forced run ([`Evaluator::forced`]), as far as the best candidates of earlier batches allow.
+//! 4. The best of all are run in full, and explained.
+//!
+//! An item knows only what earlier batches of its block found, and results are merged in an order of their own: what is
+//! found, and the number of runs, do not depend on the number of threads.
 
-use super::plan::{BLOCK, Item, Live, Plan};
-use super::rank::{Best, Found};
-use super::request::Request;
+use super::evaluate::Evaluator;
+use super::rank::{Best, Found, Ranked, evaluate, explain};
+use super::space::{Candidate, Geometry, Lattice, Space, decimals};
+use super::variant::Variant;
 use super::{IdentifyError, Target};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
 
-/// Items between two checkpoints.
+/// Candidates in one item.
+const ITEM: u64 = 4096;
+/// Items in one batch.
 const BATCH: u64 = 8;
-/// Time between two reports of progress within a batch.
-const TICK: Duration = Duration::from_millis(100);
+/// Items in one block, a multiple of [`BATCH`].
+const BLOCK: u64 = 128;
+/// Largest number of candidates that is surely counted without rounding.
+const MOST: f64 = 9_007_199_254_740_992.0;
 
-/// When to stop early; what was found until then is kept.
-#[derive(Clone, Copy, Debug)]
-pub struct Budget {
-    /// Time after which to stop, as if the stop flag had been set.
-    pub time: Option<Duration>,
-    /// Worker threads; none for as many as rayon's global pool has.
-    pub threads: Option<usize>,
-    /// The time since some moment.
-    pub clock: fn() -> Duration,
-}
-
-impl Default for Budget {
-    /// No limit, and a clock that stands still.
-    fn default() -> Self {
-        Self { time: None, threads: None, clock: || Duration::ZERO }
-    }
-}
-
-/// State of a search between two batches.
+/// Question of a search. Two equal requests give equal reports.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Checkpoint {
-    pub(super) request: Request,
-    pub(super) target: Target,
-    pub(super) next: u64,
-    /// What the finished blocks found.
-    pub(super) best: Best,
-    /// What the block under way has found.
-    block: Best,
-    /// Candidates tried.
-    pub(super) tried: u64,
-    pub(super) entered: Vec<u64>,
+pub struct Request {
+    /// Family of f.
+    pub space: Space,
+    /// Values allowed: one lattice for both pieces, or one per piece.
+    pub values: Vec<Lattice>,
+    /// Reading of the method.
+    pub variant: Variant,
+    /// True if f must have a negative integral, as (2) asks.
+    pub negative_integral: bool,
+    /// Number of coarse grids on which every count must come out. Two discard nearly everything at a cost of
+    /// microseconds.
+    pub exact_grids: usize,
+    /// Number of candidates to keep.
+    pub top: usize,
 }
 
-impl Checkpoint {
-    /// The state to resume from, or that before the first item of a plan.
-    fn first(
-        resume: Option<Self>,
-        request: &Request,
-        target: &Target,
-        plan: &Plan,
-    ) -> Result<Self, IdentifyError> {
-        if let Some(state) = resume {
-            let own = state.request == *request && state.target == *target;
-            return if own { Ok(state) } else { Err(IdentifyError::ForeignCheckpoint) };
-        }
-        Ok(Self {
-            request: request.clone(),
-            target: target.clone(),
-            next: plan.items.start,
-            best: Best::new(request.top),
-            block: Best::new(request.top),
-            tried: 0,
-            entered: vec![0; target.levels()],
-        })
-    }
-
-    /// The best so far, with what a batch cut short has found.
-    fn all(&self, cut_short: Option<Best>) -> Best {
-        let mut all = self.best.clone();
-        all.merge(cut_short.unwrap_or_else(|| self.block.clone()));
-        all
-    }
-
-    /// What an observer sees of a search that began with these numbers of runs on each grid.
-    fn progress(&self, plan: &Plan, live: &Live, before: &[u64], elapsed: Duration) -> Progress {
-        let best = f64::from_bits(live.best.load(Ordering::Relaxed));
-        Progress {
-            items: (self.next - plan.items.start, plan.items.end - plan.items.start),
-            tried: live.tried.load(Ordering::Relaxed),
-            entered: self.entered.iter().zip(before).map(|(now, before)| now - before).collect(),
-            elapsed,
-            best: best.is_finite().then_some(best),
-        }
-    }
-
-    fn count(&mut self, done: &[Item]) {
-        for item in done {
-            self.tried += item.tried;
-            self.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
-        }
-    }
-
-    /// Adds a whole batch, of which `block` has the best, up to item `end`.
-    fn take(&mut self, done: &[Item], block: Best, end: u64, plan: &Plan) {
-        self.block = block;
-        self.count(done);
-        self.next = end;
-        if end.is_multiple_of(BLOCK) || end == plan.items.end {
-            self.best = self.all(None);
-            self.block = Best::new(self.request.top);
-        }
-    }
-}
-
-/// Runs a batch of items, in the light of what the block has found before.
-fn run_all(items: Range<u64>, plan: &Plan, block: &Best, live: &Live) -> Vec<Item> {
-    let items = items.collect::<Vec<_>>().into_par_iter().with_max_len(1);
-    let workspace = || plan.evaluator.clone().halted_by(live.halt);
-    items.map_init(workspace, |e, item| plan.run(item, e, block, live)).collect()
-}
-
-/// What an observer sees, ten times a second and after each batch.
+/// State of a search after a batch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
-    /// Items done, and in all.
-    pub items: (u64, u64),
-    /// Candidates tried since the search began or was resumed.
+pub struct SearchProgress {
+    /// Number of items done.
+    pub done: u64,
+    /// Number of all items.
+    pub all: u64,
+    /// Number of candidates tried.
     pub tried: u64,
-    /// Runs that reached each grid since then, in whole batches.
+    /// Number of runs that entered each grid.
     pub entered: Vec<u64>,
-    /// Time since then.
-    pub elapsed: Duration,
     /// Smallest objective so far.
     pub best: Option<f64>,
 }
 
-/// What a search found. It serialises to the artifact of the pipeline.
+/// Result of a search. It serialises to the artifact of the pipeline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub struct SearchReport {
     /// Version of this format.
     pub schema: u8,
-    /// What was asked.
+    /// The question.
     pub request: Request,
-    /// Whether every item was done.
+    /// True if every item was done.
     pub complete: bool,
-    /// Candidates tried.
+    /// Number of candidates tried.
     pub tried: u64,
-    /// Runs that reached each grid: how the screening went.
+    /// Number of runs that entered each grid.
     pub entered: Vec<u64>,
-    /// The best, in order: those with every count first, then by [`super::Score::total`].
+    /// The best candidates: those with every count first, then by [`super::Score::total`].
     pub found: Vec<Found>,
 }
 
-/// Runs a batch on other threads, and meanwhile calls `tick` on this one, ten times a second; nothing if a
-/// worker panicked.
-fn in_pool<T: Send>(
-    pool: Option<&rayon::ThreadPool>,
-    run: impl FnOnce() -> Vec<T> + Send,
-    mut tick: impl FnMut(),
-) -> Vec<T> {
-    std::thread::scope(|scope| {
-        let (sender, finished) = channel();
-        scope.spawn(move || {
-            let done = match pool {
-                Some(pool) => pool.install(run),
-                None => run(),
-            };
-            sender.send(done)
-        });
-        loop {
-            match finished.recv_timeout(TICK) {
-                Ok(done) => return done,
-                Err(RecvTimeoutError::Timeout) => tick(),
-                Err(RecvTimeoutError::Disconnected) => return Vec::new(),
-            }
-        }
-    })
-}
-
-/// Searches, or goes on from a checkpoint.
+/// Searches on the threads of the current rayon pool.
 ///
-/// `observe` is called on the calling thread; after a batch it is given the state to resume from.
-/// When `stop` is set or the time is over, workers stop within a tick, in the midst of a candidate if need
-/// be: a published count may be larger than anybody waits for. What they found by then is reported, but
-/// their batch will be done again when the search is resumed.
+/// `observe` is called after each batch, on the calling thread. Once `stop` is set, runs end within an iteration: a
+/// published count may be larger than anybody waits for. The report then has what was found until then.
 ///
 /// # Errors
-/// [`IdentifyError`] if the request makes no sense or the checkpoint is of another one.
+/// [`IdentifyError`] if the request makes no sense, or the target is no table.
 pub fn search(
     request: &Request,
     target: &Target,
-    budget: Budget,
-    resume: Option<Checkpoint>,
     stop: &AtomicBool,
-    observe: &mut dyn FnMut(&Progress, Option<&Checkpoint>),
-) -> Result<Report, IdentifyError> {
-    let halt = AtomicBool::new(false);
-    let plan = Plan::new(request, target)?;
-    let mut state = Checkpoint::first(resume, request, target, &plan)?;
-    let pool =
-        budget.threads.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
-    let began = (budget.clock)();
-    let elapsed = || (budget.clock)().saturating_sub(began);
-    let live = Live::new(stop, &halt, &state.all(None));
-    let entered_before = state.entered.clone();
-    let progress = |state: &Checkpoint| state.progress(&plan, &live, &entered_before, elapsed());
-    let look_up = || {
-        let late = budget.time.is_some_and(|time| elapsed() >= time);
-        halt.fetch_or(late || stop.load(Ordering::Relaxed), Ordering::Relaxed);
+    observe: &mut dyn FnMut(&SearchProgress),
+) -> Result<SearchReport, IdentifyError> {
+    let space = CandidateSpace::new(request)?;
+    let evaluator = Evaluator::new(target, &request.variant, &space.geometries)?.halted_by(stop);
+    let items = space.count().div_ceil(ITEM);
+    let mut progress = SearchProgress {
+        done: 0,
+        all: items,
+        tried: 0,
+        entered: vec![0; target.levels()],
+        best: None,
     };
-    if plan.items.is_empty() {
-        // A part may be one of more parts than there are blocks.
-        observe(&progress(&state), Some(&state));
-    }
-    let mut cut_short = None;
-    while state.next < plan.items.end {
-        look_up();
-        let batch = state.next..(state.next + BATCH).min(plan.items.end);
-        let run = || run_all(batch.clone(), &plan, &state.block, &live);
-        let done = in_pool(pool.as_ref(), run, || {
-            observe(&progress(&state), None);
-            look_up();
-        });
-        let whole = !done.is_empty() && done.iter().all(|item| item.whole);
-        let mut block = state.block.clone();
-        done.iter().for_each(|item| block.merge(item.best.clone()));
-        if !whole {
-            // No observer keeps this state: a resumed search does the batch again.
-            state.count(&done);
-            cut_short = Some(block);
+    let (mut best, mut block) = (Best::new(request.top), Best::new(request.top));
+    while progress.done < items && !stop.load(Ordering::Relaxed) {
+        let end = (progress.done + BATCH).min(items);
+        let batch: Vec<u64> = (progress.done..end).collect();
+        let ran: Vec<Item> = batch
+            .into_par_iter()
+            .with_max_len(1)
+            .map_init(|| evaluator.clone(), |evaluator, item| space.run(item, evaluator, &block))
+            .collect();
+        for item in ran {
+            progress.tried += item.tried;
+            progress.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
+            block.merge(item.best);
+        }
+        if stop.load(Ordering::Relaxed) {
             break;
         }
-        state.take(&done, block, batch.end, &plan);
-        observe(&progress(&state), Some(&state));
+        progress.done = end;
+        if progress.done.is_multiple_of(BLOCK) {
+            best.merge(std::mem::replace(&mut block, Best::new(request.top)));
+        }
+        progress.best = [&best, &block].iter().filter_map(|best| best.objective()).reduce(f64::min);
+        observe(&progress);
     }
-    let complete = state.next == plan.items.end;
-    Ok(Report {
+    best.merge(block);
+    // What was found is explained in any case.
+    let mut evaluator = Evaluator::new(target, &request.variant, &space.geometries)?;
+    let found = best.list().iter().map(|Ranked { candidate, .. }| {
+        explain(&mut evaluator, &space.geometries[candidate.geometry], candidate)
+    });
+    Ok(SearchReport {
         schema: 1,
         request: request.clone(),
-        complete,
-        found: plan.explain(&state.all(cut_short)),
-        tried: state.tried,
-        entered: state.entered,
+        complete: progress.done == items,
+        found: found.collect(),
+        tried: progress.tried,
+        entered: progress.entered,
     })
+}
+
+/// Result of one item.
+struct Item {
+    best: Best,
+    tried: u64,
+    entered: Vec<u64>,
+}
+
+/// The candidates of a request, numbered from zero: geometry by geometry, the first value running fastest.
+struct CandidateSpace<'a> {
+    request: &'a Request,
+    geometries: Vec<Geometry>,
+    areas: Vec<Vec<f64>>,
+    /// One per piece, all with the same number of places.
+    lattices: Vec<Lattice>,
+    per_geometry: u64,
+}
+
+impl<'a> CandidateSpace<'a> {
+    fn new(request: &'a Request) -> Result<Self, IdentifyError> {
+        let geometries = request.space.geometries();
+        let pieces = geometries[0].pieces();
+        let places = request.values.iter().map(Lattice::places).max().unwrap_or(0);
+        let lattices: Vec<Lattice> = match &request.values[..] {
+            [one] => vec![one.refined(places); pieces],
+            many if many.len() == pieces => many.iter().map(|l| l.refined(places)).collect(),
+            many => return Err(IdentifyError::ValueCount { lists: many.len(), pieces }),
+        };
+        let product: f64 = lattices.iter().map(|lattice| lattice.ticks().len() as f64).product();
+        if product * geometries.len() as f64 > MOST {
+            return Err(IdentifyError::TooMany);
+        }
+        let areas = geometries.iter().map(Geometry::areas).collect();
+        Ok(Self { request, geometries, areas, lattices, per_geometry: product as u64 })
+    }
+
+    /// Number of candidates.
+    fn count(&self) -> u64 {
+        self.per_geometry * self.geometries.len() as u64
+    }
+
+    /// Runs the candidates of one item, in the light of what earlier batches of its block found.
+    fn run(&self, item: u64, evaluator: &mut Evaluator<'_>, block: &Best) -> Item {
+        let before = evaluator.entered().to_vec();
+        let mut best = block.successor();
+        let mut tried = 0;
+        let (mut next, end) = (item * ITEM, ((item + 1) * ITEM).min(self.count()));
+        let mut passed = Vec::new();
+        while next < end {
+            let geometry = (next / self.per_geometry) as usize;
+            let last = end.min((geometry as u64 + 1) * self.per_geometry);
+            let admitted = self.admitted(geometry, next..last);
+            tried += admitted.len() as u64;
+            passed.extend(self.screened(geometry, &admitted, evaluator));
+            next = last;
+        }
+        for candidate in passed {
+            if let Some(ranked) = evaluate(evaluator, candidate, best.misfit_limit()) {
+                best.offer(ranked);
+            }
+        }
+        let entered = evaluator.entered().iter().zip(&before).map(|(now, before)| now - before);
+        Item { best, tried, entered: entered.collect() }
+    }
+
+    /// Numbers of those candidates that the request does not leave out, all of this geometry.
+    fn admitted(&self, geometry: usize, numbers: Range<u64>) -> Vec<u64> {
+        let areas = &self.areas[geometry];
+        let is_admitted = |number: &u64| {
+            let terms = areas.iter().zip(self.ticks(*number));
+            let integral: f64 = terms.map(|(area, tick)| area * tick as f64).sum();
+            // Areas carry rounding errors; the integral of a candidate is a multiple of a block.
+            !self.request.negative_integral || integral < -1e-6
+        };
+        numbers.filter(is_admitted).collect()
+    }
+
+    /// The candidates with these numbers that give all counts on the coarse grids.
+    fn screened(
+        &self,
+        geometry: usize,
+        numbers: &[u64],
+        evaluator: &mut Evaluator<'_>,
+    ) -> impl Iterator<Item = Candidate> {
+        let (pieces, places) = (self.lattices.len(), self.lattices[0].places());
+        let mut values = Vec::with_capacity(numbers.len() * pieces);
+        for &number in numbers {
+            values.extend(decimals(&self.ticks(number), places));
+        }
+        let values: Vec<_> = values.chunks_exact(pieces).collect();
+        let passed = evaluator.screened(geometry, &values, self.request.exact_grids);
+        passed.into_iter().map(move |k| Candidate {
+            geometry,
+            ticks: self.ticks(numbers[k]),
+            places,
+        })
+    }
+
+    /// Values of a candidate in units of the lattices, by its number.
+    fn ticks(&self, number: u64) -> Vec<i64> {
+        let mut rest = number % self.per_geometry;
+        let mut ticks = Vec::with_capacity(self.lattices.len());
+        for lattice in &self.lattices {
+            let all = lattice.ticks();
+            ticks.push(all[(rest % all.len() as u64) as usize]);
+            rest /= all.len() as u64;
+        }
+        ticks
+    }
 }

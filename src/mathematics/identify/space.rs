@@ -7,51 +7,45 @@ use crate::problem::shape::Shape;
 use crate::problem::source::{Region, Source};
 use serde::{Deserialize, Serialize};
 
-/// A family of right-hand sides.
+/// A family of right-hand sides with two values, one on a region and one on the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Space {
-    /// Four values, on the quadrants of the square: lower left, lower right, upper left, upper right.
-    Quadrants,
-    /// Two values: one on a quadrant, any of the four, one on the rest.
+    /// The region is a quadrant, any of the four.
     OddQuadrant,
-    /// Two values: one on a rectangle with corners on the lines of the grid 1/4, one on the rest.
+    /// The region is a rectangle with corners on the lines of the grid 1/4.
     Rectangles,
-    /// Sixteen values, on blocks of side 1/4, row by row from the lower left.
-    Blocks4,
 }
 
+/// Lines of the grid 1/4.
+const LINES: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+
 impl Space {
-    /// The geometries of the family; all have the same number of values.
+    /// The geometries of the family.
     pub fn geometries(self) -> Vec<Geometry> {
-        let quadrants = QUADRANTS.map(|(_, quadrant)| quadrant);
-        let lines = [-0.5, -0.25, 0.0, 0.25, 0.5];
-        let rect = |x: [usize; 2], y: [usize; 2]| Region::Rect {
-            x: x.map(|i| lines[i]),
-            y: y.map(|i| lines[i]),
-        };
         match self {
-            Self::Quadrants => {
-                vec![Geometry { regions: quadrants.into(), rest: false }]
-            }
             Self::OddQuadrant => {
-                quadrants.map(|one| Geometry { regions: vec![one], rest: true }).into()
+                QUADRANTS.map(|(_, one)| Geometry { regions: vec![one], rest: true }).into()
             }
-            Self::Rectangles => {
-                let spans = || (0..5).flat_map(|p| (p + 1..5).map(move |q| [p, q]));
-                let whole = [0, 4];
-                spans()
-                    .flat_map(|x| spans().map(move |y| (x, y)))
-                    .filter(|&(x, y)| (x, y) != (whole, whole))
-                    .map(|(x, y)| Geometry { regions: vec![rect(x, y)], rest: true })
-                    .collect()
-            }
-            Self::Blocks4 => {
-                let block = |b: usize| rect([b % 4, b % 4 + 1], [b / 4, b / 4 + 1]);
-                vec![Geometry { regions: (0..16).map(block).collect(), rest: false }]
-            }
+            Self::Rectangles => rectangles(),
         }
     }
+}
+
+/// Every rectangle with corners on [`LINES`] but the whole square.
+fn rectangles() -> Vec<Geometry> {
+    let mut spans = Vec::new();
+    for from in 0..LINES.len() {
+        spans.extend((from + 1..LINES.len()).map(|to| [LINES[from], LINES[to]]));
+    }
+    let whole = [LINES[0], LINES[LINES.len() - 1]];
+    let mut all = Vec::new();
+    for &x in &spans {
+        for &y in spans.iter().filter(|&&y| [x, y] != [whole; 2]) {
+            all.push(Geometry { regions: vec![Region::Rect { x, y }], rest: true });
+        }
+    }
+    all
 }
 
 /// Disjoint pieces of the square on each of which f is constant.
@@ -63,6 +57,11 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// The four quadrants: lower left, lower right, upper left, upper right.
+    pub fn quadrants() -> Self {
+        Self { regions: QUADRANTS.map(|(_, quadrant)| quadrant).into(), rest: false }
+    }
+
     /// The pieces of an f made of quadrants, with a background if they leave any, and its values on them; `None` for
     /// any other f.
     pub fn of_quadrants(f: &Source) -> Option<(Self, Vec<f64>)> {
@@ -197,7 +196,7 @@ fn decimal(text: &str) -> Option<(i64, u32)> {
 /// One right-hand side: a geometry of its space, and exact decimals as values.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Candidate {
-    /// Index into [`Space::geometries`].
+    /// Index into the geometries of the evaluator, such as [`Space::geometries`].
     pub geometry: usize,
     /// The values, in units of `10^-places`, one per piece.
     pub ticks: Vec<i64>,
@@ -237,11 +236,10 @@ mod tests {
 
     #[test]
     fn pieces_of_every_geometry_fill_the_square() {
-        for space in [Space::Quadrants, Space::OddQuadrant, Space::Rectangles, Space::Blocks4] {
-            for geometry in space.geometries() {
-                let whole: f64 = geometry.areas().iter().sum();
-                assert!((whole - 1.0).abs() < 1e-12, "{space:?}: {whole}");
-            }
+        let families = [Space::OddQuadrant, Space::Rectangles].map(Space::geometries);
+        for geometry in families.into_iter().flatten().chain([Geometry::quadrants()]) {
+            let whole: f64 = geometry.areas().iter().sum();
+            assert!((whole - 1.0).abs() < 1e-12, "{geometry:?}: {whole}");
         }
         assert_eq!(Space::Rectangles.geometries().len(), 99);
     }

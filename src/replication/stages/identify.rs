@@ -1,10 +1,10 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
 use super::{sharing, to_json};
-use crate::identify::record::Record;
 use crate::identify::{Variant, findings};
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Task, parameters};
+use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 
@@ -44,8 +44,7 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
         "alternatives": alternatives, "questions": questions,
     }));
     Ok(Task::new(id(scene), parameters, Vec::new(), move |_| {
-        let threads = rayon::current_num_threads();
-        let found = findings(&target, &variant, &f, &alternatives, &questions, threads)?;
+        let found = findings(&target, &variant, &f, &alternatives, &questions)?;
         Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
     }))
 }

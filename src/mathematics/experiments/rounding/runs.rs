@@ -2,8 +2,8 @@
 
 use super::{Cell, Plan, Row, Table};
 use crate::discrete::grid::Grid;
+use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::{Discrete, Problem};
-use crate::identify::random::Random;
 use crate::saddle::batch::{
     Arithmetic, AsDefined, End, Fused, LANES, Nested, Reversed, V, run_nested,
 };
@@ -81,14 +81,14 @@ impl Monitor for Margins {
 /// The value of each node off by a random relative error, whose largest size is a run's own.
 struct Noisy {
     size: [f64; LANES],
-    random: [Random; LANES],
+    random: [RandomNumbers; LANES],
     /// Size and random numbers of the runs that are in no lane.
-    runs: Vec<(f64, Random)>,
+    runs: Vec<(f64, RandomNumbers)>,
 }
 
 /// `value`, off by a random relative error of at most `size`.
 #[inline(always)]
-fn perturbed(value: f64, size: f64, random: &mut Random) -> f64 {
+fn perturbed(value: f64, size: f64, random: &mut RandomNumbers) -> f64 {
     value + value * (size * (2.0 * random.unit() - 1.0))
 }
 
@@ -142,10 +142,11 @@ impl Undisturbed<'_> {
 
     /// The same with the relative errors of a batch.
     fn disturbed(&self, plan: &Plan, batch: &[Repetition]) -> Vec<Vec<bool>> {
-        let source = |of: &Repetition| (plan.sizes[of.size], Random::new(plan.seed, of.stream));
+        let source =
+            |of: &Repetition| (plan.sizes[of.size], RandomNumbers::new(plan.seed, of.stream));
         if !batch[0].in_load {
             let runs: Vec<_> = batch.iter().map(|of| (of.row, &self.loads[..])).collect();
-            let (size, random) = ([0.0; LANES], [Random::new(0, 0); LANES]);
+            let (size, random) = ([0.0; LANES], [RandomNumbers::new(0, 0); LANES]);
             let mut noisy = Noisy { size, random, runs: batch.iter().map(source).collect() };
             return self.changed(&runs, &mut noisy);
         }

@@ -1,9 +1,9 @@
 //! Many random problems.
 
 use crate::discrete::grid::Grid;
+use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{Trial, multi};
-use crate::identify::random::Random as Numbers;
 use crate::multigrid::Goal;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ impl Random {
 
 /// Waves of random amplitude, noise of random size, and a deficit from 10^-8 to 10^-0.3.
 fn trial(number: usize) -> Trial {
-    let mut random = Numbers::new(SEED, number as u64);
+    let mut random = RandomNumbers::new(SEED, number as u64);
     let n = COARSEST[random.below(2)] << (1 + random.below(DOUBLINGS));
     let amplitudes: [f64; WAVES] = from_fn(|_| 2.0 * random.unit() - 1.0);
     let noise: Vec<f64> = (0..(n + 1) * (n + 1)).map(|_| random.unit() - 0.5).collect();

@@ -4,10 +4,10 @@ use super::{Case, Changed, Plan, Series, Single};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
+use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{Discrete, Problem, nodal_load};
 use crate::experiments::trial::{self, Trial, multi, saddle};
-use crate::identify::random::Random;
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
 use crate::saddle::batch::{AsDefined, End, Job, JobGoal, LANES, Nested, Number, run_nested};
@@ -214,7 +214,7 @@ impl<'a> Runs<'a> {
 
     pub(super) fn starts(&self) -> Series<String> {
         let load = |grid| quadrants(grid, -1.0, self.plan.deficit);
-        type Of = fn(usize, usize, &mut Random) -> f64;
+        type Of = fn(usize, usize, &mut RandomNumbers) -> f64;
         let starts: [(&str, Of); 9] = [
             ("zero", |_, _, _| 0.0),
             ("constant 1e10", |_, _, _| 1e10),
@@ -228,7 +228,7 @@ impl<'a> Runs<'a> {
         ];
         let of_start = |(name, of): (&str, Of)| {
             let field = |grid: Grid| -> Vec<f64> {
-                let (side, mut random) = (grid.side(), Random::new(1, 0));
+                let (side, mut random) = (grid.side(), RandomNumbers::new(1, 0));
                 (0..grid.nodes()).map(|k| of(k % side, k / side, &mut random)).collect()
             };
             let pair = Pair { y: field(self.coarse), ..Pair::zero(self.coarse) };

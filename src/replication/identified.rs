@@ -1,12 +1,14 @@
-//! `pipeline/identified.toml`: what the search for the lost Figure 1 has found, and how much was searched.
+//! `pipeline/identified.toml`: what the search for Figure 1 has found, and how much was searched.
 
-use super::Questions;
+use crate::identify::Questions;
 use serde::{Deserialize, Serialize};
 
 /// The record: questions that every run answers again, and what longer searches said.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub(crate) struct Record {
+    /// Commit whose program made the longer searches: this one makes exhaustive searches over two values only.
+    pub program: String,
     /// What the stage `identify` computes.
     pub questions: Questions,
     /// Per table, the f that are compared.
@@ -20,7 +22,7 @@ pub struct Record {
 /// The f that are compared for one table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Alternatives {
+pub(crate) struct Alternatives {
     /// Number of the table.
     pub table: u8,
     /// Four decimals each, separated by `;`.
@@ -30,7 +32,7 @@ pub struct Alternatives {
 /// The same search under several readings of the method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SelectionRecord {
+pub(crate) struct SelectionRecord {
     /// The commands that make it, one per problem.
     pub commands: Vec<String>,
     /// Candidates per variant and problem.
@@ -42,7 +44,7 @@ pub struct SelectionRecord {
 /// The best a variant did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct VariantRecord {
+pub(crate) struct VariantRecord {
     /// The variant in words.
     pub name: String,
     /// Sum of the objectives of both problems.
@@ -54,7 +56,7 @@ pub struct VariantRecord {
 /// The best f for one problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BestRecord {
+pub(crate) struct BestRecord {
     /// Counts that come out.
     pub exact: usize,
     /// Misfit of the others.
@@ -68,7 +70,7 @@ pub struct BestRecord {
 /// One search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RunRecord {
+pub(crate) struct RunRecord {
     /// What was searched, in words.
     pub what: String,
     /// The command, unless it was made by a scratch program.
@@ -83,7 +85,7 @@ pub struct RunRecord {
 
 impl Record {
     /// The f that are compared for this table.
-    pub fn alternatives(&self, table: u8) -> &[String] {
+    pub(crate) fn alternatives(&self, table: u8) -> &[String] {
         self.problem.iter().find(|p| p.table == table).map_or(&[], |p| &p.alternatives)
     }
 }

@@ -2,9 +2,9 @@
 
 /// Steele, Lea and Flood's SplitMix64: a stream per item, whoever runs it.
 #[derive(Clone, Copy)]
-pub(crate) struct Random(u64);
+pub(crate) struct RandomNumbers(u64);
 
-impl Random {
+impl RandomNumbers {
     /// The stream numbered `stream` of this seed.
     pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut random = Self(seed ^ stream.wrapping_mul(0xd134_2543_de82_ef95));
