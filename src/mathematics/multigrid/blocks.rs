@@ -128,16 +128,19 @@ impl SlabBlock<'_> {
         let start = self.slabs.start;
         let [red, black] = &self.values;
         let own = (slab.s - start) * places..(slab.s - start + 1) * places;
+        // Local, so that the compiler keeps its fields in registers.
+        let ContactFlags { flags, first: first_node } = &mut self.contact;
+        let mut contact = ContactFlags { flags, first: *first_node };
         if let Boundary::Obstacle = boundary {
             for at in slab.rows::<D>() {
                 let black = &black[own.clone()][at.in_slab()];
                 for (m, node) in edges::<D>(at, Colour::Black) {
-                    self.contact.set(node, black[m] == 0.0);
+                    contact.set(node, black[m] == 0.0);
                 }
             }
         }
         let (red, target) = (&red[own], self.buffers.residuals(slab.s));
-        let mut report = ResidualReport { natural, contact: Some(&mut self.contact) };
+        let mut report = ResidualReport { natural, contact: Some(&mut contact) };
         for at in slab.rows::<D>() {
             let load = load[Colour::Red as usize];
             let row = StencilRow::new::<D>(at, Colour::Red, load, black, start);

@@ -168,6 +168,16 @@ pub(super) struct ResidualReport<'a, 'f> {
     pub(super) contact: Option<&'a mut ContactFlags<'f>>,
 }
 
+impl ResidualReport<'_, '_> {
+    #[inline(always)]
+    fn add(&mut self, node: BoundaryNode, residual: &BoundaryResidual) {
+        self.natural.put(residual.natural);
+        if let Some(contact) = &mut self.contact {
+            contact.set(node, residual.in_contact);
+        }
+    }
+}
+
 /// Load and neighbours of one row of one colour.
 #[derive(Clone, Copy)]
 pub(super) struct StencilRow<'a> {
@@ -218,13 +228,18 @@ impl<'a> StencilRow<'a> {
     #[inline(always)]
     pub(super) fn relax<D: Dimension>(self, boundary: Boundary, factor: f64, target: &mut [f64]) {
         if factor == 1.0 {
-            self.update_inside::<D>(target, |_, _, sum| inverse::<D>() * sum);
+            self.update::<D>(
+                target,
+                |_, _, sum| inverse::<D>() * sum,
+                |_, node, sum| boundary.relax::<D>(node, sum),
+            );
         } else {
             let (keep, take) = (1.0 - factor, inverse::<D>() * factor);
-            self.update_inside::<D>(target, |_, value, sum| keep * value + take * sum);
-        }
-        for (m, node) in edges::<D>(self.at, self.colour) {
-            target[m] = boundary.relax::<D>(node, self.edge_sum::<D>(m));
+            self.update::<D>(
+                target,
+                |_, value, sum| keep * value + take * sum,
+                |_, node, sum| boundary.relax::<D>(node, sum),
+            );
         }
     }
 
@@ -240,18 +255,17 @@ impl<'a> StencilRow<'a> {
     ) {
         let (half, coupling) = (self.at.n / 2, coupling::<D>(self.at.n));
         let inside = &values[..half];
-        self.update_inside::<D>(target, |m, _, sum| sum - diagonal::<D>() * inside[m]);
-        for (m, node) in edges::<D>(self.at, self.colour) {
-            let sum = self.edge_sum::<D>(m);
-            let residual = boundary.residual::<D>(node, coupling, values[m], sum);
-            if let Boundary::Obstacle = boundary {
-                report.natural.put(residual.natural);
-                if let Some(contact) = &mut report.contact {
-                    contact.set(node, residual.in_contact);
+        self.update::<D>(
+            target,
+            |m, _, sum| sum - diagonal::<D>() * inside[m],
+            |m, node, sum| {
+                let residual = boundary.residual::<D>(node, coupling, values[m], sum);
+                if let Boundary::Obstacle = boundary {
+                    report.add(node, &residual);
                 }
-            }
-            target[m] = residual.truncated;
-        }
+                residual.truncated
+            },
+        );
         if let Boundary::Obstacle = boundary
             && self.at.is_inner::<D>()
         {
@@ -265,16 +279,17 @@ impl<'a> StencilRow<'a> {
         }
     }
 
-    /// Replaces each value `t` of an inner row by `inner(m, t, sum)`, where `m` is its place and `sum` the load plus
-    /// the neighbours.
+    /// Replaces each value `t` of the row by `inside(m, t, sum)` inside and by `on_boundary(m, node, sum)` at boundary
+    /// nodes, where `m` is its place and `sum` the load plus the neighbours.
     ///
-    /// The loop covers the whole row, so that it is aligned. In a long row the first value is that of a boundary node
-    /// and must be replaced afterwards.
+    /// The first loop covers the whole row, so that it is aligned. In a long row the first value is that of a boundary
+    /// node, which the second loop replaces.
     #[inline(always)]
-    fn update_inside<D: Dimension>(
+    fn update<D: Dimension>(
         self,
         target: &mut [f64],
-        inner: impl Fn(usize, f64, f64) -> f64,
+        inside: impl Fn(usize, f64, f64) -> f64,
+        mut on_boundary: impl FnMut(usize, BoundaryNode, f64) -> f64,
     ) {
         let Self { at, colour, load, along, before, across } = self;
         if at.is_inner::<D>() {
@@ -282,7 +297,10 @@ impl<'a> StencilRow<'a> {
                 true => [before, along],
                 false => [along, &along[1..]],
             };
-            update_slice::<D>(&mut target[..at.n / 2], load, sides, across, inner);
+            update_slice::<D>(&mut target[..at.n / 2], load, sides, across, inside);
+        }
+        for (m, node) in edges::<D>(at, colour) {
+            target[m] = on_boundary(m, node, self.edge_sum::<D>(m));
         }
     }
 

@@ -110,6 +110,7 @@ impl CapacityField {
 }
 
 /// Sum of a field over a node of the finer grid and its neighbours, with weights 1, 1/2 and 1/4.
+#[inline(always)]
 fn weighted_sum(n: usize, field: &[f64], node: [usize; 3]) -> f64 {
     let [own, nearest, diagonal] = neighbour_sums(n, field, node);
     own + 0.5 * nearest + 0.25 * diagonal
