@@ -1,11 +1,11 @@
-//! `bench`: how long every solver takes on this machine; `--record` keeps it for the book.
+//! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
 use super::current_folder;
 use super::output::{OutputFile, columns, say, say_json, talk};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
-use crate::timing::measure::{Plan, TIMED, measure};
+use crate::timing::measure::{TIMED, TimingPlan, measure};
 use crate::timing::recorded::{self, Peer, Timings};
 use crate::timing::solver::Solver;
 use clap::{Args, ValueEnum};
@@ -47,29 +47,37 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
         )));
     }
     let solvers = if args.solver.is_empty() { Solver::value_variants() } else { &args.solver };
-    let plan = Plan { repeats, quick: args.quick, solvers: solvers.into(), finest };
-    // Before anything is measured: a project that is missing or spoilt would waste minutes.
-    let record = args.record.then(open_record).transpose()?;
+    let plan = TimingPlan { repeats, quick: args.quick, solvers: solvers.into(), finest };
+    // Before the measurement, because an error after it would waste minutes.
+    let record = args.record.then(RecordFile::open).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
-    if let Some((_, peers)) = &record {
-        timings.peer.clone_from(peers);
+    if let Some(record) = &record {
+        timings.peer.clone_from(&record.peers);
     }
     if args.json { say_json(&timings) } else { say(&text(&timings)) }?;
-    if let Some((file, _)) = record {
-        file.write(timings.to_toml().as_bytes())?;
+    if let Some(record) = record {
+        record.file.write(timings.to_toml().as_bytes())?;
         talk(&format!("wrote {}; `signorini` now builds the book with it", recorded::PATH));
     }
     Ok(0)
 }
 
-/// Where the record goes, and what of the old one is kept.
-fn open_record() -> Result<(OutputFile, Vec<Peer>)> {
-    let path = Project::find(&current_folder()?)?.join(recorded::PATH);
-    let peers = match read_if_there(&path)? {
-        Some(text) => Timings::parse(text)?.peer,
-        None => Vec::new(),
-    };
-    Ok((OutputFile::check(&path)?, peers))
+/// Record of times to be replaced.
+struct RecordFile {
+    file: OutputFile,
+    /// Part of the earlier record that is kept.
+    peers: Vec<Peer>,
+}
+
+impl RecordFile {
+    fn open() -> Result<Self> {
+        let path = Project::find(&current_folder()?)?.join(recorded::PATH);
+        let peers = match read_if_there(&path)? {
+            Some(text) => Timings::parse(text)?.peer,
+            None => Vec::new(),
+        };
+        Ok(Self { file: OutputFile::check(&path)?, peers })
+    }
 }
 
 fn text(timings: &Timings) -> String {
@@ -170,15 +178,17 @@ mod tests {
     #[test]
     fn a_table_without_lines_is_left_out() {
         let mut timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
-        let heads = |timings: &Timings| {
-            let text = text(timings);
-            ["ns/WU", "rel. KKT", "levels"].map(|head| text.contains(head))
-        };
         assert_eq!(heads(&timings), [true; 3]);
         timings.multigrid.clear();
         timings.solver.clear();
         assert_eq!(heads(&timings), [false, false, true]);
         timings.spectral.clear();
         assert_eq!(heads(&timings), [false; 3]);
+    }
+
+    /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.
+    fn heads(timings: &Timings) -> [bool; 3] {
+        let text = text(timings);
+        ["ns/WU", "rel. KKT", "levels"].map(|head| text.contains(head))
     }
 }

@@ -55,14 +55,14 @@ fn neighbours(k: usize) -> [Option<usize>; 4] {
 }
 
 /// Column and row of a raster cell.
-type Cell = (i64, i64);
+type RasterCell = (i64, i64);
 
-fn cell(k: usize) -> Cell {
+fn cell(k: usize) -> RasterCell {
     ((k % RASTER) as i64, (k / RASTER) as i64)
 }
 
 /// Returns the square of the distance of two cells.
-fn squared_distance((i, j): Cell, (p, q): Cell) -> i64 {
+fn squared_distance((i, j): RasterCell, (p, q): RasterCell) -> i64 {
     (i - p) * (i - p) + (j - q) * (j - q)
 }
 
@@ -87,7 +87,7 @@ pub(super) struct Disc {
 /// Distances are compared as squares of whole numbers of cells, because a label is in the exact middle only if equal
 /// distances compare equal.
 pub(super) fn widest(region: &[usize], values: &[f64]) -> Disc {
-    let edge: Vec<Cell> =
+    let edge: Vec<RasterCell> =
         region.iter().filter(|&&k| is_at_edge(k, values)).map(|&k| cell(k)).collect();
     let (mut greatest, mut candidates) = (0, Vec::new());
     for &k in region {
@@ -102,7 +102,7 @@ pub(super) fn widest(region: &[usize], values: &[f64]) -> Disc {
         }
     }
     let count = candidates.len() as i64;
-    let sum = candidates.iter().fold((0, 0), |sum: Cell, (i, j)| (sum.0 + i, sum.1 + j));
+    let sum = candidates.iter().fold((0, 0), |sum: RasterCell, (i, j)| (sum.0 + i, sum.1 + j));
     let mut nearest = (i64::MAX, (0, 0));
     for &(i, j) in &candidates {
         let distance = squared_distance((i * count, j * count), sum);

@@ -1,12 +1,12 @@
-//! The machine that the program runs on, as far as the system tells.
+//! Facts on the machine that runs the program, from the system.
 
 use super::recorded::Machine;
 use std::fs;
 
-/// The compiler that built the program.
+/// Compiler that built the program.
 pub const COMPILER: &str = env!("SIGNORINI_RUSTC");
 
-/// The value of `key` in one of the system's files of `key: value` or `key=value` lines.
+/// Returns the value of `key` in a file of the system with `key: value` or `key=value` lines.
 pub fn field(file: &str, key: &str) -> Option<String> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find(|line| line.starts_with(key))?;
@@ -14,56 +14,59 @@ pub fn field(file: &str, key: &str) -> Option<String> {
     Some(value.trim().trim_matches('"').to_owned())
 }
 
-/// What a fact is called that the system does not tell.
+/// Returns the word for a fact that the system does not tell.
 pub fn unknown() -> String {
     "unknown".into()
 }
 
-/// Model of the processor, as it calls itself.
+/// Returns the model of the processor, as it calls itself.
 pub fn processor() -> String {
     field("/proc/cpuinfo", "model name").unwrap_or_else(unknown)
 }
 
-/// Release of the kernel; empty if it is not told.
+/// Returns the release of the kernel; empty if the system does not tell it.
 pub fn kernel() -> String {
     let release = fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
     release.trim().to_owned()
 }
 
-/// Cores that this program may use.
+/// Number of cores that this program may use.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Bytes that this program may still allocate, as far as the system tells: what is free on the machine, in
-/// its control group, and below the limit of the process (`ulimit -v`).
+/// Number of bytes that this program may still allocate: the least of those free on the machine, in its control group,
+/// and below the limit of the process (`ulimit -v`); `None` if the system tells none of them.
 pub fn available_memory() -> Option<u64> {
     memory_left(|file| fs::read_to_string(file).ok())
 }
 
-/// The same, from the system's files.
+/// Returns the [`available_memory`] according to the system's files, which `read` reads.
 fn memory_left(read: impl Fn(&str) -> Option<String>) -> Option<u64> {
-    // The first number of the line that begins so.
-    let number = |file: &str, key: &str| -> Option<u64> {
-        let text = read(file)?;
-        let mut lines = text.lines().filter_map(|line| line.strip_prefix(key));
-        lines.next()?.split_whitespace().find_map(|word| word.parse().ok())
-    };
-    let free = number("/proc/meminfo", "MemAvailable:").map(|kilobytes| 1024 * kilobytes);
-    // Of what the group has, the system drops files that it caches before it runs out of memory.
-    let taken = number("/sys/fs/cgroup/memory.stat", "anon ").unwrap_or(0);
-    let in_group = number("/sys/fs/cgroup/memory.max", "").map(|most| most.saturating_sub(taken));
-    let used = number("/proc/self/status", "VmSize:").unwrap_or(0);
-    let space = number("/proc/self/limits", "Max address space");
-    let below_limit = space.map(|space| space.saturating_sub(1024 * used));
+    let free =
+        number_after("MemAvailable:", read("/proc/meminfo")).map(|kilobytes| 1024 * kilobytes);
+    // Files that the system caches count as free: the system drops them before it runs out of memory.
+    let taken = number_after("anon ", read("/sys/fs/cgroup/memory.stat")).unwrap_or(0);
+    let limit = number_after("", read("/sys/fs/cgroup/memory.max"));
+    let in_group = limit.map(|limit| limit.saturating_sub(taken));
+    let used = 1024 * number_after("VmSize:", read("/proc/self/status")).unwrap_or(0);
+    let limit = number_after("Max address space", read("/proc/self/limits"));
+    let below_limit = limit.map(|limit| limit.saturating_sub(used));
     [free, in_group, below_limit].into_iter().flatten().min()
 }
 
-/// Largest load average of a machine that measures undisturbed: half of one core.
+/// Returns the first number in the first line that begins with `key`.
+fn number_after(key: &str, text: Option<String>) -> Option<u64> {
+    let text = text?;
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    line.split_whitespace().find_map(|word| word.parse().ok())
+}
+
+/// Largest load average of an idle machine: half of one core.
 const IDLE: f64 = 0.5;
 
 impl Machine {
-    /// Warning that other programs take time from those that are measured, if the load average says so.
+    /// Returns a warning if the load average shows that other programs run.
     pub(crate) fn busy(&self) -> Option<String> {
         (self.load > IDLE).then(|| {
             format!(
@@ -73,7 +76,7 @@ impl Machine {
         })
     }
 
-    /// Asks the system; what it does not tell is called unknown.
+    /// Returns the facts that the system tells, and `unknown` for others.
     pub(crate) fn here(repeats: usize) -> Self {
         let load = fs::read_to_string("/proc/loadavg").ok();
         let load = load.and_then(|text| text.split(' ').next()?.parse().ok());
@@ -89,18 +92,15 @@ impl Machine {
     }
 }
 
-/// `L1d 48K, L2 2048K, L3 ...`, as the first core sees them.
+/// Returns the caches of the first core, such as `L1d 48K, L2 2048K`.
 fn caches() -> Option<String> {
     let mut found = Vec::new();
     for index in 0..8 {
-        let read = |what: &str| {
-            let path = format!("/sys/devices/system/cpu/cpu0/cache/index{index}/{what}");
-            fs::read_to_string(path).map(|text| text.trim().to_owned()).ok()
-        };
-        let (Some(level), Some(kind), Some(size)) = (read("level"), read("type"), read("size"))
-        else {
-            break;
-        };
+        let [level, kind, size] = ["level", "type", "size"].map(|fact| {
+            let path = format!("/sys/devices/system/cpu/cpu0/cache/index{index}/{fact}");
+            Some(fs::read_to_string(path).ok()?.trim().to_owned())
+        });
+        let (Some(level), Some(kind), Some(size)) = (level, kind, size) else { break };
         match kind.as_str() {
             "Instruction" => {}
             "Data" => found.push(format!("L{level}d {size}")),
@@ -116,10 +116,11 @@ mod tests {
 
     #[test]
     fn a_busy_machine_is_said_to_be_busy() {
-        let here = Machine::here(1);
-        let busy = |load| Machine { load, ..here.clone() }.busy();
-        assert_eq!(busy(0.2), None);
-        assert!(busy(4.58).unwrap().contains("load average 4.58"));
+        let mut here = Machine::here(1);
+        here.load = 0.2;
+        assert_eq!(here.busy(), None);
+        here.load = 4.58;
+        assert!(here.busy().unwrap().contains("load average 4.58"));
     }
 
     /// Memory left on a machine with 8000 KiB free, whose other files are these.
@@ -146,16 +147,18 @@ mod tests {
         assert_eq!(left(&[(max, "900000000\n"), stat]), free);
         let status =
             ("/proc/self/status", "Name:\tsignorini\nVmPeak:\t9999 kB\nVmSize:\t1000 kB\n");
-        let limits = |space| {
-            format!(
-                "Limit                     Soft Limit           Hard Limit           Units     \n\
-                 Max stack size            8388608              unlimited            bytes     \n\
-                 Max address space         {space}              unlimited            bytes     \n"
-            )
-        };
         assert_eq!(left(&[("/proc/self/limits", &limits("3024000")), status]), Some(2_000_000));
         assert_eq!(left(&[("/proc/self/limits", &limits("1000")), status]), Some(0));
         assert_eq!(left(&[("/proc/self/limits", &limits("unlimited")), status]), free);
         assert_eq!(memory_left(|_| None), None);
+    }
+
+    /// Limits of a process with this address space, as Linux writes them.
+    fn limits(space: &str) -> String {
+        format!(
+            "Limit                     Soft Limit           Hard Limit           Units     \n\
+             Max stack size            8388608              unlimited            bytes     \n\
+             Max address space         {space}              unlimited            bytes     \n"
+        )
     }
 }

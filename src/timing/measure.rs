@@ -1,8 +1,8 @@
 //! Run times of every solver: medians with their noise, never part of any test or artifact.
 //!
-//! All that can be is made ready before the clock starts: load vectors, and for [`Scaling`] the workspace
-//! too. Saddle-point methods check the optimality conditions after every eighth of the sweeps made so
-//! far; these checks are part of their time.
+//! Load vectors, and for [`Scaling`] the workspace too, are made before the clock starts. Saddle-point methods check the
+//! optimality conditions after every eighth of the sweeps made so far; these checks are part of their time.
+//! Central is [`measure`].
 
 mod goals;
 
@@ -26,22 +26,22 @@ use crate::timing::solver::Solver;
 use goals::goals;
 use std::time::Instant;
 
-/// What to measure.
+/// Measurements to make.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct TimingPlan {
     /// Runs per median; fewer where a run takes long.
     pub repeats: usize,
-    /// Coarse grids and little data: to see that it works, not to record.
+    /// Coarse grids and little data, to see that everything works, not to record.
     pub quick: bool,
-    /// The solvers to time.
+    /// Solvers to time.
     pub solvers: Vec<Solver>,
     /// Cells per side of the finest grid: a power of two.
     pub finest: usize,
 }
 
-/// The problem on which multigrid is timed.
+/// Problem on which multigrid is timed.
 pub const TIMED: Exact = Exact::FreeCorner;
-/// The problems with a formula for the solution that have a part of the boundary to find.
+/// Problems with a formula for the solution and a contact set that is not the whole boundary.
 const FORMULAS: [Exact; 2] = [Exact::FreeSegment, TIMED];
 /// Seconds that a single run may take by extrapolation from the coarser grid.
 const LONGEST: f64 = 4.0;
@@ -49,68 +49,96 @@ const LONGEST: f64 = 4.0;
 const BUDGET: f64 = 2.0;
 /// A measurement shorter than this repeats the run until it is as long.
 const SHORTEST: f64 = 1e-3;
-/// Nodes and levels of the spectral solver, from three digits to all; the last is the reference.
+/// Resolutions (nodes, levels) of the spectral solver, from three digits to all; the last is the reference.
 const RESOLUTIONS: [(usize, u32); 8] =
     [(6, 2), (8, 3), (10, 3), (12, 4), (14, 5), (16, 6), (20, 8), (24, 9)];
 
-/// Measures; `say` is told what comes next, once per solver, problem and grid.
+/// Measures run times; `say` gets the name of the next measurement, once per solver, problem and grid.
+///
+/// 1. Memory bandwidth.
+/// 2. One sweep of Arrow-Hurwicz.
+/// 3. Multigrid from grid to grid, with one thread and with two.
+/// 4. Every solver on grids, on every problem and grid, to each of its goals.
+/// 5. The spectral solver at every resolution.
+///
+/// Easily broken: a time includes everything that its run does, so that allocation, loads and checks have to be on the
+/// side of the clock on which the field of [`Timings`] says that they are.
 ///
 /// # Errors
 /// A sentence if a solver fails.
-pub fn measure(plan: &Plan, mut say: impl FnMut(&str)) -> Result<Timings, String> {
+pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, String> {
     let machine = Machine::here(plan.repeats);
     if let Some(warning) = machine.busy() {
         say(&warning);
     }
     say("memory bandwidth");
     let bandwidth = bandwidth::bandwidth(if plan.quick { 1 << 20 } else { 1 << 25 }, 5);
-    let wanted = |solver| plan.solvers.contains(&solver);
-    let sweep = wanted(Solver::ArrowHurwicz).then(|| {
+    let mut sweep = None;
+    if plan.has(Solver::ArrowHurwicz) {
         say("sweep of Arrow-Hurwicz");
-        sweep(plan)
-    });
-    let multigrid = match wanted(Solver::Multigrid) {
-        true => scaling(plan, &mut say)?,
-        false => Vec::new(),
-    };
+        sweep = Some(time_sweep(plan));
+    }
+    let mut multigrid = Vec::new();
+    if plan.has(Solver::Multigrid) {
+        multigrid = scaling(plan, &mut say)?;
+    }
     let mut solver = Vec::new();
-    for Case { name: problem, levels, paper } in cases(plan)? {
-        for one in Solver::ON_GRIDS.into_iter().filter(|&one| wanted(one)) {
-            solver.extend(reached(one, &problem, &levels, plan, &mut say)?);
+    for case in cases(plan)? {
+        for one in Solver::ON_GRIDS.into_iter().filter(|&one| plan.has(one)) {
+            solver.extend(reached(one, &case, plan, &mut say)?);
         }
-        if let Some(f) = paper.filter(|_| wanted(Solver::ArrowHurwicz)) {
-            say(&format!("{}, {problem}, {PUBLISHED}", Solver::ArrowHurwicz));
-            solver.push(published(&problem, f, &levels, plan)?);
+        if let Some(f) = case.paper.filter(|_| plan.has(Solver::ArrowHurwicz)) {
+            say(&format!("{}, {}, {PUBLISHED}", Solver::ArrowHurwicz, case.name));
+            solver.push(published(&case, f, plan)?);
         }
     }
     let mut spectral = Vec::new();
-    for (name, f) in PAPER.into_iter().chain(CONTACT).filter(|_| wanted(Solver::Spectral)) {
-        say(&format!("{}, {name}", Solver::Spectral));
-        spectral.extend(resolved(name, f, plan)?);
+    if plan.has(Solver::Spectral) {
+        for (name, f) in PAPER.into_iter().chain(CONTACT) {
+            say(&format!("{}, {name}", Solver::Spectral));
+            spectral.extend(resolved(name, f, plan)?);
+        }
     }
     let peer = Vec::new();
     Ok(Timings { schema: SCHEMA, machine, bandwidth, sweep, multigrid, solver, spectral, peer })
 }
 
-/// Median and spread of the time of `run` in seconds, after one run that does not count.
-fn time(repeats: usize, mut run: impl FnMut()) -> (f64, f64) {
-    let mut once = |times: usize| {
-        let start = Instant::now();
-        (0..times).for_each(|_| run());
-        start.elapsed().as_secs_f64() / times as f64
-    };
-    let first = once(1);
+impl TimingPlan {
+    fn has(&self, solver: Solver) -> bool {
+        self.solvers.contains(&solver)
+    }
+}
+
+/// Median of some times.
+struct MedianTime {
+    seconds: f64,
+    /// Distance of the quartiles over the median.
+    spread: f64,
+}
+
+/// Times `run`, after one run that does not count.
+fn time(repeats: usize, mut run: impl FnMut()) -> MedianTime {
+    let first = seconds_per_run(1, &mut run);
     let times = ((SHORTEST / first).ceil() as usize).max(1);
     let mut seconds = Vec::new();
     while seconds.len() < repeats && (seconds.len() < 3 || seconds.iter().sum::<f64>() < BUDGET) {
-        seconds.push(once(times));
+        seconds.push(seconds_per_run(times, &mut run));
     }
     seconds.sort_by(f64::total_cmp);
-    let quantile = |quarters: usize| seconds[quarters * (seconds.len() - 1) / 4];
-    (quantile(2), (quantile(3) - quantile(1)) / quantile(2))
+    let [first, median, third] = [1, 2, 3].map(|k| seconds[k * (seconds.len() - 1) / 4]);
+    MedianTime { seconds: median, spread: (third - first) / median }
 }
 
-fn sweep(plan: &Plan) -> Sweep {
+/// Returns the mean time of a number of runs.
+fn seconds_per_run(times: usize, run: &mut impl FnMut()) -> f64 {
+    let start = Instant::now();
+    for _ in 0..times {
+        run();
+    }
+    start.elapsed().as_secs_f64() / times as f64
+}
+
+fn time_sweep(plan: &TimingPlan) -> Sweep {
     const CELLS: usize = 64;
     const ITERATIONS: usize = 2000;
     let grid = Grid::new(CELLS).expect("fine enough");
@@ -122,13 +150,14 @@ fn sweep(plan: &Plan) -> Sweep {
         max_iterations: ITERATIONS,
         ..Params::default()
     };
-    let (seconds, spread) = time(plan.repeats, || {
+    let MedianTime { seconds, spread } = time(plan.repeats, || {
         arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid));
     });
     Sweep { cells: CELLS, ns: 1e9 * seconds / (ITERATIONS * grid.nodes()) as f64, spread }
 }
 
-fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, String> {
+/// Times multigrid on all grids from 1/32 on, with one thread and with two, to both goals.
+fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, String> {
     let threads: Vec<usize> =
         if crate::timing::machine::cores() > 1 { vec![1, 2] } else { vec![1] };
     let mut measured = Vec::new();
@@ -143,16 +172,12 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
             let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
             for goal in Goal::ALL {
                 let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
-                // What a caller waits for: the solution in the order of the load.
-                let mut solve = || {
-                    let outcome = workspace.solve(&load, None, &params);
-                    workspace.write_solution(&mut y);
-                    outcome
-                };
-                let outcome = solve().map_err(|e| e.to_string())?;
-                let (seconds, spread) = pool.install(|| {
+                let outcome = workspace.solve(&load, None, &params).map_err(|e| e.to_string())?;
+                let MedianTime { seconds, spread } = pool.install(|| {
                     time(plan.repeats, || {
-                        let _ = solve();
+                        let _ = workspace.solve(&load, None, &params);
+                        // A caller waits for the solution in the order of the load.
+                        workspace.write_solution(&mut y);
                     })
                 });
                 let bytes = workspace.bytes() as f64 / grid.nodes() as f64;
@@ -166,34 +191,45 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
     Ok(measured)
 }
 
-struct Case {
+/// Problem on which solvers are timed.
+struct TimedProblem {
     name: String,
     levels: Vec<OnGrid>,
-    /// f, if it is the paper's.
+    /// f, if the problem is one of the paper's.
     paper: Option<&'static str>,
 }
 
-/// The paper's problems and those that test contact, judged by the energy; then those with a formula.
-fn cases(plan: &Plan) -> Result<Vec<Case>, String> {
+impl TimedProblem {
+    fn new(
+        known: &KnownSolution,
+        grids: &[Grid],
+        paper: Option<&'static str>,
+    ) -> Result<Self, String> {
+        let levels = grids.iter().map(|&grid| OnGrid::new(known, grid));
+        Ok(Self { name: known.name().into(), levels: levels.collect::<Result<_, _>>()?, paper })
+    }
+}
+
+/// Returns the paper's problems and those that test contact, judged by the energy; then those with a formula.
+fn cases(plan: &TimingPlan) -> Result<Vec<TimedProblem>, String> {
     let finest = plan.finest.min(if plan.quick { 32 } else { 1024 });
     let grids = (3..).map(|level| 1 << level).take_while(|n| *n <= finest);
     let grids: Vec<Grid> =
         grids.map(Grid::new).collect::<Result<_, _>>().map_err(|e| e.to_string())?;
     let skipped = usize::from(plan.quick);
-    let paper = PAPER.into_iter().skip(skipped).map(|(name, f)| (name, f, Some(f)));
-    let contact = CONTACT.into_iter().skip(skipped).map(|(name, f)| (name, f, None));
-    let mut known = Vec::new();
-    for (name, f, paper) in paper.chain(contact) {
-        known.push((KnownSolution::spectral(name, f, spectral::Params::FINER)?, paper));
+    let mut cases = Vec::new();
+    for (name, f) in PAPER.into_iter().skip(skipped) {
+        let known = KnownSolution::spectral(name, f, spectral::Params::FINER)?;
+        cases.push(TimedProblem::new(&known, &grids, Some(f))?);
     }
-    let formulas = FORMULAS.into_iter().skip(skipped);
-    known.extend(formulas.map(|exact| (KnownSolution::Formula(exact), None)));
-    let case = |(known, paper): &(KnownSolution, Option<&'static str>)| {
-        let levels =
-            grids.iter().map(|&grid| OnGrid::new(known, grid)).collect::<Result<_, _>>()?;
-        Ok(Case { name: known.name().into(), levels, paper: *paper })
-    };
-    known.iter().map(case).collect()
+    for (name, f) in CONTACT.into_iter().skip(skipped) {
+        let known = KnownSolution::spectral(name, f, spectral::Params::FINER)?;
+        cases.push(TimedProblem::new(&known, &grids, None)?);
+    }
+    for exact in FORMULAS.into_iter().skip(skipped) {
+        cases.push(TimedProblem::new(&KnownSolution::Formula(exact), &grids, None)?);
+    }
+    Ok(cases)
 }
 
 fn source(f: &str) -> Result<Source, String> {
@@ -205,91 +241,91 @@ fn true_energy(f: &str, (nodes, levels): (usize, u32)) -> Result<f64, String> {
     Ok(solution.map_err(|e| format!("{f}: {e}"))?.energy)
 }
 
-/// The spectral solver at all resolutions but the reference, as far as they give an answer.
-fn resolved(problem: &str, f: &str, plan: &Plan) -> Result<Vec<Spectral>, String> {
+/// Times the spectral solver at all resolutions but the reference that give an answer.
+fn resolved(problem: &str, f: &str, plan: &TimingPlan) -> Result<Vec<Spectral>, String> {
     let [resolutions @ .., finest] = RESOLUTIONS;
     let reference = true_energy(f, finest)?;
-    // A resolution whose answer fails the solver's own checks is left out.
-    let line = |resolution: (usize, u32)| {
-        let energy = true_energy(f, resolution).ok()?;
-        let (seconds, spread) = time(plan.repeats, || {
+    let mut measured = Vec::new();
+    for resolution in resolutions {
+        // A resolution whose answer fails the solver's own checks is left out.
+        let Ok(energy) = true_energy(f, resolution) else { continue };
+        let MedianTime { seconds, spread } = time(plan.repeats, || {
             let _ = true_energy(f, resolution);
         });
         let error = (energy / reference - 1.0).abs().max(f64::EPSILON);
-        let (nodes, levels) = resolution;
-        Some(Spectral { problem: problem.into(), nodes, levels, error, seconds, spread })
-    };
-    Ok(resolutions.into_iter().filter_map(line).collect())
+        let ((nodes, levels), problem) = (resolution, problem.into());
+        measured.push(Spectral { problem, nodes, levels, error, seconds, spread });
+    }
+    Ok(measured)
 }
 
-/// The paper's method as in its tables, r = 10, on the finest of its grids that is there.
-fn published(problem: &str, f: &str, levels: &[OnGrid], plan: &Plan) -> Result<Reached, String> {
+/// Times the paper's method as in its tables, r = 10, on the finest of its grids that exists here.
+fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached, String> {
     let f = source(f)?;
-    let last = levels.iter().rev().find(|level| level.grid.cells() <= 64);
+    let last = case.levels.iter().rev().find(|level| level.grid.cells() <= 64);
     let level = last.ok_or("no grid for the published stop")?;
     let cells: Vec<usize> =
         (2..).map(|level| 1 << level).take_while(|n| *n <= level.grid.cells()).collect();
     let grids = nested(&cells).map_err(|e| e.to_string())?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
     let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };
-    let solve = || solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ()).1;
-    let y = solve().y;
-    let median = time(plan.repeats, || {
-        solve();
+    let (_, Pair { y, .. }) =
+        solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
+    let MedianTime { seconds, spread } = time(plan.repeats, || {
+        solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
     });
-    Ok(Reached::new([problem, PUBLISHED], Solver::ArrowHurwicz, level, &y, median))
+    Ok(Reached {
+        solver: Solver::ArrowHurwicz,
+        problem: case.name.clone(),
+        cells: level.grid.cells(),
+        goal: PUBLISHED.into(),
+        error: level.error(&y),
+        discretisation: level.discretisation,
+        kkt: kkt(level.grid, &y, &level.load).relative,
+        seconds,
+        spread,
+    })
 }
 
-impl Reached {
-    /// What this solver made of a problem on a grid, up to a goal, and its median time with the spread.
-    fn new(
-        [problem, goal]: [&str; 2],
-        solver: Solver,
-        level: &OnGrid,
-        y: &[f64],
-        (seconds, spread): (f64, f64),
-    ) -> Self {
-        Self {
-            solver,
-            problem: problem.into(),
-            cells: level.grid.cells(),
-            goal: goal.into(),
-            error: level.error(y),
-            discretisation: level.discretisation,
-            kkt: kkt(level.grid, y, &level.load).relative,
-            seconds,
-            spread,
-        }
-    }
-}
-
-/// One solver on all grids from 1/16 on, for all its goals.
+/// Times one solver on all grids from 1/16 on, to all its goals.
 fn reached(
     solver: Solver,
-    problem: &str,
-    levels: &[OnGrid],
-    plan: &Plan,
+    case: &TimedProblem,
+    plan: &TimingPlan,
     say: &mut impl FnMut(&str),
 ) -> Result<Vec<Reached>, String> {
+    let problem = &case.name;
     let goals = goals(solver);
     let mut before = vec![0.0; goals.len()];
     let mut measured = Vec::new();
-    for k in 2..=levels.len() {
+    for k in 2..=case.levels.len() {
+        let levels = &case.levels[..k];
         let level = &levels[k - 1];
         let cells = level.grid.cells();
         say(&format!("{solver}, {problem}, h = 1/{cells}"));
-        for (g, (goal, growth, solve)) in goals.iter().enumerate() {
-            if growth * before[g] > LONGEST {
+        for (goal, before) in goals.iter().zip(&mut before) {
+            if goal.growth() * *before > LONGEST {
                 continue;
             }
-            let y = solve(&levels[..k]).ok_or_else(|| {
-                format!("{solver} does not reach {goal} on {problem}, h = 1/{cells}")
+            let name = goal.in_words();
+            let y = goal.solve(levels).ok_or_else(|| {
+                format!("{solver} does not reach {name} on {problem}, h = 1/{cells}")
             })?;
-            let median = time(plan.repeats, || {
-                solve(&levels[..k]);
+            let MedianTime { seconds, spread } = time(plan.repeats, || {
+                goal.solve(levels);
             });
-            before[g] = median.0;
-            measured.push(Reached::new([problem, goal], solver, level, &y, median));
+            *before = seconds;
+            measured.push(Reached {
+                solver,
+                problem: problem.clone(),
+                cells,
+                goal: name,
+                error: level.error(&y),
+                discretisation: level.discretisation,
+                kkt: kkt(level.grid, &y, &level.load).relative,
+                seconds,
+                spread,
+            });
         }
     }
     Ok(measured)

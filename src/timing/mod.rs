@@ -1,4 +1,4 @@
-//! Run times of the solvers, and the machine they were measured on.
+//! Run times of the solvers, and the machine on which they were measured.
 
 mod bandwidth;
 pub mod machine;
@@ -9,7 +9,7 @@ pub mod solver;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// The time since this was first asked for.
+/// Returns the time since the first call.
 pub fn clock() -> Duration {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed()

@@ -1,4 +1,4 @@
-//! `pipeline/timings.toml`: what `signorini bench --record` measured, on which machine, how noisily.
+//! `pipeline/timings.toml`: the times that `signorini bench --record` measured, with their noise, and the machine.
 
 use crate::experiments::work::REACHED;
 use crate::multigrid;
@@ -7,20 +7,20 @@ use crate::timing::solver::Solver;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
-/// Path in the project.
+/// Path of the record in the project.
 pub const PATH: &str = "pipeline/timings.toml";
 /// Version of the format.
 pub const SCHEMA: u8 = 1;
 
-/// Measured times. Every one is a median; its `spread` is the distance of the quartiles over it.
+/// Measured times. Every time is a median; its `spread` is the distance of the quartiles over the median.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timings {
     /// Version of the format, [`SCHEMA`].
     pub schema: u8,
-    /// Where it was measured.
+    /// Machine on which the times were measured.
     pub machine: Machine,
-    /// What its memory can do.
+    /// Bandwidth of the machine's memory.
     pub bandwidth: Bandwidth,
     /// The sweep of the paper's method.
     pub sweep: Option<Sweep>,
@@ -30,15 +30,15 @@ pub struct Timings {
     /// All solvers that use a grid, on problems with known solutions, the paper's first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solver: Vec<Reached>,
-    /// The spectral solver on those whose f is piecewise constant, resolution by resolution.
+    /// The spectral solver on the problems with piecewise constant f, resolution by resolution.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spectral: Vec<Spectral>,
-    /// Other people's solvers beside ours; entered by hand, kept by `bench --record`.
+    /// Solvers of others beside ours; entered by hand, kept by `bench --record`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peer: Vec<Peer>,
 }
 
-/// A machine and its state.
+/// Machine and its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
@@ -46,15 +46,15 @@ pub struct Machine {
     pub cpu: String,
     /// Cores that the program may use.
     pub cores: usize,
-    /// Its caches, as the system describes them.
+    /// Caches, in the words of the system.
     pub caches: String,
     /// Operating system and release.
     pub os: String,
     /// Compiler that built the program.
     pub rustc: String,
-    /// Load average of the last minute when it began: on an idle machine well below one.
+    /// Load average of the minute before the measurement: well below one on an idle machine.
     pub load: f64,
-    /// Runs per median, where they are short.
+    /// Number of short runs per median.
     pub repeats: usize,
 }
 
@@ -92,9 +92,9 @@ pub struct Sweep {
 pub struct Scaling {
     /// Cells per side.
     pub cells: usize,
-    /// Threads it could use.
+    /// Number of threads that multigrid could use.
     pub threads: usize,
-    /// What it was to reach.
+    /// Goal of multigrid.
     pub goal: Goal,
     /// Cost in sweeps of the finest grid.
     #[serde(deserialize_with = "positive")]
@@ -105,7 +105,7 @@ pub struct Scaling {
     /// Bytes moved per unknown, each pass reading and writing each row once.
     #[serde(deserialize_with = "positive")]
     pub traffic: f64,
-    /// Median time, workspace and load vector being there.
+    /// Median time, without that for the workspace and the load vector.
     #[serde(deserialize_with = "positive")]
     pub seconds: f64,
     /// Noise.
@@ -113,23 +113,23 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// Nodes of the grid.
+    /// Number of nodes of the grid.
     pub fn unknowns(&self) -> usize {
         nodes(self.cells)
     }
 
-    /// Nanoseconds per unknown.
+    /// Returns the nanoseconds per unknown.
     pub fn ns(&self) -> f64 {
         ns_per_node(self.cells, self.seconds)
     }
 }
 
-/// Nodes of the grid with so many cells per side.
+/// Number of nodes of the grid with this number of cells per side.
 pub fn nodes(cells: usize) -> usize {
     (cells + 1) * (cells + 1)
 }
 
-/// Nanoseconds per node of a run of `seconds` on the grid with so many cells per side.
+/// Returns the nanoseconds per node of a run of `seconds` on the grid with this number of cells per side.
 pub fn ns_per_node(cells: usize, seconds: f64) -> f64 {
     1e9 * seconds / nodes(cells) as f64
 }
@@ -140,15 +140,15 @@ pub fn ns_per_node(cells: usize, seconds: f64) -> f64 {
 pub enum Goal {
     /// An algebraic error of at most a tenth of the discretisation error in the energy norm.
     Discretisation,
-    /// As far as double precision goes.
+    /// The smallest residual in double precision.
     Floor,
 }
 
 impl Goal {
-    /// Both, the nearer first.
+    /// Both goals, that of a larger residual first.
     pub const ALL: [Self; 2] = [Self::Discretisation, Self::Floor];
 
-    /// Its name in words.
+    /// Returns the name in words.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Discretisation => "discretisation error",
@@ -156,7 +156,7 @@ impl Goal {
         }
     }
 
-    /// What multigrid is told.
+    /// Returns the goal in the form that multigrid takes.
     pub fn asked(self) -> multigrid::Goal {
         match self {
             Self::Discretisation => multigrid::Goal::DiscretisationError,
@@ -175,18 +175,17 @@ pub struct Reached {
     pub problem: String,
     /// Cells per side.
     pub cells: usize,
-    /// What it was to reach, in words.
+    /// Goal of the solver, in words.
     pub goal: String,
-    /// Error against the known solution, in the discrete L2 norm; where it has no formula, of the energy,
-    /// relative.
+    /// Error against the known solution, in the discrete L2 norm; if it has no formula, relative error of the energy.
     #[serde(deserialize_with = "positive")]
     pub error: f64,
-    /// That of the discrete solution.
+    /// Error of the discrete solution, measured likewise.
     #[serde(deserialize_with = "positive")]
     pub discretisation: f64,
     /// Natural residual over the largest component of the load.
     pub kkt: f64,
-    /// Median time, load vectors being there.
+    /// Median time, without that for the load vectors.
     #[serde(deserialize_with = "positive")]
     pub seconds: f64,
     /// Noise.
@@ -201,7 +200,7 @@ pub struct Spectral {
     pub problem: String,
     /// Gauss nodes of a panel.
     pub nodes: usize,
-    /// Panels that get shorter towards corners and jumps of f.
+    /// Number of panels that get shorter towards corners and jumps of f.
     pub levels: u32,
     /// Error of the energy against a finer resolution, relative; at least one rounding.
     #[serde(deserialize_with = "positive")]
@@ -213,7 +212,7 @@ pub struct Spectral {
     pub spread: f64,
 }
 
-/// Another solver on one grid, measured by a script of `benches/peers`.
+/// Solver of others on one grid, measured by a script of `benches/peers`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Peer {
@@ -223,27 +222,27 @@ pub struct Peer {
     pub f: String,
     /// Cells per side.
     pub cells: usize,
-    /// Its time in microseconds per unknown, one thread.
+    /// Time of the other solver in microseconds per unknown, one thread.
     #[serde(deserialize_with = "positive")]
     pub theirs: f64,
-    /// Relative natural residual that it reached.
+    /// Relative natural residual that the other solver reached.
     #[serde(deserialize_with = "positive")]
     pub their_kkt: f64,
-    /// Multigrid's time for the same, in the same run, one thread.
+    /// Time of multigrid in microseconds per unknown for the same problem, in the same run, one thread.
     #[serde(deserialize_with = "positive")]
     pub ours: f64,
-    /// Relative natural residual that it reached.
+    /// Relative natural residual that multigrid reached.
     #[serde(deserialize_with = "positive")]
     pub our_kkt: f64,
-    /// Whether both are timed from f to the solution vector, with memory, load vector and matrix.
+    /// True if both times are those from f to the solution vector, with memory, load vector and matrix.
     #[serde(default)]
     pub whole: bool,
 }
 
-/// The goal of a run under the stopping rule of the published tables.
+/// Goal of a run under the stopping rule of the published tables.
 pub const PUBLISHED: &str = "published stop";
 
-/// Per grid, the least time in which the error came down to that of the discretisation.
+/// Returns, per grid, the least time in which the error came down to that of the discretisation.
 pub fn to_discretisation(lines: &[&Reached]) -> BTreeMap<usize, f64> {
     let mut least = BTreeMap::new();
     for line in lines.iter().filter(|line| line.error <= REACHED * line.discretisation) {
@@ -253,7 +252,7 @@ pub fn to_discretisation(lines: &[&Reached]) -> BTreeMap<usize, f64> {
     least
 }
 
-/// A number that a median or a norm can be.
+/// Reads a positive number, as medians and norms are.
 fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f64, D::Error> {
     let x = f64::deserialize(deserializer)?;
     match x > 0.0 && x.is_finite() {
@@ -284,7 +283,7 @@ impl Timings {
         Ok(timings)
     }
 
-    /// The text of the record.
+    /// Returns the text of the record.
     pub fn to_toml(&self) -> String {
         HEADER.to_owned() + &toml::to_string(self).expect("plain data")
     }

@@ -1,4 +1,4 @@
-//! To what each solver is run, and how.
+//! Goals to which each solver is timed.
 
 use crate::discrete::kkt::kkt;
 use crate::discrete::transfer::Prolongation;
@@ -13,59 +13,75 @@ use crate::timing::solver::Solver;
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
-/// The cap is out of reach: a series ends long before, when a run takes too long.
+/// Checks of a saddle-point method; its limit is never reached, because a series ends when a run takes too long.
 const CHECKS: Checks = Checks { share: 8, cap: 1_000_000_000 };
 
-/// A solver to one goal on the last of some nested grids; the result, or nothing if it fails.
-pub(super) type Solve = Box<dyn Fn(&[OnGrid]) -> Option<Vec<f64>>>;
+/// Goal to which a solver is timed.
+pub(super) enum TimedGoal {
+    /// A saddle-point method to this relative natural residual.
+    Saddle(Method, f64),
+    /// The active-set method until its contact set does not change.
+    ActiveSet,
+    /// Multigrid.
+    Multigrid(Goal),
+}
 
-/// The goals of a solver on grids: name, growth of the time from grid to grid, and how to get there.
-pub(super) fn goals(solver: Solver) -> Vec<(String, f64, Solve)> {
-    let saddle = |method: Method| {
-        let to = |target: f64| -> (String, f64, Solve) {
-            let solve = move |levels: &[OnGrid]| over_grids(method, target, levels);
-            (format!("relative KKT {target:e}"), 16.0, Box::new(solve))
-        };
-        TARGETS.map(to).into_iter().collect()
+/// Returns the goals of a solver on grids.
+pub(super) fn goals(solver: Solver) -> Vec<TimedGoal> {
+    let method = match solver {
+        Solver::ArrowHurwicz => Method::ArrowHurwicz,
+        Solver::Uzawa => loose_uzawa(0.0),
+        Solver::UzawaProximal => loose_uzawa(1.0),
+        Solver::ActiveSet => return vec![TimedGoal::ActiveSet],
+        Solver::Multigrid => return Goal::ALL.map(TimedGoal::Multigrid).into(),
+        Solver::Spectral => return Vec::new(),
     };
-    match solver {
-        Solver::ArrowHurwicz => saddle(Method::ArrowHurwicz),
-        Solver::Uzawa => saddle(loose_uzawa(0.0)),
-        Solver::UzawaProximal => saddle(loose_uzawa(1.0)),
-        Solver::ActiveSet => vec![(
-            "contact set at rest".into(),
-            16.0,
-            Box::new(|levels: &[OnGrid]| {
-                let fits = |level: &&OnGrid| level.grid.cells() <= MOST_ON_SQUARE;
-                let OnGrid { grid, load, .. } = levels.last().filter(fits)?;
-                Some(active_set::<Square>(grid.cells(), load).ok()?.0)
-            }),
-        )],
-        Solver::Multigrid => {
-            let to = |goal: Goal| -> (String, f64, Solve) {
-                let solve = move |levels: &[OnGrid]| {
-                    let OnGrid { grid, load, .. } = levels.last()?;
-                    let params =
-                        MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
-                    Some(multigrid::solve_square(grid.cells(), load, None, &params).ok()?.0)
-                };
-                (goal.in_words().into(), 4.0, Box::new(solve))
-            };
-            Goal::ALL.map(to).into()
+    TARGETS.map(|target| TimedGoal::Saddle(method, target)).into()
+}
+
+impl TimedGoal {
+    /// Returns the name in words.
+    pub(super) fn in_words(&self) -> String {
+        match self {
+            Self::Saddle(_, target) => format!("relative KKT {target:e}"),
+            Self::ActiveSet => "contact set at rest".into(),
+            Self::Multigrid(goal) => goal.in_words().into(),
         }
-        Solver::Spectral => Vec::new(),
+    }
+
+    /// Growth of the time from one grid to the next, as expected.
+    pub(super) fn growth(&self) -> f64 {
+        match self {
+            Self::Saddle(..) | Self::ActiveSet => 16.0,
+            Self::Multigrid(_) => 4.0,
+        }
+    }
+
+    /// Solves to this goal on the last of some nested grids; `None` if the solver fails.
+    pub(super) fn solve(&self, levels: &[OnGrid]) -> Option<Vec<f64>> {
+        let OnGrid { grid, load, .. } = levels.last()?;
+        match *self {
+            Self::Saddle(method, target) => over_grids(method, target, levels),
+            Self::ActiveSet if grid.cells() > MOST_ON_SQUARE => None,
+            Self::ActiveSet => Some(active_set::<Square>(grid.cells(), load).ok()?.0),
+            Self::Multigrid(goal) => {
+                let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
+                Some(multigrid::solve_square(grid.cells(), load, None, &params).ok()?.0)
+            }
+        }
     }
 }
 
-/// A saddle-point method from zero over the nested grids, each left when the target is met.
+/// Runs a saddle-point method from zero over the nested grids, on each until the target is met.
 fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
     let mut pair = Pair::zero(levels[0].grid);
     for (k, OnGrid { grid, load, .. }) in levels.iter().enumerate() {
         if k > 0 {
             pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
-        let done = |_, pair: &Pair| kkt(*grid, &pair.y, load).relative <= target;
-        sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, done)?;
+        sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, |_, pair| {
+            kkt(*grid, &pair.y, load).relative <= target
+        })?;
     }
     Some(pair.y)
 }
