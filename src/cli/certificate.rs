@@ -1,4 +1,4 @@
-//! `certificate`: what a reviewer attaches to a review, as a CODECHECK bundle and on one page.
+//! `certificate`: a CODECHECK bundle and a page on it, for a reviewer to attach to a review.
 
 mod checkout;
 mod contents;
@@ -28,7 +28,7 @@ const TITLE: &str = "The study semicoercive Signorini problem by Arrow-Hurwicz m
     (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
 const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
 
-/// What makes the files of the bundle, each with its effect in words.
+/// Commands that make the files of the bundle, each with its effect in words.
 const COMMANDS: [(&str, &str); 4] = [
     (
         "cargo run --release -- run --locked",
@@ -98,14 +98,10 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     Ok(0)
 }
 
-/// Refuses what is no ORCID: its last digit, X for ten, checks the others by ISO 7064 MOD 11-2.
+/// Refuses a text that is no ORCID.
 fn check_orcid(id: &str) -> Result<()> {
     let groups: Vec<usize> = id.split('-').map(str::len).collect();
-    let digit =
-        |(place, digit)| if (place, digit) == (15, 'X') { Some(10) } else { digit.to_digit(10) };
-    let mut digits = id.chars().filter(|c| *c != '-').enumerate().map(digit);
-    let sum = digits.try_fold(0, |sum, digit| Some((2 * sum + digit?) % 11));
-    if (&groups[..], sum) == (&[4; 4], Some(1)) {
+    if groups == [4; 4] && orcid_sum(&id.replace('-', "")) == Some(1) {
         return Ok(());
     }
     Err(Error::input(format!(
@@ -113,7 +109,18 @@ fn check_orcid(id: &str) -> Result<()> {
     )))
 }
 
-/// Writes the bundle, all of it or, where a file is in the way, nothing.
+/// Returns the check sum of an ORCID by ISO 7064 MOD 11-2, which is 1 for a valid one: sum of the digits, each times two
+/// to the number of digits after it, modulo 11. The last digit may be X for ten; `None` if another is no digit.
+fn orcid_sum(digits: &str) -> Option<u32> {
+    let mut sum = 0;
+    for (place, digit) in digits.chars().enumerate() {
+        let value = if (place, digit) == (15, 'X') { 10 } else { digit.to_digit(10)? };
+        sum = (2 * sum + value) % 11;
+    }
+    Some(sum)
+}
+
+/// Writes all files of the bundle, or none if a file that a certificate has not written would be overwritten.
 fn write(folder: &Path, files: &[File]) -> Result<()> {
     let before = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
     let mut checked = Vec::new();
@@ -136,16 +143,19 @@ fn write(folder: &Path, files: &[File]) -> Result<()> {
         fs::create_dir_all(parent).context("create", parent)?;
         checked.push(OutputFile::check(&path)?);
     }
-    checked.iter().zip(files).try_for_each(|(checked, file)| checked.write(&file.bytes))
+    for (checked, file) in checked.iter().zip(files) {
+        checked.write(&file.bytes)?;
+    }
+    Ok(())
 }
 
-/// Path of the lock file in the project, as git names it.
+/// Path of the lock file in the project, in the form that git takes.
 const LOCK_FILE: &str = "pipeline/lock.toml";
 
 const MANIFEST: &str = "codecheck.yml";
 const PAGE: &str = "certificate.md";
 
-/// The verdicts on the whole project, if there is nothing to do and the lock file says the same.
+/// Returns the verdicts on the whole project, if there is nothing to do and the lock file has these results.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole, false)?;
     let refused = if let Some(first) = summary.not_fresh().next() {
@@ -176,7 +186,7 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     )))
 }
 
-/// Everything that the two templates say, but the hash of the page.
+/// Returns the data of the two templates, but the hash of the page.
 fn context(
     args: &CertificateArgs,
     workplace: &Workplace,
@@ -215,15 +225,16 @@ fn context(
     Ok(context.expect("plain data"))
 }
 
-/// The files that results depend on.
+/// Files on which results depend.
 fn inputs(project: &Project) -> impl Iterator<Item = (&String, &Vec<u8>)> {
     project.files.iter().filter(|(path, _)| *path != recorded::PATH)
 }
 
 fn render(template: &str, context: &Context) -> String {
     let mut tera = Tera::new();
-    let json = |text: String, _: Kwargs, _: &State| serde_json::json!(text).to_string();
-    tera.register_filter("json", json);
+    tera.register_filter("json", |text: String, _: Kwargs, _: &State| {
+        serde_json::json!(text).to_string()
+    });
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| {
         text.replace('|', "\\|").replace('\n', " ")
     });

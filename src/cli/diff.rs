@@ -1,4 +1,4 @@
-//! `diff`: our tables beside the published ones.
+//! `diff`: comparison of our tables with the published ones.
 
 use super::CacheArgs;
 use super::output::{columns, say, say_json, styled};
@@ -25,9 +25,9 @@ pub(super) struct DiffArgs {
     cache: CacheArgs,
 }
 
-/// What `--json` prints.
+/// Object that `--json` prints.
 #[derive(Serialize)]
-struct Answer<'a> {
+struct DiffJson<'a> {
     schema: u8,
     tables: &'a [TableComparison],
 }
@@ -37,7 +37,7 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
     let tables = comparisons(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
     if args.json {
-        say_json(&Answer { schema: 1, tables: &tables })?;
+        say_json(&DiffJson { schema: 1, tables: &tables })?;
     } else {
         let print = if args.md { markdown } else { text };
         say(&tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
@@ -45,7 +45,7 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     Ok(u8::from(!tables.iter().all(TableComparison::holds)))
 }
 
-/// The comparisons among the outputs of these runs, by number of table.
+/// Returns the comparisons among the outputs of these runs, by number of table.
 pub(super) fn comparisons(
     workplace: &Workplace,
     manifests: &BTreeMap<String, Manifest>,
@@ -86,7 +86,7 @@ impl Mark {
         }
     }
 
-    /// Exact is what agrees to the two printed digits.
+    /// Returns the mark of Delta a, which is exact if it agrees to the two printed digits.
     fn of_delta_a(row: &RowComparison) -> Self {
         match (row.delta_a_exact(), row.delta_a_within) {
             (true, _) => Self::Exact,
@@ -105,7 +105,7 @@ impl Mark {
     }
 }
 
-/// Three statements: the counts, Delta a, and the tolerance of both.
+/// Returns three statements: on the counts, on Delta a, and on the tolerance of both.
 fn summary(table: &TableComparison) -> [String; 3] {
     let TableComparison { exact, cells, within_tolerance, .. } = table;
     [
@@ -155,9 +155,11 @@ fn markdown(table: &TableComparison) -> String {
         table.scene,
         summary(table).join("; ")
     );
-    (1..=levels).for_each(|level| out += &format!(" grid {level} |"));
+    for level in 1..=levels {
+        out += &format!(" grid {level} |");
+    }
     out += " Δa ours | Δa paper |\n|---:|";
-    (0..levels + 2).for_each(|_| out += "---:|");
+    out += &"---:|".repeat(levels + 2);
     out.push('\n');
     for row in &table.rows {
         out += &format!("| {} |", row.r);

@@ -1,4 +1,4 @@
-//! `init`: begins a study of one's own, with what the program carries.
+//! `init`: begins a study, with files that the program contains.
 
 use super::output::{quoted, refuse_tilde, say};
 use crate::pipeline::error::{Error, IoContext, Result};
@@ -14,7 +14,7 @@ pub(super) struct InitArgs {
     folder: PathBuf,
 }
 
-/// What a study begins with: the shortest commented scene of this project, and a page that shows it.
+/// Files of a new study: the shortest commented scene of this project, and a page that shows it.
 const FILES: [(&str, &str); 5] = [
     ("pipeline/scenes/plate.toml", include_str!("../../pipeline/scenes/plate.toml")),
     ("report/book.toml", include_str!("init/book.toml")),
@@ -31,7 +31,7 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
             return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
         }
         let mut entries = fs::read_dir(folder).context("list", folder).map_err(elsewhere)?;
-        // A repository that has just been made holds nothing else.
+        // A new repository holds only this folder.
         if entries.any(|entry| entry.map_or(true, |entry| entry.file_name() != ".git")) {
             return Err(Error::input(format!(
                 "{} is not empty; name a folder that is, or one that is not there yet",
@@ -49,7 +49,7 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
     ))
 }
 
-/// What helps where there is no cache yet, nor anything to keep.
+/// Replaces the remedy of an I/O error, which speaks of the cache and of results.
 fn elsewhere(mut e: Error) -> Error {
     if let Error::Io { remedy, .. } = &mut e {
         *remedy = "name a folder in another place";

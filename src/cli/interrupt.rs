@@ -1,4 +1,4 @@
-//! Ctrl-C, and the other signals that ask a process to end, as a flag that long work looks at.
+//! Ctrl-C, and the other signals that ask a process to end, as a flag that long work reads.
 
 use super::output::talk;
 use crate::pipeline::error::Error;
@@ -13,24 +13,23 @@ pub(super) fn interrupted() -> &'static AtomicBool {
     static HANDLER: Once = Once::new();
     HANDLER.call_once(|| {
         let asked = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
-        // Without a handler each of them still ends the process, and the cache survives that.
+        // Without a handler a signal ends the process at once, which does not damage the cache.
         let Ok(mut signals) = Signals::new(asked) else { return };
-        let wait = move || {
+        let _ = std::thread::Builder::new().name("signals".into()).spawn(move || {
             for _ in signals.forever() {
                 if FLAG.swap(true, Ordering::Relaxed) {
                     std::process::exit(i32::from(Error::Interrupted.exit_code()));
                 }
                 talk("finishing what has begun; Ctrl-C again to stop at once");
             }
-        };
-        let _ = std::thread::Builder::new().name("signals".into()).spawn(wait);
+        });
     });
     &FLAG
 }
 
-/// Whether the process was started with orders to ignore the end of its terminal, as `nohup` does it.
+/// True if the process was started with the order to ignore the end of its terminal, as by `nohup`.
 ///
-/// Only Linux tells; elsewhere the end of the terminal ends the process, or is ignored, as if there were no handler.
+/// Only Linux tells this; on other systems no handler is set for that signal.
 fn is_ignored(signal: i32) -> bool {
     if signal != SIGHUP {
         return false;

@@ -1,4 +1,4 @@
-//! `man`: manual pages, made from the same words as `--help`.
+//! `man`: manual pages, made from the texts of `--help`.
 
 use super::Cli;
 use super::output::{OutputFile, is_there, say, talk};
@@ -11,25 +11,27 @@ pub(super) fn man(output: Option<&Path>) -> Result<u8> {
     let mut command = Cli::command().disable_help_subcommand(true);
     command.build();
     let Some(folder) = output else {
-        let (_, page) = page(&command);
-        return say(&page);
+        return say(&text(&page(&command)));
     };
     is_there(folder)?;
-    let pages: Vec<_> =
-        std::iter::once(&command).chain(command.get_subcommands()).map(page).collect();
-    for (name, text) in &pages {
-        OutputFile::check(&folder.join(name))?.write(text.as_bytes())?;
+    let mut pages = vec![page(&command)];
+    pages.extend(command.get_subcommands().map(page));
+    for page in &pages {
+        OutputFile::check(&folder.join(page.get_filename()))?.write(text(page).as_bytes())?;
     }
     talk(&format!("{} pages written to {}", pages.len(), folder.display()));
     Ok(0)
 }
 
-/// A command's page by its file name.
-fn page(command: &Command) -> (String, String) {
-    let page = Man::new(command.clone())
+/// Returns the page of a command.
+fn page(command: &Command) -> Man {
+    Man::new(command.clone())
         .source(concat!("signorini ", env!("CARGO_PKG_VERSION")))
-        .manual("Signorini problem");
+        .manual("Signorini problem")
+}
+
+fn text(page: &Man) -> String {
     let mut text = Vec::new();
     page.render(&mut text).expect("memory takes every byte");
-    (page.get_filename(), String::from_utf8_lossy(&text).into_owned())
+    String::from_utf8_lossy(&text).into_owned()
 }

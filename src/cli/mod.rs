@@ -1,4 +1,6 @@
-//! The command line: its commands and options, the function behind each, errors and exit codes.
+//! Command line: commands and options, the function of each command, errors and exit codes.
+//!
+//! Central is [`main`].
 
 mod bench;
 mod certificate;
@@ -52,7 +54,7 @@ struct Cli {
     run: run::RunArgs,
 }
 
-/// Where the cache is.
+/// Folder of the cache.
 #[derive(Args, Clone, Debug)]
 struct CacheArgs {
     /// Cache folder [default: .signorini in the project]
@@ -153,7 +155,7 @@ pub fn main() -> ExitCode {
                 let _ = e.print();
                 return ExitCode::from(2);
             }
-            // Help and version come this way too.
+            // Texts of help and version are errors of the parser too.
             return ended(say(&e.render().ansi().to_string()));
         }
     };
@@ -165,7 +167,7 @@ pub fn main() -> ExitCode {
     ended(result)
 }
 
-/// The exit code of a command, after the line that an error is worth.
+/// Returns the exit code of a command, after a line for an error.
 fn ended(result: Result<u8>) -> ExitCode {
     match result {
         Ok(code) => ExitCode::from(code),
@@ -176,14 +178,14 @@ fn ended(result: Result<u8>) -> ExitCode {
     }
 }
 
-/// The line that says why the program ends.
+/// Writes the line on the error that ends the program.
 fn fail(why: &str) {
     talk(&format!("{}: {why}", styled("error", anstyle::AnsiColor::Red)));
 }
 
 fn panicked(panic: &PanicHookInfo) -> String {
     let what = panic.payload_as_str().unwrap_or("a panic without a message").replace('\n', " ");
-    // The libraries that start threads of their own know no other way to say it.
+    // Libraries that start threads of their own report a failure only by a panic.
     if what.contains("Resource temporarily unavailable") {
         return format!("cannot start threads; raise the limit on processes (`ulimit -u`): {what}");
     }
@@ -191,10 +193,10 @@ fn panicked(panic: &PanicHookInfo) -> String {
     format!("this is a bug, please report it: {what}{}", at.unwrap_or_default())
 }
 
-/// Threads per core beyond which more would only wait for each other.
+/// Number of threads per core beyond which further threads would only wait.
 const THREADS_PER_CORE: usize = 4;
 
-/// The number of threads `asked` for by `option`, or what is sensible, which is said.
+/// Returns the number of threads `asked` for by `option`; if that is too large, a smaller number, after a note.
 fn threads(option: &str, asked: usize) -> usize {
     let most = THREADS_PER_CORE * machine::cores();
     if asked > most {
@@ -203,7 +205,7 @@ fn threads(option: &str, asked: usize) -> usize {
     asked.min(most)
 }
 
-/// Starts the threads of everything that runs in parallel, by RAYON_NUM_THREADS or one per core.
+/// Starts the pool of threads of this process: RAYON_NUM_THREADS threads, or one per core.
 fn start_threads() -> Result<()> {
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
     let count = match asked.filter(|&count| count > 0) {
@@ -224,16 +226,7 @@ fn start_threads() -> Result<()> {
 fn dispatch(cli: Cli) -> Result<u8> {
     let Some(command) = cli.command else {
         return run::run(&cli.run).map_err(|error| match (error, &cli.run.scenes[..]) {
-            // What is no scene may be a command.
-            (Error::Unknown(text), [word, ..]) => {
-                let meant = match Cli::command().find_subcommand(word) {
-                    Some(_) => {
-                        Some(format!("; options come after the command: `signorini {word} --help`"))
-                    }
-                    None => similar(word).map(|name| format!("; did you mean `signorini {name}`?")),
-                };
-                Error::Unknown(text + &meant.unwrap_or_default())
-            }
+            (Error::Unknown(text), [word, ..]) => Error::Unknown(text + &advice(word)),
             (error, _) => error,
         });
     };
@@ -259,12 +252,19 @@ fn dispatch(cli: Cli) -> Result<u8> {
     }
 }
 
-/// The program without the scenes that may stand in the place of a command: in the completions for zsh they would
-/// take that place.
+/// Returns advice on a word that is no scene, in case that a command was meant.
+fn advice(word: &str) -> String {
+    if Cli::command().find_subcommand(word).is_some() {
+        return format!("; options come after the command: `signorini {word} --help`");
+    }
+    similar(word).map_or(String::new(), |name| format!("; did you mean `signorini {name}`?"))
+}
+
+/// Returns the program without the argument for scenes, which in the completions for zsh would replace the commands.
 fn without_scenes() -> clap::Command {
     let all = Cli::command();
     let options = all.get_arguments().filter(|argument| !argument.is_positional());
-    // Some exclude the scenes.
+    // Some options conflict with the scenes, which are not here.
     let options = options.map(|option| option.clone().conflicts_with(Resettable::Reset));
     let commands = all.get_subcommands().cloned();
     clap::Command::new("signorini")
@@ -273,13 +273,13 @@ fn without_scenes() -> clap::Command {
         .subcommands(commands)
 }
 
-/// The command whose name is most like this word.
+/// Returns the command whose name is most like this word.
 fn similar(word: &str) -> Option<String> {
     let commands = Cli::command().get_subcommands().cloned().collect::<Vec<_>>();
     let alone = clap::Command::new("signorini").subcommand_required(true).subcommands(commands);
     let refusal = alone.try_get_matches_from(["signorini", word]).err()?;
     match refusal.get(ContextKind::SuggestedSubcommand)? {
-        // The likeliest is the last; few slips are made in the first letter.
+        // The last name is the likeliest; the first letter is rarely wrong.
         ContextValue::Strings(names) => {
             names.iter().rev().find(|name| name.chars().next() == word.chars().next()).cloned()
         }
@@ -287,20 +287,22 @@ fn similar(word: &str) -> Option<String> {
     }
 }
 
-/// What the program and each of its commands print with `--help`, as plain text of one width.
+/// Returns name and help of the program, whose name is empty, and of each command, as plain text of one width.
 fn commands() -> Vec<Value> {
     let cli = Cli::command().term_width(HELP_WIDTH);
-    let names = cli.get_subcommands().map(|command| command.get_name().to_owned());
-    let help = |name: String| {
-        // The only way to the text that also decides between the short form and the long one.
-        let args = ["signorini", &name, "--help"].into_iter().filter(|arg| !arg.is_empty());
-        let printed = cli.clone().try_get_matches_from(args).expect_err("help ends the parsing");
-        let text = printed.render().to_string();
-        // The padding of empty lines means nothing.
-        let help: String = text.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
-        json!({ "name": name, "help": help })
-    };
-    [String::new()].into_iter().chain(names).map(help).collect()
+    let mut names = vec![""];
+    names.extend(cli.get_subcommands().map(clap::Command::get_name));
+    names.iter().map(|name| json!({ "name": name, "help": help(&cli, name) })).collect()
+}
+
+/// Returns the text of `--help` of a command, or of the program for an empty name.
+fn help(cli: &clap::Command, name: &str) -> String {
+    // Only the parser itself chooses between the short and the long form of the text.
+    let args = ["signorini", name, "--help"].into_iter().filter(|arg| !arg.is_empty());
+    let printed = cli.clone().try_get_matches_from(args).expect_err("help ends the parsing");
+    let text = printed.render().to_string();
+    // Without the padding of empty lines.
+    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
 fn current_folder() -> Result<PathBuf> {

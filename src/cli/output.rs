@@ -1,4 +1,4 @@
-//! What leaves the program: data on standard output, talk on standard error, files that the user named.
+//! Output of the program: data on standard output, messages on standard error, files that the user named.
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
@@ -8,7 +8,7 @@ use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes data to standard output; a reader that has gone away is no error.
+/// Writes data to standard output; a reader that has closed it is no error.
 pub(super) fn say(text: &str) -> Result<u8> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -25,17 +25,21 @@ pub(super) fn say_json(value: &impl serde::Serialize) -> Result<u8> {
     say(&(text + "\n"))
 }
 
-/// Says which pieces of an f, a scene's or the user's own, mean nothing: their numbers may be mistyped. Returns what
-/// it said.
+/// Warns of the `pieces` outside the domain of an f, a scene's or the user's own, whose numbers may be mistyped.
+/// Returns the warnings.
 pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) -> Vec<String> {
-    let of = scene.map_or("f".to_owned(), |name| format!("f in scene `{name}`"));
-    let warning = |piece| format!("{piece} of {of} lies outside [-0.5,0.5] and changes nothing");
-    let warnings: Vec<String> = pieces.iter().map(warning).collect();
-    warnings.iter().for_each(|warning| talk(&format!("warning: {warning}")));
+    let f = scene.map_or("f".to_owned(), |name| format!("f in scene `{name}`"));
+    let mut warnings = Vec::new();
+    for piece in pieces {
+        let warning = format!("{piece} of {f} lies outside [-0.5,0.5] and changes nothing");
+        talk(&format!("warning: {warning}"));
+        warnings.push(warning);
+    }
     warnings
 }
 
-/// Refuses an option, with whether it is given and whom it is for, that whoever is chosen `by` another has no use for.
+/// Refuses an option that has no use with the value `chosen` of the option `by`; `options` holds the name of each, true
+/// if it is given, and the values with which it has a use.
 pub(super) fn check_options<T: ValueEnum + PartialEq>(
     by: &str,
     chosen: T,
@@ -46,12 +50,16 @@ pub(super) fn check_options<T: ValueEnum + PartialEq>(
     else {
         return Ok(());
     };
-    let name = |of: &T| of.to_possible_value().map_or(String::new(), |of| of.get_name().into());
-    let takers = takers.iter().map(name).collect::<Vec<_>>().join(", ");
+    let takers = takers.iter().map(value_name).collect::<Vec<_>>().join(", ");
     Err(Error::input(format!(
         "{option} is for {by} {takers}, not {}; leave it out, or change {by}",
-        name(&chosen)
+        value_name(&chosen)
     )))
+}
+
+/// Returns the name of a value on the command line.
+fn value_name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or(String::new(), |value| value.get_name().into())
 }
 
 pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
@@ -59,25 +67,37 @@ pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// Rows below a head, which may be empty, in columns as wide as their longest cell: those in `left` begin, all
-/// others end at one place.
+/// Returns rows below a head, which may be empty, in columns as wide as their longest cell: columns in `left` are
+/// aligned on the left, all others on the right.
 pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> String {
-    let names = head.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    let rows: Vec<_> = [names].into_iter().filter(|names| !names.is_empty()).chain(rows).collect();
-    let widest =
-        |k: usize| rows.iter().filter_map(|row| row.get(k)).map(|t| t.chars().count()).max();
-    let cell = |(k, text): (usize, &String)| match (left.contains(&k), widest(k).unwrap_or(0)) {
-        (true, width) => format!("{text:<width$}"),
-        (false, width) => format!("{text:>width$}"),
-    };
-    let line = |row: &Vec<String>| {
-        let cells: Vec<String> = row.iter().enumerate().map(cell).collect();
-        cells.join("  ").trim_end().to_owned() + "\n"
-    };
-    rows.iter().map(line).collect()
+    let mut lines = Vec::new();
+    if !head.is_empty() {
+        lines.push(head.iter().map(|name| (*name).to_owned()).collect());
+    }
+    lines.extend(rows);
+    let mut widths: Vec<usize> = Vec::new();
+    for line in &lines {
+        widths.resize(widths.len().max(line.len()), 0);
+        for (width, cell) in widths.iter_mut().zip(line) {
+            *width = (*width).max(cell.chars().count());
+        }
+    }
+    let mut text = String::new();
+    for line in &lines {
+        let mut padded = Vec::new();
+        for (k, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+            padded.push(match left.contains(&k) {
+                true => format!("{cell:<width$}"),
+                false => format!("{cell:>width$}"),
+            });
+        }
+        text += padded.join("  ").trim_end();
+        text.push('\n');
+    }
+    text
 }
 
-/// A path as a shell reads it, to be copied into a command.
+/// Quotes a path for a shell, to be copied into a command.
 pub(super) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let text = if text.starts_with('-') { format!("./{text}") } else { text };
@@ -87,7 +107,7 @@ pub(super) fn quoted(path: &Path) -> String {
     }
 }
 
-/// Refuses a path that a shell was to begin with somebody's home: after an `=`, or within quotes, none does.
+/// Refuses a path that begins with `~`: a shell replaces that by a home folder, but not after an `=` or within quotes.
 pub(super) fn refuse_tilde(path: &Path) -> Result<()> {
     let first = path.components().next().and_then(|part| part.as_os_str().to_str());
     match first.is_some_and(|first| first.starts_with('~')) {
@@ -99,16 +119,20 @@ pub(super) fn refuse_tilde(path: &Path) -> Result<()> {
     }
 }
 
-/// Refuses a folder to write to that is not there: a misspelt name is not to make one.
+/// Refuses a folder for output that does not exist: its name may be misspelt.
 pub(super) fn is_there(folder: &Path) -> Result<()> {
     refuse_tilde(folder)?;
-    let shown = folder.display();
-    let remedy =
-        || format!("--output {shown}: no such folder; make it with `mkdir -p {}`", quoted(folder));
-    if folder.is_dir() { Ok(()) } else { Err(Error::input(remedy())) }
+    if folder.is_dir() {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "--output {}: no such folder; make it with `mkdir -p {}`",
+        folder.display(),
+        quoted(folder)
+    )))
 }
 
-/// A file that the user named, found writable before the work whose result it is to hold.
+/// File that the user named, checked to be writable before the work whose result it will hold.
 #[derive(Debug)]
 pub(super) struct OutputFile {
     path: PathBuf,
@@ -118,42 +142,10 @@ impl OutputFile {
     /// Checks that `path` can be written.
     pub(super) fn check(path: &Path) -> Result<Self> {
         refuse_tilde(path)?;
-        let wrong =
-            |what: &str| Err(Error::input(format!("cannot write {}: {what}", path.display())));
-        // Of `v.npy/` the last part would be `v.npy`.
-        let is_folder = path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
-        let Some(name) = path.file_name().filter(|_| !is_folder) else {
-            return wrong("it is a folder; name a file");
-        };
-        let target = match link_target(path) {
-            Ok(target) => target,
-            Err(e) => return wrong(&format!("{e}; remove the link, or name another file")),
-        };
-        let folder = folder_of(&target);
-        if !folder.is_dir() {
-            return wrong(&match target == path {
-                true => "no such folder; make it, or name another file".to_owned(),
-                false => format!(
-                    "it links to {}, where there is no such folder; make it, or name another file",
-                    target.display()
-                ),
-            });
+        match why_not_writable(path)? {
+            Some(why) => Err(Error::input(format!("cannot write {}: {why}", path.display()))),
+            None => Ok(Self { path: path.to_path_buf() }),
         }
-        let path = path.to_path_buf();
-        if path.exists() && !path.is_file() {
-            return Ok(Self { path });
-        }
-        if let Err(e) = OpenOptions::new().append(true).open(&path)
-            && e.kind() != ErrorKind::NotFound
-        {
-            return wrong(&format!("{e}; make it writable, or name another file"));
-        }
-        let trial = folder.join(format!(".{}.trial{}", name.to_string_lossy(), std::process::id()));
-        if let Err(e) = OpenOptions::new().write(true).create_new(true).open(&trial) {
-            return wrong(&format!("{e}; name a file elsewhere"));
-        }
-        fs::remove_file(&trial).context("remove", &trial)?;
-        Ok(Self { path })
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -167,4 +159,41 @@ impl OutputFile {
         }
         write_atomically(&self.path, bytes)
     }
+}
+
+/// Returns, with a remedy, why a path cannot be written, if it cannot.
+fn why_not_writable(path: &Path) -> Result<Option<String>> {
+    // `file_name` of `v.npy/` is `v.npy`.
+    let is_folder = path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
+    let Some(name) = path.file_name().filter(|_| !is_folder) else {
+        return Ok(Some("it is a folder; name a file".into()));
+    };
+    let target = match link_target(path) {
+        Ok(target) => target,
+        Err(e) => return Ok(Some(format!("{e}; remove the link, or name another file"))),
+    };
+    let folder = folder_of(&target);
+    if !folder.is_dir() {
+        return Ok(Some(match target == path {
+            true => "no such folder; make it, or name another file".into(),
+            false => format!(
+                "it links to {}, where there is no such folder; make it, or name another file",
+                target.display()
+            ),
+        }));
+    }
+    if path.exists() && !path.is_file() {
+        return Ok(None);
+    }
+    if let Err(e) = OpenOptions::new().append(true).open(path)
+        && e.kind() != ErrorKind::NotFound
+    {
+        return Ok(Some(format!("{e}; make it writable, or name another file")));
+    }
+    let trial = folder.join(format!(".{}.trial{}", name.to_string_lossy(), std::process::id()));
+    if let Err(e) = OpenOptions::new().write(true).create_new(true).open(&trial) {
+        return Ok(Some(format!("{e}; name a file elsewhere")));
+    }
+    fs::remove_file(&trial).context("remove", &trial)?;
+    Ok(None)
 }

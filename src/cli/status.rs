@@ -1,4 +1,4 @@
-//! `status` and `explain`: what is stale, and why.
+//! `status` and `explain`: the stale tasks, and the reasons.
 
 use super::CacheArgs;
 use super::output::{columns, say, say_json, styled};
@@ -54,53 +54,66 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     Ok(u8::from(args.exit_code && stale))
 }
 
-/// Columns of the terminal, where the shell or the user tells.
+/// Number of columns of the terminal, from the environment; without limit if it is not set.
 fn width() -> usize {
     let given = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse().ok());
     given.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
 }
 
-/// A line for each stage: its state, how many tasks are concerned, and one of them with the reason.
+/// Returns a line for each stage: its state, the number of tasks in that state, and one of them with the reason; then a
+/// line on all tasks.
 fn table(summary: &Summary, width: usize) -> String {
     let (mut states, mut rows) = (Vec::new(), Vec::new());
     for stage in Stage::value_variants() {
-        let of_stage = |judged: &&Judged| Stage::of(&judged.task) == Some(*stage);
-        let of: Vec<_> = summary.verdicts.iter().filter(of_stage).collect();
-        let late: Vec<_> = of.iter().filter(|j| j.verdict != Verdict::Fresh).collect();
-        let is_stale = |judged: &&&&Judged| matches!(judged.verdict, Verdict::Stale(_));
-        let shown = late.iter().find(is_stale).or(late.first());
+        let mut tasks: Vec<&Judged> = summary.verdicts.iter().collect();
+        tasks.retain(|judged| Stage::of(&judged.task) == Some(*stage));
+        let mut late = tasks.clone();
+        late.retain(|judged| judged.verdict != Verdict::Fresh);
+        let mut stale = late.iter().filter(|judged| matches!(judged.verdict, Verdict::Stale(_)));
+        let shown = stale.next().or(late.first());
         let (state, color, reason) = match shown.map(|judged| &judged.verdict) {
-            None if of.is_empty() => continue,
+            None if tasks.is_empty() => continue,
             None => ("up to date", AnsiColor::Green, String::new()),
             Some(Verdict::Stale(reason)) => ("stale", AnsiColor::Yellow, reason.to_string()),
             Some(other) => ("waits", AnsiColor::Cyan, other.to_string()),
         };
         let count = match late.len() {
-            0 => of.len().to_string(),
-            late => format!("{late} of {}", of.len()),
+            0 => tasks.len().to_string(),
+            late => format!("{late} of {}", tasks.len()),
         };
         let task = shown.map_or(String::new(), |judged| judged.task.clone());
         states.push((state, styled(state, color)));
         rows.push(vec![stage.to_string(), state.to_owned(), count, task, reason]);
     }
-    let lines = columns(&[], &[0, 1, 3, 4], rows);
-    let colored = lines.lines().zip(states).map(|(line, (state, styled))| {
-        // After it was cut: colours take no room.
-        cut(line, width).replacen(state, &styled, 1) + "\n"
-    });
-    let count =
-        |of: fn(&Verdict) -> bool| summary.verdicts.iter().filter(|j| of(&j.verdict)).count();
-    let counts = [
-        (count(|v| *v == Verdict::Fresh), "up to date"),
-        (count(|v| matches!(v, Verdict::Stale(_))), "stale"),
-        (count(|v| matches!(v, Verdict::Waits(_))), "waiting for those"),
-    ];
-    let counts = counts.iter().filter(|(n, _)| *n > 0).map(|(n, state)| format!("{n} {state}"));
-    let counts = counts.collect::<Vec<_>>().join(", ");
-    colored.collect::<String>() + &format!("{} tasks: {counts}\n", summary.verdicts.len())
+    let mut text = String::new();
+    for (line, (state, styled)) in columns(&[], &[0, 1, 3, 4], rows).lines().zip(states) {
+        // Coloured after the cut: the codes of colours take no columns.
+        text += &(cut(line, width).replacen(state, &styled, 1) + "\n");
+    }
+    text + &totals(summary)
 }
 
-/// The text in so many columns, with dots where something is missing.
+/// Returns a line with the number of tasks, and of those in each state.
+fn totals(summary: &Summary) -> String {
+    let (mut fresh, mut stale, mut waiting) = (0, 0, 0);
+    for judged in &summary.verdicts {
+        match judged.verdict {
+            Verdict::Fresh => fresh += 1,
+            Verdict::Stale(_) => stale += 1,
+            Verdict::Waits(_) => waiting += 1,
+        }
+    }
+    let mut counts = Vec::new();
+    for (count, state) in [(fresh, "up to date"), (stale, "stale"), (waiting, "waiting for those")]
+    {
+        if count > 0 {
+            counts.push(format!("{count} {state}"));
+        }
+    }
+    format!("{} tasks: {}\n", summary.verdicts.len(), counts.join(", "))
+}
+
+/// Cuts a text to this number of columns; dots mark the cut.
 fn cut(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();
@@ -113,13 +126,12 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], None)?;
     let summary = workplace.judge(&tasks, Scope::Whole, false)?;
-    // A stage, a task, or the beginning of the ids of several.
-    let is_asked = |id: &str| match tasks.task(&args.stage) {
-        Some(task) => task.id == id,
-        None if args.stage.contains('/') => id.starts_with(&args.stage),
-        None => stage(id) == args.stage,
-    };
-    let asked: Vec<_> = summary.verdicts.iter().filter(|j| is_asked(&j.task)).collect();
+    let mut asked: Vec<&Judged> = summary.verdicts.iter().collect();
+    asked.retain(|Judged { task, .. }| match tasks.task(&args.stage) {
+        Some(one) => one.id == *task,
+        None if args.stage.contains('/') => task.starts_with(&args.stage),
+        None => stage(task) == args.stage,
+    });
     if asked.is_empty() {
         let names: Vec<_> = Stage::value_variants().iter().map(Stage::to_string).collect();
         return Err(Error::input(format!(
@@ -137,17 +149,20 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
         match &judged.verdict {
             Verdict::Stale(Reason::Changed(changes)) => {
                 text += &format!("{}: stale\n", judged.task);
-                changes.iter().for_each(|change| text += &format!("  {change}\n"));
+                for change in changes {
+                    text += &format!("  {change}\n");
+                }
             }
             other => text += &format!("{}: {other}\n", judged.task),
         }
-        // Of what waits, more may have changed than what it waits for.
-        if matches!(judged.verdict, Verdict::Waits(_)) {
-            let task = tasks.task(&judged.task);
-            let last = workplace.store.manifests(&judged.task).into_iter().next();
-            let changes = task.zip(last).map(|(task, last)| tasks.own_changes(task, &last));
-            let changes = changes.into_iter().flatten();
-            changes.for_each(|change| text += &format!("  {change}\n"));
+        // Inputs of a waiting task may have changed besides those for which it waits.
+        if matches!(judged.verdict, Verdict::Waits(_))
+            && let Some(task) = tasks.task(&judged.task)
+            && let Some(last) = workplace.store.manifests(&judged.task).first()
+        {
+            for change in tasks.own_changes(task, last) {
+                text += &format!("  {change}\n");
+            }
         }
     }
     say(&text)

@@ -1,4 +1,4 @@
-//! What a certificate says of the tables, and the files of its bundle.
+//! Statements of a certificate on the tables, and the files of its bundle.
 
 use crate::cli::pipeline::Workplace;
 use crate::pipeline::error::{IoContext, Result};
@@ -26,7 +26,7 @@ impl File {
     }
 }
 
-/// What matched of all tables, in a sentence for each.
+/// Returns a sentence on each table: the numbers of values that match.
 pub(super) fn sentences(tables: &[TableComparison]) -> String {
     tables.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
@@ -47,11 +47,9 @@ fn sentence(table: &TableComparison) -> String {
     )
 }
 
-/// The cells of a table that are not as printed.
+/// Returns the cells of a table that differ from the printed ones.
 pub(super) fn differing(table: &TableComparison) -> Vec<Value> {
     let mut cells = Vec::new();
-    let tolerance =
-        |within: bool| if within { "within tolerance" } else { "**outside** tolerance" };
     for row in &table.rows {
         let place = format!("Table {}, r = {}", table.table, row.r);
         for level in (0..row.ours.len()).filter(|&level| !row.count_exact(level)) {
@@ -79,9 +77,13 @@ pub(super) fn differing(table: &TableComparison) -> Vec<Value> {
     cells
 }
 
-/// What the project itself says about its right-hand sides and stopping rules.
+fn tolerance(within: bool) -> &'static str {
+    if within { "within tolerance" } else { "**outside** tolerance" }
+}
+
+/// Returns the reservations of the project itself about its right-hand sides and stopping rules.
 pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
-    let compared = || project.scenes.iter().filter(|scene| scene.paper_table.is_some());
+    let mut compared = project.scenes.iter().filter(|scene| scene.paper_table.is_some());
     let mut sentences = Vec::new();
     if project.files.contains_key(IDENTIFIED) {
         sentences.push(
@@ -89,7 +91,7 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
             so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
         );
     }
-    if compared().any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
+    if compared.any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
         sentences.push(
             "The counts come out with the stopping criterion (13) read without its absolute value; \
             as printed, it gives these tables for no f that was tried.",
@@ -98,7 +100,7 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
     sentences
 }
 
-/// Both tables and all figures with their data, and what each shows.
+/// Returns both tables and all figures with their data, each with a comment on its contents.
 pub(super) fn files(
     workplace: &Workplace,
     summary: &Summary,

@@ -1,11 +1,11 @@
-//! Where and when a check was made: processor, system, and the date.
+//! Place and time of a check: processor, system, and the date.
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
 use chrono::DateTime;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// The machine in pairs of name and value, in the order in which to show them.
+/// Returns the facts on the machine as pairs of name and value, in the order in which they are shown.
 pub(super) fn description() -> Vec<(&'static str, String)> {
     let system = machine::field("/etc/os-release", "PRETTY_NAME=")
         .unwrap_or_else(|| std::env::consts::OS.to_owned());
@@ -19,7 +19,7 @@ pub(super) fn description() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Now in UTC, or the moment in `SOURCE_DATE_EPOCH`, as `2026-11-21 07:20:05`.
+/// Returns the time in UTC, or that in `SOURCE_DATE_EPOCH`, in the form `2026-11-21 07:20:05`.
 pub(super) fn check_time() -> Result<String> {
     let seconds = match std::env::var("SOURCE_DATE_EPOCH") {
         Ok(text) => {
@@ -29,7 +29,7 @@ pub(super) fn check_time() -> Result<String> {
                 ))
             })?
         }
-        // A clock before 1970 is wrong by so much that the date says it.
+        // A clock before 1970 is shown as 1970, which is visibly wrong.
         Err(_) => {
             SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_secs() as i64)
         }
@@ -38,5 +38,5 @@ pub(super) fn check_time() -> Result<String> {
     Ok(moment.expect("within four digits of year").format("%Y-%m-%d %H:%M:%S").to_string())
 }
 
-/// The last second of the year 9999, after which dates have five digits.
+/// Last second of the year 9999, after which years have five digits.
 const LAST: i64 = 253_402_300_799;
