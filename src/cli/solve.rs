@@ -1,4 +1,6 @@
-//! `solve`: one problem, once, without cache or book.
+//! `solve`: one problem, without cache or book.
+//!
+//! Central is [`solve`]: read the problem, solve, judge, print, write.
 
 mod accuracy;
 mod answer;
@@ -79,8 +81,8 @@ pub(super) struct SolveArgs {
 }
 
 impl SolveArgs {
-    /// The file to write and its format: where only a format was named, one called after the problem in
-    /// this folder.
+    /// Returns the file to write and its format; if only a format was given, the file in the current folder is named
+    /// after the problem.
     fn file(&self, problem: &Problem) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
@@ -97,7 +99,7 @@ impl SolveArgs {
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
-    /// Writes the file, if one is asked for, with a solution on the grid with so many cells per side.
+    /// Writes the file, if there is one, with a `solution`: cells per side of its grid, and the pair.
     fn write(
         &self,
         problem: &Problem,
@@ -129,7 +131,7 @@ impl SolveArgs {
 }
 
 impl Solver {
-    /// Memory for a nodal vector's entry, all vectors and factors together, rounded up from measured peaks.
+    /// Memory per node for all vectors and factors, rounded up from measured peaks.
     fn bytes_per_node(self, dimension: u8, n: u64) -> u64 {
         match (self, dimension) {
             // Two banded matrices.
@@ -139,23 +141,23 @@ impl Solver {
         }
     }
 
-    /// How a saddle-point method works with this tolerance.
+    /// Returns the saddle-point method with its settings for this tolerance.
     fn method(self, tolerance: f64) -> Method {
-        let uzawa = |weight| Method::Uzawa { weight, inner: 0.1 * tolerance, loose: false };
-        match self {
-            Self::Uzawa => uzawa(0.0),
-            Self::UzawaProximal => uzawa(1.0),
-            _ => Method::ArrowHurwicz,
-        }
+        let weight = match self {
+            Self::Uzawa => 0.0,
+            Self::UzawaProximal => 1.0,
+            _ => return Method::ArrowHurwicz,
+        };
+        Method::Uzawa { weight, inner: 0.1 * tolerance, loose: false }
     }
 
-    /// Whether it is one of the saddle-point methods, which run over nested grids.
+    /// True if the solver is one of the saddle-point methods, which run over nested grids.
     fn is_nested(self) -> bool {
         Self::NESTED.contains(&self)
     }
 }
 
-/// A rule by its name in `--load`; what a rule leaves open is as by default.
+/// Rule by its name in `--load`, with the default of its settings.
 #[derive(Clone, Copy, Debug)]
 struct Rule(LoadRule);
 
@@ -186,7 +188,7 @@ impl ValueEnum for Rule {
     }
 }
 
-/// The name of a rule among those that `--load` takes.
+/// Returns the name of a rule in `--load`.
 fn rule_name(rule: &LoadRule) -> String {
     Rule(*rule).to_possible_value().expect("no rule is hidden").get_name().into()
 }
@@ -215,21 +217,18 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
 }
 
-/// Cells per side in `1/N`, `N`, or a decimal that is one over an integer.
+/// Reads the cells per side from `1/N`, `N`, or a decimal that is one over an integer.
 fn cells(h: &str) -> Result<usize> {
-    let wrong = || Error::input(format!("--h {h}: write the width as 1/N, such as 1/256, or as N"));
-    let n = match h.strip_prefix("1/").unwrap_or(h).parse() {
-        Ok(n) => n,
-        Err(_) => {
-            let width: f64 = h.parse().map_err(|_| wrong())?;
-            let n = (1.0 / width).round();
-            if !(width > 0.0 && n * width == 1.0) {
-                return Err(wrong());
-            }
-            n as usize
-        }
-    };
-    if n == 0 { Err(wrong()) } else { Ok(n) }
+    let whole = h.strip_prefix("1/").unwrap_or(h).parse().ok();
+    whole.or_else(|| cells_of_width(h.parse().ok()?)).filter(|n| *n > 0).ok_or_else(|| {
+        Error::input(format!("--h {h}: write the width as 1/N, such as 1/256, or as N"))
+    })
+}
+
+/// Returns one over the width if that is an integer.
+fn cells_of_width(width: f64) -> Option<usize> {
+    let n = (1.0 / width).round();
+    (width > 0.0 && n * width == 1.0).then_some(n as usize)
 }
 
 #[cfg(test)]

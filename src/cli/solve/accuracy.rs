@@ -1,4 +1,4 @@
-//! `solve --accuracy` and `--accuracy-energy`: what is guaranteed, and the grids that are tried for it.
+//! `solve --accuracy` and `--accuracy-energy`: the guaranteed bounds, and the grids that are tried to reach them.
 
 use crate::bounds::Bounds;
 use crate::pipeline::error::{Error, Result};
@@ -6,12 +6,12 @@ use crate::replication::scene::MAX_CELLS;
 
 /// Cells per side of the first grid.
 pub(super) const FIRST: usize = 16;
-/// From here on errors are known to fall like a power of the width of the grid.
+/// Cells per side from which on errors fall like a power of the width of the grid.
 const SETTLED: usize = 128;
-/// Widths fall by this factor at most from one grid to the next.
+/// Largest ratio of the widths of a grid and the next one.
 const STRIDE: usize = 8;
 
-/// The most that a guaranteed bound may be.
+/// Largest value that a guaranteed bound may have.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Accuracy {
     /// Error in the energy norm, relative to that of the solution.
@@ -21,7 +21,7 @@ pub(super) enum Accuracy {
 }
 
 impl Accuracy {
-    /// The option that asks for it.
+    /// Returns the name of the option.
     pub(super) fn option(self) -> &'static str {
         match self {
             Self::Error(_) => "accuracy",
@@ -41,7 +41,7 @@ impl Accuracy {
         }
     }
 
-    /// Relative error in the energy norm that is accepted: the energy has its square.
+    /// Returns the accepted relative error in the energy norm, whose square is that of the energy.
     pub(super) fn error(self) -> f64 {
         match self {
             Self::Error(wanted) => wanted,
@@ -49,7 +49,7 @@ impl Accuracy {
         }
     }
 
-    /// The power of the width of the grid like which the bound falls.
+    /// Returns the order of the bound: the power of the width of the grid that is proportional to it.
     fn order(self) -> f64 {
         match self {
             Self::Error(_) => 1.0,
@@ -57,7 +57,7 @@ impl Accuracy {
         }
     }
 
-    /// Refuses what is not between 0 and 1.
+    /// Refuses a value that is not between 0 and 1.
     pub(super) fn check(self) -> Result<()> {
         let wanted = self.wanted();
         if wanted > 0.0 && wanted < 1.0 {
@@ -70,13 +70,13 @@ impl Accuracy {
         Err(Error::input(format!("{self}: must be between 0 and 1, e.g. {example}")))
     }
 
-    /// The grid after the last of those tried, with what each has `reached`, which is not enough.
-    pub(super) fn next(self, tried: &[(usize, f64)]) -> Result<usize> {
-        let (finest, reached) = tried[tried.len() - 1];
+    /// Returns the cells per side of the grid after the last of those `tried`, whose bounds are too large.
+    pub(super) fn next(self, tried: &[TriedGrid]) -> Result<usize> {
+        let TriedGrid { cells: finest, reached } = tried[tried.len() - 1];
         // Of two grids of nearly the same width the coarser may be better, if the borders of f are among its lines.
-        let before = tried.iter().filter(|(cells, _)| 2 * cells <= finest);
-        let before = before.map(|&(_, reached)| reached).fold(f64::INFINITY, f64::min);
-        // An error that may be as large as the solution has no size relative to it.
+        let before = tried.iter().filter(|grid| 2 * grid.cells <= finest);
+        let before = before.map(|grid| grid.reached).fold(f64::INFINITY, f64::min);
+        // The relative error is infinite if the error may be as large as the solution.
         let settled = finest >= SETTLED && reached.is_finite();
         if settled && finest > SETTLED && reached >= before {
             return Err(Error::input(format!(
@@ -109,7 +109,15 @@ impl std::fmt::Display for Accuracy {
     }
 }
 
-/// The least size of grid that multigrid takes, four to seven times a power of two, with a little to spare.
+/// Grid that was tried, with the bound that it gave.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TriedGrid {
+    pub cells: usize,
+    pub reached: f64,
+}
+
+/// Returns the least number of cells per side from 1.003 times `needed` on that multigrid takes: four to seven times a
+/// power of two.
 fn size(needed: f64) -> usize {
     let needed = (1.003 * needed).ceil() as usize;
     let mut unit = 2;

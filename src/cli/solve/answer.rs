@@ -1,12 +1,14 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
 use super::bound;
+use super::domain::KnownErrors;
 use super::problem::Problem;
 use crate::bounds::Bounds;
 use crate::cli::output::columns;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::{Judgement, Kkt};
 use crate::discrete::norms::Errors;
+
 use crate::discrete::verdict::Verdict;
 use crate::replication::scene::shown_integral;
 use crate::saddle::{Pair, SaddleRun};
@@ -67,11 +69,11 @@ impl Serialize for Level {
 }
 
 pub(super) struct Solved {
-    /// One entry per grid on which it stopped, coarsest first.
+    /// One entry per grid on which the solver stopped, coarsest first.
     pub levels: Vec<Level>,
-    /// On the finest grid.
+    /// Solution on the finest grid, with its multiplier.
     pub pair: Pair,
-    /// What it is worth.
+    /// Judgement of the solution.
     pub judgement: Judgement,
     /// Cost in sweeps of the finest grid, if the solver counts it.
     pub work_units: Option<f64>,
@@ -88,8 +90,8 @@ pub(super) struct Answer {
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact.
     pub force: f64,
-    /// Errors of the values, and of the multiplier in L2 if it has a formula, for a known solution.
-    errors: Option<(Errors, Option<f64>)>,
+    /// Errors, if the solution is known.
+    errors: Option<KnownErrors>,
     /// Guaranteed bounds, or the reason for their absence.
     pub bounds: Result<Bounds, String>,
     /// Run times for grids and load vectors, and for the solver.
@@ -140,9 +142,7 @@ impl Answer {
     pub(super) fn json(&self, problem: &Problem) -> Value {
         let last = self.last();
         let (n, kkt, bounds) = (problem.finest(), last.kkt, self.bounds.as_ref().ok());
-        let per_grid = |of: fn(&Level) -> Option<usize>| -> Vec<usize> {
-            self.solved.levels.iter().filter_map(of).collect()
-        };
+        let levels = &self.solved.levels;
         let mut json = json!({
             "schema": 1,
             "scene": problem.name(),
@@ -154,9 +154,9 @@ impl Answer {
             "h": 1.0 / n as f64,
             "unknowns": self.solved.pair.y.len(),
             "iterations": last.iterations,
-            "iterations_per_grid": per_grid(|level| Some(level.iterations)),
+            "iterations_per_grid": levels.iter().map(|level| level.iterations).collect::<Vec<_>>(),
             "stop": self.end(problem),
-            "grids": self.solved.levels,
+            "grids": levels,
             "energy": last.energy,
             "integral_f": problem.integral,
             "sum_load": last.sum_load,
@@ -185,15 +185,16 @@ impl Answer {
         });
         if let Some(sweeps) = last.sweeps {
             json["sweeps"] = sweeps.into();
-            json["sweeps_per_grid"] = per_grid(|level| level.sweeps).into();
+            json["sweeps_per_grid"] =
+                levels.iter().filter_map(|level| level.sweeps).collect::<Vec<_>>().into();
         }
         if let Some(work_units) = self.solved.work_units {
             json["work_units"] = work_units.into();
         }
-        if let Some((errors, multiplier)) = &self.errors {
-            json["errors"] = json!(errors);
-            if let Some(multiplier) = multiplier {
-                json["errors"]["multiplier_l2"] = (*multiplier).into();
+        if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
+            json["errors"] = json!(values);
+            if let Some(multiplier_l2) = *multiplier_l2 {
+                json["errors"]["multiplier_l2"] = multiplier_l2.into();
             }
         }
         if let Err(reason) = &self.bounds {
@@ -210,11 +211,13 @@ impl Answer {
         let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
         let (f, integral) = (problem.domain.f(), shown_integral(problem.integral));
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
-        let settings = problem.settings().into_iter().map(|(name, value)| match value {
-            Value::String(text) => format!("{name} {text}"),
-            value => format!("{name} {value}"),
-        });
-        let settings: Vec<_> = settings.collect();
+        let mut settings = Vec::new();
+        for (name, value) in problem.settings() {
+            settings.push(match value {
+                Value::String(text) => format!("{name} {text}"),
+                value => format!("{name} {value}"),
+            });
+        }
         if !settings.is_empty() {
             text += &format!("{}\n", settings.join(", "));
         }
@@ -228,31 +231,40 @@ impl Answer {
         }
         let [nodes, all] = self.contact_nodes;
         text += &format!("\ncontact in {nodes} of {all} boundary nodes\n");
-        self.contact.iter().flatten().for_each(|arc| text += &bound::contact(arc, 6));
+        for arc in self.contact.iter().flatten() {
+            text += &bound::contact(arc, 6);
+        }
         text += &bound::force(self.force, -problem.integral, 6);
         if self.load_misses(problem) {
             text += &format!("minus the sum of the load {:.5e}\n", -self.last().sum_load);
         }
-        if let Some((e, multiplier)) = &self.errors {
-            text += &format!("errors: L2 {:.2e}, H1 {:.2e}, nodes {:.2e}", e.l2, e.h1, e.max);
-            if let Some(multiplier) = multiplier {
-                text += &format!("; multiplier L2 {multiplier:.2e}");
+        if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
+            let Errors { l2, h1, max, .. } = values;
+            text += &format!("errors: L2 {l2:.2e}, H1 {h1:.2e}, nodes {max:.2e}");
+            if let Some(multiplier_l2) = multiplier_l2 {
+                text += &format!("; multiplier L2 {multiplier_l2:.2e}");
             }
             text.push('\n');
         }
         if !self.last().verdict.is_failure() || problem.accuracy.is_some() {
             text += &bound::text(&self.bounds, self.errors.is_some());
         }
-        self.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
+        for warning in &self.warnings {
+            text += &format!("warning: {warning}\n");
+        }
         text
     }
 
     fn table(&self) -> String {
         let levels = &self.solved.levels;
-        // One sweep to an iteration is what Arrow-Hurwicz means; a column would only repeat it.
+        // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
         let nested = levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
         let mut head = vec!["grid", "iterations", "stop", "energy", "KKT residual", "relative"];
-        let row = |level: &Level| {
+        if nested {
+            head.insert(2, "sweeps");
+        }
+        let mut rows = Vec::new();
+        for level in levels {
             let mut row = vec![
                 format!("1/{}", level.cells),
                 level.iterations.to_string(),
@@ -264,11 +276,8 @@ impl Answer {
             if nested {
                 row.insert(2, level.sweeps.unwrap_or(level.iterations).to_string());
             }
-            row
-        };
-        if nested {
-            head.insert(2, "sweeps");
+            rows.push(row);
         }
-        columns(&head, &[], levels.iter().map(row).collect())
+        columns(&head, &[], rows)
     }
 }

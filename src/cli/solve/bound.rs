@@ -1,10 +1,10 @@
-//! What an answer is worth: guaranteed bounds of its error and of the true energy, and the contact found.
+//! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use crate::bounds::Bounds;
 use crate::discrete::contact::ContactArc;
 use crate::timing::solver::Solver;
 
-/// The bounds as text. A `smooth` f enters them by quadrature, pieces exactly.
+/// Returns the bounds as text. They contain a `smooth` f by quadrature, pieces exactly.
 pub(super) fn text(bound: &Result<Bounds, String>, smooth: bool) -> String {
     let bound = match bound {
         Ok(bound) => bound,
@@ -25,7 +25,7 @@ pub(super) fn text(bound: &Result<Bounds, String>, smooth: bool) -> String {
     text
 }
 
-/// What the bounds say against an answer, which gives `energy`.
+/// Returns warnings if the bounds contradict the `energy` of an answer, or if its error may be large.
 pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<String> {
     let mut warnings = Vec::new();
     let ([low, high], [_, most]) = (bound.energy, bound.error);
@@ -49,13 +49,13 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<Strin
     warnings
 }
 
-/// The total contact force beside minus the integral of f, which it equals at the solution, as text.
+/// Returns, as text, the total contact force and minus the integral of f, which are equal at the solution.
 pub(super) fn force(force: f64, minus_integral: f64, digits: usize) -> String {
     let digits = digits - 1;
     format!("contact force {force:.digits$e}, minus the integral of f {minus_integral:.digits$e}\n")
 }
 
-/// Where a part of the boundary is in contact, and with which force.
+/// Returns, as text, the place and the force of an arc in contact.
 pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
     let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
     let place = match arc.from == arc.to {
@@ -65,5 +65,5 @@ pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
     format!("contact {place}, force {:.*e}\n", digits - 1, arc.force)
 }
 
-/// Part of the solution above which an error is warned of.
+/// Error over the solution from which on a warning is given.
 const POOR: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! The square and the cube under one interface: load vector, judgement, errors, files.
+//! Square and cube under one interface: load vector, judgement, errors, files.
 
 use super::Solver;
 use crate::bounds::{Bounds, bounds, recovery};
@@ -19,15 +19,22 @@ use crate::saddle::{Fields, Pair};
 use clap::ValueEnum;
 use std::path::Path;
 
-/// The square or the cube, with f and its quadrature.
+/// Square or cube, with f and its quadrature.
 pub(super) enum Domain {
     Square { f: Source, rule: LoadRule },
     Cube { f: problem::cube::Source },
 }
 
+/// Errors against a known solution.
+pub(super) struct KnownErrors {
+    pub values: Errors,
+    /// Error of the multiplier in L2, on the square.
+    pub multiplier_l2: Option<f64>,
+}
+
 impl Domain {
-    /// Cells per side of the finest grid on which a nodal vector or two, or a banded matrix and its factors, fit comfortably in
-    /// memory; refuses a solver that the domain does not have.
+    /// Largest number of cells per side for which the vectors and factors of the solver take about 1 GB; refuses a
+    /// solver that the domain does not have.
     pub(super) fn most_cells(&self, solver: Solver) -> Result<usize> {
         Ok(match (self, solver) {
             (Self::Square { .. }, Solver::ActiveSet) => MOST_ON_SQUARE,
@@ -56,7 +63,7 @@ impl Domain {
         }
     }
 
-    /// The pieces of f that change nothing.
+    /// Returns the pieces of f outside the domain, which change nothing.
     pub(super) fn outside(&self) -> Vec<String> {
         match self {
             Self::Square { f, .. } => f.outside(),
@@ -64,7 +71,7 @@ impl Domain {
         }
     }
 
-    /// Integrals of f and of |f|.
+    /// Returns the integrals of f and of |f|.
     pub(super) fn integrals(&self) -> [f64; 2] {
         match self {
             Self::Square { f, .. } => [load::integral(f), load::integral(&f.absolute())],
@@ -80,13 +87,13 @@ impl Domain {
         }
     }
 
-    /// Difference of forces that the grid explains: h^2 times the integral of |f|.
+    /// Returns the difference of forces that the grid explains: h^2 times the integral of |f|.
     pub(super) fn slack(&self, n: usize) -> f64 {
         self.integrals()[1].abs() / n as f64 / n as f64
     }
 
-    /// Difference between the sum of a load vector and the integral of f that the grid explains; `None` for smooth f,
-    /// where quadrature has its own error.
+    /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; `None` for
+    /// smooth f, for which quadrature has an error of its own.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
         let smooth = match self {
             Self::Square { f, .. } => f.exact().is_some(),
@@ -102,7 +109,7 @@ impl Domain {
         }
     }
 
-    /// What a nodal vector is worth.
+    /// Judges a nodal vector, apart from the solvers.
     pub(super) fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> Judgement {
         match self {
             Self::Square { .. } => judge(square(n), y, load),
@@ -110,12 +117,12 @@ impl Domain {
         }
     }
 
-    /// Positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
+    /// Returns the positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
     pub(super) fn boundary(&self, n: usize) -> Vec<usize> {
         self.boundary_parts(n).into_iter().map(|(node, _)| node).collect()
     }
 
-    /// The same positions, each with the measure of the node's part of the boundary.
+    /// Returns the [boundary](Self::boundary) nodes, each with the measure of its part of the boundary.
     pub(super) fn boundary_parts(&self, n: usize) -> Vec<(usize, f64)> {
         match self {
             Self::Square { .. } => square(n).boundary().map(|node| (node, square(n).h())).collect(),
@@ -123,25 +130,26 @@ impl Domain {
         }
     }
 
-    /// Errors of values, and on the square that of the multiplier in L2, if the solution has a formula.
-    pub(super) fn errors(
-        &self,
-        n: usize,
-        y: &[f64],
-        load: &[f64],
-    ) -> Option<(Errors, Option<f64>)> {
+    /// Returns the errors, if the solution has a formula.
+    pub(super) fn errors(&self, n: usize, y: &[f64], load: &[f64]) -> Option<KnownErrors> {
         match self {
             Self::Square { f, .. } => {
                 let (grid, exact) = (square(n), f.exact()?);
-                let multiplier = |point, normal| exact.multiplier(point, normal);
-                let multiplier_l2 = multiplier_error(grid, y, load, multiplier);
-                Some((errors(grid, exact, y), Some(multiplier_l2)))
+                let multiplier_l2 = multiplier_error(grid, y, load, |point, normal| {
+                    exact.multiplier(point, normal)
+                });
+                let values = errors(grid, exact, y);
+                Some(KnownErrors { values, multiplier_l2: Some(multiplier_l2) })
             }
-            Self::Cube { f } => Some((cube::errors(cube(n), f.exact()?, y), None)),
+            Self::Cube { f } => {
+                let values = cube::errors(cube(n), f.exact()?, y);
+                Some(KnownErrors { values, multiplier_l2: None })
+            }
         }
     }
 
-    /// Arcs in contact, for a nodal vector and its judgement; `None` on the cube, whose contact set is made of faces.
+    /// Returns the arcs in contact, for a nodal vector and its judgement; `None` on the cube, whose contact set consists
+    /// of faces.
     pub(super) fn contact(
         &self,
         n: usize,
@@ -161,7 +169,7 @@ impl Domain {
         }
     }
 
-    /// The recovered solution, on the grid of half the width.
+    /// Returns the recovered solution, on the grid of half the width.
     pub(super) fn recovered(&self, n: usize, pair: &Pair) -> Result<Pair> {
         let Self::Square { f, .. } = self else {
             return Err(Error::input("--recover is for the square; leave it out"));
@@ -171,7 +179,7 @@ impl Domain {
         Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }
 
-    /// The bytes of a file with the solution; on the cube, of no picture.
+    /// Returns the bytes of a file with the solution; the caller refuses a picture of the cube.
     pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
@@ -194,7 +202,7 @@ impl Domain {
     }
 }
 
-/// A kind of file, by its ending: VTK image data for ParaView, one NumPy array, several, a picture.
+/// Format of a file, by its ending: VTK image data for ParaView, one NumPy array, several arrays, a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
     Vti,
@@ -204,7 +212,7 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// The format that the ending of `path` names.
+    /// Returns the format that the ending of `path` names.
     pub(super) fn of(path: &Path) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         Self::from_str(ending, false).map_err(|_| {

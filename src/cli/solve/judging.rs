@@ -7,7 +7,7 @@ use super::problem::Problem;
 use crate::discrete::verdict::Verdict;
 use crate::saddle::tolerance;
 
-/// Cells per side above which a coarsest grid is finer than those that the stopping rule is made for.
+/// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
 
 impl Answer {
@@ -52,7 +52,7 @@ impl Answer {
         }
     }
 
-    /// Message that the discrete problem on the finest grid, or on all grids, has no solution.
+    /// Returns the message that the discrete problem on the finest grid, or on all grids, has no solution.
     fn without_solution(&self, problem: &Problem) -> String {
         let levels = &self.solved.levels;
         let on_all = levels.iter().all(|level| level.verdict == Verdict::NoSolution);
@@ -87,7 +87,7 @@ impl Answer {
         }
     }
 
-    /// Warns if a tolerance was asked for and not reached.
+    /// Warns if the tolerance asked for was not reached.
     fn warn_of_tolerance(&mut self, problem: &Problem) {
         let Level { stop, kkt, .. } = *self.last();
         if let Some(tolerance) = problem.tolerance
@@ -135,7 +135,7 @@ impl Answer {
     }
 }
 
-/// Names of the grids of the levels with a property, if there are any.
+/// Returns the names of the grids of the levels with a property, if there are any.
 fn named(levels: &[Level], property: impl Fn(&Level) -> bool) -> Option<String> {
     let grids: Vec<_> = levels
         .iter()

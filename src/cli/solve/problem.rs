@@ -1,4 +1,4 @@
-//! What `solve` is asked: f and its domain, the grids, the solver and its settings.
+//! Problem of `solve`: f and its domain, the grids, the solver and its settings.
 
 use super::accuracy::Accuracy;
 use super::domain::Domain;
@@ -16,31 +16,31 @@ use crate::saddle::{Params, StopRule};
 use crate::timing::machine;
 use serde_json::{Value, json};
 
-/// Cells per side of the finest grid, where neither the user nor a scene says it.
+/// Cells per side of the finest grid, if neither the user nor a scene gives a number.
 const DEFAULT_CELLS: usize = 64;
 
-/// Everything that determines an answer.
+/// Data that determine an answer.
 pub(super) struct Problem {
-    /// Name of the scene, if f is one's.
+    /// Name of the scene, if f is that of a scene.
     pub scene: Option<String>,
     pub domain: Domain,
-    /// Of f.
+    /// Integral of f.
     pub integral: f64,
     pub solver: Solver,
     /// Cells per side of the nested grids, coarsest first; only the saddle-point methods use more than the last.
     pub grids: Vec<usize>,
-    /// What the saddle-point methods are told; the tolerance goes with the grid.
+    /// Parameters of the saddle-point methods, but the tolerance, which depends on the grid.
     pub params: Params,
     pub prolongation: Prolongation,
-    /// The tolerance of multigrid, relative to the load; none means the rounding floor.
+    /// Tolerance of multigrid, relative to the load; `None` for the rounding floor.
     pub tolerance: Option<f64>,
-    /// What is to be guaranteed of the error: then the grids are chosen by it.
+    /// Guaranteed bound of the error, by which the grids are chosen.
     pub accuracy: Option<Accuracy>,
-    /// Where an option was given instead of what the scene says.
+    /// Options that differ from the scene, in words.
     pub overridden: Vec<String>,
-    /// What has been said of f already.
+    /// Warnings of f that are printed already.
     pub warnings: Vec<String>,
-    /// Bytes per node that writing the solution takes beside the solver's.
+    /// Memory per node for writing the solution, besides that of the solver.
     bytes_to_write: u64,
 }
 
@@ -81,7 +81,7 @@ impl Problem {
 
     /// Refuses a solver that the domain does not have, or that would take too much memory on the finest grid.
     pub(super) fn check_memory(&self) -> Result<()> {
-        let (solver, finest, dimension) = (self.solver, self.finest(), self.domain.dimension());
+        let (solver, finest) = (self.solver, self.finest());
         let most = self.domain.most_cells(solver)?;
         let asked = match self.accuracy {
             Some(accuracy) => format!("{accuracy}: grid 1/{finest}"),
@@ -92,21 +92,26 @@ impl Problem {
                 "{asked} needs too much memory; 1/{most} is the finest for {solver}"
             )));
         }
-        let bytes = |n: usize| {
-            let per_node = solver.bytes_per_node(dimension, n as u64) + self.bytes_to_write;
-            (n as u64 + 1).pow(dimension.into()) * per_node
-        };
         let left = machine::available_memory().unwrap_or(u64::MAX);
-        if bytes(finest) <= left {
+        if self.bytes(finest) <= left {
             return Ok(());
         }
-        let fits = (1..).map(|k| finest >> k).find(|&n| n < 4 || bytes(n) <= left);
+        let mut fits = finest / 2;
+        while fits >= 4 && self.bytes(fits) > left {
+            fits /= 2;
+        }
         Err(Error::input(format!(
-            "{asked} takes about {} MB of memory, where {} MB are left; 1/{} would fit",
-            bytes(finest) / 1_000_000,
+            "{asked} takes about {} MB of memory, where {} MB are left; 1/{fits} would fit",
+            self.bytes(finest) / 1_000_000,
             left / 1_000_000,
-            fits.unwrap_or(2)
         )))
+    }
+
+    /// Memory for solving on a grid and writing the solution.
+    fn bytes(&self, n: usize) -> u64 {
+        let dimension = self.domain.dimension();
+        let per_node = self.solver.bytes_per_node(dimension, n as u64) + self.bytes_to_write;
+        (n as u64 + 1).pow(dimension.into()) * per_node
     }
 
     /// Cells per side of the finest grid.
@@ -118,7 +123,7 @@ impl Problem {
         self.scene.as_deref().unwrap_or("custom")
     }
 
-    /// What leaves a smaller residual than the solver as it is asked to stop.
+    /// Returns advice for a smaller residual.
     pub(super) fn closer(&self) -> &'static str {
         match (self.solver.is_nested(), self.params.rule) {
             (true, StopRule::PrintedDual) => "use --solver multigrid",
@@ -127,7 +132,7 @@ impl Problem {
         }
     }
 
-    /// What the answer depends on besides f, the solver and the grids, by name.
+    /// Returns the settings, by name, on which the answer depends besides f, the solver and the grids.
     pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
         if let Domain::Square { rule, .. } = &self.domain {
@@ -146,7 +151,7 @@ impl Problem {
     }
 }
 
-/// Refuses an option that the solver has no use for.
+/// Refuses an option that has no use with the solver.
 fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     const MULTIGRID: &[Solver] = &[Solver::Multigrid];
     let options: [(_, _, &[Solver]); 8] = [
@@ -180,14 +185,15 @@ fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
         (None, Some(scene)) => scene.f.clone(),
         (None, None) => return Err(Error::input("give a scene or --f")),
     };
-    // An accuracy is asked of the solution for f, whatever load vector a scene takes; with the bilinear rule the bounds
-    // are closest, and the grids that they ask for coarsest.
+    // An accuracy concerns the solution for f, whatever load vector a scene takes; with the bilinear rule the bounds are
+    // closest, and the grids that they need coarsest.
     let given = args.load.map(|rule| rule.0).or(args.accuracy().map(|_| LoadRule::Bilinear {}));
     let rule = choose("load", given, scene.map(|s| s.load), rule_name, overridden);
     Ok(Domain::Square { f, rule: rule.unwrap_or(LoadRule::Bilinear {}) })
 }
 
-/// Solver if none is named: the paper's method for a scene or for an option that only this method takes, else multigrid.
+/// Returns the default solver: the paper's method for a scene or with an option that only this method takes, else
+/// multigrid.
 fn default_solver(args: &SolveArgs) -> Solver {
     let of_the_paper = args.r.is_some() || args.stop.is_some() || args.max_iterations.is_some();
     if args.accuracy().is_none() && (args.scene.is_some() || of_the_paper) {
@@ -201,19 +207,19 @@ fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
     let r = choose("r", args.r, scene.map(|s| s.drawn_r()), f64::to_string, overridden);
     let stop = args.stop.as_deref().map(stop_rule).transpose()?;
     let rule = choose("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string, overridden);
-    let cap = args.max_iterations.map(|n| n as usize);
+    let given = args.max_iterations.map(|n| n as usize);
     let of_scene = scene.map(|s| s.max_iterations);
-    let cap = choose("max-iterations", cap, of_scene, usize::to_string, overridden);
+    let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
     let defaults = Params::default();
     Ok(Params {
         r: positive_r(r.unwrap_or(10.0))?,
         rule: rule.unwrap_or(StopRule::Printed),
-        max_iterations: cap.unwrap_or(defaults.max_iterations),
+        max_iterations: limit.unwrap_or(defaults.max_iterations),
         ..defaults
     })
 }
 
-/// The option's value, or else the scene's; a difference between the two is noted in `overridden`.
+/// Returns the option's value, or else the scene's; adds a difference between the two to `overridden`.
 fn choose<T: PartialEq>(
     name: &str,
     option: Option<T>,
@@ -241,13 +247,15 @@ fn scene(name: &str) -> Result<Scene> {
     project.scene(name).cloned()
 }
 
-/// The grids of the scene down to the finest, or those that begin as its do; otherwise from the coarsest
-/// that halves down to the finest, with at least four cells if possible.
+/// Returns the cells per side of nested grids, each half as wide as the one before, down to the finest: from the
+/// coarsest grid of the scene on if that is possible, else from the coarsest with at least four cells, or from the finest
+/// alone.
 fn hierarchy(finest: usize, scene: Option<&Scene>) -> Result<Vec<usize>> {
     let mut sizes = vec![finest];
     let coarsest = scene.map(|scene| scene.grids[0].cells());
-    let from_scene = |n: usize| finest.is_multiple_of(n) && (finest / n).is_power_of_two();
-    let stop_at = coarsest.filter(|&n| from_scene(n)).unwrap_or(4);
+    let stop_at = coarsest
+        .filter(|&n| finest.is_multiple_of(n) && (finest / n).is_power_of_two())
+        .unwrap_or(4);
     while sizes[0].is_multiple_of(2) && sizes[0] / 2 >= stop_at {
         sizes.insert(0, sizes[0] / 2);
     }
@@ -261,16 +269,14 @@ mod tests {
 
     #[test]
     fn hierarchies_halve_down_to_an_odd_or_small_grid_or_to_the_scenes() {
-        let sizes = |n| hierarchy(n, None).unwrap();
-        assert_eq!(sizes(64), [4, 8, 16, 32, 64]);
-        assert_eq!(sizes(12), [6, 12]);
-        assert_eq!(sizes(7), [7]);
+        assert_eq!(hierarchy(64, None).unwrap(), [4, 8, 16, 32, 64]);
+        assert_eq!(hierarchy(12, None).unwrap(), [6, 12]);
+        assert_eq!(hierarchy(7, None).unwrap(), [7]);
         assert!(hierarchy(1, None).is_err());
         let text = "title = \"t\"\nf = \"else=-1\"\ngrids = [16, 32]\noutputs = []\n";
         let scene = Scene::parse("s", text).unwrap();
-        let sizes = |n| hierarchy(n, Some(&scene)).unwrap();
-        assert_eq!(sizes(32), [16, 32]);
-        assert_eq!(sizes(128), [16, 32, 64, 128]);
-        assert_eq!(sizes(24), [6, 12, 24]);
+        assert_eq!(hierarchy(32, Some(&scene)).unwrap(), [16, 32]);
+        assert_eq!(hierarchy(128, Some(&scene)).unwrap(), [16, 32, 64, 128]);
+        assert_eq!(hierarchy(24, Some(&scene)).unwrap(), [6, 12, 24]);
     }
 }

@@ -1,7 +1,7 @@
-//! Every solver brought to the same shape of answer.
+//! Calls of every solver, all with answers of one type.
 
 use super::Solver;
-use super::accuracy::{Accuracy, FIRST};
+use super::accuracy::{Accuracy, FIRST, TriedGrid};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
@@ -32,8 +32,8 @@ impl Problem {
         Ok(Answer::new(self, solved, &loads[loads.len() - 1], seconds))
     }
 
-    /// Solves on one grid after the other until what is guaranteed is enough. Coarser grids cost less than
-    /// the last one together.
+    /// Solves on one grid after the other until the guaranteed bound is small enough. All coarser grids together cost
+    /// less than the last one.
     pub(super) fn solve_to(&mut self, accuracy: Accuracy) -> Result<Answer> {
         accuracy.check()?;
         let (mut finest, mut tried, mut levels) = (FIRST, Vec::new(), Vec::new());
@@ -50,7 +50,7 @@ impl Problem {
                 answer.solved.levels = levels;
                 return Ok(answer);
             }
-            tried.push((finest, reached));
+            tried.push(TriedGrid { cells: finest, reached });
             finest = accuracy.next(&tried)?;
         }
     }
@@ -87,23 +87,23 @@ impl Problem {
         let goal = match (self.accuracy, self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
             (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(load)),
-            // The bracket of the energy is far narrower than the error is large.
+            // The bracket of the energy is much narrower than the error.
             _ => Goal::RoundingFloor,
         };
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        let by_cycles = |(y, o): (_, MultigridOutcome)| (y, o.cycles, o.stop, Some(o.work_units));
-        let by_steps = |(y, o): (_, ActiveSetOutcome)| (y, o.steps, o.stop, None);
         let solved = match (&self.domain, self.solver) {
             (Domain::Square { .. }, Solver::Multigrid) => {
-                multigrid::solve_square(n, load, None, &params).map(by_cycles)
+                multigrid::solve_square(n, load, None, &params).map(FinestRun::of_multigrid)
             }
             (Domain::Cube { .. }, Solver::Multigrid) => {
-                multigrid::solve_cube(n, load, None, &params).map(by_cycles)
+                multigrid::solve_cube(n, load, None, &params).map(FinestRun::of_multigrid)
             }
-            (Domain::Square { .. }, _) => active_set::<Square>(n, load).map(by_steps),
-            (Domain::Cube { .. }, _) => active_set::<Cube>(n, load).map(by_steps),
+            (Domain::Square { .. }, _) => {
+                active_set::<Square>(n, load).map(FinestRun::of_active_set)
+            }
+            (Domain::Cube { .. }, _) => active_set::<Cube>(n, load).map(FinestRun::of_active_set),
         };
-        let (y, iterations, stop, work_units) = solved.map_err(|e| self.refused(&e))?;
+        let FinestRun { y, iterations, stop, work_units } = solved.map_err(|e| self.refused(&e))?;
         if stop == MultigridStop::Diverged {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
@@ -124,7 +124,7 @@ impl Problem {
         Ok(self.solved(vec![level], y, judgement, work_units))
     }
 
-    /// The solution with the multiplier that follows from it, whatever multiplier the solver carried along.
+    /// Returns the solution with the multiplier that follows from it, not with a multiplier of the solver.
     fn solved(
         &self,
         levels: Vec<Level>,
@@ -137,7 +137,7 @@ impl Problem {
         Solved { levels, pair: Pair { y, a }, judgement, work_units }
     }
 
-    /// Message that no nodal vector solves the discrete problem for a load vector with this sum.
+    /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
     pub(super) fn without_solution(&self, sum_load: f64) -> String {
         let lower = match self.domain {
             Domain::Square { .. } => "use --load exact, another --h, or a lower f",
@@ -157,5 +157,25 @@ impl Problem {
             InputError::GridSize { .. } => Error::input(format!("--h: {e}")),
             _ => Error::input(format!("{place}: {e}; check f")),
         }
+    }
+}
+
+/// Run of a solver on the finest grid alone.
+struct FinestRun {
+    y: Vec<f64>,
+    iterations: usize,
+    stop: MultigridStop,
+    /// Cost in sweeps of the finest grid, if the solver counts it.
+    work_units: Option<f64>,
+}
+
+impl FinestRun {
+    fn of_multigrid((y, outcome): (Vec<f64>, MultigridOutcome)) -> Self {
+        let MultigridOutcome { cycles, stop, work_units, .. } = outcome;
+        Self { y, iterations: cycles, stop, work_units: Some(work_units) }
+    }
+
+    fn of_active_set((y, outcome): (Vec<f64>, ActiveSetOutcome)) -> Self {
+        Self { y, iterations: outcome.steps, stop: outcome.stop, work_units: None }
     }
 }

@@ -14,7 +14,7 @@ use crate::spectral::{Params, Solution, SpectralError, spectral};
 use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 
-/// Says what the solution is, and returns it.
+/// Solves, prints the answer, and returns the solution.
 pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
@@ -66,15 +66,15 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     Ok(finer)
 }
 
-/// v at the nodes of a grid, and the multiplier at those of its boundary.
+/// Returns v at the nodes of a grid, and the multiplier at its boundary nodes.
 pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
-    let multiplier = |b: usize| {
+    let mut a = Vec::new();
+    for b in 0..grid.boundary_nodes() {
         let (i, j) = grid.boundary_node(b);
         let [_, multiplier] = solution.on_border([grid.coordinate(i), grid.coordinate(j)]);
-        // Rounding errors are not to look like a pull.
-        multiplier.max(0.0)
-    };
-    let a = (0..grid.boundary_nodes()).map(multiplier).collect();
+        // A negative value is a rounding error: the true multiplier is not negative.
+        a.push(multiplier.max(0.0));
+    }
     let bar = bar("{spinner} v at {msg} nodes, {elapsed}");
     if let Some(bar) = &bar {
         bar.set_message(grid.nodes().to_string());
@@ -85,18 +85,20 @@ pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
     Pair { y, a }
 }
 
-/// Total contact force.
+/// Returns the total contact force.
 fn force(solution: &Solution) -> f64 {
     solution.contact.iter().map(|arc| arc.force).sum()
 }
 
 fn table(solution: &Solution) -> String {
     let mut text = format!("energy {:.15e}\n", solution.energy);
-    solution.contact.iter().for_each(|arc| text += &contact(arc, 16));
+    for arc in &solution.contact {
+        text += &contact(arc, 16);
+    }
     text + &format!("v(0,0) {:.15e}\n", solution.value(0.0, 0.0))
 }
 
-/// What cannot be solved is the user's to change; a solution that is not found is a failure.
+/// Returns the error of the program: an error of the input if f is unsuitable, a failure if no solution was found.
 fn failed(name: &str, error: &SpectralError) -> Error {
     match error {
         SpectralError::NotPieces | SpectralError::NotCoercive(_) => {
