@@ -6,12 +6,14 @@ mod bench;
 mod certificate;
 mod dag;
 mod diff;
+mod gc;
 mod identify;
 mod init;
 mod interrupt;
 mod man;
 mod output;
 mod pipeline;
+mod report;
 mod run;
 mod solve;
 mod status;
@@ -112,7 +114,7 @@ enum Command {
     )]
     Bench(bench::BenchArgs),
     /// Build the book, and open it with --open
-    Report(pipeline::ReportArgs),
+    Report(report::ReportArgs),
     /// Write what a reviewer attaches to a review: a CODECHECK bundle and a one-page certificate
     #[command(after_help = "Only for a run that is up to date.\n\
         Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
@@ -126,7 +128,7 @@ enum Command {
         after_help = "No scene of this project, that is: from a cache that several projects share, \
         the results of all others go as well."
     )]
-    Gc(pipeline::GcArgs),
+    Gc(gc::GcArgs),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  signorini completions bash > ~/.local/share/bash-completion/completions/signorini"
@@ -239,10 +241,10 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Solve(args) => solve::solve(&args),
         Command::Identify(args) => identify::identify(&args),
         Command::Bench(args) => bench::bench(&args),
-        Command::Report(args) => pipeline::report(&args),
+        Command::Report(args) => report::report(&args),
         Command::Certificate(args) => certificate::certificate(&args),
         Command::Init(args) => init::init(&args),
-        Command::Gc(args) => pipeline::gc(&args),
+        Command::Gc(args) => gc::gc(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut without_scenes(), "signorini", &mut script);

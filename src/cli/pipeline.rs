@@ -1,7 +1,7 @@
-//! Walks of the project's plan for all commands; the commands `report` and `gc`.
+//! Walks of the project's plan, for all commands.
 
 use super::interrupt::interrupted;
-use super::output::{refuse_tilde, say};
+use super::output::refuse_tilde;
 use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
@@ -11,34 +11,11 @@ use crate::pipeline::{
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan, scene_of};
-use clap::Args;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Default cache of a project.
 pub(super) const CACHE: &str = ".signorini";
-
-#[derive(Args)]
-pub(super) struct ReportArgs {
-    /// Open the book in the browser
-    #[arg(long)]
-    open: bool,
-    #[command(flatten)]
-    cache: CacheArgs,
-}
-
-#[derive(Args)]
-pub(super) struct GcArgs {
-    /// Count only; remove nothing
-    #[arg(short = 'n', long)]
-    dry_run: bool,
-    /// Keep this many latest runs of each task
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    keep: usize,
-    #[command(flatten)]
-    cache: CacheArgs,
-}
 
 /// The project around the current folder, and its cache.
 pub(super) struct Workplace {
@@ -285,71 +262,5 @@ pub(super) fn edited(file: &Edited) -> String {
         Editor::Unknown => format!(
             "nothing is on record of {path}; move it away, or overwrite it by `signorini run --force`"
         ),
-    }
-}
-
-pub(super) fn report(args: &ReportArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
-    let tasks = workplace.tasks(&[], Some(Stage::Report))?;
-    let manifests = workplace.bring_up_to_date(&tasks)?;
-    let made = manifests.values().flat_map(|manifest| manifest.outputs.keys());
-    let made: Vec<String> = made.map(|name| format!("report/{name}")).collect();
-    let page = first_page(made.iter()).ok_or_else(|| {
-        Error::input(
-            "the project has no pages; they need report/book.toml with [output.html] and report/templates/SUMMARY.md, as `signorini init` writes them",
-        )
-    })?;
-    let book = workplace.project.root.join(page);
-    if args.open {
-        open(&book)?;
-    }
-    say(&format!("{}\n", book.display()))
-}
-
-/// Returns the path of the first page of the book among the paths of exported files.
-pub(super) fn first_page<'a>(exported: impl Iterator<Item = &'a String> + Clone) -> Option<String> {
-    const BOOK: &str = "report/book/";
-    let page = crate::report::first_page(exported.filter_map(|path| path.strip_prefix(BOOK)))?;
-    Some(format!("{BOOK}{page}"))
-}
-
-fn open(page: &Path) -> Result<()> {
-    let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let why = match Command::new(opener).arg(page).status() {
-        Ok(status) if status.success() => return Ok(()),
-        Ok(status) => format!("`{opener}` failed ({status})"),
-        Err(e) => format!("`{opener}` cannot be started ({e})"),
-    };
-    Err(Error::input(format!("{why}; open {} by hand", page.display())))
-}
-
-pub(super) fn gc(args: &GcArgs) -> Result<u8> {
-    if args.keep == 0 {
-        return Err(Error::input(
-            "--keep must be at least 1; to drop everything, remove the cache folder",
-        ));
-    }
-    let workplace = Workplace::open(&args.cache)?;
-    let plan = workplace.tasks(&[], None)?;
-    let wanted: BTreeSet<String> = plan.tasks().iter().map(|task| task.id.clone()).collect();
-    // Counting needs no lock; and without a cache no lock is taken, which would create a folder that was misspelt.
-    let there = workplace.store.folder().is_dir();
-    let _lock = if args.dry_run || !there { None } else { Some(workplace.store.lock()?) };
-    let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;
-    let verb = if args.dry_run { "would remove" } else { "removed" };
-    say(&format!(
-        "{verb} {} files, {}; kept {} files, {}\n",
-        garbage.files,
-        size(garbage.bytes),
-        garbage.kept_files,
-        size(garbage.kept_bytes)
-    ))
-}
-
-fn size(bytes: u64) -> String {
-    match bytes {
-        0..10_000 => format!("{bytes} B"),
-        10_000..10_000_000 => format!("{} kB", bytes / 1000),
-        _ => format!("{} MB", bytes / 1_000_000),
     }
 }

@@ -2,7 +2,8 @@
 
 use super::CacheArgs;
 use super::output::{say, talk, warn_of_outside};
-use super::pipeline::{Scope, Workplace, edited, first_page};
+use super::pipeline::{Scope, Workplace, edited};
+use super::report::first_page;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::project::Project;

@@ -1,7 +1,8 @@
 //! Garbage: files of the cache to which nothing refers.
 
 use super::files::{if_there, is_temporary, read, read_if_there, remove_from};
-use super::manifest::{Manifest, is_hash, is_stamp};
+use super::is_hash;
+use super::manifest::{Manifest, is_stamp};
 use super::store::{LOCKS, OBJECTS, RUNS, STAMPS, Store, TASKS, believable};
 use crate::pipeline::error::Result;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,8 +1,9 @@
 //! `pipeline/lock.toml`: the hashes that every run must reproduce, committed with the scenes.
 
 use super::Hashes;
+use super::change::changes;
 use super::files::{read_if_there, write_atomically};
-use super::manifest::changes;
+
 use crate::pipeline::error::{CONFLICT, Error, Result, conflict};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -1,10 +1,10 @@
 //! Manifests: all inputs and outputs of a run of a task, so that a change can be explained and not only noticed.
 
+use super::change::{Change, changes};
 use super::files::is_plain;
-use super::{Hashes, Plan, Task, hash, stage};
+use super::{Hashes, PROGRAM, Plan, Task, hash, is_hash, stage};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Record of one run of a task.
@@ -107,9 +107,6 @@ impl Plan {
     }
 }
 
-/// Name of the input for the program: a digest of its sources, the compiler and its options.
-pub(super) const PROGRAM: &str = "program";
-
 /// Number of digits of a key in a stamp.
 const STAMP_DIGITS: usize = 16;
 
@@ -122,97 +119,6 @@ pub(super) fn is_stamp(name: &str) -> bool {
 
 /// Beginning of the names of inputs that other tasks make.
 const ARTIFACT: &str = "artifact ";
-
-/// Change of one input.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Change {
-    /// Name of the input.
-    pub input: String,
-    /// Value or hash when the task last ran; `None` if it was not an input then.
-    pub old: Option<String>,
-    /// Value or hash today; `None` if it no longer is an input.
-    pub new: Option<String>,
-}
-
-/// Returns the inputs that differ between a stored manifest and today.
-pub(super) fn changes(
-    old: &BTreeMap<String, String>,
-    new: &BTreeMap<String, String>,
-) -> Vec<Change> {
-    let keys: BTreeSet<_> = old.keys().chain(new.keys()).collect();
-    let mut changes = Vec::new();
-    for key in keys {
-        let (old, new) = (old.get(key).cloned(), new.get(key).cloned());
-        if old != new {
-            changes.push(Change { input: key.clone(), old, new });
-        }
-    }
-    changes
-}
-
-impl fmt::Display for Change {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let subject = match self.input.as_str() {
-            PROGRAM => "the program changed",
-            input => input,
-        };
-        let parts = [&self.old, &self.new].map(|value| serde_json::from_str(value.as_ref()?).ok());
-        let mut differences = Vec::new();
-        if let [Some(old), Some(new)] = &parts {
-            compare(subject, old, new, &mut differences);
-        }
-        match &differences[..] {
-            [Difference { place, old, new }, rest @ ..] if place != subject => {
-                write!(out, "{place}: {old} -> {new}")?;
-                out.write_str(if rest.is_empty() { "" } else { ", and elsewhere" })
-            }
-            // A value without parts, as it was written.
-            _ => write!(out, "{subject}: {} -> {}", brief(&self.old), brief(&self.new)),
-        }
-    }
-}
-
-/// Returns a value, or the first twelve digits of a hash, which identify it.
-fn brief(value: &Option<String>) -> &str {
-    match value {
-        None => "absent",
-        Some(hash) if is_hash(hash) => &hash[..12],
-        Some(value) => value,
-    }
-}
-
-/// Difference of two JSON values in one place.
-struct Difference<'a> {
-    place: String,
-    old: &'a Value,
-    new: &'a Value,
-}
-
-/// Finds the differences of two values: of objects with the same keys and arrays of the same length part by part, but
-/// not of lists of plain values.
-fn compare<'a>(place: &str, old: &'a Value, new: &'a Value, found: &mut Vec<Difference<'a>>) {
-    match (old, new) {
-        _ if old == new => {}
-        (Value::Object(old), Value::Object(new)) if old.keys().eq(new.keys()) => {
-            for (key, value) in old {
-                compare(&format!("{place}.{key}"), value, &new[key], found);
-            }
-        }
-        (Value::Array(old), Value::Array(new))
-            if old.len() == new.len() && old.iter().any(|v| v.is_object() || v.is_array()) =>
-        {
-            for (k, (old, new)) in old.iter().zip(new).enumerate() {
-                compare(&format!("{place}[{k}]"), old, new, found);
-            }
-        }
-        _ => found.push(Difference { place: place.into(), old, new }),
-    }
-}
-
-/// True if the text has the form of a hash that this program writes.
-pub(super) fn is_hash(text: &str) -> bool {
-    text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
-}
 
 /// Reason for which a task has to run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -288,27 +194,6 @@ mod tests {
             inputs: BTreeMap::from([("parameter r".into(), "10".into())]),
             outputs: BTreeMap::from([("cell.json".into(), hash(b"x"))]),
         }
-    }
-
-    /// Words for the change of a parameter.
-    fn told(old: &str, new: &str) -> String {
-        let [old, new] = [old, new].map(|value| Some(value.to_owned()));
-        Change { input: "parameter p".into(), old, new }.to_string()
-    }
-
-    #[test]
-    fn of_a_value_with_parts_only_the_changed_ones_are_told() {
-        assert_eq!(told("1e6", "10"), "parameter p: 1e6 -> 10");
-        assert_eq!(told("[4, 8]", "[3, 8]"), "parameter p: [4, 8] -> [3, 8]");
-        let old = r#"[{"r":[1000000.0,1.0],"limit":5},{"r":[],"limit":7}]"#;
-        let other_r = r#"[{"r":[0.5,1.0],"limit":5},{"r":[],"limit":7}]"#;
-        let other_limit = r#"[{"r":[0.5,1.0],"limit":5},{"r":[],"limit":8}]"#;
-        assert_eq!(told(old, other_r), "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0]");
-        assert_eq!(
-            told(old, other_limit),
-            "parameter p[0].r: [1000000.0,1.0] -> [0.5,1.0], and elsewhere"
-        );
-        assert_eq!(told(old, "[]"), format!("parameter p: {old} -> []"));
     }
 
     #[test]

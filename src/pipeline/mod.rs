@@ -8,6 +8,7 @@
 //!
 //! Central is [`execute`], which walks a [`Plan`].
 
+mod change;
 mod engine;
 pub mod error;
 mod execute;
@@ -24,6 +25,7 @@ mod store;
 mod summary;
 mod worker;
 
+pub use change::Change;
 pub use engine::Engine;
 pub use execute::execute;
 pub use export::{Edited, Editor, Exports, Rights, WalkResults};
@@ -31,7 +33,7 @@ pub use garbage::Garbage;
 pub use graph::{Graph, GraphNode};
 pub use lock::Lock;
 pub use lockfile::LockFile;
-pub use manifest::{Change, Manifest, Reason, Verdict, why};
+pub use manifest::{Manifest, Reason, Verdict, why};
 pub use progress::Progress;
 pub(crate) use progress::{bar, talk};
 pub use store::{Hit, Store};
@@ -48,6 +50,9 @@ pub type Artifacts = BTreeMap<String, Vec<u8>>;
 
 /// Hashes by name, as hexadecimal blake3.
 pub type Hashes = BTreeMap<String, String>;
+
+/// Name of the input for the program: a digest of its sources, the compiler and its options.
+const PROGRAM: &str = "program";
 
 /// Data that a task may read when it runs, and the folder to which it may write.
 pub struct Inputs<'a> {
@@ -194,6 +199,11 @@ fn flatten(prefix: &str, value: serde_json::Value, out: &mut BTreeMap<String, St
 /// Returns the hexadecimal blake3 of some bytes.
 pub fn hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
+}
+
+/// True if the text has the form of a hash that this program writes.
+fn is_hash(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
 }
 
 #[cfg(test)]

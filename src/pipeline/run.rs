@@ -1,8 +1,8 @@
 //! Run of one task: reads the artifacts that it needs from the store, and stores those that it makes.
 
-use super::manifest::{Manifest, PROGRAM};
+use super::manifest::Manifest;
 use super::store::Store;
-use super::{Artifacts, Hashes, Inputs, Task, hash};
+use super::{Artifacts, Hashes, Inputs, PROGRAM, Task, hash};
 use crate::pipeline::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,7 +1,8 @@
 //! Cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
 
+use super::change::changes;
 use super::files::{hash_if_there, leftovers, read, read_if_there, write_by_way_of};
-use super::manifest::{Manifest, Reason, changes};
+use super::manifest::{Manifest, Reason};
 use super::{Artifacts, Hashes, Lock, hash};
 use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;

@@ -5,6 +5,7 @@
 //! Central is [`measure`].
 
 mod goals;
+mod median;
 
 use super::bandwidth;
 use crate::discrete::grid::{Grid, nested};
@@ -24,7 +25,7 @@ use crate::timing::recorded::{
 };
 use crate::timing::solver::Solver;
 use goals::goals;
-use std::time::Instant;
+use median::{MedianTime, time};
 
 /// Measurements to make.
 #[derive(Clone, Debug)]
@@ -45,10 +46,6 @@ pub const TIMED: Exact = Exact::FreeCorner;
 const FORMULAS: [Exact; 2] = [Exact::FreeSegment, TIMED];
 /// Seconds that a single run may take by extrapolation from the coarser grid.
 const LONGEST: f64 = 4.0;
-/// Seconds that the runs of one median take together at most, once there are three.
-const BUDGET: f64 = 2.0;
-/// A measurement shorter than this repeats the run until it is as long.
-const SHORTEST: f64 = 1e-3;
 /// Resolutions (nodes, levels) of the spectral solver, from three digits to all; the last is the reference.
 const RESOLUTIONS: [(usize, u32); 8] =
     [(6, 2), (8, 3), (10, 3), (12, 4), (14, 5), (16, 6), (20, 8), (24, 9)];
@@ -107,35 +104,6 @@ impl TimingPlan {
     fn has(&self, solver: Solver) -> bool {
         self.solvers.contains(&solver)
     }
-}
-
-/// Median of some times.
-struct MedianTime {
-    seconds: f64,
-    /// Distance of the quartiles over the median.
-    spread: f64,
-}
-
-/// Times `run`, after one run that does not count.
-fn time(repeats: usize, mut run: impl FnMut()) -> MedianTime {
-    let first = seconds_per_run(1, &mut run);
-    let times = ((SHORTEST / first).ceil() as usize).max(1);
-    let mut seconds = Vec::new();
-    while seconds.len() < repeats && (seconds.len() < 3 || seconds.iter().sum::<f64>() < BUDGET) {
-        seconds.push(seconds_per_run(times, &mut run));
-    }
-    seconds.sort_by(f64::total_cmp);
-    let [first, median, third] = [1, 2, 3].map(|k| seconds[k * (seconds.len() - 1) / 4]);
-    MedianTime { seconds: median, spread: (third - first) / median }
-}
-
-/// Returns the mean time of a number of runs.
-fn seconds_per_run(times: usize, run: &mut impl FnMut()) -> f64 {
-    let start = Instant::now();
-    for _ in 0..times {
-        run();
-    }
-    start.elapsed().as_secs_f64() / times as f64
 }
 
 fn time_sweep(plan: &TimingPlan) -> Sweep {
