@@ -73,15 +73,11 @@ pub enum IdentifyError {
         "cannot read the values `{0}`; write a range such as -4:4:0.5 or a list such as -6,2,1.99"
     )]
     Values(String),
-    /// A number of lists of values that is neither one nor that of the values of f.
-    #[error(
-        "{lists} lists of values for the {pieces} values of f; give one for all, or one for each"
-    )]
+    /// A number of lists of values that is neither one nor two.
+    #[error("{lists} lists of values for the 2 values of f; give one for both, or one for each")]
     ValueCount {
-        /// Lists given.
+        /// Number of lists given.
         lists: usize,
-        /// Values that f takes.
-        pieces: usize,
     },
     /// An f that is not made of quadrants.
     #[error("f = {0} is not made of quadrants")]

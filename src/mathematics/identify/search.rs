@@ -151,27 +151,31 @@ struct Item {
 struct CandidateSpace<'a> {
     request: &'a Request,
     geometries: Vec<Geometry>,
-    areas: Vec<Vec<f64>>,
-    /// One per piece, all with the same number of places.
-    lattices: Vec<Lattice>,
+    /// Areas of the two pieces of each geometry.
+    areas: Vec<[f64; 2]>,
+    /// One per piece, both with the same number of places.
+    lattices: [Lattice; 2],
     per_geometry: u64,
 }
 
 impl<'a> CandidateSpace<'a> {
     fn new(request: &'a Request) -> Result<Self, IdentifyError> {
         let geometries = request.space.geometries();
-        let pieces = geometries[0].pieces();
         let places = request.values.iter().map(Lattice::places).max().unwrap_or(0);
-        let lattices: Vec<Lattice> = match &request.values[..] {
-            [one] => vec![one.refined(places); pieces],
-            many if many.len() == pieces => many.iter().map(|l| l.refined(places)).collect(),
-            many => return Err(IdentifyError::ValueCount { lists: many.len(), pieces }),
+        let lattices = match &request.values[..] {
+            [both] => [both.clone(), both.clone()],
+            [on_region, elsewhere] => [on_region.refined(places), elsewhere.refined(places)],
+            many => return Err(IdentifyError::ValueCount { lists: many.len() }),
         };
         let product: f64 = lattices.iter().map(|lattice| lattice.ticks().len() as f64).product();
         if product * geometries.len() as f64 > MOST {
             return Err(IdentifyError::TooMany);
         }
-        let areas = geometries.iter().map(Geometry::areas).collect();
+        let areas = geometries.iter().map(|geometry| {
+            let areas = geometry.areas();
+            [areas[0], areas[1]]
+        });
+        let areas = areas.collect();
         Ok(Self { request, geometries, areas, lattices, per_geometry: product as u64 })
     }
 
@@ -206,14 +210,17 @@ impl<'a> CandidateSpace<'a> {
 
     /// Numbers of those candidates that the request does not leave out, all of this geometry.
     fn admitted(&self, geometry: usize, numbers: Range<u64>) -> Vec<u64> {
-        let areas = &self.areas[geometry];
-        let is_admitted = |number: &u64| {
-            let terms = areas.iter().zip(self.ticks(*number));
-            let integral: f64 = terms.map(|(area, tick)| area * tick as f64).sum();
+        let [area, rest] = self.areas[geometry];
+        let mut admitted = Vec::new();
+        for number in numbers {
+            let [on_region, elsewhere] = self.ticks(number);
+            let integral = area * on_region as f64 + rest * elsewhere as f64;
             // Areas carry rounding errors; the integral of a candidate is a multiple of a block.
-            !self.request.negative_integral || integral < -1e-6
-        };
-        numbers.filter(is_admitted).collect()
+            if !self.request.negative_integral || integral < -1e-6 {
+                admitted.push(number);
+            }
+        }
+        admitted
     }
 
     /// The candidates with these numbers that give all counts on the coarse grids.
@@ -223,29 +230,23 @@ impl<'a> CandidateSpace<'a> {
         numbers: &[u64],
         evaluator: &mut Evaluator<'_>,
     ) -> impl Iterator<Item = Candidate> {
-        let (pieces, places) = (self.lattices.len(), self.lattices[0].places());
-        let mut values = Vec::with_capacity(numbers.len() * pieces);
+        let places = self.lattices[0].places();
+        let mut values = Vec::with_capacity(2 * numbers.len());
         for &number in numbers {
             values.extend(decimals(&self.ticks(number), places));
         }
-        let values: Vec<_> = values.chunks_exact(pieces).collect();
+        let values: Vec<_> = values.chunks_exact(2).collect();
         let passed = evaluator.screened(geometry, &values, self.request.exact_grids);
-        passed.into_iter().map(move |k| Candidate {
-            geometry,
-            ticks: self.ticks(numbers[k]),
-            places,
+        passed.into_iter().map(move |k| {
+            let ticks = self.ticks(numbers[k]).into();
+            Candidate { geometry, ticks, places }
         })
     }
 
-    /// Values of a candidate in units of the lattices, by its number.
-    fn ticks(&self, number: u64) -> Vec<i64> {
-        let mut rest = number % self.per_geometry;
-        let mut ticks = Vec::with_capacity(self.lattices.len());
-        for lattice in &self.lattices {
-            let all = lattice.ticks();
-            ticks.push(all[(rest % all.len() as u64) as usize]);
-            rest /= all.len() as u64;
-        }
-        ticks
+    /// Values of a candidate on the region and elsewhere, in units of the lattices, by its number.
+    fn ticks(&self, number: u64) -> [i64; 2] {
+        let [on_region, elsewhere] = self.lattices.each_ref().map(Lattice::ticks);
+        let number = (number % self.per_geometry) as usize;
+        [on_region[number % on_region.len()], elsewhere[number / on_region.len()]]
     }
 }
