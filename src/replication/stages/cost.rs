@@ -177,12 +177,13 @@ mod tests {
 
     #[test]
     fn slopes_pass_the_lines_by_at_the_factor_of_the_nearest() {
-        let line = |points| Curve::new(Marked, "", points);
         // Times x, the values are 4, 8 and 6: the lowest is on the first line, the highest too.
-        let lines = [line([(1.0, 4.0), (4.0, 2.0)]), line([(2.0, 3.0), (3.0, 2.0)])];
-        let ends = |factor| Law { label: "", power: -1.0, factor }.beside(&lines).points;
-        assert_eq!(ends(0.5), [(1.0, 2.0), (4.0, 0.5)]);
-        assert_eq!(ends(2.0), [(1.0, 16.0), (4.0, 4.0)]);
+        let lines = [[(1.0, 4.0), (4.0, 2.0)], [(2.0, 3.0), (3.0, 2.0)]];
+        let curves = lines.map(|points| Curve::new(Marked, "", points));
+        let below = Law { label: "", power: -1.0, factor: 0.5 };
+        assert_eq!(below.beside(&curves).points, [(1.0, 2.0), (4.0, 0.5)]);
+        let above = Law { label: "", power: -1.0, factor: 2.0 };
+        assert_eq!(above.beside(&curves).points, [(1.0, 16.0), (4.0, 4.0)]);
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub(crate) enum Stage {
     Tabulate,
     /// Tables against the published ones.
     Diff,
-    /// Range of f within which the counts of a published table stay, and a search for f.
+    /// How sharply a published table fixes f, and a search for it.
     Identify,
     /// Numerical experiments past the paper: accuracy, claims, stability.
     Bench,
