@@ -125,7 +125,8 @@ impl Answer {
         let accepted =
             problem.accuracy.map_or(0.0, Accuracy::error) * problem.domain.integrals()[1].abs();
         let slack = problem.domain.slack(problem.finest()).max(accepted);
-        if !((force - load).abs() <= slack) {
+        let balanced = (force - load).abs() <= slack;
+        if !balanced {
             self.warnings.push(format!(
                 "the contact force {force:.4e} does not balance the load, {load:.4e}, {}; {}",
                 "so the contact set is not that of the solution",
