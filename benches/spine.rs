@@ -1,11 +1,11 @@
 //! Costs that the replication promises: the cells of both tables, one sweep per node, and the run that has nothing to do.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use signorini::discrete::grid::{Grid, nested};
-use signorini::discrete::load::{LoadRule, load};
-use signorini::discrete::transfer::Prolongation;
-use signorini::problem::source::Source;
-use signorini::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
 use std::fs;
 use std::hint::black_box;
 use std::path::Path;

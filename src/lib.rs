@@ -1,10 +1,6 @@
 //! The semicoercive scalar Signorini problem: a replication of Maksimova's study, and results beyond it.
 //!
-//! The mathematics is a package of its own; its modules are re-exported here.
-
-pub use signorini_mathematics::{
-    bounds, discrete, experiments, identify, multigrid, problem, saddle, spectral,
-};
+//! The mathematics is a package of its own, `signorini-mathematics`; each module names it where it uses it.
 
 pub mod cli;
 pub(crate) mod figures;

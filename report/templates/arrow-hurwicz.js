@@ -1,7 +1,7 @@
 // The paper's iteration in JavaScript: the mathematics of the page explore.html, without the page.
 //
 // With f at the nodes it does the same floating-point operations in the same order as
-// src/mathematics/saddle, so that counts, and the last bit of every number, are those of the tables.
+// src/mathematics/src/saddle, so that counts, and the last bit of every number, are those of the tables.
 // Needs right-hand-side.js. Served as it is written: no library, no build step.
 "use strict";
 
@@ -177,13 +177,13 @@ const signorini = (() => {
       return Math.max(of(this.y), (1 / this.n) * of(this.a));
     }
 
-    // The size of rounding errors, as in src/mathematics/discrete/kkt.rs.
+    // The size of rounding errors, as in src/mathematics/src/discrete/kkt.rs.
     rounding() {
       return this.n * Number.EPSILON * this.largest();
     }
 
     // Contact at the boundary nodes, where the force h a is positive or y is zero, up to rounding errors, as in
-    // src/mathematics/saddle/mod.rs.
+    // src/mathematics/src/saddle/mod.rs.
     contact() {
       const { n, nodes, y, a } = this, h = 1 / n, zero = this.rounding();
       return nodes.map((k, b) => h * a[b] > zero || Math.abs(y[k]) <= zero);

@@ -1,13 +1,13 @@
 // Right-hand sides f in JavaScript: the notation of scenes, and the load vectors (6) made from it.
 //
-// Reads what src/mathematics/problem/source.rs reads, and refuses what it refuses, with the same words; the texts in
+// Reads what src/mathematics/src/problem/source.rs reads, and refuses what it refuses, with the same words; the texts in
 // tests/suite/grammar.txt hold both to that. Served as it is written: no library, no build step.
 "use strict";
 
 const rightHandSide = (() => {
   // The distance by which a sample steps off a jump of f, as in source.rs.
   const STEP_OFF = 1e-9;
-  // The largest coordinate of a centre, and radius, as in src/mathematics/problem/shape.rs.
+  // The largest coordinate of a centre, and radius, as in src/mathematics/src/problem/shape.rs.
   const VAST = 1e3;
   // Sizes of f that the program computes with, as in shape.rs.
   const [LEAST, GREATEST] = [1e-130, 1e130];

@@ -7,14 +7,14 @@ mod watch;
 use super::current_folder;
 use super::interrupt::interrupted;
 use super::output::{say, say_json};
-use crate::identify::{
-    Found, IdentifyError, Request, SearchProgress, SearchReport, Target, Variant, search,
-};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 use args::Search;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
 use serde::Serialize;
+use signorini_mathematics::identify::{
+    Found, IdentifyError, Request, SearchProgress, SearchReport, Target, Variant, search,
+};
 use std::sync::atomic::Ordering;
 use watch::Watch;
 

@@ -12,16 +12,16 @@ mod solvers;
 mod spectral;
 
 use super::output::{OutputFile, say, say_json};
-use crate::discrete::load::{Diagonal, LoadRule};
 use crate::pipeline::error::{Error, Result};
-use crate::problem::source::Tie;
-use crate::saddle::{Method, Pair};
 use crate::timing::solver::Solver;
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
 use domain::{Format, square};
 use problem::Problem;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::problem::source::Tie;
+use signorini_mathematics::saddle::{Method, Pair};
 use std::path::PathBuf;
 
 #[derive(Args)]

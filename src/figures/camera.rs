@@ -1,7 +1,7 @@
 //! Parallel projection of a surface over the square: places, light, and the order of the cells in depth.
 
 use super::picture::Place;
-use crate::discrete::grid::Grid;
+use signorini_mathematics::discrete::grid::Grid;
 
 /// Height of the box, its sides being 1.
 const BOX_HEIGHT: f64 = 0.66;

@@ -8,7 +8,7 @@ use super::picture::{
 use super::table::of_charts;
 use super::text::power_of_ten;
 use super::{Chart, Curve, Stroke, decade};
-use crate::experiments::Range;
+use signorini_mathematics::experiments::Range;
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 260.0;

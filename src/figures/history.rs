@@ -6,7 +6,7 @@ use super::palette::{INK, MUTED, RULE, series};
 use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
-use crate::saddle::{Iteration, tolerance};
+use signorini_mathematics::saddle::{Iteration, tolerance};
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 250.0;

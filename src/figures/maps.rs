@@ -6,8 +6,8 @@ use super::panels::{Panels, title};
 use super::picture::{NORMAL, Picture, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
-use crate::discrete::norms::largest;
-use crate::problem::source::Source;
+use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
 const BORDER_STEP: f64 = 1.0 / 256.0;

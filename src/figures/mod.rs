@@ -27,9 +27,9 @@ pub(crate) use maps::maps_of_f;
 pub(crate) use picture::Picture;
 pub(crate) use surface::surfaces;
 
-use crate::discrete::grid::Grid;
-use crate::identify::Slice;
-use crate::saddle::{Iteration, Pair};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::identify::Slice;
+use signorini_mathematics::saddle::{Iteration, Pair};
 
 /// One panel of [`surfaces`].
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Regions of a map, and the widest place in each for a label.
 
 use super::picture::Place;
-use crate::problem::source::Source;
+use signorini_mathematics::problem::source::Source;
 
 /// Cells per side of the raster for the places of labels and for pictures of a smooth f.
 pub(super) const RASTER: usize = 72;

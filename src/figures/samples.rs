@@ -2,8 +2,8 @@
 
 use super::Stroke::{Line, Marked, Reference};
 use super::*;
-use crate::discrete::grid::nested;
-use crate::problem::source::Source;
+use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::problem::source::Source;
 
 /// A picture under a title that needs escaping.
 pub(super) fn svg(picture: &Picture) -> String {

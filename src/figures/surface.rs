@@ -6,7 +6,7 @@ use super::palette::{CONTACT, ColourScale, INK, MUTED, RULE, SHADE, lit};
 use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, bold, italic, plain};
 use super::text::Ticks;
 use super::{Surface, range_with_zero};
-use crate::discrete::grid::Grid;
+use signorini_mathematics::discrete::grid::Grid;
 
 /// Most cells per side that are drawn; finer grids are thinned, or the file would grow too large.
 const MOST_CELLS: usize = 32;

@@ -2,7 +2,7 @@
 
 use super::samples::{committed, every, svg, unusual};
 use super::*;
-use crate::problem::source::Source;
+use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
@@ -155,7 +155,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
         format!("rect(-0.25,0.25,-0.25,0.25)={high:?}; disc(0.4,0.4,0.04)={high:?}; else={low:?}")
             .parse()
             .unwrap();
-    let grids = crate::discrete::grid::nested(&[4, 8]).unwrap();
+    let grids = signorini_mathematics::discrete::grid::nested(&[4, 8]).unwrap();
     let grid = grids[1];
     let y: Vec<f64> =
         (0..grid.nodes()).map(|k| low + (high - low) * (k % 7) as f64 / 6.0).collect();

@@ -1,10 +1,10 @@
 //! Our tables against the published ones, cell by cell.
 
 use super::paper::{Paper, PublishedTable};
-use crate::identify::agrees;
 use crate::pipeline::error::{Error, Result};
-use crate::problem::shape::Written;
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::identify::agrees;
+use signorini_mathematics::problem::shape::Written;
 
 /// Computed row of a table: iteration counts per grid and Delta a on the finest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! `pipeline/identified.toml`: what the search for Figure 1 has found, and how much was searched.
 
-use crate::identify::Questions;
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::identify::Questions;
 
 /// The record: questions that every run answers again, and what longer searches said.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! The published tables, and the tolerance we declare for them.
 
 use super::scene::repeated;
-use crate::identify::Target;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::identify::Target;
 
 /// Path of the published tables in the project.
 pub const PAPER: &str = "pipeline/paper.toml";

@@ -1,15 +1,15 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
-use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::{LoadRule, integral};
-use crate::discrete::transfer::Prolongation;
-use crate::experiments::problems::Problem;
-use crate::identify::COARSEST;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
-use crate::problem::shape::Shape;
-use crate::problem::source::Source;
-use crate::saddle::StopRule;
 use serde::{Deserialize, Deserializer, Serialize};
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::load::{LoadRule, integral};
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::experiments::problems::Problem;
+use signorini_mathematics::identify::COARSEST;
+use signorini_mathematics::problem::shape::Shape;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::StopRule;
 use std::fmt;
 
 /// Output for which a scene may ask; no other output is computed.
@@ -91,7 +91,7 @@ fn paper_stop() -> Vec<StopRule> {
 }
 
 fn default_limit() -> usize {
-    crate::saddle::Params::default().max_iterations
+    signorini_mathematics::saddle::Params::default().max_iterations
 }
 
 impl Scene {
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn problems_with_known_solutions_are_solvable() {
-        for exact in crate::problem::exact::Exact::ALL {
+        for exact in signorini_mathematics::problem::exact::Exact::ALL {
             assert!(integral(&Source::Exact(exact)) < -0.5, "{exact:?}");
         }
     }

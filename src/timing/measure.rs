@@ -8,24 +8,24 @@ mod goals;
 mod median;
 
 use super::bandwidth;
-use crate::discrete::grid::{Grid, nested};
-use crate::discrete::kkt::kkt;
-use crate::discrete::load::{LoadRule, load};
-use crate::discrete::transfer::Prolongation;
-use crate::experiments::known::KnownSolution;
-use crate::experiments::problems::{CONTACT, PAPER};
-use crate::experiments::work::{OnGrid, R};
-use crate::multigrid::{Multigrid, MultigridParams};
-use crate::problem::exact::Exact;
-use crate::problem::source::Source;
-use crate::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
-use crate::spectral::{self, spectral};
 use crate::timing::recorded::{
     Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
 };
 use crate::timing::solver::Solver;
 use goals::goals;
 use median::{MedianTime, time};
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::experiments::known::KnownSolution;
+use signorini_mathematics::experiments::problems::{CONTACT, PAPER};
+use signorini_mathematics::experiments::work::{OnGrid, R};
+use signorini_mathematics::multigrid::{Multigrid, MultigridParams};
+use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use signorini_mathematics::spectral::{self, spectral};
 
 /// Measurements to make.
 #[derive(Clone, Debug)]

@@ -1,10 +1,10 @@
 //! `pipeline/timings.toml`: the times that `signorini bench --record` measured, with their noise, and the machine.
 
-use crate::experiments::work::REACHED;
-use crate::multigrid;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::timing::solver::Solver;
 use serde::{Deserialize, Deserializer, Serialize};
+use signorini_mathematics::experiments::work::REACHED;
+use signorini_mathematics::multigrid;
 use std::collections::BTreeMap;
 
 /// Path of the record in the project.

@@ -2,11 +2,11 @@
 
 use crate::common::{Project, TABLE};
 use crate::solvers::{ALGEBRAIC, COUNTED, HARD, TEXTBOOK, WORK_UNITS, on_threads};
-use signorini::experiments::accuracy::{Findings, Plan, accuracy};
-use signorini::experiments::work::REACHED;
-use signorini::multigrid::MultigridStop;
 use signorini::timing::recorded::{Goal, PATH, PUBLISHED, Timings};
 use signorini::timing::solver::Solver;
+use signorini_mathematics::experiments::accuracy::{Findings, Plan, accuracy};
+use signorini_mathematics::experiments::work::REACHED;
+use signorini_mathematics::multigrid::MultigridStop;
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
 use std::sync::OnceLock;

@@ -145,7 +145,7 @@ fn an_error_in_a_component_names_the_page_too() {
         ),
         ("page.md.tera".to_string(), "{{ <c x={1} /> }}".to_string()),
     ]);
-    let error = pages(&templates, &Context::new()).unwrap_err().to_string();
+    let error = pages(&templates, &Context::new()).unwrap_err().clone();
     assert!(error.starts_with("report/templates/parts.tera:2: "), "{error}");
     assert!(error.contains("page.md.tera"), "{error}");
 }

@@ -4,17 +4,17 @@ use crate::common::{Dice, random_source};
 use crate::reference::REFERENCES;
 use crate::solvers::distance_in_h1;
 use rayon::prelude::*;
-use signorini::bounds::{Bounds, NoBound, bounds};
-use signorini::discrete::contact::{ContactArc, arcs};
-use signorini::discrete::grid::Grid;
-use signorini::discrete::kkt::judge;
-use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini::discrete::stiffness::energy as discrete_energy;
-use signorini::multigrid::{self, Goal, MultigridParams};
-use signorini::problem::exact::{Exact, Sample};
-use signorini::problem::source::Source;
-use signorini::saddle::{Pair, Params, StopRule, arrow_hurwicz};
-use signorini::spectral::{self, spectral};
+use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
+use signorini_mathematics::discrete::contact::{ContactArc, arcs};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::discrete::stiffness::energy as discrete_energy;
+use signorini_mathematics::multigrid::{self, Goal, MultigridParams};
+use signorini_mathematics::problem::exact::{Exact, Sample};
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use signorini_mathematics::spectral::{self, spectral};
 
 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 
@@ -249,7 +249,7 @@ fn brackets_hold_the_energies_of_solutions_with_formulas() {
 
 #[test]
 fn errors_of_known_solutions_lie_between_the_bounds() {
-    use signorini::discrete::norms::errors;
+    use signorini_mathematics::discrete::norms::errors;
     for problem in Exact::ALL {
         let f = Source::Exact(problem);
         for n in [64, 128] {

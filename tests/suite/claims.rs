@@ -2,9 +2,9 @@
 
 use crate::common::this_project as project;
 use crate::solvers::on_threads;
-use signorini::experiments::claims::{Claims, Measure, Plan, Verdict, claims};
 use signorini::replication::scene::Scene;
-use signorini::saddle::{Params, StopRule, solve_nested};
+use signorini_mathematics::experiments::claims::{Claims, Measure, Plan, Verdict, claims};
+use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
 use std::sync::OnceLock;
 
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
@@ -46,7 +46,7 @@ fn the_lanes_count_what_the_solver_counts() {
     let loads: Vec<_> = scene
         .grids
         .iter()
-        .map(|&grid| signorini::discrete::load::load(grid, &scene.f, scene.load))
+        .map(|&grid| signorini_mathematics::discrete::load::load(grid, &scene.f, scene.load))
         .collect();
     for table in &measured().problems[1].tables {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();

@@ -421,7 +421,7 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     let said = project.run(&["diff"]);
     assert_eq!(said.code, Some(1), "{said:?}");
-    expect![[r#"
+    expect![[r"
         Table 1 (a): ours, then the paper's
          r  grid 1     grid 2          Delta a
         10  1=   1     4~   2  2.12e-2~ 1.0e-4
@@ -430,18 +430,18 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
         Delta a: 0 of 2 to the printed digits, 2 within tolerance
         tolerance: a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1e30
         = exact, ~ within tolerance, ! outside
-    "#]]
+    "]]
     .assert_eq(&said.out);
     let md = project.run(&["diff", "--md"]);
     assert_eq!(md.code, Some(1));
-    expect![[r#"
+    expect![[r"
         **Table 1** (a): 2 of 4 counts exact, 3 within tolerance; Delta a: 0 of 2 to the printed digits, 2 within tolerance; tolerance: a count differs by at most 10 % or 1000 iterations, a Delta a is within a factor of 1e30
 
         | r | grid 1 | grid 2 | Δa ours | Δa paper |
         |---:|---:|---:|---:|---:|
         | 10 | 1 | **4** ~ 2 | **2.12e-2** ~ | 1.0e-4 |
         | 1 | 1 | **7** ! 100000 | **3.19e-2** ~ | 1.0e-4 |
-    "#]].assert_eq(&md.out);
+    "]].assert_eq(&md.out);
     let json = project.run(&["diff", "--json"]);
     assert_eq!((json.code, json.err.as_str()), (Some(1), ""));
     let json = json.json();
@@ -468,11 +468,11 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
 #[test]
 fn the_graph_names_every_task_and_need() {
     let project = Project::with(TABLE);
-    expect![[r#"
+    expect![[r"
         solve/a/signed/r=10
         solve/a/signed/r=1
         tabulate/a/signed <- solve/a/signed/r=10, solve/a/signed/r=1
-    "#]]
+    "]]
     .assert_eq(&project.run(&["dag"]).out);
     expect![[r#"
         graph LR

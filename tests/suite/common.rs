@@ -1,8 +1,8 @@
 //! A small project in a temporary folder, and the binary run in it.
 
 use serde_json::Value;
-use signorini::discrete::load::integral;
-use signorini::problem::source::Source;
+use signorini_mathematics::discrete::load::integral;
+use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

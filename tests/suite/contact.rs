@@ -1,17 +1,17 @@
 //! Contact sets have the symmetries of f, and multipliers of the cube its total force, whatever rounding errors do.
 
 use crate::common::Dice;
-use signorini::discrete::contact::arcs;
-use signorini::discrete::cube;
-use signorini::discrete::grid::Grid;
-use signorini::discrete::kkt::judge;
-use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini::multigrid::active_set::active_set;
-use signorini::multigrid::square::Square;
-use signorini::multigrid::{self, MultigridParams};
-use signorini::problem::cube::{Body, Source as CubeSource};
-use signorini::problem::source::Source;
-use signorini::saddle::Pair;
+use signorini_mathematics::discrete::contact::arcs;
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::multigrid::active_set::active_set;
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{self, MultigridParams};
+use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::Pair;
 
 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 

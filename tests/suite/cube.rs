@@ -5,12 +5,14 @@ use crate::cube_loads::{exact_load, nodal_load, stress_loads};
 use crate::domains::{self, rounding_level};
 use crate::solvers::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS, distance};
 use proptest::prelude::*;
-use signorini::discrete::cube::{Grid, errors, judge};
-use signorini::discrete::norms::Errors;
-use signorini::multigrid::active_set::active_set;
-use signorini::multigrid::cube::Cube;
-use signorini::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop};
-use signorini::problem::cube::Exact;
+use signorini_mathematics::discrete::cube::{Grid, errors, judge};
+use signorini_mathematics::discrete::norms::Errors;
+use signorini_mathematics::multigrid::active_set::active_set;
+use signorini_mathematics::multigrid::cube::Cube;
+use signorini_mathematics::multigrid::{
+    Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
+};
+use signorini_mathematics::problem::cube::Exact;
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).expect("fine enough")

@@ -2,11 +2,11 @@
 
 use crate::solvers::{BYTES, absurd_starts, assert_threads_do_not_matter, distance};
 use crate::{cube, multigrid as square};
-use signorini::experiments::problems;
-use signorini::multigrid::active_set::active_set;
-use signorini::multigrid::cube::Cube;
-use signorini::multigrid::square::Square;
-use signorini::multigrid::{
+use signorini_mathematics::experiments::problems;
+use signorini_mathematics::multigrid::active_set::active_set;
+use signorini_mathematics::multigrid::cube::Cube;
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{
     Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop, solve_cube,
     solve_square,
 };
@@ -264,8 +264,8 @@ macro_rules! tests_on {
         }
     };
     ($($test:ident)*) => {
-        tests_on!(on_the_square, signorini::multigrid::square::Square: $($test)*);
-        tests_on!(on_the_cube, signorini::multigrid::cube::Cube: $($test)*);
+        tests_on!(on_the_square, signorini_mathematics::multigrid::square::Square: $($test)*);
+        tests_on!(on_the_cube, signorini_mathematics::multigrid::cube::Cube: $($test)*);
     };
 }
 

@@ -4,8 +4,8 @@ use crate::common::{EVERYTHING, Project, assert_same, promised, wanting};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{RngSeed, TestCaseError};
-use signorini::problem::source::Source;
 use signorini::replication::scene::Scene;
+use signorini_mathematics::problem::source::Source;
 use std::fs;
 
 const SCENE: &str = "title = \"t\"\npaper_table = 1\nf = \"rect(-0.25,0.25,-0.25,0.25)=1.5; quadrant(ll)=-2; else=-1\"\n\

@@ -2,10 +2,10 @@
 
 use crate::common::{browser, dom, skip, unescaped};
 use serde_json::{Value, json};
-use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, load};
-use signorini::problem::source::Source;
 use signorini::replication::scene::Scene;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::problem::source::Source;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! The search for Figure 1 against the literal iteration, and on planted right-hand sides.
 
 use proptest::prelude::*;
-use signorini::discrete::grid::nested;
-use signorini::discrete::load::load;
-use signorini::identify::*;
-use signorini::saddle::{Params, StopRule, solve_nested};
+use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::discrete::load::load;
+use signorini_mathematics::identify::*;
+use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
@@ -131,8 +131,8 @@ proptest! {
 
     #[test]
     fn starting_elsewhere_is_turning_the_square(values in prop::collection::vec(-60i32..40, 4)) {
-        use signorini::discrete::load::{Diagonal, LoadRule};
-        use signorini::problem::source::Tie;
+        use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+        use signorini_mathematics::problem::source::Tie;
         let values: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
         let target = published(2);
         let table = evaluator(&target, &Variant::default()).free(0, &values);
@@ -214,7 +214,7 @@ fn a_planted_f_or_an_equivalent_one_is_recovered() {
         let target = target_of(&literal(&on_quadrant(planted), Measure::Signed, 3));
         let best = &run(&request("-4:4:0.5"), &target).found[0];
         assert_eq!(best.score.exact, 15, "planted {planted:?}, found {}", best.f);
-        let f: signorini::problem::source::Source = best.f.parse().unwrap();
+        let f: signorini_mathematics::problem::source::Source = best.f.parse().unwrap();
         let quadrants = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
         let again = literal(&quadrants.map(|point| f.at(point)), Measure::Signed, 3);
         assert_eq!(target_of(&again).counts, target.counts);

@@ -1,11 +1,11 @@
 //! Loads do not change when a half-plane is scaled, and turn with the cube; those of smooth f fit either diagonal.
 
-use signorini::discrete::cube;
-use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini::problem::cube::{Body, Source as CubeSource};
-use signorini::problem::exact::Exact;
-use signorini::problem::source::Source;
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
+use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::source::Source;
 
 #[test]
 fn a_load_does_not_depend_on_the_scale_of_a_half_plane() {

@@ -2,14 +2,14 @@
 
 use crate::common::Dice;
 use crate::solvers::on_threads;
-use signorini::discrete::cells::Cells;
-use signorini::discrete::cube;
-use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini::problem::cube::{Body, Source as CubeSource};
-use signorini::problem::region::{QUADRANTS, Region};
-use signorini::problem::shape::{Convex, Shape};
-use signorini::problem::source::Source;
+use signorini_mathematics::discrete::cells::Cells;
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
+use signorini_mathematics::problem::region::{QUADRANTS, Region};
+use signorini_mathematics::problem::shape::{Convex, Shape};
+use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

@@ -31,6 +31,7 @@ mod loads;
 mod merges;
 mod multigrid;
 mod pages;
+mod plain_code;
 mod readme;
 mod records;
 mod reference;

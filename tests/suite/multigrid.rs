@@ -5,17 +5,19 @@ use crate::domains::{self, rounding_level};
 use crate::solvers::{ALGEBRAIC, COUNTED, HARD, TEXTBOOK, WORK_UNITS, distance, distance_in_h1};
 use proptest::prelude::*;
 use rayon::prelude::*;
-use signorini::discrete::grid::Grid;
-use signorini::discrete::kkt::kkt;
-use signorini::discrete::load::{Diagonal, LoadRule, load};
-use signorini::discrete::norms::{Errors, errors, multiplier_error};
-use signorini::discrete::stiffness::energy;
-use signorini::experiments::problems::{nodal_load, paper_loads, stress_loads};
-use signorini::multigrid::active_set::active_set;
-use signorini::multigrid::square::Square;
-use signorini::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop};
-use signorini::problem::exact::Exact;
-use signorini::problem::source::{Source, Tie};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
+use signorini_mathematics::discrete::stiffness::energy;
+use signorini_mathematics::experiments::problems::{nodal_load, paper_loads, stress_loads};
+use signorini_mathematics::multigrid::active_set::active_set;
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{
+    Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
+};
+use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::source::{Source, Tie};
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).unwrap()

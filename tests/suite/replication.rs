@@ -1,13 +1,13 @@
 //! The replication itself: the committed scenes against the published tables, and the method against exact solutions.
 
 use crate::common::this_project as project;
-use signorini::discrete::grid::{Grid, nested};
-use signorini::discrete::load::load;
-use signorini::discrete::norms::max_error;
 use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
-use signorini::saddle::{
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::load::load;
+use signorini_mathematics::discrete::norms::max_error;
+use signorini_mathematics::saddle::{
     Monitor, Pair, Params, Plain, PlainEnd, StopReason, StopRule, arrow_hurwicz, on_nested,
     solve_nested, tolerance,
 };

@@ -28,12 +28,12 @@ COMP_WORDS=(signorini solve --solver '') COMP_CWORD=3; _signorini signorini '' -
 printf '%s\n' "${COMPREPLY[@]}"
 "#;
 
-const FISH: &str = r#"
+const FISH: &str = r"
 source ./_signorini
 complete -C 'signorini s'
 echo COMMANDS
 complete -C 'signorini solve --solver '
-"#;
+";
 
 #[test]
 fn each_shell_completes_commands_and_their_options() {

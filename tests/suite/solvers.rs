@@ -1,7 +1,7 @@
 //! What every solver must stand, on the square and on the cube.
 
-use signorini::discrete::grid::Grid;
-use signorini::discrete::stiffness::energy;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::stiffness::energy;
 
 /// Work units in which multigrid reaches the discretisation error, a residual of 1e-10 and the rounding floor, on
 /// grids from 1/64 on. The paper's problems and smooth loads may take [`COUNTED`] times as much, since residuals and

@@ -2,12 +2,12 @@
 
 use crate::common::{Dice, random_source};
 use crate::reference::REFERENCES;
-use signorini::discrete::grid::Grid;
-use signorini::discrete::load::{Diagonal, LoadRule, load};
-use signorini::discrete::stiffness::energy;
-use signorini::multigrid::{self, MultigridParams};
-use signorini::problem::source::Source;
-use signorini::spectral::{Params, Solution, SpectralError, spectral};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::stiffness::energy;
+use signorini_mathematics::multigrid::{self, MultigridParams};
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::spectral::{Params, Solution, SpectralError, spectral};
 
 fn solved(f: &str, params: Params) -> Solution {
     spectral(&f.parse().unwrap(), params).unwrap_or_else(|e| panic!("{f}: {e}"))

@@ -2,15 +2,15 @@
 
 use crate::solvers::on_threads;
 use proptest::prelude::*;
-use signorini::discrete::grid::Grid;
-use signorini::discrete::kkt::kkt;
-use signorini::discrete::load::{LoadRule, load};
-use signorini::discrete::transfer::Prolongation;
-use signorini::experiments::Range;
-use signorini::experiments::problems::Problem;
-use signorini::experiments::rounding::{self, rounding};
-use signorini::experiments::stress::{self, Stress, stress};
-use signorini::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::experiments::Range;
+use signorini_mathematics::experiments::problems::Problem;
+use signorini_mathematics::experiments::rounding::{self, rounding};
+use signorini_mathematics::experiments::stress::{self, Stress, stress};
+use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
 fn tables(grids: &[usize]) -> Vec<Problem> {

@@ -1,7 +1,7 @@
 //! The spectral solver where borders of f touch, or nearly touch, one another or the sides of the square.
 
 use crate::common::Dice;
-use signorini::spectral::{Params, Solution, SpectralError, spectral};
+use signorini_mathematics::spectral::{Params, Solution, SpectralError, spectral};
 use std::collections::BTreeMap;
 
 /// A way in which borders come together, as a function of how far from touching they are.

@@ -1,8 +1,8 @@
 //! Reference values and finite elements against true solutions; contact, iteration by iteration.
 
 use crate::reference::REFERENCES;
-use signorini::experiments::problems::PAPER;
-use signorini::experiments::truth::{Numbers, Plan, Truth, Value, truth};
+use signorini_mathematics::experiments::problems::PAPER;
+use signorini_mathematics::experiments::truth::{Numbers, Plan, Truth, Value, truth};
 use std::sync::OnceLock;
 
 fn found() -> &'static Truth {

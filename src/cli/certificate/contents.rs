@@ -6,9 +6,9 @@ use crate::pipeline::{Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::stages::tabulate;
-use crate::saddle::StopRule;
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::saddle::StopRule;
 use std::fs;
 
 #[derive(Serialize)]

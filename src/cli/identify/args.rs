@@ -2,12 +2,12 @@
 
 use super::refused;
 use crate::cli::threads;
-use crate::identify::{Lattice, Request, Space, Target, Variant};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use signorini_mathematics::identify::{Lattice, Request, Space, Target, Variant};
 
 /// End of `identify --help`.
 pub(in crate::cli) const EXAMPLES: &str = "\

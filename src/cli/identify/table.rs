@@ -2,8 +2,8 @@
 
 use super::{Answer, Selection};
 use crate::cli::output::{columns, styled};
-use crate::identify::{Found, Target, agrees};
 use anstyle::AnsiColor;
+use signorini_mathematics::identify::{Found, Target, agrees};
 
 pub(super) const LEGEND: &str = "
 counts      published counts that come out exactly

@@ -1,9 +1,9 @@
 //! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
 
 use crate::cli::output::talk;
-use crate::identify::SearchProgress;
 use crate::pipeline::bar;
 use indicatif::ProgressBar;
+use signorini_mathematics::identify::SearchProgress;
 use std::time::{Duration, Instant};
 
 /// Time between two plain lines.

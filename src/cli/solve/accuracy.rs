@@ -1,8 +1,8 @@
 //! `solve --accuracy` and `--accuracy-energy`: the guaranteed bounds, and the grids that are tried to reach them.
 
-use crate::bounds::Bounds;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::MAX_CELLS;
+use signorini_mathematics::bounds::Bounds;
 
 /// Cells per side of the first grid.
 pub(super) const FIRST: usize = 16;

@@ -3,17 +3,17 @@
 use super::bound;
 use super::domain::KnownErrors;
 use super::problem::Problem;
-use crate::bounds::Bounds;
 use crate::cli::output::columns;
-use crate::discrete::contact::ContactArc;
-use crate::discrete::kkt::{Judgement, Kkt};
-use crate::discrete::norms::Errors;
+use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::discrete::kkt::{Judgement, Kkt};
+use signorini_mathematics::discrete::norms::Errors;
 
-use crate::discrete::verdict::Verdict;
 use crate::replication::scene::shown_integral;
-use crate::saddle::{Pair, SaddleRun};
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::verdict::Verdict;
+use signorini_mathematics::saddle::{Pair, SaddleRun};
 use std::collections::BTreeMap;
 
 /// End of a solver on one grid.

@@ -1,22 +1,22 @@
 //! Square and cube under one interface: load vector, judgement, errors, files.
 
 use super::Solver;
-use crate::bounds::{Bounds, bounds, recovery};
-use crate::discrete::contact::{ContactArc, arcs};
-use crate::discrete::cube;
-use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, judge};
-use crate::discrete::load::{self, LoadRule, load};
-use crate::discrete::norms::{Errors, errors, multiplier_error};
-use crate::discrete::transfer::prolong_boundary;
 use crate::figures::{Surface, surfaces, uphill};
-use crate::multigrid::active_set::{MOST_ON_CUBE, MOST_ON_SQUARE};
 use crate::pipeline::error::{Error, Result};
-use crate::problem;
-use crate::problem::source::Source;
 use crate::replication::scene::{MAX_CELLS, solvable};
-use crate::saddle::{Fields, Pair};
 use clap::ValueEnum;
+use signorini_mathematics::bounds::{Bounds, bounds, recovery};
+use signorini_mathematics::discrete::contact::{ContactArc, arcs};
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::kkt::{Judgement, judge};
+use signorini_mathematics::discrete::load::{self, LoadRule, load};
+use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
+use signorini_mathematics::discrete::transfer::prolong_boundary;
+use signorini_mathematics::multigrid::active_set::{MOST_ON_CUBE, MOST_ON_SQUARE};
+use signorini_mathematics::problem;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{Fields, Pair};
 use std::path::Path;
 
 /// Square or cube, with f and its quadrature.

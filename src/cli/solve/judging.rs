@@ -4,8 +4,8 @@ use super::accuracy::Accuracy;
 use super::answer::{Answer, Level};
 use super::bound;
 use super::problem::Problem;
-use crate::discrete::verdict::Verdict;
-use crate::saddle::tolerance;
+use signorini_mathematics::discrete::verdict::Verdict;
+use signorini_mathematics::saddle::tolerance;
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;

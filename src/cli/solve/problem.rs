@@ -5,16 +5,16 @@ use super::domain::Domain;
 use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
-use crate::discrete::grid::nested;
-use crate::discrete::load::LoadRule;
-use crate::discrete::transfer::Prolongation;
 use crate::pipeline::error::{Error, Result};
-use crate::problem::source::Source;
 use crate::replication::project::Project;
 use crate::replication::scene::{Scene, positive_r};
-use crate::saddle::{Params, StopRule};
 use crate::timing::machine;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{Params, StopRule};
 
 /// Cells per side of the finest grid, if neither the user nor a scene gives a number.
 const DEFAULT_CELLS: usize = 64;

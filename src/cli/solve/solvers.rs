@@ -5,15 +5,19 @@ use super::accuracy::{Accuracy, FIRST, TriedGrid};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
 use super::problem::Problem;
-use crate::discrete::kkt::Judgement;
-use crate::discrete::norms::{largest, sum};
-use crate::discrete::verdict::Verdict;
-use crate::multigrid::active_set::{ActiveSetOutcome, active_set};
-use crate::multigrid::cube::Cube;
-use crate::multigrid::square::Square;
-use crate::multigrid::{self, Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop};
 use crate::pipeline::error::{Error, Result};
-use crate::saddle::{self, Pair, Params, SaddleRun, StopReason, on_nested, tolerance};
+use signorini_mathematics::discrete::kkt::Judgement;
+use signorini_mathematics::discrete::norms::{largest, sum};
+use signorini_mathematics::discrete::verdict::Verdict;
+use signorini_mathematics::multigrid::active_set::{ActiveSetOutcome, active_set};
+use signorini_mathematics::multigrid::cube::Cube;
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{
+    self, Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop,
+};
+use signorini_mathematics::saddle::{
+    self, Pair, Params, SaddleRun, StopReason, on_nested, tolerance,
+};
 use std::time::Instant;
 
 impl Problem {

@@ -5,13 +5,13 @@ use super::bound::{self, contact};
 use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
-use crate::discrete::grid::Grid;
 use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::shown_integral;
-use crate::saddle::Pair;
-use crate::spectral::{Params, Solution, SpectralError, spectral};
 use indicatif::ProgressBar;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::spectral::{Params, Solution, SpectralError, spectral};
 use std::time::{Duration, Instant};
 
 /// Solves, prints the answer, and returns the solution.

@@ -6,10 +6,6 @@ mod stability;
 
 use super::figures::drawing;
 use super::{cost, to_json};
-use crate::experiments::accuracy::Findings;
-use crate::experiments::problems::Problem;
-use crate::experiments::rounding;
-use crate::experiments::{self, accuracy, stress, truth};
 use crate::figures::Picture;
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -18,6 +14,10 @@ use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use signorini_mathematics::experiments::accuracy::Findings;
+use signorini_mathematics::experiments::problems::Problem;
+use signorini_mathematics::experiments::rounding;
+use signorini_mathematics::experiments::{self, accuracy, stress, truth};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 

@@ -1,13 +1,13 @@
 //! The pictures of the chapter on accuracy and cost, from results and recorded times to SVG.
 
-use crate::experiments::Range;
-use crate::experiments::accuracy::{self, Findings, Known};
-use crate::experiments::truth::{Elements, ElementsLevel, Truth};
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
-use crate::problem::exact::Exact;
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Timings};
 use crate::timing::solver::Solver;
+use signorini_mathematics::experiments::Range;
+use signorini_mathematics::experiments::accuracy::{self, Findings, Known};
+use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Truth};
+use signorini_mathematics::problem::exact::Exact;
 use std::collections::BTreeSet;
 
 /// Law of an error over the cells per side n, drawn as a straight line beside curves: constant * n^`power`.

@@ -3,16 +3,16 @@
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
-use crate::discrete::grid::Grid;
 use crate::figures::{
     ContactLine, ContactPanel, HistoryPanel, HistoryRun, IdentifiabilityPanel, Picture, Surface,
     contact, histories, identifiability, maps_of_f, range_with_zero, surfaces, uphill,
 };
-use crate::identify::Findings;
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::identify::Findings;
 
 use std::collections::BTreeMap;
 

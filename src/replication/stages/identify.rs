@@ -1,14 +1,14 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
 use super::{sharing, to_json};
-use crate::identify::{Variant, findings};
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::{Artifacts, Task, parameters};
 use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
+use signorini_mathematics::identify::{Variant, findings};
 
-/// Artifact with [`crate::identify::Findings`].
+/// Artifact with [`signorini_mathematics::identify::Findings`].
 pub(super) const FINDINGS: &str = "findings.json";
 
 pub(super) fn id(scene: &Scene) -> String {

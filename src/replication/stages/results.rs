@@ -8,10 +8,10 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{Outcome, StopReason, StopRule, tolerance};
 use polars::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::saddle::{Outcome, StopReason, StopRule, tolerance};
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";

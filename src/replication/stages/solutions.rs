@@ -3,8 +3,8 @@
 use super::solve;
 use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{Fields, Pair};
 use serde_json::{Value, json};
+use signorini_mathematics::saddle::{Fields, Pair};
 
 /// Solutions that the book offers for download.
 #[derive(Default)]

@@ -3,21 +3,21 @@
 //! Central is `solve`, which runs the paper's method for one cell.
 
 use super::{artifact, from_json, to_json};
-use crate::discrete::grid::{Grid, nested};
-use crate::discrete::kkt::judge;
-use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::discrete::norms::max_error;
-use crate::discrete::transfer::Prolongation;
-use crate::multigrid::{self, MultigridParams};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
-use crate::problem::exact::Exact;
-use crate::problem::source::Source;
 use crate::replication::scene::{Output, Scene};
-use crate::saddle::{
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::norms::max_error;
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::multigrid::{self, MultigridParams};
+use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{
     Iteration, Monitor, Outcome, Pair, Params, StopReason, StopRule, solve_nested,
 };
-use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parameters that determine the artifacts of a cell.

@@ -6,8 +6,8 @@ use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
-use crate::saddle::{Outcome, StopReason, StopRule};
 use polars::prelude::{Column, DataFrame, PolarsResult};
+use signorini_mathematics::saddle::{Outcome, StopReason, StopRule};
 
 /// Artifact in the paper's layout.
 pub(crate) const TABLE: &str = "table.csv";

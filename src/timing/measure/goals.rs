@@ -1,15 +1,15 @@
 //! Goals to which each solver is timed.
 
-use crate::discrete::kkt::kkt;
-use crate::discrete::transfer::Prolongation;
-use crate::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
-use crate::experiments::work::{OnGrid, R};
-use crate::multigrid::active_set::{MOST_ON_SQUARE, active_set};
-use crate::multigrid::square::Square;
-use crate::multigrid::{self, MultigridParams};
-use crate::saddle::{Method, Pair};
 use crate::timing::recorded::Goal;
 use crate::timing::solver::Solver;
+use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::experiments::saddle::{Checks, loose_uzawa, sweeps_until};
+use signorini_mathematics::experiments::work::{OnGrid, R};
+use signorini_mathematics::multigrid::active_set::{MOST_ON_SQUARE, active_set};
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{self, MultigridParams};
+use signorini_mathematics::saddle::{Method, Pair};
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];

@@ -1,9 +1,9 @@
 //! Pictures of the experiment on the paper's claims.
 
-use crate::experiments::claims::{Cell, Claims, Count, Measure, VARIANTS};
 use crate::figures::Stroke::{Line, Marked};
 use crate::figures::{Chart, Curve, Picture, charts};
-use crate::saddle::StopRule;
+use signorini_mathematics::experiments::claims::{Cell, Claims, Count, Measure, VARIANTS};
+use signorini_mathematics::saddle::StopRule;
 
 /// Draws iterations against r: a row of panels per measure, a column per problem, a curve per grid.
 pub(super) fn sweep(claims: &Claims) -> Picture {

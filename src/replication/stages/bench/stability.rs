@@ -1,9 +1,9 @@
 //! Pictures of the experiment on stability.
 
-use crate::experiments::stress::{Case, Stress};
-use crate::experiments::trial::Trial;
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
+use signorini_mathematics::experiments::stress::{Case, Stress};
+use signorini_mathematics::experiments::trial::Trial;
 
 /// Curve with a ring at each case in which the method ran and the value is positive.
 fn marked(

@@ -1,9 +1,9 @@
 //! True solutions by another program in higher precision, beside those of this one.
 
-use crate::experiments::truth::{Numbers, Reference};
 use crate::pipeline::error::{Failure, from_toml};
 use crate::replication::project::TRUTH;
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::experiments::truth::{Numbers, Reference};
 
 /// Contents of `pipeline/truth.toml`, as `benches/peers/truth.py` writes it.
 #[derive(Deserialize)]

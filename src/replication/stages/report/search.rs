@@ -1,9 +1,11 @@
 //! Data of the chapter on the search: ranges of f, the counts that bound them, and the extent of the search.
 
-use crate::discrete::norms::largest;
-use crate::identify::{Breaks, COARSEST, Findings, Identifiability, Measure, Variant};
 use crate::replication::identified::Record;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::identify::{
+    Breaks, COARSEST, Findings, Identifiability, Measure, Variant,
+};
 
 const QUADRANTS: [&str; 4] = ["lower left", "lower right", "upper left", "upper right"];
 

@@ -1,7 +1,5 @@
 //! Data of the chapter on cost, from recorded times: fits and crossovers.
 
-use crate::experiments::accuracy::Findings;
-use crate::experiments::{Range, exponent};
 use crate::timing::measure::TIMED;
 use crate::timing::recorded::{
     Goal, Reached, Scaling, Spectral, Sweep, Timings, to_discretisation,
@@ -9,6 +7,8 @@ use crate::timing::recorded::{
 use crate::timing::solver::Solver;
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::experiments::accuracy::Findings;
+use signorini_mathematics::experiments::{Range, exponent};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Error of the energy, relative, at which the spectral solver and multigrid are compared.

@@ -37,7 +37,7 @@ impl Cuts {
 
     /// Cuts in the middle of the blocks: one block around every inner cut of these.
     pub(super) fn middles(&self, n: usize) -> Self {
-        let between = self.inner().windows(2).map(|pair| ((pair[0] + pair[1]) / 2) & !1);
+        let between = self.inner().windows(2).map(|pair| usize::midpoint(pair[0], pair[1]) & !1);
         Self([0].into_iter().chain(between).chain([n + 1]).collect())
     }
 }

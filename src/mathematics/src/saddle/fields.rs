@@ -67,7 +67,7 @@ impl<'a> Fields<'a> {
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub fn npz(&self) -> Option<Vec<u8>> {
         let numbers: usize = [1, 1, 0].map(|more| self.shape(more).iter().product()).iter().sum();
-        (8 * numbers + 4096 <= u32::MAX as usize).then(|| {
+        u32::try_from(8 * numbers + 4096).is_ok().then(|| {
             zip(&[
                 ("v.npy", self.npy()),
                 ("multiplier.npy", npy(&self.shape(1), &self.multiplier())),

@@ -115,7 +115,7 @@ pub(super) fn corrected(trace: &Trace) -> Option<Vec<Place>> {
     let (mut places, mut known) = (Vec::new(), trace.ends.places.iter());
     for i in 0..many {
         let last = (i + many - 1) % many;
-        let end = if was(last) != was(i) { known.next() } else { None };
+        let end = if was(last) == was(i) { None } else { known.next() };
         if is(last) != is(i) {
             let [from, to] = [last, i].map(|i| trace.points[i].place);
             places.push(match end {

@@ -86,7 +86,7 @@ impl Gradient {
             let ok = if absolute {
                 self.row.iter().fold(true, |ok, g| ok & (g.abs() <= tolerance))
             } else {
-                self.row.iter().fold(true, |ok, g| ok & (*g <= tolerance))
+                self.row.iter().fold(true, |ok, g| ok && (*g <= tolerance))
             };
             if !ok {
                 self.failed = j;

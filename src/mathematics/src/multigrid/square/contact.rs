@@ -41,7 +41,7 @@ use crate::multigrid::level::MultigridLevel;
 /// Distance from the last node in contact to the end of the equivalent interval: sqrt(2) / 4.
 const TIP: f64 = SQRT_2 / 4.0;
 /// Scale of the spring that moves the end of an interval: (1 + sqrt(2)) / 2.
-const SPRING: f64 = (1.0 + SQRT_2) / 2.0;
+const SPRING: f64 = f64::midpoint(1.0, SQRT_2);
 /// Half-length of the interval equivalent to one node of an edge: 2 exp(-gamma - 3/2 ln 2).
 const POINT_ON_EDGE: f64 = 0.397_012;
 /// Reach along both sides equivalent to a corner node: sqrt(2) exp(-gamma - 3/2 ln 2).
