@@ -25,7 +25,7 @@ pub fn arcs(grid: Grid, y: &[f64], judgement: &Judgement) -> Vec<ContactArc> {
         return vec![ContactArc { from: corner, to: corner, force: flux.iter().sum() }];
     }
     let arc = |start: usize| {
-        let end = (start..).find(|&b| !carries(b)).expect("not all carry");
+        let end = (start..start + nodes).find(|&b| !carries(b)).expect("not all carry");
         let before = [nodes - 1, nodes - 2].map(|k| y[(start + k) % nodes]);
         let after = [0, 1].map(|k| y[(end + k) % nodes]);
         let mut beyond = [before, after].map(|values| reach(values).clamp(0.0, 1.0));

@@ -153,6 +153,9 @@ enum Measure {
 
 impl OnGrid {
     /// Errors are measured at the nodes where there is a formula, and in the energy elsewhere.
+    ///
+    /// # Errors
+    /// A sentence if the grid cannot be used.
     pub fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
         let side = grid.side();
         let measure = match known {

@@ -35,8 +35,8 @@ impl Space {
 /// Every rectangle with corners on [`LINES`] but the whole square.
 fn rectangles() -> Vec<Geometry> {
     let mut spans = Vec::new();
-    for from in 0..LINES.len() {
-        spans.extend((from + 1..LINES.len()).map(|to| [LINES[from], LINES[to]]));
+    for (k, &from) in LINES.iter().enumerate() {
+        spans.extend(LINES[k + 1..].iter().map(|&to| [from, to]));
     }
     let whole = [LINES[0], LINES[LINES.len() - 1]];
     let mut all = Vec::new();

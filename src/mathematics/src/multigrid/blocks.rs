@@ -96,6 +96,7 @@ impl PassOutput<'_> {
 }
 
 /// Cuts the first `len` items off a slice.
+#[expect(clippy::mut_mut, reason = "the slice itself is shortened")]
 fn take_front<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
     let (front, left) = std::mem::take(rest).split_at_mut(len);
     *rest = left;

@@ -138,7 +138,7 @@ impl Convex<1> for Region {
             }
             Self::HalfPlane { a, .. } if a < 0.0 => xs.len(),
             Self::Disc { centre, .. } => xs.partition_point(|&s| s < centre[0]),
-            _ => 0,
+            Self::HalfPlane { .. } => 0,
         };
         run(xs, turn, |x| self.contains([x, y]))
     }

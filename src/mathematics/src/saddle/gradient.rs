@@ -70,6 +70,7 @@ impl Gradient {
     }
 
     /// True if every component, or its absolute value, is at most `tolerance`; NaN never is.
+    #[expect(clippy::needless_bitwise_bool, reason = "a row without early exit vectorises")]
     pub(super) fn within(
         &mut self,
         load: &[f64],
@@ -86,7 +87,7 @@ impl Gradient {
             let ok = if absolute {
                 self.row.iter().fold(true, |ok, g| ok & (g.abs() <= tolerance))
             } else {
-                self.row.iter().fold(true, |ok, g| ok && (*g <= tolerance))
+                self.row.iter().fold(true, |ok, g| ok & (*g <= tolerance))
             };
             if !ok {
                 self.failed = j;

@@ -126,6 +126,8 @@ impl Summary {
 mod tests {
     use super::super::{Changed, Plan, Random, Series, Single, Tally};
     use super::*;
+    use crate::discrete::load::LoadRule;
+    use crate::discrete::transfer::Prolongation;
     use crate::experiments::problems::Problem;
 
     fn trial(stop: &str, steps: usize, kkt: f64) -> Trial {
@@ -171,8 +173,8 @@ mod tests {
         let problem = |number| Problem {
             number,
             f: String::new(),
-            load: Default::default(),
-            prolongation: Default::default(),
+            load: LoadRule::default(),
+            prolongation: Prolongation::default(),
             grids: Vec::new(),
             r: Vec::new(),
             max_iterations: 1,
