@@ -1,15 +1,15 @@
-//! `pipeline/identified.toml`: what the search for Figure 1 has found, and how much was searched.
+//! `pipeline/identified.toml`: results and extent of the searches for Figure 1.
 
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::identify::Questions;
 
-/// The record: questions that every run answers again, and what longer searches said.
+/// Record of the searches: questions that every run answers again, and results of longer searches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Record {
     /// Commit whose program made the longer searches: this one makes exhaustive searches over two values only.
     pub program: String,
-    /// What the stage `identify` computes.
+    /// Questions that the stage `identify` answers.
     pub questions: Questions,
     /// Per table, the f that are compared.
     pub problem: Vec<Alternatives>,
@@ -29,7 +29,7 @@ pub(crate) struct Alternatives {
     pub alternatives: Vec<String>,
 }
 
-/// The same search under several readings of the method.
+/// Equal searches with several variants of the method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SelectionRecord {
@@ -41,7 +41,7 @@ pub(crate) struct SelectionRecord {
     pub variant: Vec<VariantRecord>,
 }
 
-/// The best a variant did.
+/// Best results with a variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct VariantRecord {
@@ -49,7 +49,7 @@ pub(crate) struct VariantRecord {
     pub name: String,
     /// Sum of the objectives of both problems.
     pub total: f64,
-    /// Its best f for each problem.
+    /// Best f for each problem.
     pub best: Vec<BestRecord>,
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct BestRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunRecord {
-    /// What was searched, in words.
+    /// Set that was searched, in words.
     pub what: String,
     /// The command, unless it was made by a scratch program.
     pub command: Option<String>,
@@ -79,7 +79,7 @@ pub(crate) struct RunRecord {
     pub candidates: u64,
     /// Candidates per second and core, if it was measured.
     pub rate: Option<u64>,
-    /// What came out, in words.
+    /// Outcome, in words.
     pub outcome: String,
 }
 
