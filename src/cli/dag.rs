@@ -47,6 +47,7 @@ struct Form {
     json: bool,
 }
 
+#[expect(clippy::redundant_closure_for_method_calls, reason = "an engine has a lifetime")]
 pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let plan = workplace.tasks(&[], None)?;

@@ -230,9 +230,10 @@ fn verdicts(summary: &Summary) -> String {
     if summary.nothing_to_do() {
         return "nothing to do\n".into();
     }
-    let stale = summary.not_fresh();
-    let text: String =
-        stale.map(|judged| format!("{}: {}\n", judged.task, judged.verdict)).collect();
+    let mut text = String::new();
+    for judged in summary.not_fresh() {
+        text += &format!("{}: {}\n", judged.task, judged.verdict);
+    }
     text + &exports(summary)
 }
 

@@ -189,6 +189,7 @@ impl ValueEnum for Rule {
 }
 
 /// Returns the name of a rule in `--load`.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "a way to show any option of `solve`")]
 fn rule_name(rule: &LoadRule) -> String {
     Rule(*rule).to_possible_value().expect("no rule is hidden").get_name().into()
 }

@@ -50,13 +50,18 @@ impl fmt::Display for Change {
                 out.write_str(if rest.is_empty() { "" } else { ", and elsewhere" })
             }
             // A value without parts, as it was written.
-            _ => write!(out, "{subject}: {} -> {}", brief(&self.old), brief(&self.new)),
+            _ => write!(
+                out,
+                "{subject}: {} -> {}",
+                brief(self.old.as_ref()),
+                brief(self.new.as_ref())
+            ),
         }
     }
 }
 
 /// Returns a value, or the first twelve digits of a hash, which identify it.
-fn brief(value: &Option<String>) -> &str {
+fn brief(value: Option<&String>) -> &str {
     match value {
         None => "absent",
         Some(hash) if is_hash(hash) => &hash[..12],

@@ -232,8 +232,8 @@ fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached,
     let f = source(f)?;
     let last = case.levels.iter().rev().find(|level| level.grid.cells() <= 64);
     let level = last.ok_or("no grid for the published stop")?;
-    let cells: Vec<usize> =
-        (2..).map(|level| 1 << level).take_while(|n| *n <= level.grid.cells()).collect();
+    let finest = level.grid.cells().ilog2();
+    let cells: Vec<usize> = (2..=finest).map(|level| 1 << level).collect();
     let grids = nested(&cells).map_err(|e| e.to_string())?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
     let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };

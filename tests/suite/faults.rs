@@ -38,8 +38,8 @@ fn every_damaged_file_of_the_cache_is_noticed_and_repaired() {
             let bytes = fs::read(file).unwrap();
             let mut flipped = bytes.clone();
             // Half way in: inside a value of a manifest, not in white space.
-            let at =
-                (bytes.len() / 2..).find(|&k| bytes[k].is_ascii_alphanumeric() || bytes[k] == 0);
+            let at = (bytes.len() / 2..bytes.len())
+                .find(|&k| bytes[k].is_ascii_alphanumeric() || bytes[k] == 0);
             flipped[at.unwrap()] ^= 1 << dice.below(4);
             let truncated = &bytes[..dice.below(bytes.len() as u64) as usize];
             for damage in [None, Some(truncated), Some(&flipped), Some(b"")] {

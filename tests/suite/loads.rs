@@ -157,7 +157,7 @@ impl Quadrature<'_> {
             match *region {
                 Region::Rect { x, .. } => ends.extend(x),
                 Region::Disc { centre: [x, _], radius } => ends.extend([x - radius, x + radius]),
-                _ => (),
+                Region::HalfPlane { .. } => (),
             }
         }
         ends.retain(|x| x.abs() <= 0.5);

@@ -204,7 +204,7 @@ fn default_solver(args: &SolveArgs) -> Solver {
 }
 
 fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {
-    let r = choose("r", args.r, scene.map(|s| s.drawn_r()), f64::to_string, overridden);
+    let r = choose("r", args.r, scene.map(Scene::drawn_r), f64::to_string, overridden);
     let stop = args.stop.as_deref().map(stop_rule).transpose()?;
     let rule = choose("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string, overridden);
     let given = args.max_iterations.map(|n| n as usize);

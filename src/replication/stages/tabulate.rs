@@ -93,11 +93,11 @@ mod tests {
             Row { r: 1e6, counts: vec![1, 149], capped: vec![false; 2], delta_a: 1e-4 / 3.0 },
             Row { r: 0.5, counts: vec![3, 55], capped: vec![false, true], delta_a: 3.53e-4 },
         ];
-        expect_test::expect![[r#"
+        expect_test::expect![[r"
             r,1/4,1/8,delta_a,capped 1/8,stop 1/4
             1000000.0,1,149,0.000033333333333333335,false,no-solution
             0.5,3,55,0.000353,true,converged
-        "#]]
+        "]]
         .assert_eq(
             std::str::from_utf8(&csv(table(&rows, &ends, &[4, 8]).unwrap()).unwrap()).unwrap(),
         );

@@ -212,7 +212,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "text": String::from_utf8(text.clone())?,
         "integral_f": integral(&scene.f),
         // The exact solution in LaTeX, if it is known.
-        "exact": scene.f.exact().map(|exact| exact.latex()),
+        "exact": scene.f.exact().map(Exact::latex),
         // Per grid, as `solve` names it.
         "ends": outcomes.levels.iter().map(Outcome::end).collect::<Vec<_>>(),
         "outcomes": outcomes,
