@@ -88,7 +88,8 @@ fn killed_runs_resume(kills: usize, seed: u64) {
             project.run(&["gc"]).lines();
             assert_same(&made(&project), &wanted);
             assert_eq!(project.leftovers(), [""; 0], "attempt {attempt}");
-            if killed >= kills {
+            // However fast the machine is, attempts are left for all that is asked for.
+            if killed >= kills && partial > 0 && in_book > 0 {
                 break;
             }
         }
@@ -119,7 +120,11 @@ fn runs_interrupted_at_random_moments_resume() {
     let all = project.run(&["dag"]).lines().len() as u64;
     let mut dice = Dice(0x4374_726c);
     let mut in_time = 0;
-    for _ in 0..interrupts {
+    // However fast the machine is, attempts are left.
+    for _ in 0..10 * interrupts {
+        if in_time == interrupts {
+            break;
+        }
         let mut child = started(&project, true, dice.below(all), dice.below(20_000));
         interrupt(&child);
         // No code: the signal came before the program was ready for it.
@@ -129,8 +134,7 @@ fn runs_interrupted_at_random_moments_resume() {
         project.run(&["run"]).lines();
         assert_same(&made(&project), &wanted);
     }
-    eprintln!("{in_time} of {interrupts} interrupted in time");
-    assert!(in_time > 0);
+    assert_eq!(in_time, interrupts);
 }
 
 /// Cells that never converge: each takes its cap of iterations.

@@ -77,7 +77,7 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
 }
 
 #[test]
-fn the_printed_rule_cannot_have_made_the_tables() {
+fn the_printed_rule_gives_few_of_the_counts() {
     let project = project();
     for name in ["problem1", "problem2"] {
         let scene = project.scene(name).unwrap();
