@@ -1,4 +1,4 @@
-//! What a search found, as tables to read.
+//! Results of a search as tables to read.
 
 use super::{Answer, Selection};
 use crate::cli::output::{columns, styled};

@@ -1,4 +1,4 @@
-//! What a person sees while a search runs: a bar on a terminal, plain lines elsewhere.
+//! Progress of a search for a person: a bar on a terminal, plain lines elsewhere.
 
 use crate::cli::output::talk;
 use crate::pipeline::bar;

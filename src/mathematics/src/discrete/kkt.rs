@@ -25,10 +25,10 @@ pub struct Kkt {
     pub relative: f64,
 }
 
-/// What a nodal vector is worth, from it and the load vector alone.
+/// Judgement of a nodal vector, from it and the load vector alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
-    /// How far it is from the conditions.
+    /// Residuals of the conditions.
     pub kkt: Kkt,
     /// `1/2 <A y, y> - <F, y>`.
     pub energy: f64,
@@ -94,7 +94,7 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
     judge.judgement(n, y, flux, grid.boundary().map(|node| (node, grid.h())))
 }
 
-/// How far `y` is from the conditions, as [`judge`] finds it.
+/// Residuals of the conditions for `y`, as [`judge`] finds it.
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.

@@ -27,12 +27,12 @@ pub enum LoadRule {
         /// Side from which f is taken at a node on a jump.
         #[serde(default)]
         tie: Tie,
-        /// How the squares are cut into triangles.
+        /// Diagonals that cut the squares into triangles.
         diagonal: Option<Diagonal>,
     },
     /// The integral itself: exact for constant pieces, degree 5 quadrature for smooth f.
     Exact {
-        /// How the squares are cut into triangles.
+        /// Diagonals that cut the squares into triangles.
         #[serde(default)]
         diagonal: Diagonal,
     },

@@ -12,7 +12,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 /// static ALLOCATOR: LargePages = LargePages { refused: None };
 /// ```
 pub struct LargePages {
-    /// What ends the program if the system refuses so many bytes; without it Rust does, with an abort.
+    /// Function that ends the program if the system refuses so many bytes; without it Rust does, with an abort.
     pub refused: Option<fn(usize) -> !>,
 }
 

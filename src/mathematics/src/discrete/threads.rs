@@ -8,7 +8,7 @@ pub(crate) const TASK: usize = 1 << 14;
 /// That takes some 30 microseconds, each time.
 const WORTH_HANDING_OVER: usize = 1 << 17;
 
-/// Whether work on so many numbers stays with the caller, who may be the only thread or do better alone.
+/// True if work on so many numbers stays with the caller, who may be the only thread or do better alone.
 pub(crate) fn stays(numbers: usize) -> bool {
     let outside = rayon::current_thread_index().is_none();
     rayon::current_num_threads() == 1 || (outside && numbers < WORTH_HANDING_OVER)
@@ -20,7 +20,7 @@ pub(crate) fn in_tasks<I: IndexedParallelIterator>(items: I, size: usize) -> Min
     items.with_min_len(each)
 }
 
-/// How many of some items, each of `size` numbers, a task has at least.
+/// Least number of some items, each of `size` numbers, a task has at least.
 fn items_per_task(items: usize, size: usize) -> usize {
     if stays(items * size) { items } else { TASK.div_ceil(size) }
 }

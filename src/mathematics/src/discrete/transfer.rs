@@ -4,7 +4,7 @@ use crate::discrete::grid::Grid;
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul};
 
-/// How a node at the centre of a coarse cell gets its value; elsewhere all rules agree.
+/// Rule by which a node at the centre of a coarse cell gets its value; elsewhere all rules agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prolongation {

@@ -15,12 +15,12 @@ use crate::spectral::Params;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What is computed; every grid is given by its cells per side.
+/// Plan of the computation; every grid is given by its cells per side.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Grids on which errors against formulas are measured, each the halving of the one before.
     pub cells: Vec<usize>,
-    /// The same for the problems that test contact.
+    /// Grids of the problems that test contact.
     pub contact: Vec<usize>,
     /// Grids on which the cost of loads without known solution is counted.
     pub others: Vec<usize>,
@@ -46,7 +46,7 @@ impl Default for Plan {
     }
 }
 
-/// What came out.
+/// Results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Findings {
     /// The problems with known solutions.
@@ -82,7 +82,7 @@ pub struct AccuracyLevel {
     /// Algebraic over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped) and H1;
     /// none where the error is not known.
     pub algebraic: [Option<f64>; 2],
-    /// What it cost.
+    /// Cost.
     pub cost: Cost,
 }
 
@@ -108,7 +108,7 @@ pub struct Spent {
     pub cycles: usize,
     /// Natural residual, not relative: in the units of the load, f h^2.
     pub kkt: f64,
-    /// How it ended.
+    /// Reason for the end.
     pub stop: MultigridStop,
 }
 
@@ -121,7 +121,7 @@ pub struct Ranges {
     pub from: usize,
     /// Least and greatest observed orders of the problems whose solutions have a formula.
     pub orders: [Errors; 2],
-    /// The same of those that test contact, whose f jumps.
+    /// Largest of those that test contact, whose f jumps.
     pub contact: [Errors; 2],
     /// The greatest algebraic over discretisation error, in L2 and H1.
     pub algebraic: [f64; 2],

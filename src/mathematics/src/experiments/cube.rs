@@ -8,7 +8,7 @@ use crate::problem::cube::Exact;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What is computed.
+/// Plan of the computation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Cells per side of the grids, each the halving of the one before.
@@ -21,7 +21,7 @@ impl Default for Plan {
     }
 }
 
-/// What came out.
+/// Results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Findings {
     /// The problems with known solutions.
@@ -42,7 +42,7 @@ pub struct CubeLevel {
     pub errors: [f64; 3],
     /// Observed orders against the grid before.
     pub orders: Option<[f64; 3]>,
-    /// What it cost.
+    /// Cost.
     pub cost: Cost,
 }
 

@@ -20,11 +20,11 @@ pub enum KnownSolution {
 
 /// A problem solved by the spectral solver.
 pub struct Spectral {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its right-hand side.
+    /// Right-hand side.
     pub f: Source,
-    /// Its solution.
+    /// Solution.
     pub solution: Solution,
     /// v at the nodes of the grid with [`SAMPLED`] cells per side.
     samples: OnceLock<Vec<f64>>,
@@ -64,7 +64,7 @@ impl KnownSolution {
         Self::Spectral(Box::new(Spectral { name: name.into(), f, solution, samples }))
     }
 
-    /// Its name, as in `exact(name)` where it has a formula.
+    /// Name, as in `exact(name)` where it has a formula.
     pub fn name(&self) -> &str {
         match self {
             Self::Formula(exact) => exact.name(),

@@ -1,4 +1,4 @@
-//! How far the published counts depend on rounding: the runs of the tables repeated with disturbed arithmetic.
+//! Dependence of the published counts on rounding: the runs of the tables repeated with disturbed arithmetic.
 
 mod runs;
 
@@ -7,7 +7,7 @@ use crate::experiments::problems::Problem;
 use runs::disturb;
 use serde::{Deserialize, Serialize};
 
-/// What the experiment depends on.
+/// Plan of the experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plan {
     /// The tables whose counts are disturbed.
@@ -30,7 +30,7 @@ impl Plan {
     }
 }
 
-/// What was found.
+/// Results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rounding {
     /// As in the [`Plan`].
@@ -56,7 +56,7 @@ pub struct Rounding {
 /// One table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
-    /// Its number in the paper.
+    /// Number in the paper.
     pub number: u8,
     /// Cells per side, coarsest grid first.
     pub grids: Vec<usize>,
@@ -103,11 +103,11 @@ pub struct Cell {
     pub flips: usize,
     /// The least size that gave another count.
     pub flips_at: Option<f64>,
-    /// Whether another order of operations gives another count.
+    /// True if another order of operations gives another count.
     pub reordered: bool,
 }
 
-/// Where the residual came nearest to the tolerance.
+/// Place at which the residual came nearest to the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Nearest {
     /// Table.

@@ -8,7 +8,7 @@ pub const fn loose_uzawa(weight: f64) -> Method {
     Method::Uzawa { weight, inner: 0.0, loose: true }
 }
 
-/// How often to check for the goal, and when to give up.
+/// Number of sweeps between two checks of the goal, and limit of sweeps.
 #[derive(Clone, Copy, Debug)]
 pub struct Checks {
     /// Sweeps of Arrow-Hurwicz between checks are the sweeps made so far over this number, and at least

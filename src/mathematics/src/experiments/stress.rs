@@ -1,4 +1,4 @@
-//! What breaks the solvers, and at which values: extreme parameters, data, tolerances, starts and precision.
+//! Experiments that break the solvers, and the values at which they do: extreme parameters, data, tolerances, starts and precision.
 
 mod random;
 mod runs;
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Index;
 
-/// What the experiments depend on.
+/// Plan of the experiments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// The paper's problems.
@@ -69,7 +69,7 @@ impl Plan {
 /// Runs with one value of what is varied.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case<X> {
-    /// What is varied.
+    /// Value that is varied.
     pub x: X,
     /// By method or rule: `signed` and `strict` are the paper's method under the signed rule, and under the
     /// printed one together with the dual one; `multigrid` goes to the rounding floor unless a tolerance
@@ -89,10 +89,10 @@ impl<X> Index<&str> for Case<X> {
 /// One case after the other.
 pub type Series<X> = Vec<Case<X>>;
 
-/// What was found.
+/// Results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stress {
-    /// What was asked for.
+    /// Name that was asked for.
     pub plan: Plan,
     /// Over r, one series per problem: `signed` with the paper's tolerance, `strict`.
     pub duality: Vec<Series<f64>>,
@@ -104,10 +104,10 @@ pub struct Stress {
     /// Over the tolerance, relative to the largest load, down to and below the rounding floor, one series
     /// per problem: `signed`, `strict`, `multigrid`.
     pub tolerances: Vec<Series<f64>>,
-    /// What rounding leaves, over the cells per side: `multigrid`, and on coarse grids `strict` after many
+    /// Residual that rounding leaves, over the cells per side: `multigrid`, and on coarse grids `strict` after many
     /// iterations.
     pub floors: Series<f64>,
-    /// The same in single precision, judged in double: `single`.
+    /// Residual that rounding leaves in single precision, judged in double: `single`.
     pub single_floors: Series<f64>,
     /// Starts far from the solution, by their names: `strict`, `multigrid`.
     pub starts: Series<String>,
@@ -121,14 +121,14 @@ pub struct Stress {
     pub single: Vec<Single>,
     /// All runs together.
     pub tally: Tally,
-    /// What the prose of the book rests on.
+    /// Numbers on which the prose of the book rests.
     pub summary: Summary,
 }
 
 /// A table in single precision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Single {
-    /// Its number in the paper.
+    /// Number in the paper.
     pub number: u8,
     /// Counts.
     pub cells: usize,

@@ -8,10 +8,10 @@ use crate::saddle::batch::{self, AsDefined, End, Job, run};
 use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
-/// How a run ended, and what [`judge`] says of the vector it returned.
+/// End of a run, and the judgement by [`judge`] of the vector it returned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
-    /// How the solver says that it ended; `refused` if it did not begin.
+    /// End of the run in the words of the solver; `refused` if it did not begin.
     pub stop: String,
     /// Iterations, or cycles on the finest grid.
     pub steps: usize,
@@ -60,12 +60,12 @@ impl Trial {
         }
     }
 
-    /// Whether the solver says that it reached its goal.
+    /// True if the solver says that it reached its goal.
     pub fn converged(&self) -> bool {
         self.stop == "converged"
     }
 
-    /// Whether the solver says that there is no result.
+    /// True if the solver says that there is no result.
     pub fn says_that_it_failed(&self) -> bool {
         ["diverged", "refused"].contains(&self.stop.as_str())
     }

@@ -16,12 +16,12 @@ use crate::saddle::{Method, Pair};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// How many sweeps Arrow-Hurwicz takes to a residual, from grid to grid.
+/// Number of sweeps that Arrow-Hurwicz takes to a residual, from grid to grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CostLaw {
     /// f in the notation of scenes.
     pub f: String,
-    /// Whether each grid starts from the solution on the grid before, or from zero.
+    /// True if each grid starts from the solution on the grid before; else from zero.
     pub nested: bool,
     /// Natural residual over the largest component of the load.
     pub target: f64,
@@ -47,9 +47,9 @@ pub struct Comparison {
 /// One method in a [`Comparison`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
-    /// Its name in words.
+    /// Name in words.
     pub method: String,
-    /// Where it reached the discretisation error, grid by grid.
+    /// Work at which it reached the discretisation error, grid by grid.
     pub reached: Vec<Reached>,
 }
 
@@ -60,7 +60,7 @@ pub struct Reached {
     pub cells: usize,
     /// Unknowns visited so far, on all grids.
     pub visits: f64,
-    /// The same in sweeps of this grid.
+    /// Work in sweeps of this grid.
     pub work_units: f64,
     /// Error in the discrete L2 norm.
     pub error: f64,
@@ -136,7 +136,7 @@ pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
 pub struct OnGrid {
     /// The grid.
     pub grid: Grid,
-    /// Its load vector.
+    /// Load vector.
     pub load: Vec<f64>,
     measure: Measure,
     /// Error of the discrete solution.

@@ -14,7 +14,7 @@ use std::ops::{Add, Mul};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a forced run says: how far each published count is from coming out.
+/// Result of a forced run: misfit of each published count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forced {
     /// `misfit[k][level]`: zero if and only if row k stops there at the published count, given
@@ -28,7 +28,7 @@ pub struct Forced {
 }
 
 impl Forced {
-    /// Whether every count comes out.
+    /// True if every count comes out.
     pub fn is_exact(&self) -> bool {
         self.total == 0.0 && !self.delta_a.is_empty()
     }
@@ -112,7 +112,7 @@ impl<'a> Evaluator<'a> {
         Self { target, variant, prolongation, levels, basis, entered, halt: None }
     }
 
-    /// The same, but that a forced run ends as one that misses every count once `halt` is set.
+    /// Evaluator whose forced runs end as one that misses every count once `halt` is set.
     pub fn halted_by(self, halt: &'a AtomicBool) -> Self {
         Self { halt: Some(halt), ..self }
     }
@@ -126,7 +126,7 @@ impl<'a> Evaluator<'a> {
         self.halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
     }
 
-    /// How many runs have entered each grid so far.
+    /// Number of runs that have entered each grid so far.
     pub fn entered(&self) -> &[u64] {
         &self.entered
     }
@@ -171,7 +171,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Where lane `k` starts on the next grid.
+    /// Pair from which lane `k` starts on the next grid.
     fn passed_on(&self, level: usize, k: usize) -> Pair {
         let Level { grid, lanes, .. } = &self.levels[level];
         let mut pair = lanes.pair(k).prolonged(*grid, self.prolongation);

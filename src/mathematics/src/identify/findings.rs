@@ -1,4 +1,4 @@
-//! What there is to know about a recovered f: who else explains its table, how far it may move, and that a blind search finds it.
+//! Findings about a recovered f: which other f explains its table, how far it may move, and that a blind search finds it.
 
 use super::evaluate::{Evaluator, grid};
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
@@ -12,15 +12,15 @@ use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 
-/// What [`findings`] is to find out, besides how far f may move.
+/// Questions that [`findings`] answers, besides how far f may move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Questions {
     /// The space of the blind search.
     pub space: Space,
-    /// Its values, as [`Lattice::parse_all`] reads them.
+    /// Values, as [`Lattice::parse_all`] reads them.
     pub values: String,
-    /// How many candidates it keeps.
+    /// Number of candidates that the blind search keeps.
     pub top: usize,
     /// The map: how far the first and the last value move, either way.
     pub reach: [f64; 2],
@@ -31,17 +31,17 @@ pub struct Questions {
 /// Another f that may explain the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Alternative {
-    /// Its values on the quadrants: lower left, lower right, upper left, upper right.
+    /// Values on the quadrants: lower left, lower right, upper left, upper right.
     pub values: Vec<f64>,
-    /// Its score and table.
+    /// Score and table.
     pub found: Found,
     /// Sum of its load vector on each grid of the table.
     pub sums: Vec<f64>,
-    /// Whether it is the recovered f itself.
+    /// True if it is the recovered f itself.
     pub chosen: bool,
 }
 
-/// What was found out about one table and its recovered f.
+/// Findings about one table and its recovered f.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
     /// Version of this format.

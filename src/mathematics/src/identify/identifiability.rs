@@ -1,4 +1,4 @@
-//! How sharply a table fixes f: how far each value moves before a count changes, and which one does.
+//! Sharpness with which a table fixes f: how far each value moves before a count changes, and which one does.
 
 use super::evaluate::Evaluator;
 use crate::discrete::norms::largest;
@@ -17,12 +17,12 @@ const HALVINGS: usize = 10;
 /// A count of the table: row and grid, both counted from 0.
 pub(super) type Cell = (usize, usize);
 
-/// What happens along one direction in the space of values.
+/// Changes of counts along one direction in the space of values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Breaks {
     /// Piece whose value moves; `None` if all are multiplied by one factor.
     pub piece: Option<usize>,
-    /// How far the value, or the factor from 1, may move down and up with every count that came
+    /// Distance by which the value, or the factor from 1, may move down and up with every count that came
     /// out still coming out. The set of such f need not be convex: this is the part around f.
     pub range: [f64; 2],
     /// Count that changes first, down and up; `None` if none did within reach.
@@ -62,14 +62,14 @@ struct Side<'a> {
     piece: Option<usize>,
     /// -1 for down, 1 for up.
     sign: f64,
-    /// What a relative move of one is.
+    /// Absolute size of a relative move of one.
     unit: f64,
     /// The longest move known to change no count, and the shortest known to change one, both relative; the largest
     /// tried where none changes any.
     between: [f64; 2],
     /// As in [`Breaks`].
     first: Option<Cell>,
-    /// How far each count that comes out at f lets it move.
+    /// Largest move under which each count that comes out at f still does.
     cells: Vec<Option<f64>>,
 }
 

@@ -13,7 +13,7 @@ const DELTA_A_WEIGHT: f64 = 0.3;
 /// Weight of one distinct value or one decimal place of f: it decides only between equals.
 const COMPLEXITY_WEIGHT: f64 = 0.005;
 
-/// How well a candidate explains a table, part by part.
+/// Score of a candidate against a table, part by part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// Counts that come out exactly in a free run.
@@ -34,7 +34,7 @@ pub struct Score {
 const MOST_OFF: f64 = 8.0;
 
 impl Score {
-    /// What the search makes small: count misfit, then Delta a, then simplicity.
+    /// Objective of the search, to be made small: count misfit, then Delta a, then simplicity.
     pub fn total(&self) -> f64 {
         objective(self.misfit, self.delta_a_misfit, self.complexity)
     }
@@ -55,19 +55,19 @@ fn count_misfit_below(objective: f64) -> f64 {
 pub struct Found {
     /// The right-hand side.
     pub candidate: Candidate,
-    /// Its value as [`crate::problem::source::Source`] writes it.
+    /// Value as [`crate::problem::source::Source`] writes it.
     pub f: String,
-    /// Its score.
+    /// Score.
     pub score: Score,
-    /// Its counts, `None` where the iteration was given up.
+    /// Counts, `None` where the iteration was given up.
     pub counts: Vec<Vec<Option<usize>>>,
-    /// Its Delta a per row.
+    /// Delta a per row.
     pub delta_a: Vec<f64>,
     /// Integral of f over the square; (2) asks for less than zero.
     pub integral: f64,
 }
 
-/// Whether a count is missed, and the objective: the smaller, the better.
+/// True if a count is missed, and the objective: the smaller, the better.
 type Rank = (bool, f64);
 
 fn by_rank(a: &Rank, b: &Rank) -> Ordering {

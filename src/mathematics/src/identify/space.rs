@@ -159,7 +159,7 @@ impl Lattice {
         text.split(';').map(|part| Self::parse(part.trim())).collect()
     }
 
-    /// The same lattice with its points written to `places` decimal places, not fewer than now.
+    /// This lattice with its points written to `places` decimal places, not fewer than now.
     pub(super) fn refined(&self, places: u32) -> Self {
         let factor = 10i64.pow(places - self.places);
         Self { ticks: self.ticks.iter().map(|t| t * factor).collect(), places }
@@ -217,7 +217,7 @@ impl Candidate {
         decimals(&self.ticks, self.places).collect()
     }
 
-    /// How much there is to say about f: distinct values, and their decimal places.
+    /// Complexity of f: number of distinct values, and their decimal places.
     pub fn complexity(&self) -> u32 {
         let mut ticks = self.ticks.clone();
         ticks.sort_unstable();

@@ -81,7 +81,7 @@ pub struct Variant {
     pub start: Start,
     /// Prolongation of y; it differs from rule to rule at cell centres only.
     pub prolongation: Prolongation,
-    /// Whether each grid but the first starts from the multiplier of the one before, or from zero.
+    /// True if each grid but the first starts from the multiplier of the one before; else from zero.
     pub prolong_multiplier: bool,
     /// Number compared with the tolerance.
     pub measure: Measure,
@@ -166,7 +166,7 @@ impl Variant {
         self
     }
 
-    /// Whether the sweep runs against x, and against y.
+    /// True if the sweep runs against x, and against y.
     pub(super) fn mirrored(&self) -> (bool, bool) {
         match self.start {
             Start::LowerLeft => (false, false),

@@ -1,7 +1,7 @@
 //! Signorini problems with known solutions.
 //!
 //! All live on [-1/2, 1/2]^2 and satisfy `v >= 0`, `dv/dn >= 0`, `v dv/dn = 0` on the boundary exactly.
-//! Where contact ends, `v` behaves like `Im z^(3/2)`, the generic singularity of the problem. Only
+//! At the ends of contact `v` behaves like `Im z^(3/2)`, the generic singularity of the problem. Only
 //! arithmetic, square roots and functions of the `libm` crate are used, so that the numbers are the
 //! same on all machines.
 
@@ -63,7 +63,7 @@ impl Exact {
         sample.expect("a point")
     }
 
-    /// What the solution depends on along an axis.
+    /// Function of one coordinate on which the solution depends.
     pub fn along(self, at: f64) -> Coordinate {
         let (sin, cos) = match self {
             Self::FullContact | Self::Torsion => libm::sincos(PI * at),

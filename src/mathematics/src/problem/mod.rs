@@ -1,4 +1,4 @@
-//! What is solved: right-hand sides on the square and the cube, and problems with known solutions.
+//! Problems: right-hand sides on the square and the cube, and problems with known solutions.
 
 pub mod cube;
 pub mod exact;

@@ -12,22 +12,22 @@ pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
     /// A right-hand side, for messages.
     const EXAMPLE: &'static str;
 
-    /// Whether the set holds a point.
+    /// True if the set holds a point.
     fn contains(&self, point: Self::Point) -> bool;
 
     /// The shape of this name; `None` if there is none. It may be [empty](Self::is_empty).
     fn read(name: &str, arguments: &str) -> Option<Result<Self, SourceError>>;
 
-    /// Whether it has no interior.
+    /// True if it has no interior.
     fn is_empty(&self) -> bool;
 
-    /// Whether it is round and so large, or so far away, that where its border crosses the domain is lost to rounding.
+    /// True if it is round and so large, or so far away, that where its border crosses the domain is lost to rounding.
     fn is_vast(&self) -> bool;
 
-    /// Whether it does not reach into the domain.
+    /// True if it does not reach into the domain.
     fn is_outside(&self) -> bool;
 
-    /// Whether shapes cover everything between them, as far as their kinds show it.
+    /// True if shapes cover everything between them, as far as their kinds show it.
     fn cover(_shapes: &[Self]) -> bool {
         false
     }
@@ -54,7 +54,7 @@ pub trait Convex<const N: usize>: Copy {
     /// Least and greatest x of the set where the other coordinates are within `strip`; nothing if it is empty there.
     fn extent(&self, strip: [[f64; 2]; N]) -> Option<[f64; 2]>;
 
-    /// The same set in coordinates with their origin at (`x`, `at`) and this unit.
+    /// This set in coordinates with their origin at (`x`, `at`) and this unit.
     fn seen_from(&self, x: f64, at: [f64; N], unit: f64) -> Self;
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn scaled<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64
     (normal.map(|s| s / scale), d / scale)
 }
 
-/// The same half-plane or half-space with a normal whose products with coordinates are normal numbers: scaled by a power
+/// This half-plane or half-space with a normal whose products with coordinates are normal numbers: scaled by a power
 /// of two, which changes no digit, where its components are extremely small or large.
 pub(crate) fn plain<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64) {
     let largest = normal.iter().fold(0.0f64, |most, s| most.max(s.abs()));
@@ -97,7 +97,7 @@ pub(super) fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
 /// Coordinates of points that are in the domain by more than rounding.
 pub(super) const INSIDE: [f64; 2] = [-0.5 + 1e-9, 0.5 - 1e-9];
 
-/// Whether a set misses the domain, whose least and greatest x there are these, if it has any.
+/// True if a set misses the domain, whose least and greatest x there are these, if it has any.
 pub(super) fn misses(extent: Option<[f64; 2]>) -> bool {
     extent.is_none_or(|[least, greatest]| greatest < INSIDE[0] || INSIDE[1] < least)
 }
@@ -108,9 +108,9 @@ pub enum SourceError {
     /// Not of the grammar.
     #[error("cannot read `{text}` in f; write e.g. '{example}'")]
     Syntax {
-        /// What is not.
+        /// Text that is not read.
         text: String,
-        /// What would be.
+        /// Example of a text that is.
         example: &'static str,
     },
     /// Nothing is said about the rest of the domain.
@@ -118,9 +118,9 @@ pub enum SourceError {
         "`{text}` in f stands without `else=value` for where no piece is; write e.g. '{example}'"
     )]
     NoElse {
-        /// What f is.
+        /// Text of f.
         text: String,
-        /// What would be right.
+        /// Example of a text that is right.
         example: &'static str,
     },
     /// A shape with a wrong number of arguments.
@@ -128,7 +128,7 @@ pub enum SourceError {
     Arguments {
         /// Shape named.
         name: &'static str,
-        /// What it takes.
+        /// Arguments that the shape takes.
         want: &'static str,
         /// A correct use.
         example: &'static str,
@@ -159,9 +159,9 @@ pub enum SourceError {
     /// A name that is no known exact problem.
     #[error("`{name}` is no exact problem; choose one of {names}")]
     UnknownExact {
-        /// What was asked for.
+        /// Name that was asked for.
         name: String,
-        /// What there is.
+        /// Names that there are.
         names: String,
     },
 }

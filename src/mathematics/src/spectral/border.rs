@@ -152,7 +152,7 @@ impl Piece {
         Self { from, to, scale: 1.0 / (to - from), series }
     }
 
-    /// Where a place of its side is on the piece, from -1 to 1.
+    /// Coordinate on the piece of a place on its side, from -1 to 1.
     #[inline(always)]
     fn local(&self, place: Place) -> f64 {
         let (_, t) = place.on_side();

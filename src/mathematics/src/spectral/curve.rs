@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// the limit.
 pub(super) const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// How far points may be off by rounding, of coordinates below 1 and in their use.
+/// Distance by which points may be off by rounding, of coordinates below 1 and in their use.
 pub(super) const ROUNDING: f64 = 4e-15;
 
 /// A line, or a circle anticlockwise, whose points are known by their distance from the origin along it.
@@ -73,7 +73,7 @@ impl Curve {
         (self.curvature > 0.0).then(|| self.origin + normal.scaled(1.0 / self.curvature))
     }
 
-    /// Where the point nearest to `z` is along it.
+    /// Place of the point nearest to `z` is along it.
     pub(super) fn place(self, z: Complex) -> f64 {
         let local = self.local(z);
         if self.curvature == 0.0 {
@@ -83,7 +83,7 @@ impl Curve {
         polar.arg() / self.curvature
     }
 
-    /// How it lies to another curve.
+    /// Position with respect to another curve.
     fn relation(self, other: Self) -> Relation {
         /// Distance of centres, in radii of either circle, from which on the angle between circles has all digits.
         const NEARLY_ONE: f64 = 1e-3;
@@ -119,7 +119,7 @@ impl Curve {
         if straight { angle.max(other.distance(self.origin).abs()) } else { angle }
     }
 
-    /// Where it meets another curve. If they overlap by, or lack, less than half of [`SAME`] they touch, as is frequent
+    /// Points at which it meets another curve. If they overlap by, or lack, less than half of [`SAME`] they touch, as is frequent
     /// with decimal input.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {
         let k = self.curvature;
@@ -140,18 +140,18 @@ impl Curve {
         roots.into_iter().map(length).filter(|s| s.is_finite()).collect()
     }
 
-    /// How far its points may be off: those of a large circle by rounding errors of its radius, as f knows it.
+    /// Distance by which its points may be off: those of a large circle by rounding errors of its radius, as f knows it.
     pub(super) fn rounding(self) -> f64 {
         ROUNDING.max(2e-15 * self.period().unwrap_or_default())
     }
 
-    /// Whether points lie on it, within a distance or what rounding makes of it.
+    /// True if points lie on it, within a distance or what rounding makes of it.
     pub(super) fn holds(self, points: [Complex; 3], within: f64) -> bool {
         let within = within.max(self.rounding());
         points.into_iter().all(|z| self.distance(z).abs() < within)
     }
 
-    /// Whether it is another curve. A little farther apart than points that count as one, curves could be told apart
+    /// True if it is another curve. A little farther apart than points that count as one, curves could be told apart
     /// along some of their pieces only.
     pub(super) fn same(self, other: Self) -> bool {
         let s = 1.0_f64.min(1.0 / self.curvature);
@@ -159,7 +159,7 @@ impl Curve {
     }
 }
 
-/// How two curves lie to one another: the points of the one that are on the other are at `tan(k s / 2) / (k / 2)` along
+/// Position of two curves with respect to each other: the points of the one that are on the other are at `tan(k s / 2) / (k / 2)` along
 /// it, which is a root of `a u^2 + 2 b u + c`.
 struct Relation {
     a: f64,
@@ -176,7 +176,7 @@ struct Relation {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
     pub curve: Curve,
-    /// Where it begins and ends along the curve; it may go backwards.
+    /// Beginning and end along the curve; it may go backwards.
     pub span: [f64; 2],
     /// Vertices at its ends, if any.
     pub ends: [Option<usize>; 2],

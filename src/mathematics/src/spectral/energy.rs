@@ -14,13 +14,13 @@ use super::trace::Trace;
 pub(super) struct Energies {
     /// J = -1/2 int f v, by Green's identity with psi.
     pub energy: f64,
-    /// The same by Rellich's identity.
+    /// Energy by Rellich's identity.
     pub rellich: f64,
     /// Integral of l over the border.
     pub force: f64,
     /// Integrals of f times the [`HARMONIC`] polynomials, by Green's identity with psi on the border.
     contour: [f64; HARMONIC],
-    /// The same by the divergence theorem, over the border and along the jumps.
+    /// Integrals by the divergence theorem, over the border and along the jumps.
     area: [f64; HARMONIC],
 }
 

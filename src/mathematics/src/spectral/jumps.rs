@@ -37,11 +37,11 @@ pub(super) struct Jumps {
     /// The first region that each bounds.
     regions: Vec<Region>,
     pub edges: Vec<Edge>,
-    /// Where edges meet the border.
+    /// Points at which edges meet the border.
     pub crossings: Vec<Place>,
     /// The vertices that stand for all that are hardly apart from them.
     hubs: Vec<usize>,
-    /// Its vertices are where edges meet inside the square, and the ends of arcs outside.
+    /// Vertices are where edges meet inside the square, and the ends of arcs outside.
     pub psi: Potential,
 }
 
@@ -50,10 +50,10 @@ const NEAR: f64 = 10.0 * SAME;
 /// Crossings so near to one another are one, and what is so near to a side is on it.
 pub(super) const APART: f64 = 1e-13;
 
-/// Where a curve meets another one, or a side.
+/// Point at which a curve meets another one, or a side.
 #[derive(Clone, Copy)]
 struct Cut {
-    /// Its place along the curve.
+    /// Place along the curve.
     s: f64,
     side: bool,
 }
@@ -107,7 +107,7 @@ impl Jumps {
         Some(Touch([k, j].map(name)))
     }
 
-    /// How far beside the middle of a piece of a curve, given by its ends and its middle, f is still that beside the
+    /// Distance beside the middle of a piece of a curve, given by its ends and its middle, f is still that beside the
     /// piece, up to `most`: curves that touch leave each other slowly.
     /// Curves that pass within `on` of the piece are on it.
     pub(super) fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
@@ -115,7 +115,7 @@ impl Jumps {
         others.map(|other| 0.5 * other.distance(along[1]).abs()).fold(most, f64::min)
     }
 
-    /// Where edges meet a side, as distances from its beginning.
+    /// Points at which edges meet a side, as distances from its beginning.
     pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
         let places = self.crossings.iter().map(|place| place.on_side());
         places.filter(move |&(of, _)| of == side).map(|(_, t)| t)
@@ -286,7 +286,7 @@ fn append<T: PartialEq>(parts: &mut Vec<([f64; 2], T)>, part: ([f64; 2], T)) {
     }
 }
 
-/// The same with the first and the last, once around a circle.
+/// Consecutive pairs with the first and the last, once around a circle.
 fn close<T: PartialEq>(parts: &mut Vec<([f64; 2], T)>, period: f64) {
     if let [(first, value), .., (last, other)] = &mut parts[..]
         && value == other

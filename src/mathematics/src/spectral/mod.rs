@@ -154,7 +154,7 @@ pub enum SpectralError {
     },
 }
 
-/// What must hold of a solution and was not used to find it.
+/// Conditions that must hold of a solution and were not used to find it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Checks {
     /// Least multiplier in contact over the largest; gaps of less than 1e-4 round corners are left out.
@@ -173,7 +173,7 @@ pub struct Checks {
 }
 
 impl Checks {
-    /// Whether signs hold up to what is left out, f is represented to eleven digits, and what else is to be zero is to
+    /// True if signs hold up to what is left out, f is represented to eleven digits, and what else is to be zero is to
     /// eight.
     fn pass(&self) -> bool {
         /// The energy has twelve digits, mostly fourteen; moments in closed form have them, too.
@@ -205,7 +205,7 @@ pub struct Solution {
     pub energy: f64,
     /// Anticlockwise.
     pub contact: Vec<ContactArc>,
-    /// What it was checked by.
+    /// Checks of the solution.
     pub checks: Checks,
     /// Integral of f over the square.
     pub integral: f64,
@@ -285,7 +285,7 @@ impl Solution {
         Ok(Self { energy, contact, checks, integral, steps, problem, trace })
     }
 
-    /// The same problem at another resolution, from the contact set of this solution.
+    /// Solution of this problem at another resolution, from the contact set of this solution.
     ///
     /// # Errors
     /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight

@@ -168,7 +168,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     )
 }
 
-/// How an end of contact is to move.
+/// Move of an end of contact.
 #[derive(Clone, Copy)]
 enum Change {
     /// By a length along the border.
@@ -200,7 +200,7 @@ fn across_gap(places: &[Place], j: usize) -> usize {
     if j.is_multiple_of(2) { (j + many - 1) % many } else { (j + 1) % many }
 }
 
-/// Whether an end is that of a short gap round a corner, which may be exponentially small. A long gap may
+/// True if an end is that of a short gap round a corner, which may be exponentially small. A long gap may
 /// begin on either side of a corner.
 fn relative(places: &[Place], j: usize) -> bool {
     let begins = j.is_multiple_of(2);
@@ -211,7 +211,7 @@ fn relative(places: &[Place], j: usize) -> bool {
         && (other.t > 0.0) != begins
 }
 
-/// What the unknowns of the linear system stand for.
+/// Meaning of the unknowns of the linear system.
 fn changes(places: &[Place], unknowns: &[f64]) -> Vec<Change> {
     let vanishes = |j: usize| places[j].t.abs() * libm::exp(unknowns[j]) < SHORTEST;
     let change = |(j, &d): (usize, &f64)| {

@@ -10,10 +10,10 @@ use super::rule::cut;
 
 /// Panels shorter than this are not cut further.
 const SHORTEST: f64 = 1e-13;
-/// The same for those at a vertex on the border.
+/// Panels at a vertex on the border.
 const SHORTEST_AT_VERTEX: f64 = 1e-3;
 
-/// What is particular about a point of the border.
+/// Singularity at a point of the border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Special {
     /// An end of contact, by its number along the border.
@@ -31,9 +31,9 @@ pub(super) struct Panel {
     /// Ends as distances from that corner.
     pub from: f64,
     pub to: f64,
-    /// What is at its start, or at its end.
+    /// Singularity at its start, or at its end.
     pub special: Option<Special>,
-    /// Whether nodes are counted from the end of the panel, where something is, rather than from its start.
+    /// True if nodes are counted from the end of the panel, where something is, rather than from its start.
     pub reversed: bool,
     /// Contact arcs begun before it.
     pub arcs: usize,
@@ -83,7 +83,7 @@ impl Panel {
         }
     }
 
-    /// Whether a corner or crossing is at one of its ends.
+    /// True if a corner or crossing is at one of its ends.
     pub(super) fn kink(&self) -> Option<Special> {
         self.special.filter(|s| !matches!(s, Special::End(_)))
     }
@@ -145,7 +145,7 @@ impl Ends {
         self.places.len() / 2
     }
 
-    /// Where panels begin.
+    /// Beginnings of panels.
     pub(super) fn start(&self) -> Place {
         self.places.first().copied().unwrap_or(Place { corner: 0, t: 0.0 })
     }
@@ -213,7 +213,7 @@ impl Stretch {
         }
     }
 
-    /// Where to cut a part of it, if that cannot be a panel.
+    /// Place at which to cut a part of it, if that cannot be a panel.
     ///
     /// No panel has something at both ends, or is longer than twice its distance to a vertex, or to a point where
     /// something is and that is not an end of it; if it has something at an end, nodes are sparse at the other,

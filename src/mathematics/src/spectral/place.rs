@@ -19,7 +19,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The same point seen from its nearest corner.
+    /// This point seen from its nearest corner.
     pub(super) fn new(corner: i32, t: f64) -> Self {
         let corners = (t - 0.5).ceil();
         Self { corner: corner + corners as i32, t: t - corners }
@@ -45,7 +45,7 @@ impl Place {
         self.distance_from(other.corner) - other.t
     }
 
-    /// The same point, at most one turn after `start`.
+    /// This point, at most one turn after `start`.
     pub(super) fn following(self, start: Self) -> Self {
         let turns = (self.after(start) / 4.0).floor() as i32;
         Self { corner: self.corner - 4 * turns, t: self.t }

@@ -34,7 +34,7 @@ struct Jump {
     arc: Arc,
     /// f on the left less f on the right.
     size: f64,
-    /// What ends at infinity contribute to the angle from one end to the other.
+    /// Contribution of ends at infinity to the angle from one end to the other.
     far: f64,
 }
 

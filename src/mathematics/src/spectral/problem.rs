@@ -1,4 +1,4 @@
-//! What a right-hand side is to the solver, whatever the ends of contact are.
+//! Right-hand side as the solver sees it, whatever the ends of contact are.
 
 use super::border::Border;
 use super::curve::SAME;
@@ -11,7 +11,7 @@ use crate::problem::shape::Convex;
 use crate::problem::source::{Region, Source};
 use std::f64::consts::FRAC_1_PI;
 
-/// What does not change with the ends of contact.
+/// Data that do not change with the ends of contact.
 #[derive(Clone)]
 pub(super) struct Problem {
     pub jumps: Jumps,

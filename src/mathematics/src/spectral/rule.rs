@@ -133,7 +133,7 @@ pub(super) fn cut(range: [f64; 2], at: impl Fn([f64; 2]) -> Option<f64>) -> Vec<
     parts
 }
 
-/// The same, halved until none is too long.
+/// Parts, halved until none is too long.
 pub(super) fn halved(range: [f64; 2], too_long: impl Fn([f64; 2]) -> bool) -> Vec<[f64; 2]> {
     cut(range, |part| too_long(part).then_some(0.5 * (part[0] + part[1])))
 }

@@ -17,7 +17,7 @@ pub(super) struct Sources {
     /// Weight over (-1)^k |P|^{1/2}, for odd m over the cosine below too: then, with half the angles t and s,
     /// 1 / sin(t - s) is 1 / (sin t - cos t tan s).
     pub weight: Vec<f64>,
-    /// The same times the derivative of psi in the panel's direction.
+    /// Weights times the derivative of psi in the panel's direction.
     pub moment: Vec<f64>,
     /// Tangent and cosine of half the angle from the panel's corner.
     pub tan: Vec<f64>,

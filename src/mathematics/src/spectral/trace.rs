@@ -48,7 +48,7 @@ impl Trace {
         Self { panels: field.panels, rules: rules.clone(), ends, points, starts }
     }
 
-    /// Whether its `i`-th point, counted around and around, is in contact.
+    /// True if its `i`-th point, counted around and around, is in contact.
     pub(super) fn in_contact(&self, i: usize) -> bool {
         self.panels[self.points[i % self.points.len()].panel].contact
     }

@@ -31,7 +31,7 @@ pub struct Rows<'a, P, const N: usize> {
     pieces: &'a [(P, f64)],
     /// The pieces that reach into the row, in painting order.
     present: Vec<Present<P>>,
-    /// Where runs of cells end, sorted.
+    /// Ends of runs of cells, sorted.
     ends: Vec<usize>,
 }
 
@@ -45,7 +45,7 @@ struct Present<P> {
     covered: Range<usize>,
 }
 
-/// What a row of cells shows next, from left to right.
+/// Next part of a row of cells, from left to right.
 pub enum Run<'r, P> {
     /// Cells on which f has one value.
     Constant(Range<usize>, f64),

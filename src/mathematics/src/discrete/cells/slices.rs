@@ -20,7 +20,7 @@ pub struct CutCube {
     slice: Cut,
 }
 
-/// Where seven and fifteen points agree to this, fifteen are exact to rounding: errors fall geometrically.
+/// Relative difference of seven and fifteen points up to which, fifteen are exact to rounding: errors fall geometrically.
 const AGREED: f64 = 1e-11;
 /// Halvings of a layer at which it is too thin to matter.
 const DEEPEST: usize = 40;

@@ -42,7 +42,7 @@ enum Border {
 /// An edge of the cell or a diagonal, given by its heights at X = -1/2 and X = 1/2.
 struct Bound {
     heights: [f64; 2],
-    /// What the integrals below it count in the parts of the cell.
+    /// Factor of the integrals below it in the parts of the cell.
     signs: [f64; 2],
     /// The value of f at it, from some abscissa on.
     value: f64,

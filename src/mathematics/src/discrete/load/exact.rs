@@ -6,7 +6,7 @@ use super::{Diagonal, by_rows};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 
-/// What a row of cells adds to the load: the value of f on each cell, and for those where it is not
+/// Contribution of a row of cells to the load: the value of f on each cell, and for those where it is not
 /// constant 0, and apart from that the integrals of f times the hats of the corners, over h^2.
 #[derive(Clone, Default)]
 struct HatRow {

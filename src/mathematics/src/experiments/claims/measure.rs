@@ -42,7 +42,7 @@ struct Run {
     r: f64,
 }
 
-/// Where a run takes place, and when it ends.
+/// Grids of a run, and its goal.
 #[derive(Clone, Copy, PartialEq)]
 enum Until {
     /// All grids in turn, under a stopping rule.
@@ -51,7 +51,7 @@ enum Until {
     Kkt { level: usize, target: f64, variant: Option<usize> },
 }
 
-/// What a run comes to on a grid.
+/// Result of a run on a grid.
 #[derive(Clone, Copy)]
 struct Reached {
     count: Count,
@@ -124,7 +124,7 @@ impl<'a> Case<'a> {
         Ok(Self { problem, grids, published, solvable, starts })
     }
 
-    /// What each run of a batch comes to, on the grids that it visits.
+    /// Results of the runs of a batch, on the grids that it visits.
     fn run(&self, plan: &Plan, batch: &[Run]) -> Vec<Vec<Reached>> {
         match batch[0].end {
             Until::Rule(rule) => self.nested(rule, batch),
@@ -169,7 +169,7 @@ struct Gathered<'a> {
     place: usize,
     case: &'a Case<'a>,
     plan: &'a Plan,
-    /// What each run came to, on the grids that it visited.
+    /// Results of the runs, on the grids that it visited.
     found: &'a [(Run, Vec<Reached>)],
 }
 
@@ -185,14 +185,14 @@ impl Gathered<'_> {
         }
     }
 
-    /// What came out, on each grid visited.
+    /// Results on each grid visited.
     fn found(&self, end: Until, r: f64) -> &[Reached] {
         let wanted = Run { problem: self.place, end, r };
         let found = self.found.iter().find(|(run, _)| *run == wanted);
         &found.expect("every r was run").1
     }
 
-    /// What came out under a stopping rule, grid by grid.
+    /// Results under a stopping rule, grid by grid.
     fn nested(&self, rule: StopRule, r: f64) -> &[Reached] {
         self.found(Until::Rule(rule), r)
     }

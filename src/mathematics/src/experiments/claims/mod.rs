@@ -1,4 +1,4 @@
-//! What the paper claims about its method's cost, as counts of sweeps and a verdict on each claim.
+//! Claims of the paper about its method's cost, as counts of sweeps and a verdict on each claim.
 
 mod measure;
 mod verdict;
@@ -63,7 +63,7 @@ impl Plan {
     }
 }
 
-/// What was found.
+/// Results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claims {
     /// The values of the sweep over r, ascending.
@@ -74,14 +74,14 @@ pub struct Claims {
     pub cap: usize,
     /// The counts.
     pub problems: Vec<Measured>,
-    /// What they say about the claims.
+    /// Verdicts on the claims.
     pub verdicts: Verdicts,
 }
 
 /// The counts of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Its number.
+    /// Number.
     pub number: u8,
     /// Sum of the load on the finest grid, under the paper's stopping rules and towards a KKT residual.
     pub sums: [f64; 2],
@@ -146,7 +146,7 @@ pub struct Best {
 /// A table as the paper prints it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
-    /// Its stopping rule.
+    /// Stopping rule.
     pub rule: StopRule,
     /// A line per r, in the paper's order.
     pub lines: Vec<Line>,
@@ -163,7 +163,7 @@ pub struct Line {
     pub factor: f64,
     /// Last change of the multiplier on the finest grid.
     pub delta_a: f64,
-    /// The same in units of the tolerance.
+    /// Change of the multiplier in units of the tolerance.
     pub excess: f64,
     /// KKT residual on the finest grid over the largest component of F.
     pub kkt: f64,
@@ -187,7 +187,7 @@ pub struct Cell {
 /// A variant of Uzawa's algorithm.
 #[derive(Clone, Copy, Debug)]
 pub struct Variant {
-    /// Its name in the book.
+    /// Name in the book.
     pub name: &'static str,
     proximal: bool,
     loose: bool,
@@ -205,7 +205,7 @@ impl Variant {
     }
 }
 
-/// What Arrow-Hurwicz is compared with: plain or with the proximal term, each inner minimisation to the
+/// Methods with which Arrow-Hurwicz is compared: plain or with the proximal term, each inner minimisation to the
 /// end or only to a tenth of the gradient before it.
 pub const VARIANTS: [Variant; 4] = [
     Variant::new("Uzawa, exact inside", false, false),

@@ -12,7 +12,7 @@ const CONSIDERABLE: f64 = 10.0;
 /// Factor above which iterations are many more.
 const MANY: f64 = 2.0;
 
-/// What the measurement says about a claim.
+/// Verdict of the measurement on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -31,7 +31,7 @@ pub struct Tally {
     pub holds: usize,
     /// All cases.
     pub cases: usize,
-    /// What that makes.
+    /// Verdict on the claim.
     pub verdict: Verdict,
 }
 
@@ -56,7 +56,7 @@ impl Tally {
 pub struct Verdicts {
     /// The speed depends on r: counts on the finest grid over the paper's range of r.
     pub depends_on_r: Tally,
-    /// The same over r from 10 up.
+    /// The speed depends on r where r is at least 10.
     pub depends_on_large_r: Tally,
     /// A line per problem and measure.
     pub spreads: Vec<Spread>,
@@ -68,7 +68,7 @@ pub struct Verdicts {
     pub more_in_last: Tally,
     /// The dual criterion at least doubles the iterations of the signed rule on the finest grid.
     pub dual_costs: Tally,
-    /// The same of the printed rule.
+    /// The dual criterion at least doubles the iterations of the printed rule.
     pub dual_costs_printed: Tally,
     /// Factors by which it multiplies them, in the same order: signed, printed.
     pub dual_factors: [Option<Range>; 2],
@@ -79,16 +79,16 @@ pub struct Verdicts {
     /// Sweeps of each variant of Uzawa's algorithm over those of Arrow-Hurwicz, then of the best of all
     /// variants in each cell, per target.
     pub gains: Vec<Ratios>,
-    /// The same per r, over all problems, grids and targets: exact inner minimisation, and the best variant.
+    /// Ratios per r, over all problems, grids and targets: exact inner minimisation, and the best variant.
     pub gains_at: Vec<[Ratios; 2]>,
-    /// The same with each method at its own best r, per problem, grid and target: exact inner
+    /// Ratios with each method at its own best r, per problem, grid and target: exact inner
     /// minimisation, and the best variant.
     pub gains_at_best: [Option<Range>; 2],
     /// The gain over exact inner minimisation depends on r, per problem, grid and target.
     pub gain_depends_on_r: Tally,
 }
 
-/// How much the counts of a row vary, as greatest over least.
+/// Variation of the counts of a row, as greatest over least.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Problem.
@@ -101,7 +101,7 @@ pub struct Spread {
     pub paper: f64,
     /// Over r from 10 up.
     pub large: f64,
-    /// Whether some run in the paper's range hit the cap, so that the spread is only a lower bound.
+    /// True if some run in the paper's range hit the cap, so that the spread is only a lower bound.
     pub capped: bool,
 }
 
@@ -203,7 +203,7 @@ fn spreads<'a>(r: &'a [f64], problem: &'a Measured) -> impl Iterator<Item = Spre
     })
 }
 
-/// Whether the counts of two problems on their finest grids differ, per measure and r, where both ended.
+/// True if the counts of two problems on their finest grids differ, per measure and r, where both ended.
 fn differ(a: &Measured, b: &Measured) -> Vec<bool> {
     let rows = finest(a).zip(finest(b));
     rows.flat_map(|(a, b)| a.counts.iter().zip(&b.counts))
@@ -229,7 +229,7 @@ impl Cell {
         *self.uzawa.get(variant).or_else(best).expect("there are variants")
     }
 
-    /// Its sweeps over those of Arrow-Hurwicz, if the latter converged.
+    /// Sweeps over those of Arrow-Hurwicz, if the latter converged.
     fn ratio(&self, variant: usize) -> Option<f64> {
         Some(self.uzawa(variant).iterations as f64 / self.arrow_hurwicz.reached()? as f64)
     }
@@ -279,7 +279,7 @@ fn gains_at_best(problems: &[Measured], variant: usize) -> Option<Range> {
     Range::of(problems.iter().flat_map(rows).filter_map(ratio))
 }
 
-/// Whether the gain over exact inner minimisation varies with r, per grid and target.
+/// True if the gain over exact inner minimisation varies with r, per grid and target.
 fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
     let ratios = |cells: &[Cell]| Range::of(cells.iter().filter_map(|cell| cell.ratio(0)));
     let vary = |range: Option<Range>| range.is_some_and(|r| r.greatest > EQUAL * r.least);

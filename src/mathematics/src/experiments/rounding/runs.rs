@@ -28,7 +28,7 @@ struct Repetition {
     size: usize,
     /// Number of the sequence of random numbers.
     stream: u64,
-    /// Whether the load is disturbed, once, or each value whenever it is updated.
+    /// True if the load is disturbed, once; else each value whenever it is updated.
     in_load: bool,
 }
 
@@ -54,7 +54,7 @@ pub(super) fn disturb(plan: &Plan, problem: &Problem) -> Result<Table, String> {
     Ok(Table { number: problem.number, grids: problem.grids.clone(), rows, changed })
 }
 
-/// How near the residual came to the tolerance on each grid.
+/// Distance of the residual from the tolerance on each grid.
 #[derive(Default)]
 struct Margins {
     /// Per grid: least excess over the tolerance before the stop, and what is left of it at the stop.
@@ -134,13 +134,13 @@ impl Undisturbed<'_> {
         ends.into_iter().zip(runs).map(differs).collect()
     }
 
-    /// The same for every row, undisturbed but for the arithmetic.
+    /// Grids with another count for every row, undisturbed but for the arithmetic.
     fn all_changed(&self, arithmetic: &mut impl Arithmetic<f64>) -> Vec<Vec<bool>> {
         let runs: Vec<_> = (0..self.counts.len()).map(|row| (row, &self.loads[..])).collect();
         self.changed(&runs, arithmetic)
     }
 
-    /// The same with the relative errors of a batch.
+    /// Grids with another count for each repetition of a batch.
     fn disturbed(&self, plan: &Plan, batch: &[Repetition]) -> Vec<Vec<bool>> {
         let source =
             |of: &Repetition| (plan.sizes[of.size], RandomNumbers::new(plan.seed, of.stream));

@@ -15,7 +15,7 @@ const COARSEST: [usize; 2] = [1, 3];
 const DOUBLINGS: usize = 5;
 const WAVES: usize = 12;
 
-/// How multigrid fares with them, to the rounding floor.
+/// Results of multigrid for random problems, to the rounding floor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Random {
     /// Their number.
@@ -28,9 +28,9 @@ pub struct Random {
     pub mean: f64,
     /// Greatest number of cycles.
     pub most: usize,
-    /// How often it did not come to the rounding floor.
+    /// Number of problems for which it did not come to the rounding floor.
     pub unsolved: usize,
-    /// How often its claim was wrong.
+    /// Number of problems for which its claim was wrong.
     pub wrong: usize,
 }
 

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 const R: f64 = 10.0;
 /// Cells per side of the grids on which the rounding floor is measured.
 const GRIDS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
-/// How many times the usual cap iterations may take where the rounding floor is to be reached.
+/// Factor on the usual limit of iterations where the rounding floor is to be reached.
 const LONGER: usize = 2;
 /// Runs of the paper's method in a batch: enough that few lanes are idle when only the longest are left.
 const BATCH: usize = 4 * LANES;
@@ -36,7 +36,7 @@ enum Run {
 }
 
 impl Run {
-    /// What to run in a lane, for the paper's method.
+    /// Job of a lane, for the paper's method.
     fn job(&self) -> Option<Job<'_>> {
         let Self::Saddle { load, start, r, goal, cap } = self else { return None };
         let method = Method::ArrowHurwicz;

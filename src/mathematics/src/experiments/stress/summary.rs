@@ -1,10 +1,10 @@
-//! What the book says of the runs: least and greatest values, and where a solver gave up.
+//! Numbers that the book quotes from the runs: least and greatest values, and where a solver gave up.
 
 use super::{Case, Range, Stress};
 use crate::experiments::trial::Trial;
 use serde::{Deserialize, Serialize};
 
-/// What the prose rests on; none where no run was of the kind.
+/// Numbers on which the prose rests; `None` where no run was of the kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Values of r with which the strict rule was met for every problem.
@@ -13,7 +13,7 @@ pub struct Summary {
     pub failing_r: Option<Range>,
     /// KKT residual where the signed rule was met, over all r.
     pub signed_kkt: Option<Range>,
-    /// Where the signed rule is met at the same iteration whatever the tolerance.
+    /// Tolerances at which the signed rule is met at one iteration.
     pub plateau: Option<Plateau>,
     /// The least tolerance that multigrid reached.
     pub multigrid_tolerance: Option<f64>,
@@ -28,17 +28,17 @@ pub struct Summary {
     pub stalled_runs: usize,
     /// KKT residual that it was left with.
     pub stalled_kkt: Option<Range>,
-    /// Its work at the others.
+    /// Work at the others.
     pub deficit_work: Option<Range>,
     /// Iterations of the paper's method over all deficits.
     pub deficit_steps: Option<Range>,
-    /// What rounding leaves of the residual, in units of `EPSILON * max |y|`: multigrid.
+    /// Residual that rounding leaves, in units of `EPSILON * max |y|`: multigrid.
     pub multigrid_floor: Option<Range>,
-    /// The same for the paper's method.
+    /// Residual that rounding leaves of the paper's method.
     pub strict_floor: Option<Range>,
     /// Work of multigrid over all jumps and spikes.
     pub load_work: Option<Range>,
-    /// Its relative KKT residual there.
+    /// Relative KKT residual there.
     pub load_kkt: Option<Range>,
     /// Counts that are others in single precision.
     pub single_changed: usize,

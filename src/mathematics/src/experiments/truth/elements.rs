@@ -33,13 +33,13 @@ pub struct ElementsLevel {
     pub error: f64,
     /// The guaranteed bounds of it, over it: at most 1, and at least 1.
     pub effectivity: [f64; 2],
-    /// The same for the solution with the load against bilinear hats.
+    /// Bounds for the solution with the load against bilinear hats.
     pub bilinear: [f64; 2],
     /// The energy of `v_h` less the true one, if that is known.
     pub energy: Option<f64>,
     /// Width of the guaranteed bracket of the true energy.
     pub bracket: f64,
-    /// Whether the true energy lies in it, if that is known.
+    /// True if the true energy lies in it, if that is known.
     pub holds: Option<bool>,
     /// The largest distance between a true end of contact and the computed one, along the boundary, if there
     /// are as many arcs.

@@ -15,7 +15,7 @@ use crate::spectral::{Params, spectral};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What is computed.
+/// Plan of the computation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Names, and right-hand sides in the notation of scenes.
@@ -49,7 +49,7 @@ impl Plan {
     }
 }
 
-/// What came out.
+/// Results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Truth {
     /// One per problem.
@@ -60,16 +60,16 @@ pub struct Truth {
     pub sampled: usize,
     /// v of the first two problems at the nodes, row by row from the lower left corner.
     pub samples: Vec<Vec<f64>>,
-    /// What the chapter says of all of them.
+    /// Numbers that the chapter quotes for all of them.
     pub summary: Summary,
 }
 
-/// How well identities and bounds hold.
+/// Accuracy with which identities and bounds hold.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Summary {
     /// The largest [`Reference::green`], its sign left out.
     pub green: f64,
-    /// The same of [`Reference::rellich`].
+    /// Largest [`Reference::rellich`].
     pub rellich: f64,
     /// Brackets of a true energy that is known.
     pub brackets: usize,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A problem and its solution in numbers for others to compare with.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reference {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// f in the notation of scenes.
     pub f: String,
@@ -37,9 +37,9 @@ pub struct Numbers<V> {
 /// An arc of contact.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Arc<V> {
-    /// Where it begins.
+    /// First point.
     pub from: [V; 2],
-    /// Where it ends; the same point as `from` if all of the boundary is in contact.
+    /// Last point; the same point as `from` if all of the boundary is in contact.
     pub to: [V; 2],
     /// Integral of the multiplier over it.
     pub force: V,
@@ -93,7 +93,7 @@ impl Value {
 }
 
 impl Reference {
-    /// The same solution at two resolutions, the finer one last.
+    /// The solution at two resolutions, the finer one last.
     pub(super) fn of(name: &str, f: &Source, rough: &Solution, fine: &Solution) -> Self {
         let value = |of: &dyn Fn(&Solution) -> f64| Value::of([of(rough), of(fine)]);
         // The solver counts from the lower right corner.

@@ -43,7 +43,7 @@ impl Exact {
         sample.expect("a point")
     }
 
-    /// What the solution depends on along an axis.
+    /// Function of one coordinate on which the solution depends.
     pub(crate) fn along(self, at: f64) -> Coordinate {
         let cosine = match self {
             Self::FullContact => {

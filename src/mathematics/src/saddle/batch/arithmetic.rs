@@ -15,7 +15,7 @@ pub trait Number:
 {
     /// The nearest number of this format.
     fn of(value: f64) -> Self;
-    /// The same number in double precision.
+    /// This number in double precision.
     fn wide(self) -> f64;
     /// `x * y + z`, rounded once.
     fn fused(x: Self, y: Self, z: Self) -> Self;

@@ -25,7 +25,7 @@ pub enum Order {
 #[derive(Clone, Copy)]
 pub(super) struct Edge {
     pub(super) node: u32,
-    /// Its place in a boundary vector.
+    /// Place in a boundary vector.
     pub(super) place: u32,
     /// The two neighbours along the boundary, each with the entry -1/2.
     pub(super) along: [u32; 2],

@@ -1,4 +1,4 @@
-//! What is measured of the iterates, node by node in all lanes at once, and the largest of it in a lane.
+//! Measures of the iterates, node by node in all lanes at once, and the largest of it in a lane.
 
 use super::LANES;
 use super::arithmetic::{Number, V};
@@ -6,21 +6,21 @@ use super::lanes::{Edge, Lanes};
 use crate::discrete::simd::vectorised;
 use std::array::from_fn;
 
-/// What is measured at a node.
+/// Measure at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// The gradient (8).
     Signed,
-    /// Its absolute value.
+    /// Absolute value.
     Printed,
-    /// The same, with the proximal term.
+    /// Component of the gradient with the proximal term.
     Inner,
     /// `|A y - F|` inside, `|min(y, A y - F)|` on the boundary.
     Kkt,
 }
 
 impl<N: Number> Lanes<N> {
-    /// Whether a measure is at most `bound` everywhere in a lane; NaN never is.
+    /// True if a measure is at most `bound` everywhere in a lane; NaN never is.
     ///
     /// The node `witness`, which broke the bound last, is tried first.
     pub fn within(&self, lane: usize, measure: Measure, bound: f64, witness: &mut usize) -> bool {
@@ -31,7 +31,7 @@ impl<N: Number> Lanes<N> {
         within[lane]
     }
 
-    /// The same in each lane that has a bound, with a witness for each; the others are not.
+    /// True in each lane that has a bound, with a witness for each; the others are not.
     pub fn all_within(
         &self,
         measure: Measure,
@@ -102,7 +102,7 @@ impl<N: Number> Lanes<N> {
         all.0.map(N::wide)
     }
 
-    /// Where the largest value of a measure in row `j` of a lane is, or one that is NaN.
+    /// Place at which the largest value of a measure in row `j` of a lane is, or one that is NaN.
     fn largest_in_row(&self, lane: usize, measure: Measure, j: usize) -> usize {
         let mut largest = (f64::NEG_INFINITY, 0);
         self.in_row(

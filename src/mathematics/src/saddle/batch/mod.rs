@@ -38,7 +38,7 @@ pub enum JobGoal {
 pub struct Job<'a, N = f64> {
     /// Load vector F.
     pub load: &'a [N],
-    /// Where it starts.
+    /// Start of the run.
     pub start: &'a Pair,
     /// The method.
     pub method: Method,
@@ -50,7 +50,7 @@ pub struct Job<'a, N = f64> {
     pub cap: usize,
 }
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Debug)]
 pub struct End {
     /// Sweeps done.
@@ -152,7 +152,7 @@ impl<'a, N: Number> Run<'a, N> {
         Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, scale }
     }
 
-    /// Whether the inner bound follows the gradient.
+    /// True if the inner bound follows the gradient.
     fn is_loose(&self) -> bool {
         matches!(self.job.method, Method::Uzawa { loose: true, .. })
     }
@@ -166,7 +166,7 @@ impl<'a, N: Number> Run<'a, N> {
         }
     }
 
-    /// Whether the goal is reached, after a step of the multiplier.
+    /// True if the goal is reached, after a step of the multiplier.
     fn met(&mut self, lanes: &Lanes<N>, lane: usize) -> bool {
         let (measure, bound, dual) = match self.job.goal {
             JobGoal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
