@@ -187,11 +187,11 @@ fn cases(plan: &TimingPlan) -> Result<Vec<TimedProblem>, String> {
     let skipped = usize::from(plan.quick);
     let mut cases = Vec::new();
     for (name, f) in PAPER.into_iter().skip(skipped) {
-        let known = KnownSolution::spectral(name, f, spectral::Params::FINER)?;
+        let known = KnownSolution::spectral(name, f, spectral::SpectralParams::FINER)?;
         cases.push(TimedProblem::new(&known, &grids, Some(f))?);
     }
     for (name, f) in CONTACT.into_iter().skip(skipped) {
-        let known = KnownSolution::spectral(name, f, spectral::Params::FINER)?;
+        let known = KnownSolution::spectral(name, f, spectral::SpectralParams::FINER)?;
         cases.push(TimedProblem::new(&known, &grids, None)?);
     }
     for exact in FORMULAS.into_iter().skip(skipped) {
@@ -205,7 +205,7 @@ fn source(f: &str) -> Result<Source, String> {
 }
 
 fn true_energy(f: &str, (nodes, levels): (usize, u32)) -> Result<f64, String> {
-    let solution = spectral(&source(f)?, spectral::Params { nodes, levels });
+    let solution = spectral(&source(f)?, spectral::SpectralParams { nodes, levels });
     Ok(solution.map_err(|e| format!("{f}: {e}"))?.energy)
 }
 

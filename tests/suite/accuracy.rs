@@ -4,17 +4,17 @@ use crate::common::{Project, TABLE};
 use crate::solvers::{ALGEBRAIC, COUNTED, HARD, TEXTBOOK, WORK_UNITS, on_threads};
 use signorini::timing::recorded::{Goal, PATH, PUBLISHED, Timings};
 use signorini::timing::solver::Solver;
-use signorini_mathematics::experiments::accuracy::{Findings, Plan, accuracy};
+use signorini_mathematics::experiments::accuracy::{AccuracyFindings, AccuracyPlan, accuracy};
 use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::multigrid::MultigridStop;
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-fn findings() -> &'static Findings {
-    static ONCE: OnceLock<Findings> = OnceLock::new();
+fn findings() -> &'static AccuracyFindings {
+    static ONCE: OnceLock<AccuracyFindings> = OnceLock::new();
     ONCE.get_or_init(|| {
-        let plan = Plan {
+        let plan = AccuracyPlan {
             cells: vec![16, 32, 64, 128],
             contact: vec![16, 32, 64, 128],
             others: vec![64],
@@ -74,7 +74,7 @@ fn sweeps_grow_like_the_inverse_square_of_the_width() {
 
 #[test]
 fn the_experiment_depends_on_no_thread_count() {
-    let plan = Plan {
+    let plan = AccuracyPlan {
         cells: vec![8, 16],
         // Fine enough for several threads.
         contact: vec![8, 256],

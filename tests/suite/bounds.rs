@@ -118,8 +118,8 @@ fn solutions_stopped_early_or_made_up_are_bounded_too() {
 /// claim to solve a problem: right, with wrong loads, and stopped early by multigrid and the paper's method.
 fn least_margin(f: &Source, cells: usize) -> f64 {
     let failed = |e| panic!("{f}: {e}");
-    let rough = spectral(f, spectral::Params::default()).unwrap_or_else(failed);
-    let fine = rough.at_resolution(spectral::Params::FINER).unwrap_or_else(failed);
+    let rough = spectral(f, spectral::SpectralParams::default()).unwrap_or_else(failed);
+    let fine = rough.at_resolution(spectral::SpectralParams::FINER).unwrap_or_else(failed);
     let slack = (rough.energy - fine.energy).abs();
     let grid = Grid::new(cells).unwrap();
     let mut least = f64::INFINITY;
@@ -197,7 +197,7 @@ fn what_nearly_touches_is_answered_rightly_or_refused() {
     let mut dice = Dice(9);
     let problems: Vec<_> = (0..1000).map(|_| nearly_touching(&mut dice)).collect();
     let answered = |f: &&Source| {
-        let Ok(solution) = spectral(f, spectral::Params::default()) else { return false };
+        let Ok(solution) = spectral(f, spectral::SpectralParams::default()) else { return false };
         let (grid, y) = solved(64, f, EXACT, Goal::RoundingFloor);
         let [low, high] = bounds(grid, f, &y).unwrap().energy;
         let slack = 1e-9 * low.abs();

@@ -3,15 +3,17 @@
 use crate::common::this_project as project;
 use crate::solvers::on_threads;
 use signorini::replication::scene::Scene;
-use signorini_mathematics::experiments::claims::{Claims, Measure, Plan, Verdict, claims};
+use signorini_mathematics::experiments::claims::{
+    ClaimMeasure, ClaimVerdict, Claims, ClaimsPlan, claims,
+};
 use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
 use std::sync::OnceLock;
 
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
-fn plan() -> Plan {
+fn plan() -> ClaimsPlan {
     let targets = vec![(1e-3, 32), (1e-6, 16)];
     let problems = project().scenes.iter().filter_map(Scene::problem).collect();
-    Plan { per_decade: 2, targets, ..Plan::new(problems) }
+    ClaimsPlan { per_decade: 2, targets, ..ClaimsPlan::new(problems) }
 }
 
 fn measured() -> &'static Claims {
@@ -66,7 +68,7 @@ fn from_ten_up_r_makes_no_difference_to_an_accuracy() {
     // For large r the penalty alone holds the contact nodes at zero.
     for problem in &measured().problems {
         for row in &problem.rows {
-            if matches!(row.measure, Measure::Kkt(_)) {
+            if matches!(row.measure, ClaimMeasure::Kkt(_)) {
                 let from = measured().r.iter().position(|&r| r == 10.0).unwrap();
                 let counts = || row.counts[from..].iter().map(|count| count.iterations);
                 let (least, greatest) = (counts().min().unwrap(), counts().max().unwrap());
@@ -79,25 +81,27 @@ fn from_ten_up_r_makes_no_difference_to_an_accuracy() {
 #[test]
 fn the_verdicts_reproduce() {
     let verdicts = &measured().verdicts;
-    assert_eq!(verdicts.depends_on_r.verdict, Verdict::Partly);
+    assert_eq!(verdicts.depends_on_r.verdict, ClaimVerdict::Partly);
     assert_eq!((verdicts.still_moves.holds, verdicts.still_moves.cases), (10, 10));
     assert_eq!((verdicts.more_in_last.holds, verdicts.more_in_last.cases), (5, 5));
     assert_eq!((verdicts.dual_costs.holds, verdicts.dual_costs.cases), (10, 10));
     assert_eq!((verdicts.dual_costs_printed.holds, verdicts.dual_costs_printed.cases), (5, 10));
-    assert_eq!(verdicts.cheaper.verdict, Verdict::Confirmed);
-    assert_eq!(verdicts.cheapest.verdict, Verdict::Partly);
-    assert_eq!(verdicts.gain_depends_on_r.verdict, Verdict::Confirmed);
+    assert_eq!(verdicts.cheaper.verdict, ClaimVerdict::Confirmed);
+    assert_eq!(verdicts.cheapest.verdict, ClaimVerdict::Partly);
+    assert_eq!(verdicts.gain_depends_on_r.verdict, ClaimVerdict::Confirmed);
 }
 
 #[test]
 fn threads_change_nothing() {
     let small = || {
-        let plan = Plan { per_decade: 1, decades: (0, 2), compared_r: vec![1.0, 10.0], ..plan() };
+        let plan =
+            ClaimsPlan { per_decade: 1, decades: (0, 2), compared_r: vec![1.0, 10.0], ..plan() };
         let problems = plan.problems.iter().cloned().map(|mut problem| {
             problem.grids = vec![4, 8, 16];
             problem
         });
-        claims(&Plan { problems: problems.collect(), targets: vec![(1e-3, 16)], ..plan }).unwrap()
+        claims(&ClaimsPlan { problems: problems.collect(), targets: vec![(1e-3, 16)], ..plan })
+            .unwrap()
     };
     assert_eq!(on_threads(1, small), small());
 }

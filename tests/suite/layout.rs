@@ -212,7 +212,7 @@ fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined
     let names = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
     let modules = Modules::read();
     assert_eq!(
-        modules.module_of(&names("experiments::claims::Verdict::Confirmed")),
+        modules.module_of(&names("experiments::claims::ClaimVerdict::Confirmed")),
         names("experiments::claims::verdict")
     );
     let used = modules.used_by(&names("experiments::claims::verdict"));

@@ -7,9 +7,9 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::stiffness::energy;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::spectral::{Params, Solution, SpectralError, spectral};
+use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral};
 
-fn solved(f: &str, params: Params) -> Solution {
+fn solved(f: &str, params: SpectralParams) -> Solution {
     spectral(&f.parse().unwrap(), params).unwrap_or_else(|e| panic!("{f}: {e}"))
 }
 
@@ -20,9 +20,10 @@ fn close(found: f64, known: f64, tolerance: f64) {
 
 #[test]
 fn reference_digits_are_reached() {
-    for (params, energy, value, end) in
-        [(Params::default(), 2e-13, 1e-12, 3e-14), (Params::FINER, 5e-15, 2e-14, 2e-14)]
-    {
+    for (params, energy, value, end) in [
+        (SpectralParams::default(), 2e-13, 1e-12, 3e-14),
+        (SpectralParams::FINER, 5e-15, 2e-14, 2e-14),
+    ] {
         for known in &REFERENCES {
             let solution = solved(known.f, params);
             close(solution.energy, known.energy, energy);
@@ -49,7 +50,7 @@ fn reference_digits_are_reached() {
 #[test]
 fn two_arcs_share_the_force_by_symmetry() {
     let f = "rect(-0.2,0.2,-0.5,-0.3)=4; rect(-0.2,0.2,0.3,0.5)=4; else=-2";
-    let solution = solved(f, Params::default());
+    let solution = solved(f, SpectralParams::default());
     let [right, left] = &solution.contact[..] else { panic!("two arcs") };
     close(right.force, 0.52, 1e-12);
     close(left.force, 0.52, 1e-12);
@@ -60,7 +61,7 @@ fn two_arcs_share_the_force_by_symmetry() {
 #[test]
 fn an_end_of_contact_that_coarse_grids_put_before_a_corner_is_found_behind_it() {
     let f = "halfplane(-0.2,-0.837,-0.26)=3.75; disc(-0.28,0.48,0.07)=7.66; halfplane(0.75,-0.767,-0.28)=-1.62; else=-0.5";
-    let [arc] = solved(f, Params::default()).contact[..] else { panic!("one arc") };
+    let [arc] = solved(f, SpectralParams::default()).contact[..] else { panic!("one arc") };
     let [x, y] = arc.to;
     close(x, 0.5, 0.0);
     assert!((4e-5..6e-5).contains(&(y + 0.5)), "{y}");
@@ -76,10 +77,11 @@ fn a_nearly_vanishing_integral_is_solved() {
         "rect(0,0.5,-0.5,0.5)=1; else=-1.0003",
         "halfplane(0,1,0)=4.999; else=-5",
     ] {
-        let solution = solved(f, Params::default());
+        let solution = solved(f, SpectralParams::default());
         let force: f64 = solution.contact.iter().map(|arc| arc.force).sum();
         close(force / -solution.integral, 1.0, 1e-8);
-        let finer = solution.at_resolution(Params::FINER).unwrap_or_else(|e| panic!("{f}: {e}"));
+        let finer =
+            solution.at_resolution(SpectralParams::FINER).unwrap_or_else(|e| panic!("{f}: {e}"));
         close(finer.energy / solution.energy, 1.0, 1e-12);
         for (arc, other) in solution.contact.iter().zip(&finer.contact) {
             close(arc.to[0] - other.to[0], 0.0, 1e-9);
@@ -95,7 +97,7 @@ fn gaps_round_a_corner_are_found_between_the_points_beside_it() {
         "disc(-0.5,-0.5,0.387)=0.099609",
         "disc(-0.5,-0.5,0.26)=0.158203",
     ] {
-        let solution = solved(&format!("{f}; else=-1"), Params::default());
+        let solution = solved(&format!("{f}; else=-1"), SpectralParams::default());
         let [arc] = &solution.contact[..] else { panic!("{f}: {:?}", solution.contact) };
         let ends = [arc.from[0] + 0.5, arc.to[1] + 0.5];
         assert!(ends.iter().all(|end| (1e-4..3e-4).contains(end)), "{f}: {ends:?}");
@@ -107,7 +109,8 @@ fn gaps_round_a_corner_are_found_between_the_points_beside_it() {
 #[test]
 fn values_near_the_border_agree_between_resolutions() {
     let f = "rect(0.25,0.5,0.25,0.5)=2; else=-1";
-    let [coarse, fine] = [Params::default(), Params::FINER].map(|params| solved(f, params));
+    let [coarse, fine] =
+        [SpectralParams::default(), SpectralParams::FINER].map(|params| solved(f, params));
     for (x, y) in [(0.125, 0.25), (-0.25, 0.375), (0.375, 0.375), (0.0, -0.4375), (-0.499, 0.2)] {
         close(coarse.value(x, y), fine.value(x, y), 1e-10);
     }
@@ -121,7 +124,7 @@ fn discs_that_touch_the_border_from_within_are_solved() {
     // In the middle of a panel, elsewhere, and in the middle of half a side.
     for (disc, radius) in [("0,0.125", 0.5), ("0.1,0.2", 0.4), ("-0.25,-0.35", 0.15)] {
         let energy = |radius: f64| {
-            solved(&format!("disc({disc},{radius})=-4; else=-1"), Params::default()).energy
+            solved(&format!("disc({disc},{radius})=-4; else=-1"), SpectralParams::default()).energy
         };
         close(energy(radius), energy(radius - 1e-7), 1e-6);
     }
@@ -157,7 +160,7 @@ fn f_is_read_between_curves_that_touch_beside_a_crossing() {
 fn a_gap_beside_a_corner_is_found_from_one_round_it() {
     // The load is positive near the corner, but not on the side along which contact goes round it.
     let f = "rect(-0.4998,0,0.25,0.5)=0.5; disc(0.5,0,0.2)=1; else=-3";
-    let [arc] = solved(f, Params::default()).contact[..] else { panic!("one arc") };
+    let [arc] = solved(f, SpectralParams::default()).contact[..] else { panic!("one arc") };
     let [[x0, y0], [x1, y1]] = [arc.from, arc.to];
     close(y0, 0.5, 0.0);
     close(y1, 0.5, 0.0);
@@ -168,7 +171,7 @@ fn a_gap_beside_a_corner_is_found_from_one_round_it() {
 fn a_large_disc_comes_close_to_a_half_plane() {
     let energy = |quadrant: &str, region: &str| {
         let f = format!("quadrant({quadrant})=-3.4; {region}=-2.9; else=1.26");
-        solved(&f, Params::default()).energy
+        solved(&f, SpectralParams::default()).energy
     };
     let (limit, change) = (energy("ul", "halfplane(0,1,0)"), 0.014966);
     let radius = 1e3;
@@ -183,7 +186,7 @@ fn a_large_disc_comes_close_to_a_half_plane() {
 fn jumps_that_nearly_coincide_are_told_apart() {
     let energy = |left: &str| {
         let f = format!("rect({left},0.25,-0.3,0.1)=1; quadrant(ul)=-2; else=-1");
-        solved(&f, Params::default()).energy
+        solved(&f, SpectralParams::default()).energy
     };
     let known = energy("0");
     for gap in ["1e-13", "1e-12", "1e-10", "1e-9", "1e-7"] {
@@ -194,8 +197,9 @@ fn jumps_that_nearly_coincide_are_told_apart() {
 #[test]
 fn what_nearly_touches_is_as_good_as_touching() {
     let energy = |f: &str| {
-        let solution = solved(f, Params::default());
-        let fine = solution.at_resolution(Params::FINER).unwrap_or_else(|e| panic!("{f}: {e}"));
+        let solution = solved(f, SpectralParams::default());
+        let fine =
+            solution.at_resolution(SpectralParams::FINER).unwrap_or_else(|e| panic!("{f}: {e}"));
         close(fine.energy, solution.energy, 1e-11);
         fine.energy
     };
@@ -222,7 +226,7 @@ fn what_nearly_touches_is_as_good_as_touching() {
 
 #[test]
 fn the_length_of_a_normal_does_not_matter() {
-    let energy = |f: &str| spectral(&f.parse().unwrap(), Params::default()).unwrap().energy;
+    let energy = |f: &str| spectral(&f.parse().unwrap(), SpectralParams::default()).unwrap().energy;
     for length in ["1e-160", "1e160", "5e-324", "1e-320", "1.7e308"] {
         let f = format!("halfplane({length},{length},0)=1; else=-2");
         assert_eq!(energy(&f), energy("halfplane(1,1,0)=1; else=-2"));
@@ -231,7 +235,7 @@ fn the_length_of_a_normal_does_not_matter() {
 
 #[test]
 fn a_line_far_away_is_none() {
-    let energy = |f: &str| solved(f, Params::default()).energy;
+    let energy = |f: &str| solved(f, SpectralParams::default()).energy;
     let known = energy("disc(0,0,0.3)=1; else=-2");
     for line in ["halfplane(1,2,1e300)", "halfplane(5e-324,0,1)", "halfplane(1,1,20)"] {
         assert_eq!(energy(&format!("{line}=-2; disc(0,0,0.3)=1; else=3")), known, "{line}");
@@ -248,9 +252,9 @@ fn the_unit_of_f_does_not_matter() {
             -unit
         )
     };
-    let known = solved(&f(1.0), Params::default());
+    let known = solved(&f(1.0), SpectralParams::default());
     for unit in [1e-130, 1e-60, 1e60, 1e130] {
-        let found = solved(&f(unit), Params::default());
+        let found = solved(&f(unit), SpectralParams::default());
         close(found.energy / unit / unit / known.energy, 1.0, 1e-13);
         close(found.contact[0].from[0], known.contact[0].from[0], 1e-13);
     }
@@ -258,7 +262,7 @@ fn the_unit_of_f_does_not_matter() {
 
 #[test]
 fn what_is_not_solved_is_refused() {
-    let refused = |f: &str| spectral(&f.parse().unwrap(), Params::default()).err();
+    let refused = |f: &str| spectral(&f.parse().unwrap(), SpectralParams::default()).err();
     assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
     assert!(matches!(refused("exact(torsion)"), Some(SpectralError::NotPieces)));
     // A jump that is too small to be seen is missed in the force.
@@ -268,7 +272,7 @@ fn what_is_not_solved_is_refused() {
 
 /// How far the spectral energy is from extrapolated ones, over what one halving of h changes.
 fn compare(f: &Source) -> f64 {
-    let solution = spectral(f, Params::default()).unwrap_or_else(|e| panic!("{f}: {e}"));
+    let solution = spectral(f, SpectralParams::default()).unwrap_or_else(|e| panic!("{f}: {e}"));
     let [coarse, fine] = [64, 128].map(|n| {
         let grid = Grid::new(n).unwrap();
         let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::Rising });

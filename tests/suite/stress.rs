@@ -33,8 +33,8 @@ fn tables(grids: &[usize]) -> Vec<Problem> {
 fn found() -> &'static Stress {
     static ONCE: OnceLock<Stress> = OnceLock::new();
     ONCE.get_or_init(|| {
-        let full = stress::Plan::new(tables(&[4, 8, 16]));
-        stress(&stress::Plan { coarse: 8, fine: 32, cap: 4000, random: 200, ..full }).unwrap()
+        let full = stress::StressPlan::new(tables(&[4, 8, 16]));
+        stress(&stress::StressPlan { coarse: 8, fine: 32, cap: 4000, random: 200, ..full }).unwrap()
     })
 }
 
@@ -155,16 +155,21 @@ fn what_is_not_a_number_is_never_a_result() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let plan = stress::Plan { cap: 500, random: 8, ..stress::Plan::new(tables(&[4, 8])) };
-    let shaken = rounding::Plan { repetitions: 8, ..rounding::Plan::new(tables(&[4, 8])) };
+    let plan =
+        stress::StressPlan { cap: 500, random: 8, ..stress::StressPlan::new(tables(&[4, 8])) };
+    let shaken =
+        rounding::RoundingPlan { repetitions: 8, ..rounding::RoundingPlan::new(tables(&[4, 8])) };
     let found = || (stress(&plan).unwrap(), rounding(&shaken).unwrap());
     assert!(on_threads(1, found) == on_threads(3, found));
 }
 
 #[test]
 fn counts_survive_rounding_but_not_everything() {
-    let few =
-        rounding::Plan { repetitions: 20, further: 1, ..rounding::Plan::new(tables(&[4, 8, 16])) };
+    let few = rounding::RoundingPlan {
+        repetitions: 20,
+        further: 1,
+        ..rounding::RoundingPlan::new(tables(&[4, 8, 16]))
+    };
     let found = rounding(&few).unwrap();
     assert_eq!((found.cells, found.fragile, found.reordered), (30, 0, 0));
     // The residual at the stop is below the tolerance, and was above it before.
@@ -173,7 +178,7 @@ fn counts_survive_rounding_but_not_everything() {
         assert!(cell.below >= 0.0 && cell.above.is_none_or(|above| above > 0.0), "{cell:?}");
         assert!(cell.above.is_some() == (cell.count > 1), "{cell:?}");
     }
-    let rough = rounding(&rounding::Plan { sizes: vec![1e-2], ..few }).unwrap();
+    let rough = rounding(&rounding::RoundingPlan { sizes: vec![1e-2], ..few }).unwrap();
     assert!(rough.fragile > 10, "the experiment must see what is there: {}", rough.fragile);
 }
 

@@ -1,7 +1,7 @@
 //! The spectral solver where borders of f touch, or nearly touch, one another or the sides of the square.
 
 use crate::common::Dice;
-use signorini_mathematics::spectral::{Params, Solution, SpectralError, spectral};
+use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral};
 use std::collections::BTreeMap;
 
 /// A way in which borders come together, as a function of how far from touching they are.
@@ -214,7 +214,7 @@ const FAMILIES: [(&str, Family); 13] = [
 ];
 
 fn solved(f: &str) -> Result<Solution, SpectralError> {
-    spectral(&f.parse().unwrap(), Params::default())?.at_resolution(Params::FINER)
+    spectral(&f.parse().unwrap(), SpectralParams::default())?.at_resolution(SpectralParams::FINER)
 }
 
 /// What became of a case.

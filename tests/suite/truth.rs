@@ -2,20 +2,20 @@
 
 use crate::reference::REFERENCES;
 use signorini_mathematics::experiments::problems::PAPER;
-use signorini_mathematics::experiments::truth::{Numbers, Plan, Truth, Value, truth};
+use signorini_mathematics::experiments::truth::{Numbers, ReferenceValue, Truth, TruthPlan, truth};
 use std::sync::OnceLock;
 
 fn found() -> &'static Truth {
     static ONCE: OnceLock<Truth> = OnceLock::new();
     ONCE.get_or_init(|| {
         let named = PAPER.map(|(name, f)| (name.to_owned(), f.to_owned()));
-        truth(&Plan { cells: vec![16, 32, 64], sampled: 8, ..Plan::new(named) }).unwrap()
+        truth(&TruthPlan { cells: vec![16, 32, 64], sampled: 8, ..TruthPlan::new(named) }).unwrap()
     })
 }
 
 /// All digits but the last are those of the value computed in quadruple precision.
 #[track_caller]
-fn agrees(value: &Value, known: f64) {
+fn agrees(value: &ReferenceValue, known: f64) {
     let decimals = value.digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     assert!((12..=14).contains(&decimals), "{value:?}");
     let printed: f64 = value.digits.parse().unwrap();

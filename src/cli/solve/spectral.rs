@@ -11,7 +11,7 @@ use crate::replication::scene::shown_integral;
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::spectral::{Params, Solution, SpectralError, spectral};
+use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral};
 use std::time::{Duration, Instant};
 
 /// Solves, prints the answer, and returns the solution.
@@ -20,8 +20,10 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
         unreachable!("the cube has no such solver")
     };
     let start = Instant::now();
-    let solution = spectral(f, Params::default()).map_err(|e| failed(problem.name(), &e))?;
-    let finer = solution.at_resolution(Params::FINER).map_err(|e| failed(problem.name(), &e))?;
+    let solution =
+        spectral(f, SpectralParams::default()).map_err(|e| failed(problem.name(), &e))?;
+    let finer =
+        solution.at_resolution(SpectralParams::FINER).map_err(|e| failed(problem.name(), &e))?;
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();

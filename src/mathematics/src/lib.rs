@@ -20,7 +20,7 @@
 //! assert!(kkt(grid, &y, &load).relative < 1e-10);
 //! assert!(outcome.work_units < 60.0);
 //! let [low, high] = bounds(grid, &f, &y)?.energy;
-//! let truth = spectral(&f, spectral::Params::default())?;
+//! let truth = spectral(&f, spectral::SpectralParams::default())?;
 //! assert!(low <= truth.energy && truth.energy <= high);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

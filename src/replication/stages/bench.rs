@@ -14,7 +14,7 @@ use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use signorini_mathematics::experiments::accuracy::Findings;
+use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::experiments::rounding;
 use signorini_mathematics::experiments::{self, accuracy, stress, truth};
@@ -32,14 +32,14 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         let name = format!("problem {}", problem.number);
         (name, problem.f.clone())
     });
-    let truth = truth::Plan::new(named);
-    let stress = stress::Plan::new(problems.clone());
-    let rounding = rounding::Plan::new(problems.clone());
-    let plan = experiments::claims::Plan::new(problems);
+    let truth = truth::TruthPlan::new(named);
+    let stress = stress::StressPlan::new(problems.clone());
+    let rounding = rounding::RoundingPlan::new(problems.clone());
+    let plan = experiments::claims::ClaimsPlan::new(problems);
     vec![
-        task("accuracy", accuracy::Plan::default(), accuracy::accuracy),
+        task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
-        task("cube", experiments::cube::Plan::default(), experiments::cube::cube),
+        task("cube", experiments::cube::CubePlan::default(), experiments::cube::cube),
         task("truth", truth, truth::truth),
         task("stress", stress, stress::stress),
         task("rounding", rounding, rounding::rounding),
@@ -49,7 +49,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
 /// The tasks that draw the pictures of the chapters on experiments.
 pub(super) fn pictures() -> Vec<Task> {
     vec![
-        picture::<Findings>(
+        picture::<AccuracyFindings>(
             "accuracy",
             "accuracy",
             "Errors against the width of the grid, problems with known solutions",

@@ -5,7 +5,7 @@ use crate::figures::{Chart, Curve, Picture, charts};
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Timings};
 use crate::timing::solver::Solver;
 use signorini_mathematics::experiments::Range;
-use signorini_mathematics::experiments::accuracy::{self, Findings, Known};
+use signorini_mathematics::experiments::accuracy::{self, AccuracyFindings, KnownLevels};
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Truth};
 use signorini_mathematics::problem::exact::Exact;
 use std::collections::BTreeSet;
@@ -34,7 +34,7 @@ impl Law {
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
-pub(super) fn accuracy(found: &Findings) -> Picture {
+pub(super) fn accuracy(found: &AccuracyFindings) -> Picture {
     let two = [Law { label: "order 2", power: -2.0, factor: 0.12 }];
     let one = [Law { label: "order 1", power: -1.0, factor: 0.25 }];
     let both = [
@@ -63,7 +63,7 @@ pub(super) fn accuracy(found: &Findings) -> Picture {
 
 /// Panel of one error over the cells per side, a curve per problem, with `laws` to compare.
 fn errors(
-    problems: &[Known<accuracy::AccuracyLevel>],
+    problems: &[KnownLevels<accuracy::AccuracyLevel>],
     [title, axis]: [&'static str; 2],
     error: fn(&accuracy::AccuracyLevel) -> Option<f64>,
     laws: &[Law],

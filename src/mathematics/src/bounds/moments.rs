@@ -1,6 +1,6 @@
 //! Moments of the right-hand side over a cell.
 
-use crate::discrete::cells::{Cut, bilinear};
+use crate::discrete::cells::{SweepCut, bilinear};
 use crate::discrete::grid::Grid;
 
 /// Integrals over one cell of f times polynomials in X and Y, coordinates from -1/2 to 1/2 in the cell.
@@ -104,7 +104,7 @@ impl CellMoments {
     }
 
     /// Moments over a cell that jumps of f cut.
-    pub(super) fn from_cut(grid: Grid, cell: &mut Cut) -> Self {
+    pub(super) fn from_cut(grid: Grid, cell: &mut SweepCut) -> Self {
         let [below, above] = cell.triangles(true);
         let h2 = grid.h() * grid.h();
         let [one, x, y, xy, xx, yy, xxy, xyy] =

@@ -30,14 +30,14 @@ const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
 
 /// A point of the rule in the unit cell, and the shares of the corners in a value there.
 #[derive(Clone, Copy, Default)]
-struct Place {
+struct PlaceInCell {
     at: [f64; 2],
     share: [f64; 4],
     /// Of the area of the cell.
     weight: f64,
 }
 
-impl Place {
+impl PlaceInCell {
     /// Squares of the errors of value and gradient, from the values at the corners of the cell.
     #[inline(always)]
     fn errors(&self, exact: Sample, value: [f64; 4], upper: bool, h: f64) -> [f64; 2] {
@@ -54,9 +54,9 @@ impl Place {
 }
 
 /// The points of the rule in both triangles of a cell, first those below the rising diagonal.
-fn places() -> [[Place; 6]; 2] {
+fn places() -> [[PlaceInCell; 6]; 2] {
     [[0, 1, 2], [0, 2, 3]].map(|vertices| {
-        let mut places = [Place::default(); 6];
+        let mut places = [PlaceInCell::default(); 6];
         for (k, place) in places.iter_mut().enumerate() {
             let (large, small, weight) = QUADRATURE[k / 3];
             place.weight = 0.5 * weight;

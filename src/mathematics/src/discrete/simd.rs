@@ -138,7 +138,7 @@ mod tests {
     use crate::problem::{cube::Exact as OnCube, exact::Exact};
     use crate::saddle::batch::{AsDefined, Job, JobGoal, Number, run};
     use crate::saddle::{Method, Pair, StopRule};
-    use crate::spectral::{Params, spectral};
+    use crate::spectral::{SpectralParams, spectral};
     use std::fmt::Debug;
 
     /// Two arcs of contact and one, with straight jumps and with circles.
@@ -211,7 +211,7 @@ mod tests {
     fn vector_instructions_change_no_bit_of_true_solutions() {
         for f in sources() {
             compare(|| {
-                let solution = spectral(&f, Params::default()).expect("a solution");
+                let solution = spectral(&f, SpectralParams::default()).expect("a solution");
                 (solution.energy, solution.contact, solution.checks, solution.steps)
             });
         }

@@ -11,13 +11,13 @@ use crate::multigrid::{
     Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
 };
 use crate::problem::exact::Exact;
-use crate::spectral::Params;
+use crate::spectral::SpectralParams;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Plan of the computation; every grid is given by its cells per side.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Plan {
+pub struct AccuracyPlan {
     /// Grids on which errors against formulas are measured, each the halving of the one before.
     pub cells: Vec<usize>,
     /// Grids of the problems that test contact.
@@ -30,7 +30,7 @@ pub struct Plan {
     pub compared: Vec<usize>,
 }
 
-impl Default for Plan {
+impl Default for AccuracyPlan {
     fn default() -> Self {
         Self {
             cells: (3..=10).map(|level| 1 << level).collect(),
@@ -48,9 +48,9 @@ impl Default for Plan {
 
 /// Results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Findings {
+pub struct AccuracyFindings {
     /// The problems with known solutions.
-    pub problems: Vec<Known<AccuracyLevel>>,
+    pub problems: Vec<KnownLevels<AccuracyLevel>>,
     /// Cells per side of the grid at whose nodes those without a formula are compared.
     pub sampled: usize,
     /// Cost on the paper's problems and the stress loads, grid by grid.
@@ -65,7 +65,7 @@ pub struct Findings {
 
 /// A problem with known solution on all grids, on the square or on the cube.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Known<L> {
+pub struct KnownLevels<L> {
     /// Name, as in `exact(name)`.
     pub name: String,
     /// Grid by grid.
@@ -144,9 +144,10 @@ const ASYMPTOTIC: usize = 64;
 ///
 /// # Errors
 /// A sentence if a grid cannot be used, or a problem cannot be solved on it.
-pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
+pub fn accuracy(plan: &AccuracyPlan) -> Result<AccuracyFindings, String> {
     let formulas = Exact::ALL.map(|exact| Ok(KnownSolution::Formula(exact)));
-    let spectral = CONTACT.map(|(name, f)| KnownSolution::spectral(name, f, Params::default()));
+    let spectral =
+        CONTACT.map(|(name, f)| KnownSolution::spectral(name, f, SpectralParams::default()));
     let solutions: Vec<_> = formulas.into_iter().chain(spectral).collect::<Result<_, String>>()?;
     let (known, rest) = rayon::join(
         || solutions.par_iter().map(|of| known(of, plan)).collect::<Result<Vec<_>, _>>(),
@@ -160,10 +161,13 @@ pub fn accuracy(plan: &Plan) -> Result<Findings, String> {
     let (others, (laws, comparison)) = rest;
     let (problems, others, laws, comparison) = (known?, others?, laws?, comparison?);
     let ranges = Ranges::of(&problems, &others);
-    Ok(Findings { ranges, problems, sampled: SAMPLED, others, laws, comparison })
+    Ok(AccuracyFindings { ranges, problems, sampled: SAMPLED, others, laws, comparison })
 }
 
-fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<AccuracyLevel>, String> {
+fn known(
+    solution: &KnownSolution,
+    plan: &AccuracyPlan,
+) -> Result<KnownLevels<AccuracyLevel>, String> {
     let cells = match solution {
         KnownSolution::Formula(_) => &plan.cells,
         KnownSolution::Spectral(_) => &plan.contact,
@@ -184,7 +188,7 @@ fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<AccuracyLevel>, 
             cost,
         });
     }
-    Ok(Known { name: solution.name().into(), levels })
+    Ok(KnownLevels { name: solution.name().into(), levels })
 }
 
 fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
@@ -241,7 +245,7 @@ fn orders(coarser: &Errors, finer: &Errors) -> Errors {
 }
 
 impl Ranges {
-    fn of(problems: &[Known<AccuracyLevel>], others: &[Cost]) -> Self {
+    fn of(problems: &[KnownLevels<AccuracyLevel>], others: &[Cost]) -> Self {
         let levels = || problems.iter().flat_map(|problem| &problem.levels);
         let finest = levels().map(|level| level.cost.cells).max().unwrap_or(0);
         // A plan of coarse grids only has ranges as well.

@@ -1,6 +1,6 @@
 //! Errors and work units on the unit cube.
 
-use super::accuracy::{Cost, Known, cost};
+use super::accuracy::{Cost, KnownLevels, cost};
 use crate::discrete::cube::{Grid, errors, load};
 use crate::discrete::norms::{Errors, worst};
 use crate::multigrid::Multigrid;
@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 
 /// Plan of the computation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Plan {
+pub struct CubePlan {
     /// Cells per side of the grids, each the halving of the one before.
     pub cells: Vec<usize>,
 }
 
-impl Default for Plan {
+impl Default for CubePlan {
     fn default() -> Self {
         Self { cells: vec![8, 16, 32, 64] }
     }
@@ -23,9 +23,9 @@ impl Default for Plan {
 
 /// Results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Findings {
+pub struct CubeFindings {
     /// The problems with known solutions.
-    pub problems: Vec<Known<CubeLevel>>,
+    pub problems: Vec<KnownLevels<CubeLevel>>,
     /// Greatest work units on the finest grid, goal by goal.
     pub most: [f64; 3],
     /// Greatest distance of an observed order from 2 in L2 and at the nodes, and from 1 in H1, between
@@ -50,7 +50,7 @@ pub struct CubeLevel {
 ///
 /// # Errors
 /// A sentence if a grid cannot be used, or a problem cannot be solved on it.
-pub fn cube(plan: &Plan) -> Result<Findings, String> {
+pub fn cube(plan: &CubePlan) -> Result<CubeFindings, String> {
     let known: Result<Vec<_>, _> =
         Exact::ALL.into_par_iter().map(|exact| known(exact, &plan.cells)).collect();
     let problems = known?;
@@ -60,7 +60,7 @@ pub fn cube(plan: &Plan) -> Result<Findings, String> {
         let orders = level.orders.unwrap_or([f64::NAN; 3]);
         worst(orders.iter().zip([2.0, 1.0, 2.0]).map(|(p, best)| p - best))
     };
-    Ok(Findings {
+    Ok(CubeFindings {
         most: [0, 1, 2].map(|goal| greatest(&|level| level.cost.goals[goal].work_units)),
         off: greatest(&off),
         bytes: greatest(&|level| level.cost.bytes),
@@ -68,7 +68,7 @@ pub fn cube(plan: &Plan) -> Result<Findings, String> {
     })
 }
 
-fn known(exact: Exact, cells: &[usize]) -> Result<Known<CubeLevel>, String> {
+fn known(exact: Exact, cells: &[usize]) -> Result<KnownLevels<CubeLevel>, String> {
     let mut levels: Vec<CubeLevel> = Vec::new();
     for &n in cells {
         let failed = |e: String| format!("on the cube, {e}");
@@ -82,5 +82,5 @@ fn known(exact: Exact, cells: &[usize]) -> Result<Known<CubeLevel>, String> {
         };
         levels.push(CubeLevel { orders: levels.last().map(order), errors, cost });
     }
-    Ok(Known { name: exact.name().into(), levels })
+    Ok(KnownLevels { name: exact.name().into(), levels })
 }

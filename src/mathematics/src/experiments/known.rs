@@ -6,7 +6,7 @@ use crate::discrete::norms::{self, multiplier_error, worst};
 use crate::discrete::stiffness::energy;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::spectral::{Params, Solution, spectral};
+use crate::spectral::{Solution, SpectralParams, spectral};
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
@@ -52,7 +52,7 @@ impl KnownSolution {
     ///
     /// # Errors
     /// A sentence if f cannot be read, or there is no solution.
-    pub fn spectral(name: &str, f: &str, params: Params) -> Result<Self, String> {
+    pub fn spectral(name: &str, f: &str, params: SpectralParams) -> Result<Self, String> {
         let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
         let solution = spectral(&f, params).map_err(|e| format!("{name}: {e}"))?;
         Ok(Self::of(name, f, solution))
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn the_errors_of_zero_are_the_norms_of_the_solution() {
         let f = "quadrant(ll)=6; else=-4";
-        let known = KnownSolution::spectral("k", f, Params::default()).unwrap();
+        let known = KnownSolution::spectral("k", f, SpectralParams::default()).unwrap();
         let solution = known.solution().unwrap();
         // The multiplier does no work on v.
         let size = (-2.0 * solution.energy).sqrt();

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Plan of the experiment.
 #[derive(Clone, Debug, Serialize)]
-pub struct Plan {
+pub struct RoundingPlan {
     /// The tables whose counts are disturbed.
     pub tables: Vec<Problem>,
     /// Largest relative disturbances, ascending.
@@ -22,7 +22,7 @@ pub struct Plan {
     pub seed: u64,
 }
 
-impl Plan {
+impl RoundingPlan {
     /// The sizes and repetitions of the book.
     pub fn new(tables: Vec<Problem>) -> Self {
         let sizes = (-15..=-2).map(power_of_ten).collect();
@@ -33,14 +33,14 @@ impl Plan {
 /// Results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rounding {
-    /// As in the [`Plan`].
+    /// As in the [`RoundingPlan`].
     pub sizes: Vec<f64>,
-    /// As in the [`Plan`].
+    /// As in the [`RoundingPlan`].
     pub repetitions: usize,
-    /// As in the [`Plan`].
+    /// As in the [`RoundingPlan`].
     pub further: usize,
     /// The tables, in the order of the plan.
-    pub tables: Vec<Table>,
+    pub tables: Vec<RoundingTable>,
     /// Number of counts.
     pub cells: usize,
     /// Counts that the least disturbance changes.
@@ -55,21 +55,21 @@ pub struct Rounding {
 
 /// One table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table {
+pub struct RoundingTable {
     /// Number in the paper.
     pub number: u8,
     /// Cells per side, coarsest grid first.
     pub grids: Vec<usize>,
     /// One row per r.
-    pub rows: Vec<Row>,
+    pub rows: Vec<RoundingRow>,
     /// Of the sizes of the plan, how many counts each changes.
     pub changed: Vec<usize>,
 }
 
-impl Table {
+impl RoundingTable {
     /// The margin of each count.
     fn margins<'a>(&'a self) -> impl Iterator<Item = Nearest> + 'a {
-        let of_row = move |row: &'a Row| {
+        let of_row = move |row: &'a RoundingRow| {
             let (table, r) = (self.number, row.r);
             let cells = self.grids.iter().zip(&row.cells);
             cells.map(move |(&cells, cell)| Nearest { table, r, cells, margin: cell.margin })
@@ -80,16 +80,16 @@ impl Table {
 
 /// The counts for one r.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct RoundingRow {
     /// Duality parameter.
     pub r: f64,
     /// Per grid, coarsest first.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<RoundingCell>,
 }
 
 /// One count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct RoundingCell {
     /// Iterations.
     pub count: usize,
     /// `1 - max dM/dy / tolerance` at the stop.
@@ -124,12 +124,12 @@ pub struct Nearest {
 ///
 /// # Errors
 /// If the plan is not one of tables: f cannot be read, grids do not nest, or the rule is not met.
-pub fn rounding(plan: &Plan) -> Result<Rounding, String> {
+pub fn rounding(plan: &RoundingPlan) -> Result<Rounding, String> {
     let tables =
         plan.tables.iter().map(|table| disturb(plan, table)).collect::<Result<Vec<_>, _>>()?;
     let cells = || tables.iter().flat_map(|table| &table.rows).flat_map(|row| &row.cells);
     let nearest =
-        tables.iter().flat_map(Table::margins).min_by(|a, b| a.margin.total_cmp(&b.margin));
+        tables.iter().flat_map(RoundingTable::margins).min_by(|a, b| a.margin.total_cmp(&b.margin));
     Ok(Rounding {
         sizes: plan.sizes.clone(),
         repetitions: plan.repetitions,

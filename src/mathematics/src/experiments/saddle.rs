@@ -10,7 +10,7 @@ pub const fn loose_uzawa(weight: f64) -> Method {
 
 /// Number of sweeps between two checks of the goal, and limit of sweeps.
 #[derive(Clone, Copy, Debug)]
-pub struct Checks {
+pub struct CheckInterval {
     /// Sweeps of Arrow-Hurwicz between checks are the sweeps made so far over this number, and at least
     /// one; Uzawa's algorithm is checked after each step of the multiplier.
     pub share: usize,
@@ -28,7 +28,7 @@ pub fn sweeps_until(
     method: Method,
     (grid, load): (Grid, &[f64]),
     r: f64,
-    checks: Checks,
+    checks: CheckInterval,
     pair: &mut Pair,
     mut done: impl FnMut(usize, &Pair) -> bool,
 ) -> Option<usize> {

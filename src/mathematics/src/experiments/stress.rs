@@ -5,7 +5,7 @@ mod runs;
 mod summary;
 
 pub use random::Random;
-pub use summary::{Plateau, Summary};
+pub use summary::{Plateau, StressSummary};
 
 use super::Range;
 use super::problems::{CONTACT, Problem};
@@ -17,7 +17,7 @@ use std::ops::Index;
 
 /// Plan of the experiments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Plan {
+pub struct StressPlan {
     /// The paper's problems.
     ///
     /// Where a solution is needed f is averaged on its jumps: with the paper's side taken there, the load
@@ -42,7 +42,7 @@ pub struct Plan {
     pub random: usize,
 }
 
-impl Plan {
+impl StressPlan {
     /// The sizes of the book.
     pub fn new(problems: Vec<Problem>) -> Self {
         let (name, f) = CONTACT[0];
@@ -68,7 +68,7 @@ impl Plan {
 
 /// Runs with one value of what is varied.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Case<X> {
+pub struct StressCase<X> {
     /// Value that is varied.
     pub x: X,
     /// By method or rule: `signed` and `strict` are the paper's method under the signed rule, and under the
@@ -78,7 +78,7 @@ pub struct Case<X> {
     pub trials: BTreeMap<String, Trial>,
 }
 
-impl<X> Index<&str> for Case<X> {
+impl<X> Index<&str> for StressCase<X> {
     type Output = Trial;
 
     fn index(&self, name: &str) -> &Trial {
@@ -87,13 +87,13 @@ impl<X> Index<&str> for Case<X> {
 }
 
 /// One case after the other.
-pub type Series<X> = Vec<Case<X>>;
+pub type Series<X> = Vec<StressCase<X>>;
 
 /// Results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stress {
     /// Name that was asked for.
-    pub plan: Plan,
+    pub plan: StressPlan,
     /// Over r, one series per problem: `signed` with the paper's tolerance, `strict`.
     pub duality: Vec<Series<f64>>,
     /// The last problem with f multiplied by a power of ten, whose exponent is varied: the signed rule with
@@ -122,7 +122,7 @@ pub struct Stress {
     /// All runs together.
     pub tally: Tally,
     /// Numbers on which the prose of the book rests.
-    pub summary: Summary,
+    pub summary: StressSummary,
 }
 
 /// A table in single precision.
@@ -199,7 +199,7 @@ impl Stress {
 ///
 /// # Errors
 /// If f cannot be read, or grids do not nest.
-pub fn stress(plan: &Plan) -> Result<Stress, String> {
+pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
     let runs = Runs::new(plan)?;
     let mut stress = Stress {
         plan: plan.clone(),
@@ -215,9 +215,9 @@ pub fn stress(plan: &Plan) -> Result<Stress, String> {
         random: Random::of(plan.random),
         single: plan.problems.iter().map(single).collect::<Result<_, _>>()?,
         tally: Tally::default(),
-        summary: Summary::default(),
+        summary: StressSummary::default(),
     };
     stress.tally = stress.tally();
-    stress.summary = Summary::of(&stress);
+    stress.summary = StressSummary::of(&stress);
     Ok(stress)
 }

@@ -2,7 +2,7 @@
 
 use super::exponent;
 use super::known::KnownSolution;
-use super::saddle::{Checks, loose_uzawa, sweeps_until};
+use super::saddle::{CheckInterval, loose_uzawa, sweeps_until};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
@@ -41,21 +41,21 @@ pub struct Comparison {
     /// Error of the discrete solution there, in the discrete L2 norm.
     pub discretisation: f64,
     /// The methods.
-    pub runs: Vec<Run>,
+    pub runs: Vec<WorkRun>,
 }
 
 /// One method in a [`Comparison`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Run {
+pub struct WorkRun {
     /// Name in words.
     pub method: String,
     /// Work at which it reached the discretisation error, grid by grid.
-    pub reached: Vec<Reached>,
+    pub reached: Vec<ReachedWork>,
 }
 
 /// The first iterate on a grid that is as close as the discretisation lets it be.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Reached {
+pub struct ReachedWork {
     /// Cells per side.
     pub cells: usize,
     /// Unknowns visited so far, on all grids.
@@ -73,7 +73,7 @@ const TARGETS: [f64; 2] = [1e-3, 1e-6];
 /// The discretisation error is reached when the error is at most this many times as large.
 pub const REACHED: f64 = 1.1;
 /// Two per cent of the sweeps between checks.
-const CHECKS: Checks = Checks { share: 50, cap: 1_000_000 };
+const CHECKS: CheckInterval = CheckInterval { share: 50, cap: 1_000_000 };
 
 /// Counts sweeps of Arrow-Hurwicz for each f, in the notation of scenes, on the grids with these cells per side.
 ///
@@ -138,13 +138,13 @@ pub struct OnGrid {
     pub grid: Grid,
     /// Load vector.
     pub load: Vec<f64>,
-    measure: Measure,
+    measure: WorkMeasure,
     /// Error of the discrete solution.
     pub discretisation: f64,
 }
 
 /// By what errors are measured.
-enum Measure {
+enum WorkMeasure {
     /// The true values at the nodes.
     Nodes(Vec<f64>),
     /// The true energy.
@@ -162,9 +162,9 @@ impl OnGrid {
             KnownSolution::Formula(exact) => {
                 let value =
                     |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
-                Measure::Nodes((0..grid.nodes()).map(value).collect())
+                WorkMeasure::Nodes((0..grid.nodes()).map(value).collect())
             }
-            KnownSolution::Spectral(known) => Measure::Energy(known.solution.energy),
+            KnownSolution::Spectral(known) => WorkMeasure::Energy(known.solution.energy),
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
@@ -177,11 +177,11 @@ impl OnGrid {
     /// large by, relative to it, with values that are negative on the boundary set to zero.
     pub fn error(&self, y: &[f64]) -> f64 {
         match &self.measure {
-            Measure::Nodes(exact) => {
+            WorkMeasure::Nodes(exact) => {
                 let wrong: Vec<f64> = y.iter().zip(exact).map(|(a, b)| a - b).collect();
                 lumped(self.grid, &wrong)
             }
-            Measure::Energy(least) => {
+            WorkMeasure::Energy(least) => {
                 let mut admissible = y.to_vec();
                 self.grid.boundary().for_each(|node| admissible[node] = y[node].max(0.0));
                 (energy(self.grid, &admissible, &self.load) - least) / least.abs()
@@ -194,8 +194,8 @@ impl OnGrid {
     }
 }
 
-fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
-    let mut run = Run { method: "multigrid".into(), reached: Vec::new() };
+fn with_multigrid(levels: &[OnGrid]) -> Result<WorkRun, String> {
+    let mut run = WorkRun { method: "multigrid".into(), reached: Vec::new() };
     for level in levels {
         let OnGrid { grid, load, .. } = level;
         let unknowns = grid.nodes() as f64;
@@ -205,14 +205,14 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
             .map_err(|e| e.to_string())?;
         let work_units = outcome.work_units;
         let (visits, error) = (work_units * unknowns, level.error(&y));
-        run.reached.push(Reached { cells: grid.cells(), visits, work_units, error });
+        run.reached.push(ReachedWork { cells: grid.cells(), visits, work_units, error });
     }
     Ok(run)
 }
 
 /// Each grid is left as soon as its discretisation error is reached, which no real stop could know.
-fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, String> {
-    let mut run = Run { method: name.into(), reached: Vec::new() };
+fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<WorkRun, String> {
+    let mut run = WorkRun { method: name.into(), reached: Vec::new() };
     let mut visits = 0.0;
     let mut pair = Pair::zero(levels[0].grid);
     for (k, level) in levels.iter().enumerate() {
@@ -226,7 +226,7 @@ fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Run, Str
             let visits = before + sweeps as f64 * unknowns;
             let work_units = visits / unknowns;
             if level.is_reached(error) {
-                reached = Some(Reached { cells, visits, work_units, error });
+                reached = Some(ReachedWork { cells, visits, work_units, error });
             }
             reached.is_some()
         };

@@ -9,7 +9,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
 use crate::saddle::Pair;
-use crate::saddle::batch::{AsDefined, LANES, Lanes, Measure, V};
+use crate::saddle::batch::{AsDefined, GradientMeasure, LANES, Lanes, V};
 use std::ops::{Add, Mul};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -135,7 +135,7 @@ impl<'a> Evaluator<'a> {
     fn iterate(
         &mut self,
         level: usize,
-        mut judge: impl FnMut(&mut Level, Measure),
+        mut judge: impl FnMut(&mut Level, GradientMeasure),
     ) -> [f64; LANES] {
         let (at, measure) = (&mut self.levels[level], self.variant.measure.in_lanes());
         at.lanes.sweep(&mut AsDefined);

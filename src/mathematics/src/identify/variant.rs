@@ -35,10 +35,10 @@ pub enum Measure {
 }
 
 impl Measure {
-    pub(super) fn in_lanes(self) -> batch::Measure {
+    pub(super) fn in_lanes(self) -> batch::GradientMeasure {
         match self {
-            Self::Signed => batch::Measure::Signed,
-            Self::Printed => batch::Measure::Printed,
+            Self::Signed => batch::GradientMeasure::Signed,
+            Self::Printed => batch::GradientMeasure::Printed,
         }
     }
 }

@@ -165,7 +165,7 @@ fn free_segment(x: f64, y: f64) -> Sample {
 pub(super) fn segment(x: f64, t: f64) -> Field<2> {
     const LEFT: f64 = -0.23;
     const RIGHT: f64 = 0.19;
-    let z = Complex { re: x, im: t };
+    let z = ComplexNumber { re: x, im: t };
     let (from_left, from_right) = (z.minus(LEFT), z.minus(RIGHT));
     let root = from_left.sqrt().times(from_right.sqrt());
     let derivative = root.times(from_left.plus(from_right)).scaled(1.5);
@@ -180,7 +180,7 @@ fn free_corner(x: f64, y: f64) -> Sample {
     const ALONG_Y: f64 = 0.27;
     const AMPLITUDE: f64 = 60.0;
     let (x, y) = (x + 0.5, y + 0.5);
-    let z = Complex { re: x, im: y };
+    let z = ComplexNumber { re: x, im: y };
     let zeta = z.times(z);
     let (from_y, from_x) = (zeta.minus(-ALONG_Y * ALONG_Y), zeta.minus(ALONG_X * ALONG_X));
     let root = from_y.sqrt().times(from_x.sqrt());
@@ -193,17 +193,17 @@ fn free_corner(x: f64, y: f64) -> Sample {
 
 /// `-Im` of an analytic function.
 #[inline(always)]
-fn harmonic(analytic: Complex, derivative: Complex) -> Field<2> {
+fn harmonic(analytic: ComplexNumber, derivative: ComplexNumber) -> Field<2> {
     Field { value: -analytic.im, gradient: [-derivative.im, -derivative.re], laplacian: 0.0 }
 }
 
 #[derive(Clone, Copy)]
-struct Complex {
+struct ComplexNumber {
     re: f64,
     im: f64,
 }
 
-impl Complex {
+impl ComplexNumber {
     #[inline(always)]
     fn minus(self, real: f64) -> Self {
         Self { re: self.re - real, im: self.im }

@@ -35,21 +35,21 @@ struct SweepData<'a> {
     r: f64,
     h: f64,
     /// Diagonal of the rows of edge nodes.
-    edge: Diagonal,
+    edge: SweepDiagonal,
     /// Diagonal of the rows of corner nodes.
-    corner: Diagonal,
+    corner: SweepDiagonal,
     /// Inverse of the diagonal of interior rows.
     inside: f64,
 }
 
 /// Diagonal entry of a row, and its inverse.
 #[derive(Clone, Copy)]
-struct Diagonal {
+struct SweepDiagonal {
     value: f64,
     inverse: f64,
 }
 
-impl Diagonal {
+impl SweepDiagonal {
     /// The inverse is exact for the powers of two that occur without a shift.
     fn new(value: f64) -> Self {
         Self { value, inverse: 1.0 / value }
@@ -66,8 +66,8 @@ fn interior(inverse: f64, south: f64, north: f64, east: f64, load: f64, west: f6
 
 impl<'a> SweepData<'a> {
     fn new(grid: Grid, load: &'a [f64], shift: f64, r: f64, a: &'a [f64]) -> Self {
-        let edge = Diagonal::new(2.0 + 0.5 * shift);
-        let corner = Diagonal::new(1.0 + 0.25 * shift);
+        let edge = SweepDiagonal::new(2.0 + 0.5 * shift);
+        let corner = SweepDiagonal::new(1.0 + 0.25 * shift);
         Self { grid, load, a, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
     }
 
@@ -110,7 +110,7 @@ impl<'a> SweepData<'a> {
 
     /// Returns the minimiser (10), (11) at boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
     #[inline(always)]
-    fn boundary(&self, b: usize, diagonal: Diagonal, sum: f64) -> f64 {
+    fn boundary(&self, b: usize, diagonal: SweepDiagonal, sum: f64) -> f64 {
         let a = self.a[b];
         let psi = diagonal.inverse * sum;
         if psi >= a / self.r {

@@ -2,9 +2,9 @@
 
 use super::complex::{Complex, distance};
 use super::curve::{Arc, Curve, SAME};
-use super::place::{Place, tangent};
+use super::place::{BorderPlace, tangent};
 use super::potential::Potential;
-use super::problem::Problem;
+use super::problem::SpectralProblem;
 use super::rule::{Rules, halved};
 
 /// A node of a quadrature on a curve.
@@ -18,10 +18,10 @@ pub(super) struct Node {
     pub gradient: Complex,
 }
 
-impl Problem {
+impl SpectralProblem {
     /// psi at a point, along a straight line from the nearest side.
     pub(super) fn psi(&self, z: Complex, rules: &Rules) -> f64 {
-        let place = Place::of(z);
+        let place = BorderPlace::of(z);
         let inwards = tangent(place.corner, place.t).turned();
         let line = Curve::line(place.point(), inwards);
         let to = line.local(z).re;
@@ -109,12 +109,13 @@ fn pieces(psi: &Potential, Arc { curve, span, ends }: Arc) -> Vec<Arc> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectral::Params;
+    use crate::spectral::SpectralParams;
 
     #[test]
     fn psi_is_the_same_along_all_ways() {
         let f = "rect(-0.7,0.3,-0.2,0.1)=-5; disc(0.3,0.35,0.1)=4; disc(0,-0.1,0.2)=1; else=-2";
-        let (problem, rules) = (Problem::new(&f.parse().unwrap()), Rules::new(Params::FINER));
+        let (problem, rules) =
+            (SpectralProblem::new(&f.parse().unwrap()), Rules::new(SpectralParams::FINER));
         // On either side of the diagonals the nearest sides are different ones.
         for k in 1..50 {
             let z = Complex::new(0.01 * f64::from(k), 0.01 * f64::from(k));

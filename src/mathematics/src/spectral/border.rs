@@ -3,7 +3,7 @@
 use super::complex::{Complex, distance};
 use super::jumps::Jumps;
 use super::panels::LANES;
-use super::place::{Place, tangent};
+use super::place::{BorderPlace, tangent};
 use super::rule::halved;
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ const TERMS: usize = 24;
 
 /// Chebyshev series on pieces of the sides between corners, jumps of f, and where singular points are near.
 #[derive(Clone)]
-pub(super) struct Border {
+pub(super) struct SquareBorder {
     /// Side by side, each in order.
     sides: [Vec<Piece>; 4],
 }
@@ -29,7 +29,7 @@ struct Piece {
     series: [[f64; 3]; TERMS],
 }
 
-impl Border {
+impl SquareBorder {
     pub(super) fn new(jumps: &Jumps) -> Self {
         let psi = &jumps.psi;
         // Of the Chebyshev polynomials at their nodes, node by node.
@@ -41,7 +41,7 @@ impl Border {
         // psi at the start of the piece; along the border it is an integral of its gradient.
         let mut before = 0.0;
         let sides = [0, 1, 2, 3].map(|side| {
-            let point = |t: f64| Place { corner: side, t }.point();
+            let point = |t: f64| BorderPlace { corner: side, t }.point();
             let mut breaks: Vec<f64> = jumps.crossings_on(side).chain([0.0, 1.0]).collect();
             breaks.sort_by(f64::total_cmp);
             let too_long = |span @ [from, to]: [f64; 2]| {
@@ -73,7 +73,7 @@ impl Border {
     }
 
     /// psi at a place.
-    pub(super) fn value(&self, place: Place) -> f64 {
+    pub(super) fn value(&self, place: BorderPlace) -> f64 {
         let [psi] = self.at(place.corner, &[place.t; LANES], [0]);
         psi[0]
     }
@@ -88,8 +88,8 @@ impl Border {
     ) -> [[f64; LANES]; MANY] {
         let (mut found, mut known) = ([[0.0; LANES]; MANY], 0);
         while known < LANES {
-            let piece = self.piece(Place { corner, t: t[known] });
-            let x = t.map(|t| piece.local(Place { corner, t }));
+            let piece = self.piece(BorderPlace { corner, t: t[known] });
+            let x = t.map(|t| piece.local(BorderPlace { corner, t }));
             let sums = piece.sums(&x, wanted);
             // Places of a panel are in the order of the border, or against it.
             let first = known;
@@ -104,7 +104,7 @@ impl Border {
     }
 
     /// The piece with a place.
-    fn piece(&self, place: Place) -> &Piece {
+    fn piece(&self, place: BorderPlace) -> &Piece {
         let (side, t) = place.on_side();
         let pieces = &self.sides[side as usize];
         &pieces[pieces.partition_point(|piece| piece.to < t).min(pieces.len() - 1)]
@@ -154,7 +154,7 @@ impl Piece {
 
     /// Coordinate on the piece of a place on its side, from -1 to 1.
     #[inline(always)]
-    fn local(&self, place: Place) -> f64 {
+    fn local(&self, place: BorderPlace) -> f64 {
         let (_, t) = place.on_side();
         ((t - self.from) - (self.to - t)) * self.scale
     }
@@ -183,7 +183,7 @@ impl Piece {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectral::problem::Problem;
+    use crate::spectral::problem::SpectralProblem;
 
     #[test]
     fn the_series_are_the_gradient_to_rounding_and_psi_closes_around_the_border() {
@@ -192,12 +192,13 @@ mod tests {
             "rect(-0.7,0.493,-0.2,0.1)=-5; disc(0.3,0.45,0.049)=4; halfplane(1,0.3,0.2)=2; else=-2",
             "disc(0.5,0.5,0.3)=4; disc(-0.1,0.4,0.099)=-3; else=-1",
         ] {
-            let Problem { jumps, border, .. } = Problem::new(&text.parse().unwrap());
+            let SpectralProblem { jumps, border, .. } =
+                SpectralProblem::new(&text.parse().unwrap());
             let end = border.sides[3].last().unwrap();
             let around: f64 = end.series.iter().map(|c| c[0]).sum();
             assert!(around.abs() < 4e-15, "{text}: once around the border {around}");
-            let places =
-                (0..4000).map(|k| Place::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5));
+            let places = (0..4000)
+                .map(|k| BorderPlace::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5));
             for place in places {
                 let [x, y] = border.at(place.corner, &[place.t; LANES], [1, 2]).map(|s| s[0]);
                 let slope = jumps.psi.gradients(&[place.point()])[0];

@@ -1,6 +1,6 @@
 //! The contact set: from a grid at first, then corrected where a sign is wrong.
 
-use super::place::Place;
+use super::place::BorderPlace;
 use super::trace::{Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
@@ -18,17 +18,17 @@ pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
 
 /// A start from a grid: what Newton's method is given first.
 #[derive(Clone, Copy)]
-pub(super) struct Start {
+pub(super) struct ContactStart {
     /// Cells per side.
     pub(super) n: usize,
     /// Multigrid goes on to rounding, and ends of contact little before a corner are moved behind it.
     pub(super) careful: bool,
 }
 
-impl Start {
+impl ContactStart {
     /// The ends of contact to a cell or so of the grid: beginnings and ends in turn, none where all of the border
     /// is in contact; `None` if the load has no negative sum.
-    pub(super) fn ends(self, f: &Source) -> Option<Vec<Place>> {
+    pub(super) fn ends(self, f: &Source) -> Option<Vec<BorderPlace>> {
         let Self { n, careful } = self;
         let grid = Grid::new(n).expect("not below the least");
         let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
@@ -67,17 +67,17 @@ fn free_nodes(values: &[f64], n: usize) -> Vec<bool> {
 }
 
 /// The ends of contact between the free boundary nodes and the others, beginnings first.
-fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<Place> {
+fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<BorderPlace> {
     let many = values.len();
     let end = |b: usize| {
         let (node, step) = if free[b] { (b + 1, many - 1) } else { (b, 1) };
         let next = [1, 2].map(|k| (node + k * step) % many);
         let corner = [node, next[0], next[1]].iter().any(|b| b % n == 0);
         let part = if corner { 0.5 } else { reach(next.map(|b| values[b])).clamp(-0.3, 0.9) };
-        Place::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
+        BorderPlace::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
     };
     let changes = (0..many).filter(|&b| free[b] != free[(b + 1) % many]);
-    let mut places: Vec<Place> = changes.map(end).collect();
+    let mut places: Vec<BorderPlace> = changes.map(end).collect();
     if !free[0] && !places.is_empty() {
         places.rotate_left(1);
     }
@@ -86,16 +86,16 @@ fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<Place> {
 
 /// An end of contact that lies little before a corner, seen from its arc, as far behind it: near to a corner the angle
 /// on the circle grows with the square of the distance, so that Newton's method crosses it from behind only.
-fn behind_corner(j: usize, end: Place) -> Place {
+fn behind_corner(j: usize, end: BorderPlace) -> BorderPlace {
     /// On a coarse grid ends of long arcs with little force are not known better.
     const NEAR: f64 = 0.125;
     let before = if j.is_multiple_of(2) { end.t } else { -end.t };
-    if (0.0..NEAR).contains(&before) { Place { t: -end.t, ..end } } else { end }
+    if (0.0..NEAR).contains(&before) { BorderPlace { t: -end.t, ..end } } else { end }
 }
 
 /// The contact set of a solution without the points where the multiplier is negative, and with those where v is:
 /// the same ends if all signs are right, `None` if no contact is left.
-pub(super) fn corrected(trace: &Trace) -> Option<Vec<Place>> {
+pub(super) fn corrected(trace: &Trace) -> Option<Vec<BorderPlace>> {
     let signs = trace.signs();
     let mut wrong: Vec<bool> = signs.iter().map(|&(kind, sign)| sign < -TOLERANCE[kind]).collect();
     if !wrong.contains(&true) {
@@ -120,7 +120,7 @@ pub(super) fn corrected(trace: &Trace) -> Option<Vec<Place>> {
             let [from, to] = [last, i].map(|i| trace.points[i].place);
             places.push(match end {
                 Some(end) if !wrong[last] && !wrong[i] => *end,
-                _ => Place::new(from.corner, from.t + 0.5 * to.after(from).rem_euclid(4.0)),
+                _ => BorderPlace::new(from.corner, from.t + 0.5 * to.after(from).rem_euclid(4.0)),
             });
         }
     }
@@ -148,7 +148,10 @@ pub(super) fn corrected(trace: &Trace) -> Option<Vec<Place>> {
 
 /// Leaves out arcs and gaps that are too short, and gaps round corners that are shorter than `round_corner`;
 /// `None` if no arc is left. Corners are counted on from the first end to the last, as [`Ends`](super::panels::Ends) does.
-pub(super) fn without_short(mut places: Vec<Place>, round_corner: f64) -> Option<Vec<Place>> {
+pub(super) fn without_short(
+    mut places: Vec<BorderPlace>,
+    round_corner: f64,
+) -> Option<Vec<BorderPlace>> {
     /// Corners in a turn.
     const TURN: i32 = 4;
     loop {
@@ -187,7 +190,7 @@ mod tests {
     fn a_short_gap_joins_the_arcs_beside_it() {
         // Ends of contact as distances from one corner; the last gap ends a turn after the first.
         let joined = |ends: &[f64]| {
-            let places = ends.iter().map(|&t| Place::new(0, t)).collect();
+            let places = ends.iter().map(|&t| BorderPlace::new(0, t)).collect();
             without_short(places, SHORTEST).map(|left| {
                 let ends = left.iter().map(|place| place.distance_from(0));
                 ends.collect::<Vec<f64>>()

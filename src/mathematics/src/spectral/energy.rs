@@ -2,9 +2,9 @@
 
 use super::along::Node;
 use super::complex::Complex;
-use super::jumps::{Edge, Jumps};
-use super::place::{CORNERS, Place};
-use super::problem::Problem;
+use super::jumps::{JumpEdge, Jumps};
+use super::place::{BorderPlace, CORNERS};
+use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::sources::Point;
 use super::trace::Trace;
@@ -36,7 +36,7 @@ fn harmonic(Complex { re: x, im: y }: Complex) -> [(f64, Complex); HARMONIC] {
 }
 
 impl Energies {
-    pub(super) fn of(trace: &Trace, problem: &Problem) -> Self {
+    pub(super) fn of(trace: &Trace, problem: &SpectralProblem) -> Self {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
         energies.add_border(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, &trace.rules);
@@ -45,12 +45,12 @@ impl Energies {
 
     /// The largest difference of moments of f, as psi and the jumps have them, from those of its pieces in closed form:
     /// times a size of v it is by how much the energy may be off.
-    pub(super) fn moments_off(&self, problem: &Problem) -> f64 {
+    pub(super) fn moments_off(&self, problem: &SpectralProblem) -> f64 {
         let differences = problem.moments.iter().zip(self.contour.iter().zip(&self.area));
         differences.map(|(m, (c, a))| (c - m).abs().max((a - m).abs())).fold(0.0, f64::max)
     }
 
-    fn add_border(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
+    fn add_border(&mut self, trace: &Trace, problem: &SpectralProblem, bilinear: &Bilinear) {
         let values: Vec<f64> = trace.panels.iter().map(|panel| problem.beside(panel)).collect();
         for point in &trace.points {
             let panel = &trace.panels[point.panel];
@@ -82,15 +82,15 @@ impl Energies {
         }
     }
 
-    fn add_edges(&mut self, problem: &Problem, bilinear: &Bilinear, rules: &Rules) {
+    fn add_edges(&mut self, problem: &SpectralProblem, bilinear: &Bilinear, rules: &Rules) {
         let Jumps { edges, psi, .. } = &problem.jumps;
         let mut at_vertices: Vec<Option<f64>> = vec![None; psi.vertices.len()];
-        let mut waiting: Vec<&Edge> = edges.iter().collect();
+        let mut waiting: Vec<&JumpEdge> = edges.iter().collect();
         while !waiting.is_empty() {
             // First those with an end where psi is known or on the border.
             let known = |end: &Option<usize>| end.is_none_or(|v| at_vertices[v].is_some());
             let next = waiting.iter().position(|edge| edge.arc.ends.iter().any(known));
-            let &Edge { arc, values: [left, right] } = waiting.swap_remove(next.unwrap_or(0));
+            let &JumpEdge { arc, values: [left, right] } = waiting.swap_remove(next.unwrap_or(0));
             let backwards = known(&arc.ends[1]) && !known(&arc.ends[0]);
             let arc = if backwards { arc.reversed() } else { arc };
             let from = || problem.psi(arc.curve.at(arc.span[0]), rules);
@@ -118,10 +118,10 @@ impl Energies {
 struct Bilinear([f64; 4]);
 
 impl Bilinear {
-    fn new(problem: &Problem) -> Self {
+    fn new(problem: &SpectralProblem) -> Self {
         let mut c = [0.0; 4];
         for z in CORNERS {
-            let value = problem.border.value(Place::of(z));
+            let value = problem.border.value(BorderPlace::of(z));
             let basis = [0.25, z.re, z.im, 4.0 * z.re * z.im];
             c.iter_mut().zip(basis).for_each(|(c, b)| *c += b * value);
         }

@@ -2,14 +2,14 @@
 
 use super::complex::Complex;
 use super::curve::{Arc, Curve, ROUNDING, SAME, SIDES, borders};
-use super::place::Place;
+use super::place::BorderPlace;
 use super::potential::Potential;
 use crate::problem::source::{Region, Source};
 use std::fmt;
 
 /// A piece of a jump inside the square, between vertices or points of the border.
 #[derive(Clone, Debug)]
-pub(super) struct Edge {
+pub(super) struct JumpEdge {
     pub arc: Arc,
     /// f on the left and on the right.
     pub values: [f64; 2],
@@ -36,9 +36,9 @@ pub(super) struct Jumps {
     pub curves: Vec<Curve>,
     /// The first region that each bounds.
     regions: Vec<Region>,
-    pub edges: Vec<Edge>,
+    pub edges: Vec<JumpEdge>,
     /// Points at which edges meet the border.
-    pub crossings: Vec<Place>,
+    pub crossings: Vec<BorderPlace>,
     /// The vertices that stand for all that are hardly apart from them.
     hubs: Vec<usize>,
     /// Vertices are where edges meet inside the square, and the ends of arcs outside.
@@ -52,7 +52,7 @@ pub(super) const APART: f64 = 1e-13;
 
 /// Point at which a curve meets another one, or a side.
 #[derive(Clone, Copy)]
-struct Cut {
+struct CurveCut {
     /// Place along the curve.
     s: f64,
     side: bool,
@@ -138,8 +138,8 @@ impl Jumps {
                     self.psi.add(arc, left - right);
                 }
             }
-            self.edges.push(Edge { arc, values });
-            self.edges.extend(stitches.into_iter().map(|arc| Edge { arc, values }));
+            self.edges.push(JumpEdge { arc, values });
+            self.edges.extend(stitches.into_iter().map(|arc| JumpEdge { arc, values }));
         }
         if let Some(period) = curve.period() {
             self.continue_circle(curve, period, &pieces);
@@ -187,22 +187,22 @@ impl Jumps {
     fn pieces(&self, k: usize) -> Vec<Piece> {
         let (curve, others) = (self.curves[k], self.curves.iter().copied().chain(SIDES));
         let many = self.curves.len();
-        let mut cuts: Vec<Cut> = Vec::new();
+        let mut cuts: Vec<CurveCut> = Vec::new();
         for (j, other) in others.enumerate() {
             // Where curves meet at a small angle their common points are known to few digits: both are cut at the same.
             let places = match j < k {
                 true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
                 false => curve.meets(other),
             };
-            let cut = places.into_iter().map(|s| Cut { s, side: j >= many });
+            let cut = places.into_iter().map(|s| CurveCut { s, side: j >= many });
             // What happens so near to a side happens on it.
             cuts.extend(cut.filter(|cut| cut.side || depth(curve.at(cut.s)) > APART));
         }
         cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
         if let Some(period) = curve.period() {
-            let first = cuts.first().copied().unwrap_or(Cut { s: 0.0, side: true });
+            let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
             cuts.resize(cuts.len().max(1), first);
-            cuts.push(Cut { s: first.s + period, ..first });
+            cuts.push(CurveCut { s: first.s + period, ..first });
         }
         cuts.dedup_by(|b, a| b.s - a.s < if a.side == b.side { SAME } else { ROUNDING });
         let (mut pieces, rounding): (Vec<Piece>, _) = (Vec::new(), curve.rounding());
@@ -231,7 +231,7 @@ impl Jumps {
             return Some(self.vertex(z));
         }
         if !self.crossings.iter().any(|place| (place.point() - z).norm() < APART) {
-            self.crossings.push(Place::of(z));
+            self.crossings.push(BorderPlace::of(z));
         }
         None
     }

@@ -5,7 +5,7 @@
 //! at the ends of the contact arcs; for given ends it has an explicit solution. So the only unknowns are
 //! these `2 m` numbers, found by Newton's method, and all errors are those of quadratures of analytic
 //! functions: twelve to sixteen digits of the energy and the ends. At single points of 400 random problems v
-//! has ten digits at least with [`Params::FINER`]; the multiplier `l = dv/dn`, like `s log s` at corners, eight.
+//! has ten digits at least with [`SpectralParams::FINER`]; the multiplier `l = dv/dn`, like `s log s` at corners, eight.
 //!
 //! # Derivation
 //! *A particular solution.* Let psi solve `-Lap psi = f` without boundary conditions. With J the jump
@@ -96,11 +96,11 @@ mod trace;
 use crate::discrete::contact::ContactArc;
 use crate::problem::source::Source;
 use complex::Complex;
-use contact::Start;
+use contact::ContactStart;
 use energy::Energies;
 pub use jumps::Touch;
-use place::Place;
-use problem::Problem;
+use place::BorderPlace;
+use problem::SpectralProblem;
 use rayon::prelude::*;
 use trace::Trace;
 
@@ -111,19 +111,19 @@ const STARTS: [(usize, bool); 6] =
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Params {
+pub struct SpectralParams {
     /// Gauss nodes of a panel, one at least.
     pub nodes: usize,
     /// Panels that get shorter by factors of eight towards corners and jumps of f.
     pub levels: u32,
 }
 
-impl Params {
+impl SpectralParams {
     /// Against which a solution is compared to estimate its error.
     pub const FINER: Self = Self { nodes: 24, levels: 9 };
 }
 
-impl Default for Params {
+impl Default for SpectralParams {
     /// Twelve digits of the energy, mostly fourteen.
     fn default() -> Self {
         Self { nodes: 16, levels: 6 }
@@ -211,7 +211,7 @@ pub struct Solution {
     pub integral: f64,
     /// Newton steps.
     pub steps: usize,
-    problem: Problem,
+    problem: SpectralProblem,
     trace: Trace,
 }
 
@@ -233,17 +233,17 @@ pub struct BorderPoint {
 /// # Errors
 /// If f is not piecewise constant, its integral is not negative, no contact set is found, or the
 /// solution fails a check.
-pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
+pub fn spectral(f: &Source, params: SpectralParams) -> Result<Solution, SpectralError> {
     if f.exact().is_some() {
         return Err(SpectralError::NotPieces);
     }
-    let problem = Problem::new(f);
+    let problem = SpectralProblem::new(f);
     if problem.integral >= 0.0 {
         return Err(SpectralError::NotCoercive(problem.integral));
     }
     let mut error = SpectralError::NoContactSet(problem.jumps.nearly_touching());
     for (n, careful) in STARTS {
-        let Some(places) = (Start { n, careful }).ends(f) else { continue };
+        let Some(places) = (ContactStart { n, careful }).ends(f) else { continue };
         let Some(found) = search::search(&problem, places, params, true) else { continue };
         match Solution::checked(&problem, found, None) {
             Err(failed) => error = failed,
@@ -255,7 +255,7 @@ pub fn spectral(f: &Source, params: Params) -> Result<Solution, SpectralError> {
 
 impl Solution {
     fn checked(
-        problem: &Problem,
+        problem: &SpectralProblem,
         (trace, steps): (Trace, usize),
         before: Option<f64>,
     ) -> Result<Self, SpectralError> {
@@ -290,7 +290,7 @@ impl Solution {
     /// # Errors
     /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight
     /// digits.
-    pub fn at_resolution(&self, params: Params) -> Result<Self, SpectralError> {
+    pub fn at_resolution(&self, params: SpectralParams) -> Result<Self, SpectralError> {
         let found = search::search(&self.problem, self.trace.ends.places.clone(), params, false)
             .ok_or_else(|| SpectralError::NoContactSet(self.problem.jumps.nearly_touching()))?;
         Self::checked(&self.problem, found, Some(self.energy))
@@ -307,7 +307,7 @@ impl Solution {
 
     /// v and dv/dn at the point of the border nearest to this one; dv/dn in a corner is that on one of its sides.
     pub fn on_border(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        self.trace.at(Place::of(Complex::new(x, y)))
+        self.trace.at(BorderPlace::of(Complex::new(x, y)))
     }
 
     /// v in the corners: lower right, upper right, upper left, lower left.
@@ -347,16 +347,16 @@ mod tests {
     #[test]
     fn a_potential_of_another_f_is_refused_with_the_borders_that_nearly_touch() {
         let f = "disc(0,0,0.4)=1; disc(0.200001,0,0.2)=-2; else=-1".parse().unwrap();
-        let mut problem = Problem::new(&f);
-        let solved = |problem: &Problem| {
-            let places = Start { n: 64, careful: false }.ends(&f).unwrap();
-            let found = search::search(problem, places, Params::default(), true).unwrap();
+        let mut problem = SpectralProblem::new(&f);
+        let solved = |problem: &SpectralProblem| {
+            let places = ContactStart { n: 64, careful: false }.ends(&f).unwrap();
+            let found = search::search(problem, places, SpectralParams::default(), true).unwrap();
             Solution::checked(problem, found, None)
         };
         assert!(solved(&problem).is_ok());
         // As if the point where the discs meet were not known well.
         problem.jumps.psi.vertices[0].im += 3e-9;
-        problem.border = border::Border::new(&problem.jumps);
+        problem.border = border::SquareBorder::new(&problem.jumps);
         let error = solved(&problem).err().expect("the check sees it");
         let SpectralError::Unchecked { checks, .. } = &error else { panic!("{error}") };
         assert!(checks.moments > 1e-11 && checks.green.abs() < 1e-8, "{checks}");

@@ -4,23 +4,23 @@ use super::complex::Complex;
 use super::contact::{SHORTEST, without_short};
 use super::map::Angle;
 use super::panels::{Ends, LANES, Panel};
-use super::place::Place;
-use super::problem::Problem;
+use super::place::BorderPlace;
+use super::problem::SpectralProblem;
 use super::rule::Rules;
-use super::sources::{Field, Point, Sources};
+use super::sources::{Point, SourceField, Sources};
 use crate::discrete::norms::largest;
 use crate::discrete::simd::vectorised;
 
-impl Problem {
+impl SpectralProblem {
     /// Moves the ends until a step is shorter than `shortest`: convergence is quadratic, so the next would
     /// have the square of its length. Arcs and gaps that vanish on the way are left out. `None` if no arc is
     /// left, or that is not reached.
     pub(super) fn newton(
         &self,
-        mut places: Vec<Place>,
+        mut places: Vec<BorderPlace>,
         rules: &Rules,
         shortest: f64,
-    ) -> Option<(Vec<Place>, usize)> {
+    ) -> Option<(Vec<BorderPlace>, usize)> {
         const STEPS: usize = 20;
         if places.is_empty() {
             return Some((places, 0));
@@ -49,7 +49,7 @@ impl Problem {
         let (arcs, many) = (ends.arcs(), ends.places.len());
         let gaps = gaps(ends);
         let in_gap = |panel: &Panel| !panel.contact && gaps.contains(&panel.arcs);
-        let field = Field::new(self, ends, rules, in_gap);
+        let field = SourceField::new(self, ends, rules, in_gap);
         let (sources, panels) = (&field.plain, &field.panels);
         let trig = trigonometric(ends, sources);
         // One row for each equation; the last column is the right-hand side.
@@ -91,7 +91,7 @@ impl Problem {
         j: usize,
         trig: &[Vec<f64>],
     ) -> (Vec<f64>, f64) {
-        let (Place { corner, t }, angle) = (ends.places[j], ends.angles[j]);
+        let (BorderPlace { corner, t }, angle) = (ends.places[j], ends.angles[j]);
         let [x, y] = self.border.at(corner, &[t; LANES], [1, 2]).map(|s| s[0]);
         let (mut sum, mut cotangents) = (0.0, Vec::with_capacity(sources.tan.len()));
         for group in &sources.groups {
@@ -186,23 +186,23 @@ impl Change {
         }
     }
 
-    fn of(self, Place { corner, t }: Place) -> Place {
+    fn of(self, BorderPlace { corner, t }: BorderPlace) -> BorderPlace {
         match self {
-            Self::Length(d) => Place::new(corner, t + d),
-            Self::Logarithm(d) => Place::new(corner, t * libm::exp(d)),
+            Self::Length(d) => BorderPlace::new(corner, t + d),
+            Self::Logarithm(d) => BorderPlace::new(corner, t * libm::exp(d)),
         }
     }
 }
 
 /// The number of the other end of the gap beside an end.
-fn across_gap(places: &[Place], j: usize) -> usize {
+fn across_gap(places: &[BorderPlace], j: usize) -> usize {
     let many = places.len();
     if j.is_multiple_of(2) { (j + many - 1) % many } else { (j + 1) % many }
 }
 
 /// True if an end is that of a short gap round a corner, which may be exponentially small. A long gap may
 /// begin on either side of a corner.
-fn relative(places: &[Place], j: usize) -> bool {
+fn relative(places: &[BorderPlace], j: usize) -> bool {
     let begins = j.is_multiple_of(2);
     let (place, other) = (places[j], places[across_gap(places, j)]);
     (place.corner - other.corner) % 4 == 0
@@ -212,7 +212,7 @@ fn relative(places: &[Place], j: usize) -> bool {
 }
 
 /// Meaning of the unknowns of the linear system.
-fn changes(places: &[Place], unknowns: &[f64]) -> Vec<Change> {
+fn changes(places: &[BorderPlace], unknowns: &[f64]) -> Vec<Change> {
     let vanishes = |j: usize| places[j].t.abs() * libm::exp(unknowns[j]) < SHORTEST;
     let change = |(j, &d): (usize, &f64)| {
         if !relative(places, j) {
@@ -229,7 +229,7 @@ fn changes(places: &[Place], unknowns: &[f64]) -> Vec<Change> {
 }
 
 /// The longest change, in units of what a single step may do.
-fn longest(places: &[Place], changes: &[Change]) -> f64 {
+fn longest(places: &[BorderPlace], changes: &[Change]) -> f64 {
     let many = places.len();
     let steps = |(j, &change): (usize, &Change)| match change {
         Change::Length(d) => {

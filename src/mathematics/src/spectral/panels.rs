@@ -4,7 +4,7 @@ use super::complex::{Complex, distance};
 use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
-use super::place::{Place, tangent};
+use super::place::{BorderPlace, tangent};
 use super::potential::Potential;
 use super::rule::cut;
 
@@ -71,8 +71,8 @@ impl Panel {
         if self.contact { self.tangent } else { self.tangent.turned() }
     }
 
-    pub(super) fn place(&self, t: f64) -> Place {
-        Place { corner: self.corner, t }
+    pub(super) fn place(&self, t: f64) -> BorderPlace {
+        BorderPlace { corner: self.corner, t }
     }
 
     /// The end of contact at one of its ends, if any.
@@ -126,13 +126,13 @@ impl Panel {
 /// The ends of contact, seen from all corners.
 pub(super) struct Ends {
     /// Beginnings and ends of contact in turn, anticlockwise.
-    pub places: Vec<Place>,
+    pub places: Vec<BorderPlace>,
     pub angles: Vec<Angle>,
 }
 
 impl Ends {
     /// Their corners are counted on from the first.
-    pub(super) fn new(mut places: Vec<Place>) -> Self {
+    pub(super) fn new(mut places: Vec<BorderPlace>) -> Self {
         if let Some(&first) = places.first() {
             places[1..].iter_mut().for_each(|place| *place = place.following(first));
         }
@@ -146,8 +146,8 @@ impl Ends {
     }
 
     /// Beginnings of panels.
-    pub(super) fn start(&self) -> Place {
-        self.places.first().copied().unwrap_or(Place { corner: 0, t: 0.0 })
+    pub(super) fn start(&self) -> BorderPlace {
+        self.places.first().copied().unwrap_or(BorderPlace { corner: 0, t: 0.0 })
     }
 
     /// (-1)^k |P|^{1/2} at nodes of a panel, P the product over all ends of 2 sin((theta - end) / 2).
@@ -176,14 +176,14 @@ impl Ends {
 }
 
 /// The ends of contact with corners and crossings that are none of them, in order.
-fn breaks(ends: &Ends, crossings: &[Place]) -> Vec<(Place, Special)> {
+fn breaks(ends: &Ends, crossings: &[BorderPlace]) -> Vec<(BorderPlace, Special)> {
     let start = ends.start();
-    let mut breaks: Vec<(Place, Special)> =
+    let mut breaks: Vec<(BorderPlace, Special)> =
         ends.places.iter().enumerate().map(|(j, &place)| (place, Special::End(j))).collect();
-    let apart = |breaks: &[(Place, Special)], z: Complex| {
+    let apart = |breaks: &[(BorderPlace, Special)], z: Complex| {
         breaks.iter().all(|(other, _)| (other.point() - z).norm() > SHORTEST)
     };
-    let corners = (0..4).map(|corner| (Place { corner, t: 0.0 }, Special::Corner));
+    let corners = (0..4).map(|corner| (BorderPlace { corner, t: 0.0 }, Special::Corner));
     let crossings = crossings.iter().map(|&place| (place, Special::Crossing));
     for (place, special) in corners.chain(crossings) {
         let place = place.following(start);
@@ -197,8 +197,8 @@ fn breaks(ends: &Ends, crossings: &[Place]) -> Vec<(Place, Special)> {
 
 /// The border from one particular point to the next.
 struct Stretch {
-    from: Place,
-    to: Place,
+    from: BorderPlace,
+    to: BorderPlace,
     length: f64,
     /// The numbers of the points at its ends.
     ends: [usize; 2],
@@ -206,10 +206,10 @@ struct Stretch {
 
 impl Stretch {
     /// The place at a distance from its start, seen from the corner of the nearer end.
-    fn place(&self, s: f64) -> Place {
+    fn place(&self, s: f64) -> BorderPlace {
         match s <= 0.5 * self.length {
-            true => Place::new(self.from.corner, self.from.t + s),
-            false => Place::new(self.to.corner, self.to.t - (self.length - s)),
+            true => BorderPlace::new(self.from.corner, self.from.t + s),
+            false => BorderPlace::new(self.to.corner, self.to.t - (self.length - s)),
         }
     }
 

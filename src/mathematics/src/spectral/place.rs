@@ -13,12 +13,12 @@ pub(super) const CORNERS: [Complex; 4] = [
 /// A point of the border: a corner, counted anticlockwise from the lower right one and on after a full
 /// turn, and the distance from it, negative before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct BorderPlace {
     pub corner: i32,
     pub t: f64,
 }
 
-impl Place {
+impl BorderPlace {
     /// This point seen from its nearest corner.
     pub(super) fn new(corner: i32, t: f64) -> Self {
         let corners = (t - 0.5).ceil();

@@ -1,6 +1,6 @@
 //! Gauss rules on (0, 1), interpolation and integration between their nodes, and where to apply them.
 
-use super::Params;
+use super::SpectralParams;
 use std::f64::consts::PI;
 
 /// Ratio of neighbouring panels towards corners and crossings.
@@ -20,7 +20,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    pub(super) fn new(Params { nodes, levels }: Params) -> Self {
+    pub(super) fn new(SpectralParams { nodes, levels }: SpectralParams) -> Self {
         let plain = gauss(nodes + 1);
         let mut near = Vec::with_capacity(plain.len() * (levels as usize + 1));
         let mut to = 1.0;

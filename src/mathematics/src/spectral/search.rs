@@ -1,10 +1,10 @@
 //! The search for the contact set: Newton's method and corrections in turn, until all signs are right.
 
-use super::Params;
+use super::SpectralParams;
 use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
 use super::panels::Ends;
-use super::place::Place;
-use super::problem::Problem;
+use super::place::BorderPlace;
+use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::trace::Trace;
 
@@ -12,12 +12,12 @@ use super::trace::Trace;
 /// one of a grid: Newton's method finds six digits first, at a small part of the cost of fourteen, and a single step is
 /// left to that with all.
 pub(super) fn search(
-    problem: &Problem,
-    mut places: Vec<Place>,
-    params: Params,
+    problem: &SpectralProblem,
+    mut places: Vec<BorderPlace>,
+    params: SpectralParams,
     rough: bool,
 ) -> Option<(Trace, usize)> {
-    const ROUGH: Params = Params { nodes: 8, levels: 3 };
+    const ROUGH: SpectralParams = SpectralParams { nodes: 8, levels: 3 };
     let rough = (rough && params.nodes > ROUGH.nodes).then(|| Rules::new(ROUGH));
     let rules = Rules::new(params);
     // If a few do not do, a contact set of a finer grid is the better start.

@@ -1,11 +1,11 @@
 //! Quadrature nodes on the border and the Cauchy sums over them.
 
-use super::border::Border;
+use super::border::SquareBorder;
 use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
 use super::panels::{Ends, LANES, Panel, Special, panels};
-use super::place::Place;
-use super::problem::Problem;
+use super::place::BorderPlace;
+use super::problem::SpectralProblem;
 use super::rule::Rules;
 use crate::discrete::simd::vectorised;
 use std::ops::Range;
@@ -33,7 +33,14 @@ pub(super) struct Group {
 
 impl Sources {
     /// Adds the nodes of a rule on a panel.
-    fn add(&mut self, psi: &Border, ends: &Ends, panel: &Panel, rule: &[[f64; 2]], power: i32) {
+    fn add(
+        &mut self,
+        psi: &SquareBorder,
+        ends: &Ends,
+        panel: &Panel,
+        rule: &[[f64; 2]],
+        power: i32,
+    ) {
         let start = self.weight.len();
         let direction = panel.direction();
         let component = if direction.re == 0.0 { 2 } else { 1 };
@@ -121,8 +128,8 @@ impl Block {
 }
 
 /// All sources: plain ones and, where they do not serve, graded ones.
-pub(super) struct Field<'a> {
-    psi: &'a Border,
+pub(super) struct SourceField<'a> {
+    psi: &'a SquareBorder,
     ends: &'a Ends,
     rules: &'a Rules,
     pub panels: Vec<Panel>,
@@ -136,7 +143,7 @@ pub(super) struct Field<'a> {
 /// The solution at a point of the border.
 #[derive(Clone, Copy)]
 pub(super) struct Point {
-    pub place: Place,
+    pub place: BorderPlace,
     /// Number of its panel.
     pub panel: usize,
     pub angle: Angle,
@@ -154,10 +161,10 @@ pub(super) struct Point {
     pub along: f64,
 }
 
-impl<'a> Field<'a> {
+impl<'a> SourceField<'a> {
     /// Grades the panels next to kinks that are `wanted`.
     pub(super) fn new(
-        problem: &'a Problem,
+        problem: &'a SpectralProblem,
         ends: &'a Ends,
         rules: &'a Rules,
         wanted: impl Fn(&Panel) -> bool,

@@ -3,10 +3,10 @@
 use super::complex::{Complex, distance};
 use super::map::{Angle, corner_angle, to_disc};
 use super::panels::{Ends, LANES, Panel, Special};
-use super::place::Place;
-use super::problem::Problem;
+use super::place::BorderPlace;
+use super::problem::SpectralProblem;
 use super::rule::{Rules, halved, interpolation};
-use super::sources::{Field, Point};
+use super::sources::{Point, SourceField};
 use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
 
@@ -24,8 +24,8 @@ pub(super) struct Trace {
 }
 
 impl Trace {
-    pub(super) fn new(problem: &Problem, ends: Ends, rules: &Rules) -> Self {
-        let field = Field::new(problem, &ends, rules, |_| true);
+    pub(super) fn new(problem: &SpectralProblem, ends: Ends, rules: &Rules) -> Self {
+        let field = SourceField::new(problem, &ends, rules, |_| true);
         let panels = &field.panels;
         let n = rules.targets.len();
         let mut points: Vec<Point> = Vec::with_capacity(n * panels.len());
@@ -56,12 +56,12 @@ impl Trace {
     /// The multiplier by which the contact at the `i`-th point is judged: infinite so near to a corner that gaps are
     /// left out, but for the last such point. Between it and the next a gap may end that is not left out.
     fn judged(&self, i: usize) -> f64 {
-        let Point { place: Place { corner, t }, multiplier, .. } = self.points[i];
+        let Point { place: BorderPlace { corner, t }, multiplier, .. } = self.points[i];
         let many = self.points.len();
         let outwards = (if t > 0.0 { i + 1 } else { i + many - 1 }) % many;
         match [i, outwards].map(|i| self.points[i].place.t.abs() <= UNRESOLVED) {
             [false, _] => multiplier,
-            [true, false] => self.at(Place { corner, t: UNRESOLVED.copysign(t) })[1],
+            [true, false] => self.at(BorderPlace { corner, t: UNRESOLVED.copysign(t) })[1],
             [true, true] => f64::INFINITY,
         }
     }
@@ -132,7 +132,7 @@ impl Trace {
     }
 
     /// v and dv/dn at a place on the border, interpolated between the points of its panel.
-    pub(super) fn at(&self, place: Place) -> [f64; 2] {
+    pub(super) fn at(&self, place: BorderPlace) -> [f64; 2] {
         // As seen from the corner of a panel, at most two sides away.
         let seen_from = |panel: &Panel| {
             let corners = (place.corner - panel.corner + 1).rem_euclid(4) - 1;
@@ -170,12 +170,12 @@ impl Trace {
 
     /// The contact arcs with their forces; `total` is that on the whole border.
     pub(super) fn arcs(&self, total: f64) -> Vec<ContactArc> {
-        let point = |place: Place| {
+        let point = |place: BorderPlace| {
             let Complex { re, im } = place.point();
             [re, im]
         };
         if self.ends.places.is_empty() {
-            let corner = point(Place { corner: 3, t: 0.0 });
+            let corner = point(BorderPlace { corner: 3, t: 0.0 });
             return vec![ContactArc { from: corner, to: corner, force: total }];
         }
         let force = |arc: usize| {
@@ -183,7 +183,7 @@ impl Trace {
             let points = self.points.iter().filter(|p| own(&self.panels[p.panel]));
             points.map(|p| p.weight * p.multiplier).sum()
         };
-        let arc = |(k, pair): (usize, &[Place])| ContactArc {
+        let arc = |(k, pair): (usize, &[BorderPlace])| ContactArc {
             from: point(pair[0]),
             to: point(pair[1]),
             force: force(k + 1),

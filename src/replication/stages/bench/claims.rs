@@ -2,16 +2,18 @@
 
 use crate::figures::Stroke::{Line, Marked};
 use crate::figures::{Chart, Curve, Picture, charts};
-use signorini_mathematics::experiments::claims::{Cell, Claims, Count, Measure, VARIANTS};
+use signorini_mathematics::experiments::claims::{
+    ClaimMeasure, Claims, Count, UzawaCell, VARIANTS,
+};
 use signorini_mathematics::saddle::StopRule;
 
 /// Draws iterations against r: a row of panels per measure, a column per problem, a curve per grid.
 pub(super) fn sweep(claims: &Claims) -> Picture {
     let (target, _) = claims.targets[0];
     let shown = [
-        (Measure::Rule(StopRule::Signed), "signed rule".to_owned()),
-        (Measure::Rule(StopRule::Printed), "printed rule".to_owned()),
-        (Measure::Kkt(target), format!("KKT residual {target:e}")),
+        (ClaimMeasure::Rule(StopRule::Signed), "signed rule".to_owned()),
+        (ClaimMeasure::Rule(StopRule::Printed), "printed rule".to_owned()),
+        (ClaimMeasure::Kkt(target), format!("KKT residual {target:e}")),
     ];
     let mut panels = Vec::new();
     for (measure, name) in &shown {
@@ -33,7 +35,7 @@ pub(super) fn uzawa(claims: &Claims) -> Picture {
     let mut panels = Vec::new();
     for &(target, cells) in &claims.targets {
         for problem in &claims.problems {
-            let shown: Vec<&Cell> = problem
+            let shown: Vec<&UzawaCell> = problem
                 .cells
                 .iter()
                 .filter(|cell| cell.target == target && cell.cells == cells)

@@ -2,13 +2,13 @@
 
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
-use signorini_mathematics::experiments::stress::{Case, Stress};
+use signorini_mathematics::experiments::stress::{Stress, StressCase};
 use signorini_mathematics::experiments::trial::Trial;
 
 /// Curve with a ring at each case in which the method ran and the value is positive.
 fn marked(
     label: impl Into<String>,
-    cases: &[Case<f64>],
+    cases: &[StressCase<f64>],
     method: &str,
     value: impl Fn(&Trial) -> Option<f64>,
 ) -> Curve {

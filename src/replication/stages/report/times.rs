@@ -7,7 +7,7 @@ use crate::timing::recorded::{
 use crate::timing::solver::Solver;
 use serde::Serialize;
 use serde_json::{Value, json};
-use signorini_mathematics::experiments::accuracy::Findings;
+use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::{Range, exponent};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,7 +19,7 @@ const CACHED_AT: usize = 512;
 const FIT_FROM: usize = 100_000;
 
 /// Returns the recorded times in the form that the templates take.
-pub(super) fn times(timings: &Timings, accuracy: &Findings) -> Value {
+pub(super) fn times(timings: &Timings, accuracy: &AccuracyFindings) -> Value {
     let mut problems: Vec<&str> = timings.solver.iter().map(|line| &*line.problem).collect();
     problems.dedup();
     let comparisons: Vec<_> =
@@ -165,7 +165,7 @@ fn noise(timings: &Timings) -> Vec<Value> {
 
 /// Returns the work units to the rounding floor, recorded and today's, on the finest grid for which both exist, if
 /// they differ: then multigrid has changed since it was timed.
-fn outdated(timings: &Timings, accuracy: &Findings) -> Option<Value> {
+fn outdated(timings: &Timings, accuracy: &AccuracyFindings) -> Option<Value> {
     let problem = accuracy.problems.iter().find(|problem| problem.name == TIMED.name())?;
     for level in problem.levels.iter().rev() {
         let (cells, [.., floor]) = (level.cost.cells, &level.cost.goals);

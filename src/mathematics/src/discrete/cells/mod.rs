@@ -8,7 +8,7 @@ mod slices;
 mod sweep;
 
 pub use slices::CutCube;
-pub use sweep::{Cut, Moments};
+pub use sweep::{Moments, SweepCut};
 
 use super::grid::Grid;
 use crate::problem::region::Region;
@@ -46,7 +46,7 @@ struct Present<P> {
 }
 
 /// Next part of a row of cells, from left to right.
-pub enum Run<'r, P> {
+pub enum CellRun<'r, P> {
     /// Cells on which f has one value.
     Constant(Range<usize>, f64),
     /// A cell that a border crosses: its place, the value where no piece is, and the pieces there, of which the
@@ -61,7 +61,7 @@ impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
     }
 
     /// Shows f on a row of cells to `visit`, from left to right.
-    pub fn runs(&mut self, at: [usize; N], mut visit: impl FnMut(Run<'_, P>)) {
+    pub fn runs(&mut self, at: [usize; N], mut visit: impl FnMut(CellRun<'_, P>)) {
         let n = self.lines.len() - 1;
         self.find_present(at.map(|k| [self.lines[k], self.lines[k + 1]]));
         let Self { lines, background, present, ends, .. } = self;
@@ -81,13 +81,13 @@ impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
             let above = &present[lowest.map_or(0, |k| k + 1)..];
             let here = above.iter().rev().filter(|piece| piece.touched.contains(&start));
             if here.clone().next().is_none() {
-                visit(Run::Constant(start..end, hidden));
+                visit(CellRun::Constant(start..end, hidden));
             } else {
                 for i in start..end {
                     let seen = |p: &Present<P>| {
                         (p.shape.seen_from(middle(i), at.map(middle), 1.0 / n as f64), p.value)
                     };
-                    visit(Run::Cut(i, hidden, &mut here.clone().map(seen)));
+                    visit(CellRun::Cut(i, hidden, &mut here.clone().map(seen)));
                 }
             }
             start = end;
@@ -95,7 +95,7 @@ impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
     }
 
     /// Writes f on the cells of a row to `values`. A cell that a border crosses gets 0 and is shown to `cut`, from
-    /// left to right, as in [`Run::Cut`].
+    /// left to right, as in [`CellRun::Cut`].
     ///
     /// # Panics
     /// If there is not one value per cell.
@@ -107,8 +107,8 @@ impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
     ) {
         assert_eq!(values.len(), self.lines.len() - 1);
         self.runs(at, |run| match run {
-            Run::Constant(cells, value) => values[cells].fill(value),
-            Run::Cut(i, background, pieces) => {
+            CellRun::Constant(cells, value) => values[cells].fill(value),
+            CellRun::Cut(i, background, pieces) => {
                 values[i] = 0.0;
                 cut(i, background, pieces);
             }
@@ -146,14 +146,14 @@ impl<'a, P: Convex<N>, const N: usize> Rows<'a, P, N> {
 /// The cells of the square.
 pub struct Cells<'a> {
     rows: Rows<'a, Region, 1>,
-    cut: Cut,
+    cut: SweepCut,
 }
 
 impl<'a> Cells<'a> {
     /// The cells of `grid` under `background` and `pieces`, of which the last wins.
     pub fn new(grid: Grid, background: f64, pieces: &'a [(Region, f64)]) -> Self {
         let lines = (0..grid.side()).map(|i| grid.coordinate(i)).collect();
-        Self { rows: Rows::new(lines, background, pieces), cut: Cut::default() }
+        Self { rows: Rows::new(lines, background, pieces), cut: SweepCut::default() }
     }
 
     /// Writes f on the cells of the `j`-th row, from below, to `values`; a cell that a border crosses gets 0
@@ -161,7 +161,7 @@ impl<'a> Cells<'a> {
     ///
     /// # Panics
     /// If there is not one value per cell.
-    pub fn row(&mut self, j: usize, values: &mut [f64], mut cut: impl FnMut(usize, &mut Cut)) {
+    pub fn row(&mut self, j: usize, values: &mut [f64], mut cut: impl FnMut(usize, &mut SweepCut)) {
         let Self { rows, cut: cell } = self;
         rows.row([j], values, |i, background, pieces| {
             cell.set(background, pieces);
@@ -171,11 +171,15 @@ impl<'a> Cells<'a> {
 
     /// Shows f on the `j`-th row, from below, to `visit`: runs of cells with one value, and cells that a border
     /// crosses, which have none.
-    pub fn runs(&mut self, j: usize, mut visit: impl FnMut(Range<usize>, Result<f64, &mut Cut>)) {
+    pub fn runs(
+        &mut self,
+        j: usize,
+        mut visit: impl FnMut(Range<usize>, Result<f64, &mut SweepCut>),
+    ) {
         let Self { rows, cut: cell } = self;
         rows.runs([j], |run| match run {
-            Run::Constant(cells, value) => visit(cells, Ok(value)),
-            Run::Cut(i, background, pieces) => {
+            CellRun::Constant(cells, value) => visit(cells, Ok(value)),
+            CellRun::Cut(i, background, pieces) => {
                 cell.set(background, pieces);
                 visit(i..i + 1, cell.constant().ok_or(cell));
             }

@@ -5,7 +5,7 @@
 //! that smooths these roots is exact to rounding.
 
 use super::bilinear;
-use super::sweep::Cut;
+use super::sweep::SweepCut;
 use crate::problem::cube::Body;
 
 /// The pieces that share one cell of the cube, with room for the work on them.
@@ -17,7 +17,7 @@ pub struct CutCube {
     planes: Vec<Plane>,
     spheres: Vec<Sphere>,
     stops: Vec<f64>,
-    slice: Cut,
+    slice: SweepCut,
 }
 
 /// Relative difference of seven and fifteen points up to which, fifteen are exact to rounding: errors fall geometrically.

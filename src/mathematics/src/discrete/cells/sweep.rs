@@ -22,7 +22,7 @@ pub struct Moments {
 
 /// A straight line `a x + b y = c`.
 #[derive(Clone, Copy)]
-struct Line {
+struct SweepLine {
     a: f64,
     b: f64,
     c: f64,
@@ -30,9 +30,9 @@ struct Line {
 
 /// A border of a piece, in the coordinates of the cell.
 #[derive(Clone, Copy)]
-enum Border {
+enum PieceBorder {
     /// A line over these x; a vertical one ends at its only x, and is no graph.
-    Straight(Line, [f64; 2]),
+    Straight(SweepLine, [f64; 2]),
     Circle {
         centre: [f64; 2],
         radius: f64,
@@ -51,12 +51,12 @@ struct Bound {
 
 /// The pieces that share one cell, with room for the work on them.
 #[derive(Default)]
-pub struct Cut {
+pub struct SweepCut {
     /// Value where none of the pieces is.
     background: f64,
     /// Regions in the coordinates of the cell, the last first: it wins.
     pieces: Vec<(Region, f64)>,
-    borders: Vec<Border>,
+    borders: Vec<PieceBorder>,
     stops: Vec<f64>,
     graphs: Vec<Graph>,
 }
@@ -64,13 +64,13 @@ pub struct Cut {
 /// A border over one interval of the sweep: a straight one, or the upper or lower half of a circle.
 #[derive(Clone, Copy)]
 struct Graph {
-    border: Border,
+    border: PieceBorder,
     upper: bool,
     /// Height in the middle of the interval.
     middle: f64,
 }
 
-impl Cut {
+impl SweepCut {
     /// Takes another cell, f there being `background` but for the pieces, of which the first wins.
     pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Region, f64)>) {
         self.background = background;
@@ -127,14 +127,14 @@ impl Cut {
         self.stops.clear();
         for (k, border) in self.borders.iter().enumerate() {
             match *border {
-                Border::Straight(_, span) => self.stops.extend(span),
-                Border::Circle { centre: [x, _], radius } => {
+                PieceBorder::Straight(_, span) => self.stops.extend(span),
+                PieceBorder::Circle { centre: [x, _], radius } => {
                     self.stops.extend([x - radius, x + radius]);
                 }
             }
             for Bound { heights: [l, r], .. } in bounds {
-                let line = Line { a: l - r, b: 1.0, c: 0.5 * (l + r) };
-                meet(border, &Border::Straight(line, [-0.5, 0.5]), &mut self.stops);
+                let line = SweepLine { a: l - r, b: 1.0, c: 0.5 * (l + r) };
+                meet(border, &PieceBorder::Straight(line, [-0.5, 0.5]), &mut self.stops);
             }
             for other in &self.borders[..k] {
                 meet(border, other, &mut self.stops);
@@ -179,10 +179,10 @@ impl Cut {
                 }
             };
             match border {
-                Border::Straight(line, [start, end]) if start < middle && middle < end => {
+                PieceBorder::Straight(line, [start, end]) if start < middle && middle < end => {
                     add(true, (line.c - line.a * middle) / line.b);
                 }
-                Border::Circle { centre: [x, y], radius } if (middle - x).abs() < radius => {
+                PieceBorder::Circle { centre: [x, y], radius } if (middle - x).abs() < radius => {
                     let half = half_chord(radius, middle - x);
                     add(false, y - half);
                     add(true, y + half);
@@ -235,43 +235,46 @@ impl Moments {
     }
 }
 
-fn add_borders(region: &Region, borders: &mut Vec<Border>) {
+fn add_borders(region: &Region, borders: &mut Vec<PieceBorder>) {
     match *region {
         Region::Rect { x, y } => {
             borders.extend(
                 y.iter()
                     .filter(|y| y.abs() < 0.5)
-                    .map(|&y| Border::Straight(Line { a: 0.0, b: 1.0, c: y }, x)),
+                    .map(|&y| PieceBorder::Straight(SweepLine { a: 0.0, b: 1.0, c: y }, x)),
             );
             borders.extend(
                 x.iter()
                     .filter(|x| x.abs() < 0.5)
-                    .map(|&x| Border::Straight(Line { a: 1.0, b: 0.0, c: x }, [x, x])),
+                    .map(|&x| PieceBorder::Straight(SweepLine { a: 1.0, b: 0.0, c: x }, [x, x])),
             );
         }
         // A line as steep as this is vertical to rounding.
         Region::HalfPlane { a, b, c } if b.abs() < 1e-15 * a.abs() => {
-            borders.push(Border::Straight(Line { a, b: 0.0, c }, [c / a, c / a]));
+            borders.push(PieceBorder::Straight(SweepLine { a, b: 0.0, c }, [c / a, c / a]));
         }
         Region::HalfPlane { a, b, c } => {
-            borders.push(Border::Straight(Line { a, b, c }, [-0.5, 0.5]));
+            borders.push(PieceBorder::Straight(SweepLine { a, b, c }, [-0.5, 0.5]));
         }
-        Region::Disc { centre, radius } => borders.push(Border::Circle { centre, radius }),
+        Region::Disc { centre, radius } => borders.push(PieceBorder::Circle { centre, radius }),
     }
 }
 
 /// Adds the abscissas at which two borders meet, were they as long as they can be.
-fn meet(p: &Border, q: &Border, stops: &mut Vec<f64>) {
+fn meet(p: &PieceBorder, q: &PieceBorder, stops: &mut Vec<f64>) {
     match (*p, *q) {
-        (Border::Straight(p, _), Border::Straight(q, _)) => {
+        (PieceBorder::Straight(p, _), PieceBorder::Straight(q, _)) => {
             stops.push((p.c * q.b - q.c * p.b) / (p.a * q.b - q.a * p.b));
         }
-        (Border::Straight(line, _), Border::Circle { centre, radius })
-        | (Border::Circle { centre, radius }, Border::Straight(line, _)) => {
+        (PieceBorder::Straight(line, _), PieceBorder::Circle { centre, radius })
+        | (PieceBorder::Circle { centre, radius }, PieceBorder::Straight(line, _)) => {
             let away = line.c - line.a * centre[0] - line.b * centre[1];
             meet_circle([line.a, line.b], away, centre, radius, stops);
         }
-        (Border::Circle { centre: p, radius }, Border::Circle { centre: q, radius: other }) => {
+        (
+            PieceBorder::Circle { centre: p, radius },
+            PieceBorder::Circle { centre: q, radius: other },
+        ) => {
             // Both points lie on the radical line.
             let to = [q[0] - p[0], q[1] - p[1]];
             let square = to[0] * to[0] + to[1] * to[1];
@@ -298,11 +301,11 @@ impl Graph {
     /// Integrals of the monomials between the x axis and this graph.
     fn below(&self, left: f64, right: f64) -> [f64; 8] {
         match self.border {
-            Border::Straight(line, _) => {
+            PieceBorder::Straight(line, _) => {
                 let on = |x: f64| (line.c - line.a * x) / line.b;
                 below_chord([left, right], [on(left), on(right)])
             }
-            Border::Circle { centre: [x, y], radius } => {
+            PieceBorder::Circle { centre: [x, y], radius } => {
                 let side = if self.upper { 1.0 } else { -1.0 };
                 if let Some(sums) = below_arc([left, right], [x, y], radius, side) {
                     return sums;

@@ -57,7 +57,7 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64]) -> Errors {
 }
 
 /// A point of the rule in a cell of the unit grid, and what the corners count in the trilinear function there.
-struct Place {
+struct PlaceInCube {
     inside: [f64; 3],
     /// Of the volume of the cell.
     weight: f64,
@@ -66,7 +66,7 @@ struct Place {
     slopes: [[f64; 3]; 8],
 }
 
-impl Place {
+impl PlaceInCube {
     fn new(at: [f64; 3], weight: f64, h: f64) -> Self {
         let inside = at.map(|t| 0.5 + 0.5 * t);
         let factor = |corner: usize, axis: usize| match ends(corner)[axis] {
@@ -102,7 +102,7 @@ fn layer_errors(grid: Grid, problem: Exact, y: &[f64], k: usize) -> (f64, f64) {
     let (n, h) = (grid.cells(), grid.h());
     let at = |cell: usize, inside: f64| problem.along((cell as f64 + inside) * h - 0.5);
     let rule = quadrature().map(|(point, weight)| {
-        let place = Place::new(point, weight, h);
+        let place = PlaceInCube::new(point, weight, h);
         let x: Vec<_> = (0..n).map(|i| at(i, place.inside[0])).collect();
         (place, x)
     });

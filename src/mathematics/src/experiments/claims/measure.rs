@@ -1,6 +1,9 @@
 //! The runs behind the claims, spread over threads; every count is the same however they are spread.
 
-use super::{Best, Cell, Count, Line, Measure, Measured, Plan, Row, Table, VARIANTS};
+use super::{
+    BestParameter, ClaimLine, ClaimMeasure, ClaimTable, ClaimsPlan, Count, CountRow, Measured,
+    UzawaCell, VARIANTS,
+};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
@@ -23,7 +26,7 @@ const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 const RUNS: usize = 12 * LANES;
 
 /// A problem on all its grids.
-struct Case<'a> {
+struct ClaimCase<'a> {
     problem: &'a Problem,
     grids: Vec<Grid>,
     /// Load vectors under the published rule, and under [`SOLVABLE`].
@@ -35,7 +38,7 @@ struct Case<'a> {
 
 /// A run for one r.
 #[derive(Clone, Copy, PartialEq)]
-struct Run {
+struct ClaimRun {
     /// Place of the problem in the plan.
     problem: usize,
     end: Until,
@@ -53,14 +56,14 @@ enum Until {
 
 /// Result of a run on a grid.
 #[derive(Clone, Copy)]
-struct Reached {
+struct RunResult {
     count: Count,
     delta_a: f64,
     kkt: f64,
 }
 
-pub(super) fn measure(plan: &Plan) -> Result<Vec<Measured>, String> {
-    let cases = plan.problems.par_iter().map(Case::new).collect::<Result<Vec<_>, _>>()?;
+pub(super) fn measure(plan: &ClaimsPlan) -> Result<Vec<Measured>, String> {
+    let cases = plan.problems.par_iter().map(ClaimCase::new).collect::<Result<Vec<_>, _>>()?;
     let batches = batches(plan, &cases);
     let done = batches.par_iter().with_max_len(1);
     let done: Vec<_> = done.map(|batch| cases[batch[0].problem].run(plan, batch)).collect();
@@ -70,12 +73,13 @@ pub(super) fn measure(plan: &Plan) -> Result<Vec<Measured>, String> {
 }
 
 /// All runs; those of a batch share the problem, and the stopping rule or the grid.
-fn batches(plan: &Plan, cases: &[Case]) -> Vec<Vec<Run>> {
+fn batches(plan: &ClaimsPlan, cases: &[ClaimCase]) -> Vec<Vec<ClaimRun>> {
     let swept = plan.r();
     let mut batches = Vec::new();
     for (problem, case) in cases.iter().enumerate() {
-        let with =
-            |end, r: &[f64]| r.iter().map(move |&r| Run { problem, end, r }).collect::<Vec<_>>();
+        let with = |end, r: &[f64]| {
+            r.iter().map(move |&r| ClaimRun { problem, end, r }).collect::<Vec<_>>()
+        };
         // The finest grids first: they take longest.
         for (level, grid) in case.grids.iter().enumerate().rev() {
             let mut runs = Vec::new();
@@ -88,7 +92,7 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Vec<Run>> {
                     runs.extend(variants.flat_map(|variant| with(of(variant), &plan.compared_r)));
                 }
             }
-            batches.extend(runs.chunks(RUNS).map(<[Run]>::to_vec));
+            batches.extend(runs.chunks(RUNS).map(<[ClaimRun]>::to_vec));
         }
         for rule in StopRule::ALL {
             let mut r = case.problem.r.clone();
@@ -96,13 +100,13 @@ fn batches(plan: &Plan, cases: &[Case]) -> Vec<Vec<Run>> {
                 r.extend(swept.iter().filter(|r| !case.problem.r.contains(r)));
             }
             r.sort_by(f64::total_cmp);
-            batches.extend(with(Until::Rule(rule), &r).chunks(RUNS).map(<[Run]>::to_vec));
+            batches.extend(with(Until::Rule(rule), &r).chunks(RUNS).map(<[ClaimRun]>::to_vec));
         }
     }
     batches
 }
 
-impl<'a> Case<'a> {
+impl<'a> ClaimCase<'a> {
     fn new(problem: &'a Problem) -> Result<Self, String> {
         let Discrete { f, grids, loads: published } = problem.discrete()?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
@@ -125,7 +129,7 @@ impl<'a> Case<'a> {
     }
 
     /// Results of the runs of a batch, on the grids that it visits.
-    fn run(&self, plan: &Plan, batch: &[Run]) -> Vec<Vec<Reached>> {
+    fn run(&self, plan: &ClaimsPlan, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
         match batch[0].end {
             Until::Rule(rule) => self.nested(rule, batch),
             Until::Kkt { level, .. } => self.direct(plan, level, batch),
@@ -133,21 +137,21 @@ impl<'a> Case<'a> {
     }
 
     /// As [`crate::saddle::solve_nested`], for several r.
-    fn nested(&self, rule: StopRule, batch: &[Run]) -> Vec<Vec<Reached>> {
+    fn nested(&self, rule: StopRule, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
         let loads = &self.published[..];
         let runs: Vec<_> = batch.iter().map(|of| Nested { loads, r: of.r, rule }).collect();
         let cap = |_, _| self.problem.max_iterations;
         let ends = run_nested(&self.grids, &runs, self.problem.prolongation, cap, &mut AsDefined);
         let reached = |(k, end): (usize, &End)| {
-            Reached::of(end, kkt(self.grids[k], &end.pair.y, &loads[k]).relative)
+            RunResult::of(end, kkt(self.grids[k], &end.pair.y, &loads[k]).relative)
         };
         ends.iter().map(|ends| ends.iter().enumerate().map(reached).collect()).collect()
     }
 
-    fn direct(&self, plan: &Plan, level: usize, batch: &[Run]) -> Vec<Vec<Reached>> {
+    fn direct(&self, plan: &ClaimsPlan, level: usize, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
         let (grid, load) = (self.grids[level], &self.solvable[level]);
         let scale = largest(load);
-        let job = |of: &Run| {
+        let job = |of: &ClaimRun| {
             let Until::Kkt { target, variant, .. } = of.end else {
                 unreachable!("the runs of a batch are of one kind")
             };
@@ -159,7 +163,7 @@ impl<'a> Case<'a> {
         };
         let jobs: Vec<_> = batch.iter().map(job).collect();
         let ends = run(grid, &jobs, &mut AsDefined);
-        ends.iter().map(|end| vec![Reached::of(end, f64::NAN)]).collect()
+        ends.iter().map(|end| vec![RunResult::of(end, f64::NAN)]).collect()
     }
 }
 
@@ -167,10 +171,10 @@ impl<'a> Case<'a> {
 struct Gathered<'a> {
     /// Place of the problem in the plan.
     place: usize,
-    case: &'a Case<'a>,
-    plan: &'a Plan,
+    case: &'a ClaimCase<'a>,
+    plan: &'a ClaimsPlan,
     /// Results of the runs, on the grids that it visited.
-    found: &'a [(Run, Vec<Reached>)],
+    found: &'a [(ClaimRun, Vec<RunResult>)],
 }
 
 impl Gathered<'_> {
@@ -186,14 +190,14 @@ impl Gathered<'_> {
     }
 
     /// Results on each grid visited.
-    fn found(&self, end: Until, r: f64) -> &[Reached] {
-        let wanted = Run { problem: self.place, end, r };
+    fn found(&self, end: Until, r: f64) -> &[RunResult] {
+        let wanted = ClaimRun { problem: self.place, end, r };
         let found = self.found.iter().find(|(run, _)| *run == wanted);
         &found.expect("every r was run").1
     }
 
     /// Results under a stopping rule, grid by grid.
-    fn nested(&self, rule: StopRule, r: f64) -> &[Reached] {
+    fn nested(&self, rule: StopRule, r: f64) -> &[RunResult] {
         self.found(Until::Rule(rule), r)
     }
 
@@ -207,25 +211,25 @@ impl Gathered<'_> {
         all.filter(move |(_, n)| cells.contains(n))
     }
 
-    fn rows(&self) -> Vec<Row> {
+    fn rows(&self) -> Vec<CountRow> {
         let swept = self.plan.r();
         let mut rows = Vec::new();
         for rule in SWEPT {
             for (level, cells) in self.grids(0..=usize::MAX) {
                 let counts = swept.iter().map(|&r| self.nested(rule, r)[level].count).collect();
-                rows.push(Row::new(Measure::Rule(rule), cells, &swept, counts));
+                rows.push(CountRow::new(ClaimMeasure::Rule(rule), cells, &swept, counts));
             }
         }
         for &(target, finest) in &self.plan.targets {
             for (level, cells) in self.grids(0..=finest) {
                 let counts = swept.iter().map(|&r| self.direct(level, target, None, r)).collect();
-                rows.push(Row::new(Measure::Kkt(target), cells, &swept, counts));
+                rows.push(CountRow::new(ClaimMeasure::Kkt(target), cells, &swept, counts));
             }
         }
         rows
     }
 
-    fn table(&self, rule: StopRule) -> Table {
+    fn table(&self, rule: StopRule) -> ClaimTable {
         let without = match rule {
             StopRule::Signed | StopRule::SignedDual => StopRule::Signed,
             StopRule::Printed | StopRule::PrintedDual => StopRule::Printed,
@@ -234,7 +238,7 @@ impl Gathered<'_> {
             let reached = self.nested(rule, r);
             let last = reached[reached.len() - 1];
             let fewer = self.nested(without, r)[reached.len() - 1].count.iterations;
-            Line {
+            ClaimLine {
                 r,
                 counts: reached.iter().map(|reached| reached.count).collect(),
                 factor: last.count.iterations as f64 / fewer as f64,
@@ -243,14 +247,14 @@ impl Gathered<'_> {
                 kkt: last.kkt,
             }
         };
-        Table { rule, lines: self.case.problem.r.iter().map(line).collect() }
+        ClaimTable { rule, lines: self.case.problem.r.iter().map(line).collect() }
     }
 
-    fn cells(&self) -> Vec<Cell> {
+    fn cells(&self) -> Vec<UzawaCell> {
         let mut all = Vec::new();
         for &(target, finest) in &self.plan.targets {
             for (level, cells) in self.grids(self.plan.compared_from..=finest) {
-                all.extend(self.plan.compared_r.iter().map(|&r| Cell {
+                all.extend(self.plan.compared_r.iter().map(|&r| UzawaCell {
                     cells,
                     target,
                     r,
@@ -263,21 +267,21 @@ impl Gathered<'_> {
     }
 }
 
-impl Reached {
+impl RunResult {
     fn of(end: &End, kkt: f64) -> Self {
         Self { count: Count { iterations: end.sweeps, stop: end.stop }, delta_a: end.delta_a, kkt }
     }
 }
 
-impl Row {
-    fn new(measure: Measure, cells: usize, r: &[f64], counts: Vec<Count>) -> Self {
+impl CountRow {
+    fn new(measure: ClaimMeasure, cells: usize, r: &[f64], counts: Vec<Count>) -> Self {
         let reached = |k: usize| counts[k].reached();
         let least = (0..r.len()).filter_map(|k| Some((reached(k)?, k))).min();
         let best = least.map(|(iterations, at)| {
             let flat = |k: &usize| reached(*k).is_some_and(|count| 10 * count <= 11 * iterations);
             let from = (0..=at).rev().take_while(flat).last().unwrap_or(at);
             let to = (at..r.len()).take_while(flat).last().unwrap_or(at);
-            Best { r: r[at], iterations, flat: (r[from], r[to]) }
+            BestParameter { r: r[at], iterations, flat: (r[from], r[to]) }
         });
         Self { measure, cells, counts, best }
     }
@@ -294,8 +298,8 @@ mod tests {
             Some(iterations) => Count { iterations, stop: StopReason::Converged },
             None => Count { iterations: 10, stop: StopReason::IterationLimit },
         };
-        let row = Row::new(Measure::Kkt(1e-3), 16, &r, counts.map(count).into());
-        row.best.map(|Best { r, iterations, flat }| (r, iterations, flat))
+        let row = CountRow::new(ClaimMeasure::Kkt(1e-3), 16, &r, counts.map(count).into());
+        row.best.map(|BestParameter { r, iterations, flat }| (r, iterations, flat))
     }
 
     #[test]

@@ -3,7 +3,7 @@
 mod measure;
 mod verdict;
 
-pub use verdict::{Ratios, Spread, Tally, Verdict, Verdicts};
+pub use verdict::{ClaimTally, ClaimVerdict, Ratios, Spread, Verdicts};
 
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::Problem;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything the experiment depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Plan {
+pub struct ClaimsPlan {
     /// The paper's problems.
     pub problems: Vec<Problem>,
     /// Least and greatest r of the sweep over r, as powers of ten.
@@ -32,7 +32,7 @@ pub struct Plan {
     pub weight: f64,
 }
 
-impl Plan {
+impl ClaimsPlan {
     /// The experiment on these problems.
     pub fn new(mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| problem.number);
@@ -86,17 +86,17 @@ pub struct Measured {
     /// Sum of the load on the finest grid, under the paper's stopping rules and towards a KKT residual.
     pub sums: [f64; 2],
     /// The sweep over r: a row per measure and grid.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CountRow>,
     /// Tables 1 and 2 in full under each stopping rule.
-    pub tables: Vec<Table>,
+    pub tables: Vec<ClaimTable>,
     /// Arrow-Hurwicz against Uzawa.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<UzawaCell>,
 }
 
 /// When a run over r ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Measure {
+pub enum ClaimMeasure {
     /// The paper's stopping rule on nested grids, with its tolerances and its load.
     Rule(StopRule),
     /// A KKT residual, from the coarser grid's solution, with the load averaged around nodes.
@@ -105,15 +105,15 @@ pub enum Measure {
 
 /// Iterations on a grid for every r of the sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct CountRow {
     /// When the runs end.
-    pub measure: Measure,
+    pub measure: ClaimMeasure,
     /// Cells per side.
     pub cells: usize,
     /// One count per r.
     pub counts: Vec<Count>,
     /// The best r, if any reached the end.
-    pub best: Option<Best>,
+    pub best: Option<BestParameter>,
 }
 
 /// Iterations, and why they ended.
@@ -134,7 +134,7 @@ impl Count {
 
 /// The least of the counts in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Best {
+pub struct BestParameter {
     /// The smallest r that attains it.
     pub r: f64,
     /// The count.
@@ -145,16 +145,16 @@ pub struct Best {
 
 /// A table as the paper prints it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table {
+pub struct ClaimTable {
     /// Stopping rule.
     pub rule: StopRule,
     /// A line per r, in the paper's order.
-    pub lines: Vec<Line>,
+    pub lines: Vec<ClaimLine>,
 }
 
-/// A line of a [`Table`].
+/// A line of a [`ClaimTable`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Line {
+pub struct ClaimLine {
     /// Duality parameter.
     pub r: f64,
     /// One count per grid.
@@ -171,7 +171,7 @@ pub struct Line {
 
 /// Sweeps of all methods to equal KKT residual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct UzawaCell {
     /// Cells per side.
     pub cells: usize,
     /// KKT residual over the largest component of F.
@@ -186,14 +186,14 @@ pub struct Cell {
 
 /// A variant of Uzawa's algorithm.
 #[derive(Clone, Copy, Debug)]
-pub struct Variant {
+pub struct UzawaVariant {
     /// Name in the book.
     pub name: &'static str,
     proximal: bool,
     loose: bool,
 }
 
-impl Variant {
+impl UzawaVariant {
     const fn new(name: &'static str, proximal: bool, loose: bool) -> Self {
         Self { name, proximal, loose }
     }
@@ -207,18 +207,18 @@ impl Variant {
 
 /// Methods with which Arrow-Hurwicz is compared: plain or with the proximal term, each inner minimisation to the
 /// end or only to a tenth of the gradient before it.
-pub const VARIANTS: [Variant; 4] = [
-    Variant::new("Uzawa, exact inside", false, false),
-    Variant::new("Uzawa, loose inside", false, true),
-    Variant::new("proximal, exact inside", true, false),
-    Variant::new("proximal, loose inside", true, true),
+pub const VARIANTS: [UzawaVariant; 4] = [
+    UzawaVariant::new("Uzawa, exact inside", false, false),
+    UzawaVariant::new("Uzawa, loose inside", false, true),
+    UzawaVariant::new("proximal, exact inside", true, false),
+    UzawaVariant::new("proximal, loose inside", true, true),
 ];
 
 /// Measures, in parallel over runs, and judges.
 ///
 /// # Errors
 /// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.
-pub fn claims(plan: &Plan) -> Result<Claims, String> {
+pub fn claims(plan: &ClaimsPlan) -> Result<Claims, String> {
     let problems = measure::measure(plan)?;
     let r = plan.r();
     let verdicts = Verdicts::of(&r, &problems);

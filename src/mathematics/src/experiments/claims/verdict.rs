@@ -1,6 +1,6 @@
 //! Verdicts on the claims: each is split into cases that hold or do not, by a bound stated here.
 
-use super::{Cell, Count, Line, Measure, Measured, Row, VARIANTS};
+use super::{ClaimLine, ClaimMeasure, Count, CountRow, Measured, UzawaCell, VARIANTS};
 use crate::experiments::Range;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ const MANY: f64 = 2.0;
 /// Verdict of the measurement on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum ClaimVerdict {
     /// It holds in all cases.
     Confirmed,
     /// It holds in some.
@@ -26,16 +26,16 @@ pub enum Verdict {
 
 /// In how many cases a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Tally {
+pub struct ClaimTally {
     /// Cases in which it holds.
     pub holds: usize,
     /// All cases.
     pub cases: usize,
     /// Verdict on the claim.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
 }
 
-impl Tally {
+impl ClaimTally {
     fn of(cases: impl IntoIterator<Item = bool>) -> Self {
         let (mut holds, mut all) = (0, 0);
         for case in cases {
@@ -43,9 +43,9 @@ impl Tally {
             all += 1;
         }
         let verdict = match holds {
-            0 => Verdict::Refuted,
-            _ if holds == all => Verdict::Confirmed,
-            _ => Verdict::Partly,
+            0 => ClaimVerdict::Refuted,
+            _ if holds == all => ClaimVerdict::Confirmed,
+            _ => ClaimVerdict::Partly,
         };
         Self { holds, cases: all, verdict }
     }
@@ -55,27 +55,27 @@ impl Tally {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdicts {
     /// The speed depends on r: counts on the finest grid over the paper's range of r.
-    pub depends_on_r: Tally,
+    pub depends_on_r: ClaimTally,
     /// The speed depends on r where r is at least 10.
-    pub depends_on_large_r: Tally,
+    pub depends_on_large_r: ClaimTally,
     /// A line per problem and measure.
     pub spreads: Vec<Spread>,
     /// The speed depends on the problem: counts of the problems differ, per measure and r.
-    pub depends_on_problem: Tally,
+    pub depends_on_problem: ClaimTally,
     /// At the signed stop the multiplier moves by more than ten tolerances.
-    pub still_moves: Tally,
+    pub still_moves: ClaimTally,
     /// More so in the last problem than in the first, per r.
-    pub more_in_last: Tally,
+    pub more_in_last: ClaimTally,
     /// The dual criterion at least doubles the iterations of the signed rule on the finest grid.
-    pub dual_costs: Tally,
+    pub dual_costs: ClaimTally,
     /// The dual criterion at least doubles the iterations of the printed rule.
-    pub dual_costs_printed: Tally,
+    pub dual_costs_printed: ClaimTally,
     /// Factors by which it multiplies them, in the same order: signed, printed.
     pub dual_factors: [Option<Range>; 2],
     /// Cheaper than Uzawa's algorithm with exact inner minimisation.
-    pub cheaper: Tally,
+    pub cheaper: ClaimTally,
     /// Cheaper than every variant of it.
-    pub cheapest: Tally,
+    pub cheapest: ClaimTally,
     /// Sweeps of each variant of Uzawa's algorithm over those of Arrow-Hurwicz, then of the best of all
     /// variants in each cell, per target.
     pub gains: Vec<Ratios>,
@@ -85,7 +85,7 @@ pub struct Verdicts {
     /// minimisation, and the best variant.
     pub gains_at_best: [Option<Range>; 2],
     /// The gain over exact inner minimisation depends on r, per problem, grid and target.
-    pub gain_depends_on_r: Tally,
+    pub gain_depends_on_r: ClaimTally,
 }
 
 /// Variation of the counts of a row, as greatest over least.
@@ -96,7 +96,7 @@ pub struct Spread {
     /// Cells per side.
     pub cells: usize,
     /// When the runs end.
-    pub measure: Measure,
+    pub measure: ClaimMeasure,
     /// Over the values of r between the least and the greatest of the paper.
     pub paper: f64,
     /// Over r from 10 up.
@@ -116,7 +116,7 @@ pub struct Ratios {
     /// Duality parameter, if it is the same in all cells.
     pub r: Option<f64>,
     /// Cells in which Arrow-Hurwicz takes fewer sweeps.
-    pub cheaper: Tally,
+    pub cheaper: ClaimTally,
     /// Cells in which the variant hit the cap: their ratio is a lower bound.
     pub capped: usize,
     /// Median of the ratios; NaN without cells, as is their range.
@@ -133,7 +133,7 @@ impl Verdicts {
         };
         let signed = factors(StopRule::SignedDual);
         let printed = factors(StopRule::PrintedDual);
-        let many = |factors: &[f64]| Tally::of(factors.iter().map(|factor| *factor > MANY));
+        let many = |factors: &[f64]| ClaimTally::of(factors.iter().map(|factor| *factor > MANY));
         let excess =
             |problem: &'a Measured| lines(problem, StopRule::Signed).map(|line| line.excess);
         let ends = || problems.first().zip(problems.last());
@@ -143,13 +143,13 @@ impl Verdicts {
             |&target| (0..=BEST).map(move |k| Ratios::of(k, problems, Some(target), None));
         let per_r = |r| [0, BEST].map(|variant| Ratios::of(variant, problems, None, Some(r)));
         Self {
-            depends_on_r: Tally::of(spreads.iter().map(|spread| spread.paper > EQUAL)),
-            depends_on_large_r: Tally::of(spreads.iter().map(|spread| spread.large > EQUAL)),
-            depends_on_problem: Tally::of(ends().into_iter().flat_map(|(a, b)| differ(a, b))),
-            still_moves: Tally::of(
+            depends_on_r: ClaimTally::of(spreads.iter().map(|spread| spread.paper > EQUAL)),
+            depends_on_large_r: ClaimTally::of(spreads.iter().map(|spread| spread.large > EQUAL)),
+            depends_on_problem: ClaimTally::of(ends().into_iter().flat_map(|(a, b)| differ(a, b))),
+            still_moves: ClaimTally::of(
                 problems.iter().flat_map(excess).map(|excess| excess > CONSIDERABLE),
             ),
-            more_in_last: Tally::of(
+            more_in_last: ClaimTally::of(
                 ends()
                     .into_iter()
                     .flat_map(|(a, b)| excess(b).zip(excess(a)))
@@ -160,7 +160,7 @@ impl Verdicts {
             dual_factors: [Range::of(signed), Range::of(printed)],
             cheaper: of(0).cheaper,
             cheapest: of(BEST).cheaper,
-            gain_depends_on_r: Tally::of(problems.iter().flat_map(gain_depends_on_r)),
+            gain_depends_on_r: ClaimTally::of(problems.iter().flat_map(gain_depends_on_r)),
             gains: targets.iter().flat_map(per_target).collect(),
             gains_at: compared(problems).into_iter().map(per_r).collect(),
             gains_at_best: [0, BEST].map(|variant| gains_at_best(problems, variant)),
@@ -170,14 +170,14 @@ impl Verdicts {
 }
 
 /// The lines of the table under a stopping rule.
-fn lines(problem: &Measured, rule: StopRule) -> impl Iterator<Item = &Line> {
+fn lines(problem: &Measured, rule: StopRule) -> impl Iterator<Item = &ClaimLine> {
     problem.tables.iter().filter(move |table| table.rule == rule).flat_map(|table| &table.lines)
 }
 
 /// The row on the finest grid of each measure.
-fn finest(problem: &Measured) -> impl Iterator<Item = &Row> {
+fn finest(problem: &Measured) -> impl Iterator<Item = &CountRow> {
     // Rows go from coarse to fine.
-    problem.rows.chunk_by(|a, b| a.measure == b.measure).filter_map(<[Row]>::last)
+    problem.rows.chunk_by(|a, b| a.measure == b.measure).filter_map(<[CountRow]>::last)
 }
 
 fn spreads<'a>(r: &'a [f64], problem: &'a Measured) -> impl Iterator<Item = Spread> {
@@ -221,7 +221,7 @@ fn targets(problem: &Measured) -> Vec<f64> {
 /// Stands for the best variant of each cell, after the numbers of [`VARIANTS`].
 const BEST: usize = VARIANTS.len();
 
-impl Cell {
+impl UzawaCell {
     /// The count of a variant: in no case more than the cap.
     fn uzawa(&self, variant: usize) -> Count {
         let best =
@@ -249,7 +249,7 @@ impl Ratios {
             name: VARIANTS.get(variant).map_or("the best of these", |variant| variant.name).into(),
             target,
             r,
-            cheaper: Tally::of(ratios.iter().map(|ratio| *ratio > 1.0)),
+            cheaper: ClaimTally::of(ratios.iter().map(|ratio| *ratio > 1.0)),
             capped: cells.iter().filter(|(_, count)| count.reached().is_none()).count(),
             median: median(&ratios),
             range: Range::of(ratios).unwrap_or(Range { least: f64::NAN, greatest: f64::NAN }),
@@ -266,12 +266,12 @@ fn compared(problems: &[Measured]) -> Vec<f64> {
 }
 
 /// The cells that differ in r only, together.
-fn rows(problem: &Measured) -> impl Iterator<Item = &[Cell]> {
+fn rows(problem: &Measured) -> impl Iterator<Item = &[UzawaCell]> {
     problem.cells.chunk_by(|a, b| a.cells == b.cells && a.target == b.target)
 }
 
 fn gains_at_best(problems: &[Measured], variant: usize) -> Option<Range> {
-    let ratio = |cells: &[Cell]| {
+    let ratio = |cells: &[UzawaCell]| {
         let ours = cells.iter().filter_map(|cell| cell.arrow_hurwicz.reached()).min()?;
         let theirs = cells.iter().map(|cell| cell.uzawa(variant).iterations).min()?;
         Some(theirs as f64 / ours as f64)
@@ -281,7 +281,7 @@ fn gains_at_best(problems: &[Measured], variant: usize) -> Option<Range> {
 
 /// True if the gain over exact inner minimisation varies with r, per grid and target.
 fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
-    let ratios = |cells: &[Cell]| Range::of(cells.iter().filter_map(|cell| cell.ratio(0)));
+    let ratios = |cells: &[UzawaCell]| Range::of(cells.iter().filter_map(|cell| cell.ratio(0)));
     let vary = |range: Option<Range>| range.is_some_and(|r| r.greatest > EQUAL * r.least);
     rows(problem).map(|cells| vary(ratios(cells))).collect()
 }
@@ -298,7 +298,7 @@ fn median(sorted: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Table;
+    use super::super::ClaimTable;
     use super::*;
     use crate::saddle::StopReason;
 
@@ -310,13 +310,13 @@ mod tests {
         Count { iterations: 50, stop: StopReason::IterationLimit }
     }
 
-    fn measured(number: u8, cells: Vec<Cell>) -> Measured {
-        let tables = vec![Table { rule: StopRule::Signed, lines: Vec::new() }];
+    fn measured(number: u8, cells: Vec<UzawaCell>) -> Measured {
+        let tables = vec![ClaimTable { rule: StopRule::Signed, lines: Vec::new() }];
         Measured { number, sums: [0.0; 2], rows: Vec::new(), tables, cells }
     }
 
-    fn cell(r: f64, arrow_hurwicz: Count, uzawa: [Count; 4]) -> Cell {
-        Cell { cells: 16, target: 1e-3, r, arrow_hurwicz, uzawa }
+    fn cell(r: f64, arrow_hurwicz: Count, uzawa: [Count; 4]) -> UzawaCell {
+        UzawaCell { cells: 16, target: 1e-3, r, arrow_hurwicz, uzawa }
     }
 
     /// Cells of two problems for two values of r; in one of them Arrow-Hurwicz does not converge.
@@ -336,7 +336,7 @@ mod tests {
     fn ratios_are_of_the_cells_where_arrow_hurwicz_converged() {
         let problems = made_up();
         let of = |variant, r| {
-            let Ratios { cheaper: Tally { holds, cases, .. }, capped, median, range, .. } =
+            let Ratios { cheaper: ClaimTally { holds, cases, .. }, capped, median, range, .. } =
                 Ratios::of(variant, &problems, Some(1e-3), r);
             (holds, cases, capped, median, [range.least, range.greatest])
         };
@@ -362,7 +362,7 @@ mod tests {
         assert_eq!(at.collect::<Vec<_>>(), expected);
         let best = verdicts.gains_at_best.map(Option::unwrap);
         assert_eq!(best.map(|range| [range.least, range.greatest]), [[2.0, 6.0], [1.0, 4.5]]);
-        let Tally { holds, cases, .. } = verdicts.gain_depends_on_r;
+        let ClaimTally { holds, cases, .. } = verdicts.gain_depends_on_r;
         assert_eq!((holds, cases), (1, 2));
         assert_eq!((verdicts.cheaper.holds, verdicts.cheapest.holds), (2, 2));
     }

@@ -1,6 +1,6 @@
 //! The runs of a table with errors: at each update of a value, or once in the load.
 
-use super::{Cell, Plan, Row, Table};
+use super::{RoundingCell, RoundingPlan, RoundingRow, RoundingTable};
 use crate::discrete::grid::Grid;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::{Discrete, Problem};
@@ -33,7 +33,7 @@ struct Repetition {
 }
 
 /// Repeats the runs of a table with errors of all sizes.
-pub(super) fn disturb(plan: &Plan, problem: &Problem) -> Result<Table, String> {
+pub(super) fn disturb(plan: &RoundingPlan, problem: &Problem) -> Result<RoundingTable, String> {
     let Discrete { grids, loads, .. } = problem.discrete()?;
     let count = |&r: &f64| {
         let mut near = Margins::default();
@@ -45,13 +45,13 @@ pub(super) fn disturb(plan: &Plan, problem: &Problem) -> Result<Table, String> {
         problem.r.par_iter().map(count).collect::<Vec<_>>().into_iter().unzip();
     let table = Undisturbed { problem, grids, loads, counts };
     let rows = table.rows(plan, &near)?;
-    let cells = || rows.iter().flat_map(|row: &Row| &row.cells);
+    let cells = || rows.iter().flat_map(|row: &RoundingRow| &row.cells);
     let changed = plan
         .sizes
         .iter()
         .map(|size| cells().filter(|cell| cell.flips_at.is_some_and(|at| at <= *size)).count())
         .collect();
-    Ok(Table { number: problem.number, grids: problem.grids.clone(), rows, changed })
+    Ok(RoundingTable { number: problem.number, grids: problem.grids.clone(), rows, changed })
 }
 
 /// Distance of the residual from the tolerance on each grid.
@@ -141,7 +141,7 @@ impl Undisturbed<'_> {
     }
 
     /// Grids with another count for each repetition of a batch.
-    fn disturbed(&self, plan: &Plan, batch: &[Repetition]) -> Vec<Vec<bool>> {
+    fn disturbed(&self, plan: &RoundingPlan, batch: &[Repetition]) -> Vec<Vec<bool>> {
         let source =
             |of: &Repetition| (plan.sizes[of.size], RandomNumbers::new(plan.seed, of.stream));
         if !batch[0].in_load {
@@ -163,7 +163,7 @@ impl Undisturbed<'_> {
     }
 
     /// All repetitions; those of a batch share r, and whether they disturb the load.
-    fn batches(&self, plan: &Plan) -> Vec<Vec<Repetition>> {
+    fn batches(&self, plan: &RoundingPlan) -> Vec<Vec<Repetition>> {
         let mut batches = Vec::new();
         for (row, r) in self.problem.r.iter().enumerate() {
             let mut all = Vec::new();
@@ -183,7 +183,7 @@ impl Undisturbed<'_> {
         batches
     }
 
-    fn rows(&self, plan: &Plan, near: &[Margins]) -> Result<Vec<Row>, String> {
+    fn rows(&self, plan: &RoundingPlan, near: &[Margins]) -> Result<Vec<RoundingRow>, String> {
         if self.all_changed(&mut AsDefined).iter().flatten().any(|changed| *changed) {
             return Err(format!("table {}: the lanes do not give the counts", self.problem.number));
         }
@@ -194,7 +194,7 @@ impl Undisturbed<'_> {
         let cell = |row: usize, k: usize| {
             let flipped = || runs.iter().filter(move |(of, changed)| of.row == row && changed[k]);
             let (above, below) = near[row].levels[k];
-            Cell {
+            RoundingCell {
                 count: self.counts[row][k],
                 below,
                 above,
@@ -206,7 +206,7 @@ impl Undisturbed<'_> {
         };
         let row = |(row, &r)| {
             let cells = (0..self.grids.len()).map(|k| cell(row, k)).collect();
-            Row { r, cells }
+            RoundingRow { r, cells }
         };
         Ok(self.problem.r.iter().enumerate().map(row).collect())
     }

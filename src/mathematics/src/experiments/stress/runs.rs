@@ -1,6 +1,6 @@
 //! The runs of the experiments, one function per kind of stress.
 
-use super::{Case, Changed, Plan, Series, Single};
+use super::{Changed, Series, Single, StressCase, StressPlan};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
@@ -28,14 +28,14 @@ const BATCH: usize = 4 * LANES;
 const FINEST_SADDLE: usize = 32;
 
 /// A run that is yet to be made.
-enum Run {
+enum StressRun {
     /// The paper's method on the coarse grid.
     Saddle { load: Vec<f64>, r: f64, goal: JobGoal, cap: usize, start: Pair },
     /// Multigrid, by nested iteration or from a start.
     Multigrid { grid: Grid, load: Vec<f64>, goal: Goal, start: Option<Vec<f64>> },
 }
 
-impl Run {
+impl StressRun {
     /// Job of a lane, for the paper's method.
     fn job(&self) -> Option<Job<'_>> {
         let Self::Saddle { load, start, r, goal, cap } = self else { return None };
@@ -51,7 +51,7 @@ impl Run {
 }
 
 pub(super) struct Runs<'a> {
-    plan: &'a Plan,
+    plan: &'a StressPlan,
     coarse: Grid,
     fine: Grid,
     /// Of the problems, on the coarse grid and on the fine one.
@@ -59,7 +59,7 @@ pub(super) struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
-    pub(super) fn new(plan: &'a Plan) -> Result<Self, String> {
+    pub(super) fn new(plan: &'a StressPlan) -> Result<Self, String> {
         let grid = |n: usize| Grid::new(n).map_err(|e| e.to_string());
         let (coarse, fine) = (grid(plan.coarse)?, grid(plan.fine)?);
         let texts = plan.problems.iter().map(|problem| &problem.f).chain([&plan.contact.1]);
@@ -71,26 +71,31 @@ impl<'a> Runs<'a> {
     }
 
     /// The paper's method under the printed rule and the dual one together, on the coarse grid.
-    fn strict(&self, load: &[f64], r: f64, start: Pair) -> Run {
+    fn strict(&self, load: &[f64], r: f64, start: Pair) -> StressRun {
         let goal = JobGoal::Rule(StopRule::PrintedDual, self.plan.strict * largest(load));
-        Run::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
+        StressRun::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
     }
 
-    fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> Run {
+    fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> StressRun {
         let (goal, start) = (JobGoal::Rule(StopRule::Signed, tolerance), Pair::zero(self.coarse));
-        Run::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
+        StressRun::Saddle { load: load.into(), r, goal, cap: self.plan.cap, start }
     }
 
     /// Multigrid to the rounding floor, on the fine grid.
-    fn multigrid(&self, load: &[f64], start: Option<Vec<f64>>) -> Run {
-        Run::Multigrid { grid: self.fine, load: load.into(), goal: Goal::RoundingFloor, start }
+    fn multigrid(&self, load: &[f64], start: Option<Vec<f64>>) -> StressRun {
+        StressRun::Multigrid {
+            grid: self.fine,
+            load: load.into(),
+            goal: Goal::RoundingFloor,
+            start,
+        }
     }
 
     /// Makes the runs for each power of ten.
     fn over<const N: usize>(
         &self,
         exponents: impl IntoIterator<Item = i32>,
-        runs: impl Fn(f64) -> [(&'static str, Run); N],
+        runs: impl Fn(f64) -> [(&'static str, StressRun); N],
     ) -> Series<f64> {
         let powers = exponents.into_iter().map(power_of_ten);
         self.cases(powers.map(|x| (x, runs(x))))
@@ -99,7 +104,7 @@ impl<'a> Runs<'a> {
     /// Makes the runs of all cases: those of the paper's method in vector lanes, the others side by side.
     fn cases<X, const N: usize>(
         &self,
-        cases: impl Iterator<Item = (X, [(&'static str, Run); N])>,
+        cases: impl Iterator<Item = (X, [(&'static str, StressRun); N])>,
     ) -> Series<X> {
         let (x, runs): (Vec<X>, Vec<_>) = cases.unzip();
         let runs: Vec<_> = runs.iter().flatten().collect();
@@ -113,7 +118,7 @@ impl<'a> Runs<'a> {
         });
         let trials: Vec<_> = trials.collect();
         let of_case = trials.chunks(N).map(|trials| trials.iter().cloned().collect());
-        x.into_iter().zip(of_case).map(|(x, trials)| Case { x, trials }).collect()
+        x.into_iter().zip(of_case).map(|(x, trials)| StressCase { x, trials }).collect()
     }
 
     pub(super) fn duality(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
@@ -157,7 +162,7 @@ impl<'a> Runs<'a> {
     pub(super) fn tolerances(&self, [load, _]: &[Vec<f64>; 2]) -> Series<f64> {
         self.over((1..=9).map(|k| -2 * k), |tolerance| {
             let bound = tolerance * largest(load);
-            let run = |rule| Run::Saddle {
+            let run = |rule| StressRun::Saddle {
                 load: load.clone(),
                 r: R,
                 goal: JobGoal::Rule(rule, bound),
@@ -165,7 +170,7 @@ impl<'a> Runs<'a> {
                 start: Pair::zero(self.coarse),
             };
             let (grid, goal) = (self.coarse, Goal::Kkt(bound));
-            let multigrid = Run::Multigrid { grid, load: load.clone(), goal, start: None };
+            let multigrid = StressRun::Multigrid { grid, load: load.clone(), goal, start: None };
             [
                 ("signed", run(StopRule::Signed)),
                 ("strict", run(StopRule::PrintedDual)),
@@ -185,7 +190,7 @@ impl<'a> Runs<'a> {
                 let job = Job { load: &load, start, method, r: R, goal, cap };
                 trials.insert("strict".into(), saddle(grid, &[job]).remove(0));
             }
-            Case { x: cells as f64, trials }
+            StressCase { x: cells as f64, trials }
         };
         GRIDS.par_iter().map(of_grid).collect()
     }
@@ -200,7 +205,7 @@ impl<'a> Runs<'a> {
             let (start, method) = (&Pair::zero(grid), Method::ArrowHurwicz);
             let job = Job { load: &narrow, start, method, r: R, goal, cap };
             let trials = BTreeMap::from([("single".to_owned(), trial::single(grid, &load, job))]);
-            Case { x: cells as f64, trials }
+            StressCase { x: cells as f64, trials }
         };
         GRIDS.par_iter().filter(|&&cells| cells <= FINEST_SADDLE).map(of_grid).collect()
     }

@@ -1,12 +1,12 @@
 //! Numbers that the book quotes from the runs: least and greatest values, and where a solver gave up.
 
-use super::{Case, Range, Stress};
+use super::{Range, Stress, StressCase};
 use crate::experiments::trial::Trial;
 use serde::{Deserialize, Serialize};
 
 /// Numbers on which the prose rests; `None` where no run was of the kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct StressSummary {
     /// Values of r with which the strict rule was met for every problem.
     pub converging_r: Option<Range>,
     /// Values of r with which it was not, for some problem.
@@ -79,18 +79,19 @@ impl Plateau {
     }
 }
 
-impl Summary {
+impl StressSummary {
     pub(super) fn of(stress: &Stress) -> Self {
         let duality = || stress.duality.iter().flatten();
         let deficits = || stress.deficits.iter().flatten();
         let loads = || stress.jumps.iter().chain(&stress.spikes);
         let solved = |trial: &Trial| trial.converged() || trial.stop == "rounding-floor";
-        let stalled = |case: &Case<f64>| !solved(&case["multigrid"]);
+        let stalled = |case: &StressCase<f64>| !solved(&case["multigrid"]);
         let fails = |r: f64| duality().any(|case| case.x == r && !case["strict"].converged());
         let scaled = stress.scaling.iter();
         let unscaled = scaled.clone().find(|case| case.x == 0).map(|case| case["scaled"].steps);
-        let same =
-            |case: &Case<i32>| case["scaled"].converged() && Some(case["scaled"].steps) == unscaled;
+        let same = |case: &StressCase<i32>| {
+            case["scaled"].converged() && Some(case["scaled"].steps) == unscaled
+        };
         let scaled_solved = scaled.clone().filter(|case| solved(&case["multigrid"]));
         let scaled_same = scaled.filter(|case| same(case)).map(|case| f64::from(case.x));
         let signed = duality().map(|case| &case["signed"]).filter(|trial| trial.converged());
@@ -124,7 +125,7 @@ impl Summary {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Changed, Plan, Random, Series, Single, Tally};
+    use super::super::{Changed, Random, Series, Single, StressPlan, Tally};
     use super::*;
     use crate::discrete::load::LoadRule;
     use crate::discrete::transfer::Prolongation;
@@ -134,9 +135,9 @@ mod tests {
         Trial { stop: stop.into(), steps, kkt: Some(kkt), ..Trial::default() }
     }
 
-    fn case<X>(x: X, trials: &[(&str, Trial)]) -> Case<X> {
+    fn case<X>(x: X, trials: &[(&str, Trial)]) -> StressCase<X> {
         let named = trials.iter().map(|(name, trial)| ((*name).to_owned(), trial.clone()));
-        Case { x, trials: named.collect() }
+        StressCase { x, trials: named.collect() }
     }
 
     /// Runs over r: the value of r, how the signed rule and the strict rule ended, and the residual under the former.
@@ -148,17 +149,17 @@ mod tests {
     }
 
     /// Runs with a factor on f: its exponent, the paper's method and multigrid, each with how and after what it ended.
-    fn scaling(exponent: i32, paper: (&str, usize), multigrid: (&str, usize)) -> Case<i32> {
+    fn scaling(exponent: i32, paper: (&str, usize), multigrid: (&str, usize)) -> StressCase<i32> {
         let [scaled, multigrid] = [paper, multigrid].map(|(stop, steps)| trial(stop, steps, 0.0));
         case(exponent, &[("scaled", scaled), ("multigrid", multigrid)])
     }
 
-    fn deficit(x: f64, steps: usize, stop: &str, work: f64, kkt: f64) -> Case<f64> {
+    fn deficit(x: f64, steps: usize, stop: &str, work: f64, kkt: f64) -> StressCase<f64> {
         let multigrid = Trial { work, ..trial(stop, 1, kkt) };
         case(x, &[("strict", trial("converged", steps, 0.0)), ("multigrid", multigrid)])
     }
 
-    fn tolerance(x: f64, steps: usize, multigrid: &str) -> Case<f64> {
+    fn tolerance(x: f64, steps: usize, multigrid: &str) -> StressCase<f64> {
         let signed = trial("converged", steps, 1.0 / steps as f64);
         case(x, &[("signed", signed), ("multigrid", trial(multigrid, 1, 0.0))])
     }
@@ -186,7 +187,7 @@ mod tests {
         };
         let (met, cap, floor) = ("converged", "iteration-limit", "rounding-floor");
         Stress {
-            plan: Plan::new([1, 2].map(problem).into()),
+            plan: StressPlan::new([1, 2].map(problem).into()),
             duality: vec![
                 duality([(0.1, met, cap, 0.5), (1.0, met, met, 2.0), (10.0, cap, met, 9.0)]),
                 duality([(0.1, met, met, 0.25), (1.0, met, cap, 0.4), (10.0, met, met, 3.0)]),
@@ -243,7 +244,7 @@ mod tests {
             },
             single: vec![single(2), single(1)],
             tally: Tally::default(),
-            summary: Summary::default(),
+            summary: StressSummary::default(),
         }
     }
 
@@ -256,7 +257,7 @@ mod tests {
             tolerances: Range { least: 1e-8, greatest: 1e-4 },
             kkt: 0.125,
         };
-        let expected = Summary {
+        let expected = StressSummary {
             converging_r: range(10.0, 10.0),
             failing_r: range(0.1, 1.0),
             signed_kkt: range(0.25, 3.0),
@@ -275,7 +276,7 @@ mod tests {
             load_kkt: range(1e-12, 1e-9),
             single_changed: 3,
         };
-        assert_eq!(Summary::of(&made_up()), expected);
+        assert_eq!(StressSummary::of(&made_up()), expected);
     }
 
     #[test]
@@ -302,9 +303,9 @@ mod tests {
     fn two_tolerances_are_no_plateau_and_nothing_is_said_of_no_runs() {
         let mut runs = made_up();
         runs.tolerances.pop();
-        assert_eq!(Summary::of(&runs).plateau, None);
+        assert_eq!(StressSummary::of(&runs).plateau, None);
         runs.duality.clear();
-        let Summary { converging_r, failing_r, signed_kkt, .. } = Summary::of(&runs);
+        let StressSummary { converging_r, failing_r, signed_kkt, .. } = StressSummary::of(&runs);
         assert_eq!([converging_r, failing_r, signed_kkt], [None; 3]);
     }
 }

@@ -4,20 +4,20 @@ mod elements;
 mod reference;
 
 pub use elements::{Elements, ElementsLevel};
-pub use reference::{Arc, Numbers, Reference, Value};
+pub use reference::{Numbers, Reference, ReferenceArc, ReferenceValue};
 
 use super::known::KnownSolution;
 use super::problems::CONTACT;
 use crate::discrete::norms::worst;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
-use crate::spectral::{Params, spectral};
+use crate::spectral::{SpectralParams, spectral};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Plan of the computation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Plan {
+pub struct TruthPlan {
     /// Names, and right-hand sides in the notation of scenes.
     pub problems: Vec<(String, String)>,
     /// The two resolutions whose common digits are given, as nodes of a panel and levels of panels.
@@ -28,7 +28,7 @@ pub struct Plan {
     pub sampled: usize,
 }
 
-impl Plan {
+impl TruthPlan {
     /// The paper's problems `first`, then others, with several arcs of contact and with discs.
     pub fn new(first: impl IntoIterator<Item = (String, String)>) -> Self {
         let [strong, two_arcs] = CONTACT;
@@ -61,12 +61,12 @@ pub struct Truth {
     /// v of the first two problems at the nodes, row by row from the lower left corner.
     pub samples: Vec<Vec<f64>>,
     /// Numbers that the chapter quotes for all of them.
-    pub summary: Summary,
+    pub summary: TruthSummary,
 }
 
 /// Accuracy with which identities and bounds hold.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Summary {
+pub struct TruthSummary {
     /// The largest [`Reference::green`], its sign left out.
     pub green: f64,
     /// Largest [`Reference::rellich`].
@@ -77,7 +77,7 @@ pub struct Summary {
     pub held: usize,
 }
 
-impl Summary {
+impl TruthSummary {
     fn of(references: &[Reference], elements: &[Elements]) -> Self {
         let worst = |of: fn(&Reference) -> f64| worst(references.iter().map(of));
         let held = || elements.iter().flat_map(|one| &one.levels).filter_map(|level| level.holds);
@@ -94,8 +94,8 @@ impl Summary {
 ///
 /// # Errors
 /// A sentence if a right-hand side cannot be read, or there is no solution.
-pub fn truth(plan: &Plan) -> Result<Truth, String> {
-    let [rough, fine] = plan.resolutions.map(|(nodes, levels)| Params { nodes, levels });
+pub fn truth(plan: &TruthPlan) -> Result<Truth, String> {
+    let [rough, fine] = plan.resolutions.map(|(nodes, levels)| SpectralParams { nodes, levels });
     let solved = |(name, text): &(String, String)| {
         let f: Source = text.parse().map_err(|e| format!("{name}: {e}"))?;
         let failed = |e| format!("{name}: {e}");
@@ -113,6 +113,6 @@ pub fn truth(plan: &Plan) -> Result<Truth, String> {
         .par_iter()
         .map(|known| Elements::against(known, &plan.cells))
         .collect::<Result<Vec<_>, _>>()?;
-    let summary = Summary::of(&references, &elements);
+    let summary = TruthSummary::of(&references, &elements);
     Ok(Truth { references, elements, sampled: plan.sampled, samples, summary })
 }

@@ -14,7 +14,7 @@ pub struct Reference {
     pub f: String,
     /// The solution.
     #[serde(flatten)]
-    pub numbers: Numbers<Value>,
+    pub numbers: Numbers<ReferenceValue>,
     /// The total force plus the integral of f, over the latter: zero but for errors.
     pub green: f64,
     /// The energy by Rellich's identity less the energy, over the latter: zero but for errors.
@@ -31,12 +31,12 @@ pub struct Numbers<V> {
     /// v in the corners: lower left, lower right, upper right, upper left.
     pub corners: [V; 4],
     /// Contact, anticlockwise, first the arc that ends first after the lower right corner.
-    pub contact: Vec<Arc<V>>,
+    pub contact: Vec<ReferenceArc<V>>,
 }
 
 /// An arc of contact.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Arc<V> {
+pub struct ReferenceArc<V> {
     /// First point.
     pub from: [V; 2],
     /// Last point; the same point as `from` if all of the boundary is in contact.
@@ -51,7 +51,7 @@ impl<V> Numbers<V> {
         let Self { energy, centre, corners, contact } = self;
         let arcs = contact
             .iter_mut()
-            .flat_map(|Arc { from, to, force }| from.iter_mut().chain(to).chain([force]));
+            .flat_map(|ReferenceArc { from, to, force }| from.iter_mut().chain(to).chain([force]));
         [energy, centre].into_iter().chain(corners).chain(arcs)
     }
 }
@@ -61,14 +61,14 @@ const DECIMALS: usize = 14;
 
 /// A number at the finer of two resolutions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Value {
+pub struct ReferenceValue {
     /// As a double.
     pub value: f64,
     /// The decimals on which both resolutions agree, at most 14, rounded; or those of a better program.
     pub digits: String,
 }
 
-impl Value {
+impl ReferenceValue {
     fn of([rough, fine]: [f64; 2]) -> Self {
         let written = |x: f64, places: usize| {
             let text = format!("{x:.places$}");
@@ -95,12 +95,12 @@ impl Value {
 impl Reference {
     /// The solution at two resolutions, the finer one last.
     pub(super) fn of(name: &str, f: &Source, rough: &Solution, fine: &Solution) -> Self {
-        let value = |of: &dyn Fn(&Solution) -> f64| Value::of([of(rough), of(fine)]);
+        let value = |of: &dyn Fn(&Solution) -> f64| ReferenceValue::of([of(rough), of(fine)]);
         // The solver counts from the lower right corner.
         let corners = [3, 0, 1, 2].map(|k| value(&|s| s.corners()[k]));
         let arc = |k: usize| {
             let of = |of: &dyn Fn(&ContactArc) -> f64| value(&|s| of(&s.contact[k]));
-            Arc {
+            ReferenceArc {
                 from: [0, 1].map(|d| of(&|arc| arc.from[d])),
                 to: [0, 1].map(|d| of(&|arc| arc.to[d])),
                 force: of(&|arc| arc.force),
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn digits_are_those_of_both_resolutions() {
-        let digits = |rough, fine| Value::of([rough, fine]).digits;
+        let digits = |rough, fine| ReferenceValue::of([rough, fine]).digits;
         // 0.12345679 and 0.12345678 with a decimal more.
         assert_eq!(digits(0.123456789, 0.123456781), "0.1234568");
         assert_eq!(digits(-0.5, -0.5), "-0.5");

@@ -23,7 +23,7 @@ pub enum Order {
 
 /// A boundary node and the neighbours its row of the stiffness matrix refers to.
 #[derive(Clone, Copy)]
-pub(super) struct Edge {
+pub(super) struct LaneEdge {
     pub(super) node: u32,
     /// Place in a boundary vector.
     pub(super) place: u32,
@@ -52,7 +52,7 @@ pub struct Lanes<N> {
     pub(super) load: Vec<V<N>>,
     pub(super) target: Vec<V<N>>,
     /// In the order of rows.
-    pub(super) edges: Vec<Edge>,
+    pub(super) edges: Vec<LaneEdge>,
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
     pub(super) edge_at: Vec<u32>,
     pub(super) regularised: bool,
@@ -85,9 +85,9 @@ impl<N: Number> Lanes<N> {
                 (i, _) => Some(grid.index(i, n - 1)),
             };
             let along = [node(b + 4 * n - 1), node(b + 1)];
-            Edge { node: node(b), place: b as u32, along, inward: inward.map(|k| k as u32) }
+            LaneEdge { node: node(b), place: b as u32, along, inward: inward.map(|k| k as u32) }
         };
-        let mut edges: Vec<Edge> = (0..4 * n).map(edge).collect();
+        let mut edges: Vec<LaneEdge> = (0..4 * n).map(edge).collect();
         edges.sort_by_key(|edge| edge.node);
         let mut edge_at = vec![INSIDE; grid.nodes()];
         edges.iter().enumerate().for_each(|(k, edge)| edge_at[edge.node as usize] = k as u32);

@@ -2,13 +2,13 @@
 
 use super::LANES;
 use super::arithmetic::{Number, V};
-use super::lanes::{Edge, Lanes};
+use super::lanes::{LaneEdge, Lanes};
 use crate::discrete::simd::vectorised;
 use std::array::from_fn;
 
 /// Measure at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Measure {
+pub enum GradientMeasure {
     /// The gradient (8).
     Signed,
     /// Absolute value.
@@ -23,7 +23,13 @@ impl<N: Number> Lanes<N> {
     /// True if a measure is at most `bound` everywhere in a lane; NaN never is.
     ///
     /// The node `witness`, which broke the bound last, is tried first.
-    pub fn within(&self, lane: usize, measure: Measure, bound: f64, witness: &mut usize) -> bool {
+    pub fn within(
+        &self,
+        lane: usize,
+        measure: GradientMeasure,
+        bound: f64,
+        witness: &mut usize,
+    ) -> bool {
         let mut witnesses = [*witness; LANES];
         let bounds = from_fn(|l| (l == lane).then_some(bound));
         let within = self.all_within(measure, bounds, &mut witnesses);
@@ -34,7 +40,7 @@ impl<N: Number> Lanes<N> {
     /// True in each lane that has a bound, with a witness for each; the others are not.
     pub fn all_within(
         &self,
-        measure: Measure,
+        measure: GradientMeasure,
         bounds: [Option<f64>; LANES],
         witnesses: &mut [usize; LANES],
     ) -> [bool; LANES] {
@@ -78,7 +84,7 @@ impl<N: Number> Lanes<N> {
     }
 
     /// The largest value of a measure over all nodes, in each lane; NaN if any is.
-    pub fn worst(&self, measure: Measure) -> [f64; LANES] {
+    pub fn worst(&self, measure: GradientMeasure) -> [f64; LANES] {
         let all = vectorised(
             #[inline(always)]
             || {
@@ -103,7 +109,7 @@ impl<N: Number> Lanes<N> {
     }
 
     /// Place at which the largest value of a measure in row `j` of a lane is, or one that is NaN.
-    fn largest_in_row(&self, lane: usize, measure: Measure, j: usize) -> usize {
+    fn largest_in_row(&self, lane: usize, measure: GradientMeasure, j: usize) -> usize {
         let mut largest = (f64::NEG_INFINITY, 0);
         self.in_row(
             measure,
@@ -121,7 +127,7 @@ impl<N: Number> Lanes<N> {
 
     /// Notes a measure at all nodes of row `j`, those of the boundary first.
     #[inline(always)]
-    fn in_row(&self, measure: Measure, j: usize, mut note: impl FnMut(V<N>, usize)) {
+    fn in_row(&self, measure: GradientMeasure, j: usize, mut note: impl FnMut(V<N>, usize)) {
         let (n, side) = (self.grid.cells(), self.grid.side());
         let edges = match j {
             0 => 0..n + 1,
@@ -146,7 +152,7 @@ impl<N: Number> Lanes<N> {
 
     /// The measure at a node, rounded as in [`Plain::gradient`](crate::saddle::Plain::gradient).
     #[inline(always)]
-    fn at_node(&self, measure: Measure, node: usize) -> V<N> {
+    fn at_node(&self, measure: GradientMeasure, node: usize) -> V<N> {
         let (side, y) = (self.grid.side(), &self.y);
         match self.edges.get(self.edge_at[node] as usize) {
             Some(edge) => self.on_boundary(measure, edge),
@@ -159,26 +165,26 @@ impl<N: Number> Lanes<N> {
 
     /// F, or F with the proximal term where the measure has it.
     #[inline(always)]
-    fn load_of(&self, measure: Measure) -> &[V<N>] {
-        let with_term = measure == Measure::Inner && self.regularised;
+    fn load_of(&self, measure: GradientMeasure) -> &[V<N>] {
+        let with_term = measure == GradientMeasure::Inner && self.regularised;
         if with_term { &self.target } else { &self.load }
     }
 
     #[inline(always)]
     fn inside(
         &self,
-        measure: Measure,
+        measure: GradientMeasure,
         here: V<N>,
         [south, north, west, east]: [V<N>; 4],
         load: V<N>,
     ) -> V<N> {
         let flux = V::all(4.0) * here - (south + north) - (west + east) - load;
-        let flux = if measure == Measure::Inner { flux + self.shift * here } else { flux };
-        if measure == Measure::Signed { flux } else { flux.abs() }
+        let flux = if measure == GradientMeasure::Inner { flux + self.shift * here } else { flux };
+        if measure == GradientMeasure::Signed { flux } else { flux.abs() }
     }
 
     #[inline(always)]
-    fn on_boundary(&self, measure: Measure, edge: &Edge) -> V<N> {
+    fn on_boundary(&self, measure: GradientMeasure, edge: &LaneEdge) -> V<N> {
         let (node, half, y) = (edge.node as usize, V::all(0.5), &self.y);
         let (here, load) = (y[node], self.load_of(measure)[node]);
         let along = half * (y[edge.along[0] as usize] + y[edge.along[1] as usize]);
@@ -186,10 +192,10 @@ impl<N: Number> Lanes<N> {
             Some(inner) => V::all(2.0) * here - along - y[inner as usize] - load,
             None => here - along - load,
         };
-        if measure == Measure::Kkt {
+        if measure == GradientMeasure::Kkt {
             return here.least(flux).abs();
         }
-        if measure == Measure::Inner {
+        if measure == GradientMeasure::Inner {
             // As `Gradient` adds it: the mass of a row, less half of it at the row's ends.
             let (n, side) = (self.grid.cells(), self.grid.side());
             let outer = node / side == 0 || node / side == n;
@@ -202,6 +208,6 @@ impl<N: Number> Lanes<N> {
         let pull = self.a[edge.place as usize] - self.r * here;
         let h = V([self.weights[usize::from(edge.inward.is_none())]; LANES]);
         let value = flux - h * pull.positive();
-        if measure == Measure::Signed { value } else { value.abs() }
+        if measure == GradientMeasure::Signed { value } else { value.abs() }
     }
 }

@@ -12,7 +12,7 @@ mod measure;
 
 pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed, V};
 pub use lanes::{Lanes, Order};
-pub use measure::Measure;
+pub use measure::GradientMeasure;
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::Prolongation;
@@ -90,7 +90,7 @@ pub fn run<N: Number>(
     let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
     let mut waiting = jobs.iter().enumerate();
     let mut lanes = Lanes::new(grid, Order::Lexicographic, 1.0);
-    let mut runs: [Option<Run<N>>; LANES] = [const { None }; LANES];
+    let mut runs: [Option<LaneRun<N>>; LANES] = [const { None }; LANES];
     // Nodes that broke the bound on the inner gradient when last tried.
     let mut inner_witnesses = [0; LANES];
     loop {
@@ -98,7 +98,7 @@ pub fn run<N: Number>(
             if let Some((number, job)) = waiting.next() {
                 lanes.enter(lane, job.r, job.load, job.method.weight(), job.start);
                 arithmetic.enter(lane, number);
-                *run = Some(Run::new(number, job));
+                *run = Some(LaneRun::new(number, job));
             }
         }
         if runs.iter().all(Option::is_none) {
@@ -106,11 +106,11 @@ pub fn run<N: Number>(
         }
         lanes.sweep(arithmetic);
         let inner = from_fn(|lane| runs[lane].as_ref().and_then(|run| run.inner));
-        let within = lanes.all_within(Measure::Inner, inner, &mut inner_witnesses);
+        let within = lanes.all_within(GradientMeasure::Inner, inner, &mut inner_witnesses);
         let steps = from_fn(|lane| runs[lane].is_some() && (inner[lane].is_none() || within[lane]));
         let changes = lanes.step(steps, arithmetic);
-        let loose = |lane: usize| steps[lane] && runs[lane].as_ref().is_some_and(Run::is_loose);
-        let gradients = (0..LANES).any(loose).then(|| lanes.worst(Measure::Printed));
+        let loose = |lane: usize| steps[lane] && runs[lane].as_ref().is_some_and(LaneRun::is_loose);
+        let gradients = (0..LANES).any(loose).then(|| lanes.worst(GradientMeasure::Printed));
         for lane in 0..LANES {
             let Some(run) = runs[lane].as_mut() else { continue };
             run.sweeps += 1;
@@ -122,7 +122,7 @@ pub fn run<N: Number>(
                 lanes.regularise(lane);
             }
             if let Some(stop) = run.stop(&lanes, lane, steps[lane]) {
-                let Run { sweeps, delta_a, number, .. } = *run;
+                let LaneRun { sweeps, delta_a, number, .. } = *run;
                 arithmetic.leave(lane, number);
                 ends[number] = Some(End { sweeps, stop, delta_a, pair: lanes.pair(lane) });
                 runs[lane] = None;
@@ -132,7 +132,7 @@ pub fn run<N: Number>(
 }
 
 /// A job in a lane.
-struct Run<'a, N> {
+struct LaneRun<'a, N> {
     number: usize,
     job: &'a Job<'a, N>,
     sweeps: usize,
@@ -145,7 +145,7 @@ struct Run<'a, N> {
     scale: f64,
 }
 
-impl<'a, N: Number> Run<'a, N> {
+impl<'a, N: Number> LaneRun<'a, N> {
     fn new(number: usize, job: &'a Job<'a, N>) -> Self {
         let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.wide().abs()));
         let inner = job.method.inner_bound(scale);
@@ -169,9 +169,13 @@ impl<'a, N: Number> Run<'a, N> {
     /// True if the goal is reached, after a step of the multiplier.
     fn met(&mut self, lanes: &Lanes<N>, lane: usize) -> bool {
         let (measure, bound, dual) = match self.job.goal {
-            JobGoal::Kkt(target) => (Measure::Kkt, target * self.scale, false),
+            JobGoal::Kkt(target) => (GradientMeasure::Kkt, target * self.scale, false),
             JobGoal::Rule(rule, tolerance) => {
-                let measure = if rule.is_printed() { Measure::Printed } else { Measure::Signed };
+                let measure = if rule.is_printed() {
+                    GradientMeasure::Printed
+                } else {
+                    GradientMeasure::Signed
+                };
                 (measure, N::of(tolerance).wide(), rule.asks_dual())
             }
         };
