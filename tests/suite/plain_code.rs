@@ -7,7 +7,7 @@ use std::path::Path;
 /// Named local closures, `let name = |..| ..`, per 100 lines.
 const CLOSURES_PER_100_LINES: f64 = 0.8;
 /// Type names that stand for more than one type of a package.
-const SHARED_TYPE_NAMES: usize = 38;
+const SHARED_TYPE_NAMES: usize = 5;
 /// Documentation lines that begin with one of [`INDIRECT`].
 const INDIRECT_DOCUMENTATION: usize = 60;
 /// Functions with more than [`ARGUMENTS`] arguments.
