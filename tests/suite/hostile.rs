@@ -241,23 +241,12 @@ impl Chooser {
 
     fn identify(&mut self) -> Vec<String> {
         let mut args = vec!["identify".to_owned()];
-        self.maybe(
-            &mut args,
-            100,
-            "--budget",
-            &["0.05", "0.02", "0", "1e-9", "|", "-1", "nan", "1e19", "x"],
-        );
         self.maybe(&mut args, 90, "--problem", &["1", "both", "|", "2", "3"]);
-        self.maybe(
-            &mut args,
-            40,
-            "--space",
-            &["odd-quadrant", "quadrants", "rectangles", "blocks4", "|", "x"],
-        );
+        self.maybe(&mut args, 40, "--space", &["odd-quadrant", "rectangles", "|", "quadrants"]);
         let values = [
             "-4:4:0.5",
             "-6,2",
-            "-7:3:0.01",
+            "-7:3:0.1",
             "3;-1.002",
             "|",
             "0:999999:0.000000001",
@@ -269,9 +258,9 @@ impl Chooser {
             ";;;",
             "1;2;3",
         ];
-        self.maybe(&mut args, 70, "--values", &values);
-        self.maybe(&mut args, 30, "--method", &["enumerate", "anneal", "|", "x"]);
-        for option in ["--chains", "--steps", "--top", "--threads", "--seed", "--exact-grids"] {
+        // Without values a search takes a minute.
+        self.maybe(&mut args, 100, "--values", &values);
+        for option in ["--top", "--threads", "--exact-grids"] {
             let counts = ["1", "3", "100", "|", "0", "100000", "18446744073709551615", "-1", "x"];
             self.maybe(&mut args, 15, option, &counts);
         }
@@ -280,12 +269,6 @@ impl Chooser {
                 args.push(flag.into());
             }
         }
-        self.maybe(
-            &mut args,
-            10,
-            "--checkpoint",
-            &["|", "no/c.json", ".", "pipeline/paper.toml", "c.json"][4..],
-        );
         args
     }
 

@@ -140,5 +140,5 @@ fn the_stage_names_what_it_lacks() {
     project.scene("a", &SCENE.replace("quadrant(ll)=-6; else=1.998", "disc(0,0,0.1)=1; else=-1"));
     let said = project.run(&["run"]);
     assert_eq!(said.code, Some(3), "{said:?}");
-    assert!(said.err.contains("not made of quadrants"), "{said:?}");
+    assert!(said.err.contains("not made of quadrants; correct it, or drop `identify`"), "{said:?}");
 }

@@ -44,7 +44,8 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
         "alternatives": alternatives, "questions": questions,
     }));
     Ok(Task::new(id(scene), parameters, Vec::new(), move |_| {
-        let found = findings(&target, &variant, &f, &alternatives, &questions)?;
+        let found = findings(&target, &variant, &f, &alternatives, &questions)
+            .map_err(|e| format!("{e}; correct it, or drop `identify` from the scene's outputs"))?;
         Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
     }))
 }
