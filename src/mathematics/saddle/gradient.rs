@@ -53,8 +53,8 @@ impl Gradient {
             self.row[n] -= 0.5 * mass * y[n];
         }
         if j == 0 || j == n {
-            for i in 0..=n {
-                self.subtract_reaction(i, j, pair, y[i]);
+            for (i, &value) in y.iter().enumerate() {
+                self.subtract_reaction(i, j, pair, value);
             }
         } else {
             self.subtract_reaction(0, j, pair, y[0]);
