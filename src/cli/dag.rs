@@ -57,7 +57,7 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
         () if form.dot => graph().dot(),
         () if form.make => workflow(&plan, place, |engine| engine.make())?,
         () if form.snakemake => workflow(&plan, place, |engine| engine.snakemake())?,
-        () if form.json => workflow(&plan, place, |engine| engine.json())?,
+        () if form.json => workflow(&plan, place, |engine| Ok(engine.json()))?,
         () => list(&plan),
     })
 }
@@ -75,12 +75,12 @@ fn list(plan: &Plan) -> String {
 fn workflow(
     plan: &Plan,
     (root, cache): (&Path, &CacheArgs),
-    text: fn(&Engine) -> String,
+    text: fn(&Engine) -> Result<String>,
 ) -> Result<String> {
     let wrong =
         |e| Error::input(format!("the folder of the program or of the cache is gone ({e})"));
     let program = std::env::current_exe().map_err(wrong)?;
     let elsewhere = cache.cache_dir.as_deref().map(absolute).transpose().map_err(wrong)?;
     let elsewhere = elsewhere.filter(|folder| *folder != root.join(CACHE));
-    Ok(text(&Engine::new(plan, &program, elsewhere.as_deref().unwrap_or(Path::new(CACHE)))?))
+    text(&Engine::new(plan, &program, elsewhere.as_deref().unwrap_or(Path::new(CACHE)))?)
 }

@@ -10,7 +10,7 @@ use crate::pipeline::{
     work,
 };
 use crate::replication::project::Project;
-use crate::replication::stages::{Stage, plan};
+use crate::replication::stages::{Stage, plan, scene_of};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -62,10 +62,15 @@ const LOOK: Options = Options { dry_run: true, force: false, keep_going: false, 
 
 impl Workplace {
     pub(super) fn open(cache: &CacheArgs) -> Result<Self> {
+        Self::with(cache, Project::read)
+    }
+
+    /// The place with what `read` reads of the project.
+    fn with(cache: &CacheArgs, read: impl FnOnce(PathBuf) -> Result<Project>) -> Result<Self> {
         let root = Project::find(&current_folder()?)?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         outside_report(&root, &folder, "the cache")?;
-        let mut project = Project::read(root)?;
+        let mut project = read(root)?;
         project.commands = super::commands;
         Ok(Self { store: Store::new(&folder)?, project })
     }
@@ -138,14 +143,33 @@ impl Workplace {
     }
 
     /// Runs single tasks beside other processes; only the cache is written.
-    pub(super) fn work(&self, asked: &[String], progress: &Progress) -> Result<Summary> {
-        self.project.check()?;
-        let plan = self.tasks(&[], None)?;
-        if let Some(id) = asked.iter().find(|id| plan.task(id).is_none()) {
-            return Err(Error::input(format!("no task `{id}`; `signorini dag` lists them")));
-        }
+    pub(super) fn work(
+        cache: &CacheArgs,
+        asked: &[String],
+        progress: &Progress,
+    ) -> Result<Summary> {
+        let (workplace, plan) = Self::with_tasks(cache, asked)?;
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
-        work(&plan, asked, &self.store, progress)
+        work(&plan, asked, &workplace.store, progress)
+    }
+
+    /// A plan with the tasks `asked` for: of their scenes alone if each belongs to one, so that a task costs the
+    /// same in a large project; else of the whole project.
+    fn with_tasks(cache: &CacheArgs, asked: &[String]) -> Result<(Self, Plan)> {
+        if let Some(scenes) = asked.iter().map(|id| scene_of(id)).collect::<Option<Vec<_>>>() {
+            let part = Self::with(cache, |root| Project::read_part(root, &scenes))?;
+            let plan = part.tasks(&[], None)?;
+            if asked.iter().all(|id| plan.task(id).is_some()) {
+                return Ok((part, plan));
+            }
+        }
+        let whole = Self::open(cache)?;
+        whole.project.check()?;
+        let plan = whole.tasks(&[], None)?;
+        match asked.iter().find(|id| plan.task(id).is_none()) {
+            Some(id) => Err(Error::input(format!("no task `{id}`; `signorini dag` lists them"))),
+            None => Ok((whole, plan)),
+        }
     }
 
     /// What killed runs left behind, in the cache and where exports go.

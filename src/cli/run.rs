@@ -54,11 +54,12 @@ pub(super) struct RunArgs {
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
     if !args.task.is_empty() {
-        let ran = workplace.work(&args.task, &Progress::new(args.verbose, args.quiet))?;
+        let progress = Progress::new(args.verbose, args.quiet);
+        let ran = Workplace::work(&args.cache, &args.task, &progress)?;
         return say(&if ran.ran.is_empty() { "nothing to do\n".into() } else { what_ran(&ran) });
     }
+    let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&args.scenes, args.only)?;
     if tasks.tasks().is_empty() {
         let remedy = match args.scenes.is_empty() {

@@ -92,7 +92,12 @@ impl Store {
 
     /// The file that is there once the task with this stamp is done.
     pub fn stamp_file(&self, stamp: &str) -> PathBuf {
-        self.root.join(STAMPS).join(stamp)
+        self.stamp_folder().join(stamp)
+    }
+
+    /// The folder of the stamps.
+    pub(super) fn stamp_folder(&self) -> PathBuf {
+        self.root.join(STAMPS)
     }
 
     /// What killed runs left behind, if none is at work.

@@ -35,6 +35,8 @@ pub struct Project {
     pub files: Artifacts,
     /// Everything under `report/` that is not generated, by path from there.
     pub templates: Artifacts,
+    /// Whether only some scenes were read, so that nothing can be said of several together.
+    pub(crate) partial: bool,
     /// Tells the commands of the program, for the book: the `name`, empty for the program without a command, and
     /// the `help` of each. A reader of the folder alone knows none.
     pub commands: fn() -> Vec<Value>,
@@ -59,14 +61,38 @@ impl Project {
     /// # Errors
     /// [`Error::Io`] and [`Error::Input`] from its parts.
     pub fn read(root: PathBuf) -> Result<Self> {
-        let (scenes, mut files) = read_scenes(&root)?;
+        let (scenes, mut files) = read_scenes(&root, |_| true)?;
+        if scenes.is_empty() {
+            let folder = root.join(SCENES);
+            let folder = folder.display();
+            return Err(Error::input(format!(
+                "no scenes in {folder}; add one as the README shows"
+            )));
+        }
         for path in [PAPER, IDENTIFIED, TRUTH, recorded::PATH] {
             files.extend(read_if_there(&root.join(path))?.map(|text| (path.into(), text)));
         }
         let paper = files.get(PAPER).map(Paper::parse).transpose()?.unwrap_or_default();
         let templates = read_tree(&root.join("report"), is_not_ours)
             .or_else(|(path, e)| Err(e).context("read", &path))?;
-        Ok(Self { root, scenes, paper, files, templates, commands: Vec::new })
+        Ok(Self { root, scenes, paper, files, templates, partial: false, commands: Vec::new })
+    }
+
+    /// Reads only what the tasks of single scenes depend on, for the scenes with these names, as far as they exist.
+    ///
+    /// # Errors
+    /// As [`Project::read`], but for other scenes and for the book.
+    pub(crate) fn read_part(root: PathBuf, names: &[&str]) -> Result<Self> {
+        let (scenes, mut files) = read_scenes(&root, |name| names.contains(&name))?;
+        let mut paper = Paper::default();
+        if scenes.iter().any(|scene| scene.paper_table.is_some()) {
+            for path in [PAPER, IDENTIFIED] {
+                files.extend(read_if_there(&root.join(path))?.map(|text| (path.into(), text)));
+            }
+            paper = files.get(PAPER).map(Paper::parse).transpose()?.unwrap_or_default();
+        }
+        let templates = Artifacts::new();
+        Ok(Self { root, scenes, paper, files, templates, partial: true, commands: Vec::new })
     }
 
     /// Refuses a broken record of times, and a book to be built elsewhere. Not part of [`Project::read`]:
@@ -91,13 +117,9 @@ impl Project {
 
     /// The scenes of the paper's problems 1 and 2, as far as there are any; the chapters are about them.
     pub(crate) fn problems(&self) -> Vec<&Scene> {
-        let of = |number| self.scenes.iter().find(|scene| scene.paper_table == Some(number));
-        [1, 2].into_iter().filter_map(of).collect()
-    }
-
-    /// Whether a scene is one of the paper's problems.
-    pub(crate) fn is_problem(&self, scene: &Scene) -> bool {
-        self.problems().iter().any(|problem| problem.name == scene.name)
+        let mut problems: Vec<_> = self.scenes.iter().filter(|scene| scene.is_problem()).collect();
+        problems.sort_by_key(|scene| scene.paper_table);
+        problems
     }
 
     /// The scene with this name.
@@ -135,15 +157,18 @@ fn refuse_second_of_a_table(scenes: &[Scene]) -> Result<()> {
     Ok(())
 }
 
-/// Reads every `pipeline/scenes/*.toml`, sorted by name.
-fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
-    let folder = root.join("pipeline").join("scenes");
+/// Folder of the scenes in the project.
+const SCENES: &str = "pipeline/scenes";
+
+/// Reads every `pipeline/scenes/*.toml` with a `wanted` name, sorted by name.
+fn read_scenes(root: &Path, wanted: impl Fn(&str) -> bool) -> Result<(Vec<Scene>, Artifacts)> {
+    let folder = root.join(SCENES);
     let (mut scenes, mut files) = (Vec::new(), Artifacts::new());
     for entry in fs::read_dir(&folder).context("read", &folder)? {
         let path = entry.context("read", &folder)?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         // Editors keep locks and backups as hidden files.
-        if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') {
+        if path.extension().is_none_or(|e| e != "toml") || name.starts_with('.') || !wanted(&name) {
             continue;
         }
         if path.file_name().is_none_or(|name| name.to_str().is_none()) {
@@ -152,11 +177,7 @@ fn read_scenes(root: &Path) -> Result<(Vec<Scene>, Artifacts)> {
         }
         let text = read_text(&path)?;
         scenes.push(Scene::parse(&name, &text)?);
-        files.insert(format!("pipeline/scenes/{name}.toml"), text.into_bytes());
-    }
-    if scenes.is_empty() {
-        let folder = folder.display();
-        return Err(Error::input(format!("no scenes in {folder}; add one as the README shows")));
+        files.insert(format!("{SCENES}/{name}.toml"), text.into_bytes());
     }
     scenes.sort_by(|a, b| a.name.cmp(&b.name));
     refuse_second_of_a_table(&scenes)?;

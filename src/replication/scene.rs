@@ -172,6 +172,11 @@ impl Scene {
         self.outputs.contains(&output)
     }
 
+    /// Whether this is one of the paper's problems; no two scenes are the same one.
+    pub(crate) fn is_problem(&self) -> bool {
+        matches!(self.paper_table, Some(1 | 2))
+    }
+
     /// The problem as experiments take it, if it belongs to a published table.
     pub fn problem(&self) -> Option<Problem> {
         Some(Problem {

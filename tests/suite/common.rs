@@ -211,13 +211,6 @@ pub(crate) fn skip(why: &str) {
     let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
 }
 
-/// Says that a program of others, without which this one is whole, is not there to be tested with; no
-/// failure anywhere.
-pub(crate) fn absent(why: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "NOT RUN: {why}");
-}
-
 /// Sends Ctrl-C to a process, if it has not ended.
 pub(crate) fn interrupt(child: &Child) {
     let mut kill = Command::new("kill");

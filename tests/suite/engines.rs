@@ -1,11 +1,14 @@
 //! The tasks run by engines of others, and by several processes on one cache: each once, to the same bytes.
 
-use crate::common::{EVERYTHING, Project, Said, TABLE, absent, assert_same, skip, wanting};
+use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, skip, wanting};
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, SystemTime};
 
 /// Six cells of two scenes, their tables, pictures and a book.
 fn small() -> Project {
@@ -219,26 +222,193 @@ fn make_runs_the_tasks() {
     assert_eq!(project.run(&["run", "-v"]).ran(), [""; 0]);
 }
 
+/// Runs make in the project on `tasks.mk`, in one process.
+fn make(project: &Project, args: &[&str]) -> Output {
+    engine(project, "make", &[&["-s", "-f", "tasks.mk"], args].concat())
+}
+
+/// Lets the stamps have times one second apart, in this order.
+fn date_stamps<'a>(stamps: impl Iterator<Item = &'a PathBuf>) {
+    let mut time = SystemTime::now() - Duration::from_secs(1000);
+    for stamp in stamps {
+        File::options().append(true).open(stamp).unwrap().set_modified(time).unwrap();
+        time += Duration::from_secs(1);
+    }
+}
+
+#[test]
+fn make_settles_whatever_the_times_of_the_stamps() {
+    if !is_there("make") {
+        return skip("no make on the PATH");
+    }
+    let project = small();
+    workflow(&project, "--make", "tasks.mk");
+    assert!(make(&project, &[]).status.success());
+    let stamps = fs::read_dir(project.path(".signorini/v2/stamps")).unwrap();
+    let mut stamps: Vec<PathBuf> = stamps.map(|entry| entry.unwrap().path()).collect();
+    stamps.sort();
+    let program = format!("SIGNORINI={}", noted(&project, "tasks.mk", "noted"));
+    let settles = |what: &str| {
+        assert!(make(&project, &["-q", &program]).status.success(), "{what}");
+        assert_eq!(asked(&project), 0, "{what}");
+    };
+    date_stamps(stamps.iter());
+    settles("by name");
+    date_stamps(stamps.iter().rev());
+    settles("backwards");
+    // A stamp that was lost is written again, and that is all.
+    for stamp in &stamps {
+        fs::remove_file(stamp).unwrap();
+        assert!(make(&project, &[&program]).status.success());
+        assert_eq!(asked(&project), 1, "{stamp:?}");
+        settles("after the loss of a stamp");
+    }
+}
+
+#[test]
+fn two_makes_at_once_both_succeed() {
+    if !is_there("make") {
+        return skip("no make on the PATH");
+    }
+    let project = Project::with(TABLE);
+    workflow(&project, "--make", "tasks.mk");
+    let there = || fs::read_dir(project.path("")).unwrap().count();
+    for k in 1..=10 {
+        project.scene("a", &TABLE.replace("else=-1", &format!("else=-{k}")));
+        let [one, two] = thread::scope(|scope| {
+            [(); 2].map(|()| scope.spawn(|| make(&project, &[]))).map(|make| make.join().unwrap())
+        });
+        assert!(one.status.success() && two.status.success(), "{one:?} {two:?}");
+        assert!(make(&project, &["-q"]).status.success());
+    }
+    // What cannot be planned leaves the file as it was, and nothing beside it.
+    let [text, before] =
+        [fs::read(project.path("tasks.mk")).unwrap(), there().to_le_bytes().into()];
+    project.scene("a", "f = ");
+    assert!(!make(&project, &[]).status.success());
+    assert_eq!(
+        [fs::read(project.path("tasks.mk")).unwrap(), there().to_le_bytes().into()],
+        [text, before]
+    );
+}
+
+#[test]
+#[cfg(unix)]
+fn make_renews_a_linked_private_file_in_its_place() {
+    if !is_there("make") {
+        return skip("no make on the PATH");
+    }
+    let project = Project::with(TABLE);
+    workflow(&project, "--make", "real.mk");
+    std::os::unix::fs::symlink("real.mk", project.path("tasks.mk")).unwrap();
+    let private = std::os::unix::fs::PermissionsExt::from_mode(0o600);
+    fs::set_permissions(project.path("real.mk"), private).unwrap();
+    project.scene("b", TABLE);
+    assert!(make(&project, &[]).status.success());
+    assert!(fs::symlink_metadata(project.path("tasks.mk")).unwrap().is_symlink());
+    assert!(fs::read_to_string(project.path("real.mk")).unwrap().contains("solve/b/"));
+    let mode = std::os::unix::fs::PermissionsExt::mode(
+        &fs::metadata(project.path("real.mk")).unwrap().permissions(),
+    );
+    assert_eq!(mode & 0o777, 0o600);
+}
+
+/// Characters that are special to a shell, to make, to Python or to Snakemake.
+#[cfg(unix)]
+const SPECIAL: &str = "a b'c\"d#e$HOME%f:g=h(i)&j~k!`l`é";
+
+/// The one program in a folder with a special name, and a project in another.
+#[cfg(unix)]
+fn in_special_folders() -> (tempfile::TempDir, PathBuf, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join(format!("program {SPECIAL}")).join("signorini");
+    let project = folder.path().join(format!("project {SPECIAL}"));
+    fs::create_dir(program.parent().unwrap()).unwrap();
+    fs::copy(env!("CARGO_BIN_EXE_signorini"), &program).unwrap();
+    fs::create_dir_all(project.join("pipeline/scenes")).unwrap();
+    fs::create_dir(project.join("report")).unwrap();
+    fs::write(project.join("pipeline/scenes/it's $HOME.toml"), TABLE).unwrap();
+    (folder, program, project)
+}
+
+/// A command in a folder, which succeeds; what it prints.
+#[cfg(unix)]
+#[track_caller]
+fn succeeds(folder: &Path, program: impl AsRef<OsStr>, args: &[&str]) -> Vec<u8> {
+    let mut command = Command::new(program);
+    command.args(args).current_dir(folder).env_remove("MAKEFLAGS").stdin(Stdio::null());
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{args:?}: {output:?}");
+    output.stdout
+}
+
+/// Exports a workflow with the cache in the project, and with one elsewhere, and runs each with its engine.
+#[cfg(unix)]
+fn runs_in_special_folders(form: &str, command: &str, args: &[&str]) {
+    let (folder, program, project) = in_special_folders();
+    let elsewhere = folder.path().join(format!("cache {SPECIAL}"));
+    let elsewhere = elsewhere.to_str().unwrap();
+    for (cache, options) in [(".signorini", &[][..]), (elsewhere, &["--cache-dir", elsewhere])] {
+        let text = succeeds(&project, &program, &[&["dag", form], options].concat());
+        fs::write(project.join("workflow"), text).unwrap();
+        succeeds(&project, command, args);
+        let stamps = fs::read_dir(project.join(cache).join("v2/stamps")).unwrap().count();
+        assert_eq!(stamps, 3, "two cells and their table");
+        let said = succeeds(&project, &program, &[&["run", "-v"], options].concat());
+        assert!(!String::from_utf8_lossy(&said).contains(" ran "), "{said:?}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn make_runs_a_program_and_a_project_in_folders_with_special_names() {
+    if !is_there("make") {
+        return skip("no make on the PATH");
+    }
+    runs_in_special_folders("--make", "make", &["-s", "-f", "workflow"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn snakemake_runs_a_program_and_a_project_in_folders_with_special_names() {
+    if !is_there("snakemake") {
+        return skip(NO_SNAKEMAKE);
+    }
+    let args = ["--cores", "1", "--quiet", "all", "--snakefile", "workflow"];
+    runs_in_special_folders("--snakemake", "snakemake", &args);
+}
+
 #[test]
 fn names_that_engines_cannot_take_are_refused() {
     let project = small();
-    for form in ["--make", "--snakemake", "--json"] {
-        let said = project.run(&["dag", form, "--cache-dir", "a cache"]);
-        assert!(said.refusal().contains("letters, digits and"), "{said:?}");
-    }
+    let refused = |form: &str, cache: &str| {
+        let said = project.run(&["dag", form, "--cache-dir", cache]);
+        assert!(said.refusal().contains("give another with --cache-dir"), "{said:?}");
+    };
+    let special = ["a*b", "a?b", "a[b", "a;b", "a|b", "a\\b", "a\nb"];
+    special.iter().for_each(|cache| refused("--make", cache));
+    ["a{b", "a}b"].iter().for_each(|cache| refused("--snakemake", cache));
     fs::create_dir(project.path("sub")).unwrap();
     // A folder is meant as seen from where the command is given.
     let mut below = project.command(&["dag", "--json", "--cache-dir", ".signorini"]);
     let json = Said::from(below.current_dir(project.path("sub")).output().unwrap()).json();
     let stamp = json["tasks"][0]["stamp"].as_str().unwrap();
     assert!(stamp.contains("/sub/.signorini/"), "{stamp}");
-    // What the shell and make would take for theirs is quoted.
-    project.scene("it's $HOME", TABLE);
-    workflow(&project, "--make", "tasks.mk");
-    let text = fs::read_to_string(project.path("tasks.mk")).unwrap();
-    assert!(text.contains(r"'solve/it'\''s $$HOME/signed/r=1'"), "{text}");
-    if is_there("make") {
-        assert!(engine(&project, "make", &["-f", "tasks.mk"]).status.success());
+}
+
+#[test]
+fn a_task_of_one_scene_reads_no_other() {
+    let project = small();
+    let ids = tasks(&project);
+    project.scene("b", "this is no scene");
+    project.write("pipeline/paper.toml", "nor a paper");
+    project.write("report/templates/one.md", [0xff]);
+    for id in ids.iter().filter(|id| id.contains("/a")) {
+        assert_eq!(project.run(&["run", "-v", "--task", id]).ran(), [id.as_str()]);
+    }
+    // What shows all scenes needs them all.
+    for id in ["solve/b/signed/r=1", "diff/results", "report/book"] {
+        assert!(project.run(&["run", "--task", id]).refusal().contains("scene `b`"), "{id}");
     }
 }
 
@@ -263,10 +433,14 @@ fn the_dag_as_json_has_a_stamp_for_each_task() {
     }
 }
 
+/// What is said where Snakemake is not installed.
+const NO_SNAKEMAKE: &str =
+    "no snakemake on the PATH (`pip install snakemake` in a virtual environment)";
+
 /// Runs Snakemake in the project; `None` where there is none.
 fn snakemake(project: &Project, args: &[&str]) -> Option<Output> {
     if !is_there("snakemake") {
-        absent("no snakemake on the PATH (`pip install snakemake` in a virtual environment)");
+        skip(NO_SNAKEMAKE);
         return None;
     }
     workflow(project, "--snakemake", "Snakefile");
@@ -308,7 +482,7 @@ fn snakemake_submits_to_a_cluster() {
     let plugin = "import snakemake_executor_plugin_cluster_generic";
     let output = Command::new("python").args(["-c", plugin]).stderr(Stdio::null()).status();
     if !output.is_ok_and(|status| status.success()) {
-        return absent("no snakemake-executor-plugin-cluster-generic for the python on the PATH");
+        return skip("no snakemake-executor-plugin-cluster-generic for the python on the PATH");
     }
     // The cluster is this machine, which takes a job as a script in the background.
     let submit = "sh -c 'nohup sh \"$0\" > /dev/null 2>&1 & echo $!'";

@@ -1,8 +1,6 @@
-# The tasks of this project for `make -j`, a rule for each; written by `signorini dag --make`, and by make
-# itself when the project has changed. Run it in the folder of the project; afterwards `signorini run`
-# writes figures/ and report/.
-SIGNORINI := PROGRAM
-TASK := $(SIGNORINI) run --quiet --cache-dir CACHE --task
+# In the target of a rule % would stand for any text.
+MADE := $(subst %,\%,$(STAMPS))
+TASK := $(SIGNORINI) run --quiet --cache-dir $(CACHE) --task
 RAYON_NUM_THREADS ?= 1
 export RAYON_NUM_THREADS
 
@@ -10,6 +8,12 @@ export RAYON_NUM_THREADS
 all:
 
 this := $(lastword $(MAKEFILE_LIST))
-$(this): always
-	@$(SIGNORINI) dag --make --cache-dir CACHE > $@.new
-	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+ifeq ($(wildcard $(this)),)
+$(error make cannot tell where the path of this makefile ends, since it has a space: give another name without one)
+endif
+quoted = '$(subst ','\'',$1)'
+$(subst %,\%,$(this)): always
+	@file=$(call quoted,$(or $(realpath $@),$@)); if [ -f "$$file" ]; then \
+	    new=$$file.$$$$.new; trap 'rm -f "$$new"' EXIT HUP INT TERM; \
+	    cp -p "$$file" "$$new" && $(SIGNORINI) dag --make --cache-dir $(CACHE) > "$$new" \
+	        && { cmp -s "$$new" "$$file" || mv -f "$$new" "$$file"; }; fi

@@ -1,11 +1,3 @@
-# The tasks of this project for Snakemake, a job for each; written by `signorini dag --snakemake`.
-# Run it in the folder of the project; afterwards `signorini run` writes figures/ and report/.
-import json
-import os
-import subprocess
-
-SIGNORINI = config.get("signorini", "PATH")
-CACHE = config.get("cache", "FOLDER")
 
 # Asked anew each time: a task of which anything has changed has another stamp.
 LISTED = [SIGNORINI, "dag", "--json", "--cache-dir", CACHE]
@@ -13,7 +5,7 @@ TASKS = json.loads(subprocess.run(LISTED, check=True, stdout=subprocess.PIPE).st
 STAMP_OF = {task["id"]: task["stamp"] for task in TASKS}
 TASK_OF = {os.path.basename(task["stamp"]): task for task in TASKS}
 STAMPS = os.path.dirname(TASKS[0]["stamp"])
-COMMAND = "RAYON_NUM_THREADS={threads} {SIGNORINI} run --quiet --cache-dir {CACHE} --task {params.id:q}"
+COMMAND = "RAYON_NUM_THREADS={threads} {SIGNORINI:q} run --quiet --cache-dir {CACHE:q} --task {params.id:q}"
 
 
 def needs(stage):

@@ -25,6 +25,11 @@ pub(super) const KINDS: [(Output, &str, &str); 5] = [
     (Output::Identify, "identifiability", "Published counts that come out, around the recovered f"),
 ];
 
+/// The scene whose own figure has this name.
+pub(super) fn scene_of(name: &str) -> Option<&str> {
+    KINDS.iter().find_map(|(kind, ..)| name.strip_suffix(&kind.to_string())?.strip_suffix('-'))
+}
+
 /// The figure tasks of `scenes`; shared ones only if all scenes of `project` that share them are there.
 pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
@@ -33,7 +38,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         if !shared.is_empty() {
             tasks.push(task(kind, name.into(), caption, &shared));
         }
-        for scene in scenes.iter().filter(|s| !project.is_problem(s) && s.wants(kind)) {
+        for scene in scenes.iter().filter(|s| !s.is_problem() && s.wants(kind)) {
             tasks.push(task(kind, format!("{}-{kind}", scene.name), caption, &[scene]));
         }
     }

@@ -17,7 +17,7 @@ pub(super) fn id(scene: &Scene) -> String {
 
 /// The tasks that `scenes` ask for: none unless all scenes that ask are among them, as for shared figures.
 pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
-    let own = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Identify);
+    let own = |scene: &&Scene| !scene.is_problem() && scene.wants(Output::Identify);
     let mut asking = sharing(project, scenes, Output::Identify);
     asking.extend(scenes.iter().copied().filter(own));
     let text = project.files.get(IDENTIFIED).filter(|_| !asking.is_empty());

@@ -96,9 +96,22 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     })
 }
 
+/// The scene to which a task with this id belongs, if it belongs to a single one; there may be no such scene.
+pub(crate) fn scene_of(id: &str) -> Option<&str> {
+    let (_, rest) = id.split_once('/')?;
+    match Stage::of(id)? {
+        Stage::Solve | Stage::Tabulate | Stage::Diff | Stage::Identify => rest.split('/').next(),
+        Stage::Figures => figures::scene_of(rest),
+        Stage::Bench | Stage::Report => None,
+    }
+}
+
 /// Those of `scenes` that share a figure of this kind; none if one that shares it is missing.
 fn sharing<'a>(project: &Project, scenes: &[&'a Scene], kind: Output) -> Vec<&'a Scene> {
-    let shares = |scene: &&Scene| project.is_problem(scene) && scene.wants(kind);
+    if project.partial {
+        return Vec::new();
+    }
+    let shares = |scene: &&Scene| scene.is_problem() && scene.wants(kind);
     let shared: Vec<_> = scenes.iter().copied().filter(shares).collect();
     let all = project.scenes.iter().filter(shares).count();
     if shared.len() == all { shared } else { Vec::new() }
@@ -127,4 +140,40 @@ fn from_json<T: DeserializeOwned>(
 ) -> std::result::Result<T, String> {
     serde_json::from_slice(artifact(inputs, task, name)?)
         .map_err(|e| format!("{name} of {task} is not what this version writes: {e}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    /// The stamps of the tasks in a plan, by id.
+    fn stamps(plan: &Plan) -> BTreeMap<String, String> {
+        let ids = plan.tasks().iter().map(|task| task.id.clone());
+        ids.zip(plan.stamps()).collect()
+    }
+
+    #[test]
+    fn a_task_of_one_scene_is_the_same_without_the_others() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf();
+        let project = Project::read(root.clone()).unwrap();
+        let whole = stamps(&plan(&project, &project.select(&[]).unwrap(), None).unwrap());
+        let mut alone = 0;
+        for scene in &project.scenes {
+            let part = Project::read_part(root.clone(), &[&scene.name]).unwrap();
+            for (id, stamp) in stamps(&plan(&part, &part.select(&[]).unwrap(), None).unwrap()) {
+                assert_eq!(whole.get(&id), Some(&stamp), "{id}");
+                assert_eq!(scene_of(&id), Some(&*scene.name), "{id}");
+                alone += 1;
+            }
+        }
+        let of_scenes = project.scenes.iter().flat_map(|scene| {
+            let is_its = |id: &&String| scene_of(id) == Some(&scene.name);
+            let is_shared =
+                |id: &&String| Stage::of(id) == Some(Stage::Identify) && scene.is_problem();
+            whole.keys().filter(is_its).filter(move |id| !is_shared(id))
+        });
+        assert_eq!(alone, of_scenes.count());
+    }
 }

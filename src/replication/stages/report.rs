@@ -58,7 +58,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
 /// The task that writes the pages and builds the book, from everything the `earlier` tasks make.
 pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
-    let other = |scene: &&Scene| !project.is_problem(scene) && scene.wants(Output::Table);
+    let other = |scene: &&Scene| !scene.is_problem() && scene.wants(Output::Table);
     let others: Vec<Scene> = project.scenes.iter().filter(other).cloned().collect();
     let left_out = left_out(project);
     let mut files = project.files.clone();
