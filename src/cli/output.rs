@@ -1,7 +1,7 @@
 //! What leaves the program: data on standard output, talk on standard error, files that the user named.
 
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::files::{folder_of, write_atomically};
+use crate::pipeline::files::{folder_of, link_target, write_atomically};
 pub(super) use crate::pipeline::talk;
 use clap::ValueEnum;
 use std::fs::{self, OpenOptions};
@@ -111,9 +111,19 @@ impl OutputFile {
         let Some(name) = path.file_name().filter(|_| !is_folder) else {
             return wrong("it is a folder; name a file");
         };
-        let folder = folder_of(path);
+        let target = match link_target(path) {
+            Ok(target) => target,
+            Err(e) => return wrong(&format!("{e}; remove the link, or name another file")),
+        };
+        let folder = folder_of(&target);
         if !folder.is_dir() {
-            return wrong("no such folder; make it, or name another file");
+            return wrong(&match target == path {
+                true => "no such folder; make it, or name another file".to_owned(),
+                false => format!(
+                    "it links to {}, where there is no such folder; make it, or name another file",
+                    target.display()
+                ),
+            });
         }
         let path = path.to_path_buf();
         if path.exists() && !path.is_file() {

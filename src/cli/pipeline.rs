@@ -3,11 +3,11 @@
 use super::interrupt::interrupted;
 use super::output::say;
 use super::{CacheArgs, current_folder, threads};
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Store, Summary, Times, execute,
-    work,
+    Edited, Editor, Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Store, Summary,
+    Times, execute, work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan, scene_of};
@@ -230,21 +230,46 @@ pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()>
     }
 }
 
-/// Names the files that were not written because somebody edited them.
+/// Names the files that were not written because they have other bytes than signorini wrote.
 fn refuse_edited(summary: &Summary) -> Result<()> {
-    match &summary.exports.edited[..] {
-        [] => Ok(()),
-        [one] => Err(Error::input(edited(one))),
-        all => Err(Error::input(format!(
-            "{} files were edited by hand: {}; move them away, or overwrite them by `signorini run --force`",
-            all.len(),
-            all.join(", ")
-        ))),
-    }
+    let Some(first) = summary.exports.edited.first() else { return Ok(()) };
+    let alike: Vec<&str> = summary
+        .exports
+        .edited
+        .iter()
+        .filter(|file| file.by == first.by)
+        .map(|file| &*file.path)
+        .collect();
+    let count = alike.len();
+    Err(Error::input(match first.by {
+        _ if count == 1 => edited(first),
+        Editor::Hand => format!(
+            "{count} files were edited by hand: {}; move them away, or overwrite them by `signorini run --force`",
+            alike.join(", ")
+        ),
+        Editor::Merge => format!(
+            "{count} files have a {CONFLICT}: {}; delete them and run again",
+            alike.join(", ")
+        ),
+        Editor::Unknown => format!(
+            "nothing is on record of {count} files: {}; move them away, or overwrite them by `signorini run --force`",
+            alike.join(", ")
+        ),
+    }))
 }
 
-pub(super) fn edited(path: &str) -> String {
-    format!("{path} was edited by hand; move it away, or overwrite it by `signorini run --force`")
+/// A line on a file that was not written.
+pub(super) fn edited(file: &Edited) -> String {
+    let path = &file.path;
+    match file.by {
+        Editor::Hand => format!(
+            "{path} was edited by hand; move it away, or overwrite it by `signorini run --force`"
+        ),
+        Editor::Merge => format!("{path} has a {CONFLICT}; delete it and run again"),
+        Editor::Unknown => format!(
+            "nothing is on record of {path}; move it away, or overwrite it by `signorini run --force`"
+        ),
+    }
 }
 
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {

@@ -213,6 +213,6 @@ pub(super) fn exports(summary: &Summary) -> String {
     if let Some(files) = to_remove(summary) {
         text += &format!("to be removed: {files}\n");
     }
-    summary.exports.edited.iter().for_each(|path| text += &(edited(path) + "\n"));
+    summary.exports.edited.iter().for_each(|file| text += &(edited(file) + "\n"));
     text
 }

@@ -55,6 +55,18 @@ impl Error {
     }
 }
 
+/// Description of what [`conflict`] finds.
+pub(crate) const CONFLICT: &str = "conflict of a merge";
+
+/// Line of the first conflict that `git merge` marked in a text, if there is one.
+pub(crate) fn conflict(text: &[u8]) -> Option<usize> {
+    let mut lines = text.split(|&byte| byte == b'\n').enumerate();
+    let (first, _) = lines.find(|(_, line)| line.starts_with(b"<<<<<<< "))?;
+    lines.find(|(_, line)| line.trim_ascii_end() == b"=======")?;
+    lines.find(|(_, line)| line.starts_with(b">>>>>>> "))?;
+    Some(first + 1)
+}
+
 /// Reads TOML; `what` names it in messages.
 ///
 /// # Errors
@@ -63,6 +75,9 @@ pub fn from_toml<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Res
     let text = std::str::from_utf8(text.as_ref())
         .map_err(|_| Error::input(format!("{what} is not UTF-8; save it as UTF-8")))?;
     toml::from_str(text).map_err(|error| {
+        if let Some(line) = conflict(text.as_bytes()) {
+            return Error::input(format!("{what}: line {line}: {CONFLICT}; resolve it there"));
+        }
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
         let message = error.message().replace('\n', " ");
         Error::input(format!("{what}: line {line}: {message}"))

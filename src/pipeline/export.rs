@@ -2,7 +2,7 @@
 
 use super::files::{hash_if_there, is_plain, leftovers, read, remove_from, write_atomically};
 use super::{Hashes, Lock, Manifest, Plan, Store, Task, hash};
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{Error, Result, conflict};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,13 +11,33 @@ use std::path::{Path, PathBuf};
 /// The folders of the project in which exports lie, beside files of people's own.
 const FOLDERS: [&str; 2] = ["figures", "report"];
 
+/// An export that is not overwritten.
+#[derive(Debug)]
+pub struct Edited {
+    /// Path in the project.
+    pub path: String,
+    /// Origin of the bytes.
+    pub by: Editor,
+}
+
+/// Origin of bytes in an export that are not on record as written by this program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Editor {
+    /// Somebody edited the file.
+    Hand,
+    /// `git merge` marked a conflict in it.
+    Merge,
+    /// There is no record, as after `git clean`: this program may have written them.
+    Unknown,
+}
+
 /// Files to write and to remove so that the project folder shows what the tasks last computed.
 #[derive(Debug, Default)]
 pub struct Exports {
     /// Path in the project -> hash, of everything that is to be there.
     pub files: Hashes,
-    /// Paths of files that somebody edited; they are neither written nor removed.
-    pub edited: Vec<String>,
+    /// Files with other bytes than this program wrote; they are neither written nor removed.
+    pub edited: Vec<Edited>,
     write: Hashes,
     remove: BTreeSet<String>,
     written: Written,
@@ -82,7 +102,7 @@ impl Exports {
             // An empty file holds nothing that could be lost.
             let lost = found.filter(|found| !force && **found != hash(&[]));
             if lost.is_some_and(|found| !self.on_record(known, &path, found) && !in_cache(found)) {
-                self.edited.push(path);
+                self.edited.push(self.edited(project, path));
             } else {
                 self.write.insert(path, wanted.clone());
             }
@@ -92,6 +112,17 @@ impl Exports {
             self.remove_old(project, plan, known)?;
         }
         Ok(self)
+    }
+
+    /// An export with bytes that nothing has on record.
+    fn edited(&self, project: &Path, path: String) -> Edited {
+        let text = read(&project.join(&path)).unwrap_or_default();
+        let by = match () {
+            () if conflict(&text).is_some() => Editor::Merge,
+            () if self.written.0.is_empty() => Editor::Unknown,
+            () => Editor::Hand,
+        };
+        Edited { path, by }
     }
 
     /// Whether this program wrote these bytes to this file.

@@ -3,7 +3,7 @@
 use crate::pipeline::error::{IoContext, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::{self, File, Permissions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
 
@@ -11,22 +11,51 @@ use std::path::{Component, Path, PathBuf};
 const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
 
 /// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
+///
+/// Links are followed, and a file that exists keeps its permissions. Other hard links to it keep the old bytes.
 pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    write_by_way_of(folder_of(path), path, bytes)
+    let target = link_target(path).context("write", path)?;
+    let kept = fs::metadata(&target).ok().map(|there| there.permissions());
+    write_as(folder_of(&target), &target, bytes, kept)
 }
 
-/// The same, with the temporary name in a folder that is there, on the same file system.
+/// The end of a chain of links, which need not exist; the path itself if it is no link.
+pub(crate) fn link_target(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            Ok(next) => target = folder_of(&target).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(io::Error::new(ErrorKind::Unsupported, "it links to itself"))
+}
+
+/// Links in a chain beyond which systems take it for a circle.
+const MOST_LINKS: usize = 40;
+
+/// Writes a whole file or nothing, with the temporary name in a folder that exists, on the same file system.
 pub(super) fn write_by_way_of(scratch: &Path, path: &Path, bytes: &[u8]) -> Result<()> {
+    write_as(scratch, path, bytes, None)
+}
+
+/// Writes a whole file or nothing, with these permissions, or those of any new file.
+fn write_as(scratch: &Path, path: &Path, bytes: &[u8], kept: Option<Permissions>) -> Result<()> {
     let folder = folder_of(path);
     fs::create_dir_all(folder).context("create", folder)?;
-    let write = || {
+    let write = move || {
         let mut temporary = tempfile::Builder::new();
         temporary.prefix(TEMPORARY[0]).suffix(TEMPORARY[1]);
-        // As for any new file; temporary ones are private otherwise.
+        // Temporary files are private otherwise; what is to stay private is so from the start.
         #[cfg(unix)]
-        temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        if kept.is_none() {
+            temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        }
         let mut file = temporary.tempfile_in(scratch)?;
         file.write_all(bytes)?;
+        if let Some(permissions) = kept {
+            file.as_file().set_permissions(permissions)?;
+        }
         file.as_file().sync_all()?;
         file.persist(path)?;
         Ok(())

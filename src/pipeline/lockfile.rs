@@ -3,7 +3,7 @@
 use super::Hashes;
 use super::files::{read_if_there, write_atomically};
 use super::manifest::changes;
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::{CONFLICT, Error, Result, conflict};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -34,10 +34,13 @@ impl LockFile {
         let path = Self::path(project);
         let Some(bytes) = read_if_there(&path)? else { return Ok(Self::default()) };
         toml::from_str(&String::from_utf8_lossy(&bytes)).map_err(|_| {
-            Error::input(format!(
-                "{} is damaged; restore it with `git checkout`, or delete it and run again",
-                path.display()
-            ))
+            let path = path.display();
+            Error::input(match conflict(&bytes) {
+                Some(_) => format!("{path} has a {CONFLICT}; delete it and run again"),
+                None => format!(
+                    "{path} is damaged; restore it with `git checkout`, or delete it and run again"
+                ),
+            })
         })
     }
 

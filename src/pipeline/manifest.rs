@@ -214,6 +214,8 @@ pub enum Reason {
     Changed(Vec<Change>),
     /// This artifact is missing, truncated or edited.
     Damaged(String),
+    /// The cache cannot be read, for this reason: nothing is known of earlier runs.
+    Unreadable(String),
     /// `--force`.
     Forced,
 }
@@ -228,6 +230,7 @@ impl fmt::Display for Reason {
                 [] => out.write_str("inputs changed"),
             },
             Self::Damaged(name) => write!(out, "artifact {name} is missing, truncated or edited"),
+            Self::Unreadable(why) => out.write_str(why),
             Self::Forced => out.write_str("forced"),
         }
     }

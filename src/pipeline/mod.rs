@@ -26,7 +26,7 @@ mod worker;
 
 pub use engine::Engine;
 pub use execute::execute;
-pub use export::Exports;
+pub use export::{Edited, Editor, Exports};
 pub use garbage::Garbage;
 pub use graph::Graph;
 pub use lock::Lock;

@@ -135,7 +135,8 @@ impl Store {
         task: &str,
         inputs: &BTreeMap<String, String>,
     ) -> std::result::Result<Hit, Reason> {
-        let stored = self.runs(task);
+        let unreadable = |e: Error| Reason::Unreadable(e.to_string());
+        let stored = read_if_there(&self.runs_file(task)).map_err(unreadable)?.unwrap_or_default();
         let mut runs = believable(task, &stored);
         let latest = runs.next().ok_or(Reason::NeverRan)?;
         let reverted = latest.inputs != *inputs;
@@ -146,12 +147,13 @@ impl Store {
             latest
         };
         // Side by side, though tasks are looked up so too: one may have made more than all others.
-        // Unreadable is as good as absent.
-        let is_damaged = |(_, hash): &(_, &String)| {
-            hash_if_there(&self.object(hash)).ok().flatten().as_ref() != Some(*hash)
+        let damage = |(name, hash): (&String, &String)| match hash_if_there(&self.object(hash)) {
+            Ok(found) if found.as_ref() == Some(hash) => None,
+            Ok(_) => Some(Reason::Damaged(name.clone())),
+            Err(e) => Some(unreadable(e)),
         };
-        match manifest.outputs.par_iter().find_first(is_damaged) {
-            Some((name, _)) => Err(Reason::Damaged(name.clone())),
+        match manifest.outputs.par_iter().find_map_first(damage) {
+            Some(reason) => Err(reason),
             None => Ok(Hit { manifest, reverted }),
         }
     }

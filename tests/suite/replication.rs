@@ -87,7 +87,7 @@ fn a_step_of_the_third_decimal_of_f_is_seen() {
     // The comparison would be worth little if it held for any f near ours.
     let project = project();
     let mut scene = project.scene("problem2").unwrap().clone();
-    scene.f = "quadrant(ll)=-6; else=1.98".parse().unwrap();
+    scene.f = "quadrant(ll)=-6; else=1.997".parse().unwrap();
     assert!(exact_counts(&project.paper, &scene, StopRule::Signed) < 25);
 }
 

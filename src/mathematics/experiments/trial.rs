@@ -112,7 +112,7 @@ pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Tri
     };
     let claim = |size: f64| match (outcome.stop, goal) {
         (multigrid::StopReason::Converged, Goal::Kkt(tolerance)) => Some(tolerance),
-        (multigrid::StopReason::RoundingFloor, _) => Some(FLOOR * f64::EPSILON * size),
+        (multigrid::StopReason::RoundingFloor, _) => Some(multigrid::FLOOR * f64::EPSILON * size),
         _ => None,
     };
     let cost = (outcome.cycles, outcome.work_units);
@@ -122,5 +122,3 @@ pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Tri
 /// By how much two ways to compute a residual may differ, adding in another order, in units of
 /// `EPSILON * max |y|`.
 const SLACK: f64 = 8.0;
-/// Units of `EPSILON * max |y|` at which multigrid speaks of the rounding floor.
-const FLOOR: f64 = 32.0;

@@ -22,6 +22,7 @@ mod transfer;
 
 pub use hierarchy::{Geometry, Multigrid, solve};
 pub use input::InputError;
+pub(crate) use stopping::FLOOR;
 
 use serde::{Deserialize, Serialize};
 

@@ -9,7 +9,7 @@ const DISCRETISATION: f64 = 0.01;
 /// A cycle that reduces the natural residual by less is suspected to work on rounding errors.
 const STAGNATION: f64 = 0.5;
 /// Natural residual of nodes that were minimised one by one, in roundings, generously.
-const FLOOR: f64 = 32.0;
+pub(crate) const FLOOR: f64 = 32.0;
 /// A residual this near to that of two cycles ago, relatively, tells of two contact sets that take turns.
 const CIRCLE: f64 = 1e-3;
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.

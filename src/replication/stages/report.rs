@@ -6,7 +6,7 @@ mod search;
 mod times;
 
 use super::{artifact, figures, results, solutions, to_json};
-use crate::pipeline::error::Failure;
+use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::{Artifacts, Graph, Inputs, Task, hash};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
@@ -102,6 +102,9 @@ fn book(
             Some(page) if [".md", ".tera", ".js"].iter().any(|ending| page.ends_with(ending)) => {
                 let text = String::from_utf8(bytes.clone());
                 let text = text.map_err(|_| format!("{path} is not UTF-8; save it as UTF-8"))?;
+                if let Some(line) = conflict(text.as_bytes()) {
+                    return Err(format!("{path}: line {line}: {CONFLICT}; resolve it there").into());
+                }
                 templates.insert(page.to_owned(), text);
             }
             // What pages show besides, such as a photograph.

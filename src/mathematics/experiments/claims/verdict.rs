@@ -251,7 +251,7 @@ impl Ratios {
             r,
             cheaper: Tally::of(ratios.iter().map(|ratio| *ratio > 1.0)),
             capped: cells.iter().filter(|(_, count)| count.reached().is_none()).count(),
-            median: ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN),
+            median: median(&ratios),
             range: Range::of(ratios).unwrap_or(Range { least: f64::NAN, greatest: f64::NAN }),
         }
     }
@@ -284,4 +284,26 @@ fn gain_depends_on_r(problem: &Measured) -> Vec<bool> {
     let ratios = |cells: &[Cell]| Range::of(cells.iter().filter_map(|cell| cell.ratio(0)));
     let vary = |range: Option<Range>| range.is_some_and(|r| r.greatest > EQUAL * r.least);
     rows(problem).map(|cells| vary(ratios(cells))).collect()
+}
+
+/// Median of sorted numbers: of an even number, the mean of the two in the middle; NaN of none.
+fn median(sorted: &[f64]) -> f64 {
+    let middle = sorted.len() / 2;
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[middle],
+        _ => f64::midpoint(sorted[middle - 1], sorted[middle]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_is_between_the_middle_two() {
+        assert_eq!(median(&[1.0, 2.0, 4.0]), 2.0);
+        assert_eq!(median(&[1.0, 2.0, 4.0, 8.0]), 3.0);
+        assert!(median(&[]).is_nan());
+    }
 }
