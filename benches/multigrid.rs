@@ -9,8 +9,7 @@ use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::memory::LargePages;
 use signorini_mathematics::experiments::problems;
-use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridParams, Outcome};
+use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridOutcome, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 use std::time::Instant;
@@ -44,11 +43,11 @@ fn main() {
 
 /// Median time in nanoseconds per unknown, and the outcome.
 fn time(
-    workspace: &mut Multigrid<Square>,
+    workspace: &mut Multigrid,
     load: &[f64],
     goal: Goal,
     repeats: usize,
-) -> (f64, Outcome) {
+) -> (f64, MultigridOutcome) {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let mut y = vec![0.0; load.len()];
     median(repeats, || {
@@ -72,7 +71,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
     let given = load(grid, &f, LoadRule::default());
     let largest = given.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
     let goal = Goal::Kkt(tolerance * largest);
-    let mut workspace = Multigrid::<Square>::new(n).expect("a power of two times 1, 3, 5 or 7");
+    let mut workspace = Multigrid::square(n).expect("a power of two times 1, 3, 5 or 7");
     let (ns, _) = time(&mut workspace, &given, goal, repeats);
     let mut y = vec![0.0; given.len()];
     workspace.write_solution(&mut y);
@@ -80,7 +79,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         let start = Instant::now();
         let load = load(grid, &f, LoadRule::default());
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        multigrid::solve::<Square>(n, &load, None, &params).expect("a solvable problem");
+        multigrid::solve_square(n, &load, None, &params).expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
     let kkt = kkt(grid, &y, &given).relative;
@@ -94,7 +93,7 @@ fn all_problems(sizes: &[usize], repeats: usize) {
     println!("per work unit to the discretisation error, over a plain sweep: the last column");
     for &n in sizes {
         let grid = Grid::new(n).expect("fine enough");
-        let mut workspace = Multigrid::<Square>::new(n).expect("a power of two times 1, 3, 5 or 7");
+        let mut workspace = Multigrid::square(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
             .map(|exact| (exact.name(), load(grid, &Source::Exact(exact), LoadRule::default())));
         let others = problems::paper_loads(n).into_iter().chain(problems::stress_loads(n));

@@ -8,7 +8,6 @@
 //! use signorini_mathematics::discrete::grid::Grid;
 //! use signorini_mathematics::discrete::kkt::kkt;
 //! use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
-//! use signorini_mathematics::multigrid::square::Square;
 //! use signorini_mathematics::multigrid::{self, MultigridParams};
 //! use signorini_mathematics::problem::source::Source;
 //! use signorini_mathematics::spectral::{self, spectral};
@@ -17,7 +16,7 @@
 //! let grid = Grid::new(128)?;
 //! // The default is the paper's rule, f at the nodes, whose sum may be positive though the integral is not.
 //! let load = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::default() });
-//! let (y, outcome) = multigrid::solve::<Square>(128, &load, None, &MultigridParams::default())?;
+//! let (y, outcome) = multigrid::solve_square(128, &load, None, &MultigridParams::default())?;
 //! assert!(kkt(grid, &y, &load).relative < 1e-10);
 //! assert!(outcome.work_units < 60.0);
 //! let [low, high] = bounds(grid, &f, &y)?.energy;

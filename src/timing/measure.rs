@@ -14,7 +14,6 @@ use crate::discrete::transfer::Prolongation;
 use crate::experiments::known::KnownSolution;
 use crate::experiments::problems::{CONTACT, PAPER};
 use crate::experiments::work::{OnGrid, R};
-use crate::multigrid::square::Square;
 use crate::multigrid::{Multigrid, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
@@ -134,7 +133,7 @@ fn scaling(plan: &Plan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>, Stri
         say(&format!("multigrid, h = 1/{cells}"));
         let grid = Grid::new(cells).map_err(|e| e.to_string())?;
         let load = load(grid, &Source::Exact(TIMED), LoadRule::default());
-        let mut workspace = Multigrid::<Square>::new(cells).map_err(|e| e.to_string())?;
+        let mut workspace = Multigrid::square(cells).map_err(|e| e.to_string())?;
         let mut y = vec![0.0; load.len()];
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

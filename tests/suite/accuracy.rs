@@ -4,7 +4,7 @@ use crate::common::{Project, TABLE};
 use crate::solvers::on_threads;
 use signorini::experiments::accuracy::{Findings, Plan, accuracy};
 use signorini::experiments::targets::{COUNTED, of_accuracy};
-use signorini::multigrid::StopReason;
+use signorini::multigrid::MultigridStop;
 use signorini::timing::recorded::{PATH, Timings};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -53,7 +53,7 @@ fn multigrid_keeps_its_targets() {
         assert!(target.measured <= allowance * target.bound, "{target:?}");
     }
     for level in findings().problems.iter().flat_map(|problem| &problem.levels) {
-        assert_eq!(level.cost.goals[2].stop, StopReason::RoundingFloor);
+        assert_eq!(level.cost.goals[2].stop, MultigridStop::RoundingFloor);
         assert!(level.cost.goals[1].kkt <= 1e-10);
     }
 }

@@ -9,7 +9,6 @@ use signorini::discrete::grid::Grid;
 use signorini::discrete::kkt::judge;
 use signorini::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini::discrete::stiffness::energy as discrete_energy;
-use signorini::multigrid::square::Square;
 use signorini::multigrid::{self, Goal, MultigridParams};
 use signorini::problem::exact::{Exact, Sample};
 use signorini::problem::source::Source;
@@ -21,7 +20,7 @@ const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    (grid, multigrid::solve::<Square>(n, &load(grid, f, rule), None, &params).unwrap().0)
+    (grid, multigrid::solve_square(n, &load(grid, f, rule), None, &params).unwrap().0)
 }
 
 /// Problems with their true energies.
@@ -133,7 +132,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 1),
         ] {
             let params = MultigridParams { goal, max_cycles };
-            let (y, _) = multigrid::solve::<Square>(cells, &load, None, &params).unwrap();
+            let (y, _) = multigrid::solve_square(cells, &load, None, &params).unwrap();
             judge(&(rule, goal, max_cycles), &y);
         }
         for max_iterations in [1, 10, 100] {
@@ -245,8 +244,7 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
         for n in [64, 128] {
             let grid = Grid::new(n).unwrap();
             let load = load(grid, &f, EXACT);
-            let y =
-                multigrid::solve::<Square>(n, &load, None, &MultigridParams::default()).unwrap().0;
+            let y = multigrid::solve_square(n, &load, None, &MultigridParams::default()).unwrap().0;
             let error = errors(grid, problem, &y).h1;
             let [least, most] = bounds(grid, &f, &y).unwrap().error;
             // The quadrature of the error is good to about 1e-4 of it.

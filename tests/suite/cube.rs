@@ -10,7 +10,7 @@ use signorini::experiments::targets::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNI
 use signorini::multigrid::active_set::active_set;
 use signorini::multigrid::cube::Cube;
 use signorini::multigrid::{
-    self, Goal, InputError, Multigrid, MultigridParams, Outcome, StopReason,
+    self, Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
 };
 use signorini::problem::cube::Exact;
 
@@ -18,9 +18,9 @@ fn grid(n: usize) -> Grid {
     Grid::new(n).expect("fine enough")
 }
 
-fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, Outcome) {
+fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
     let params = MultigridParams { goal, ..Default::default() };
-    multigrid::solve::<Cube>(n, load, None, &params).expect("valid load")
+    multigrid::solve_cube(n, load, None, &params).expect("valid load")
 }
 
 fn oracle(n: usize, load: &[f64]) -> Vec<f64> {
@@ -67,7 +67,7 @@ fn one_cycle_reaches_the_discretisation_error() {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 1));
+            assert_eq!((outcome.stop, outcome.cycles), (MultigridStop::Converged, 1));
             assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             let grid = grid(n);
             let discretisation = errors(grid, problem, &exact_discrete);
@@ -91,7 +91,7 @@ fn multigrid_and_active_set_agree_to_rounding() {
     for n in [2, 4, 6, 12, 16] {
         for (name, load) in exact_loads(n).into_iter().chain(stress_loads(n)) {
             let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-            assert_eq!(outcome.stop, StopReason::RoundingFloor, "{name} {n} {outcome:?}");
+            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} {n} {outcome:?}");
             let oracle = oracle(n, &load);
             // Twice what the solver asks for: the check adds in another order.
             let level = 2.0 * rounding_level(n, &oracle);
@@ -109,7 +109,7 @@ fn multigrid_and_active_set_agree_to_rounding() {
 #[test]
 fn work_does_not_depend_on_the_grid() {
     for n in [64, 128] {
-        let mut workspace = Multigrid::<Cube>::new(n).expect("valid size");
+        let mut workspace = Multigrid::cube(n).expect("valid size");
         let loads = match n {
             64 => exact_loads(n).into_iter().chain(stress_loads(n)).collect(),
             _ => vec![("free-disc", exact_load(Exact::FreeDisc, n))],
@@ -127,7 +127,7 @@ fn work_does_not_depend_on_the_grid() {
                 assert!(outcome.work_units < limit, "{name} {n} {goal:?} {outcome:?}");
                 let floor = goal == Goal::RoundingFloor;
                 let expected =
-                    if floor { StopReason::RoundingFloor } else { StopReason::Converged };
+                    if floor { MultigridStop::RoundingFloor } else { MultigridStop::Converged };
                 assert_eq!(outcome.stop, expected, "{name} {n} {goal:?}");
             }
         }
@@ -145,11 +145,11 @@ fn a_claimed_tolerance_holds() {
             let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
             let measured = natural_residual(n, &y, &load);
             match outcome.stop {
-                StopReason::Converged => {
+                MultigridStop::Converged => {
                     let slack = 0.25 * rounding_level(n, &y);
                     assert!(measured <= tolerance + slack, "{name} {measured:e} {tolerance:e}");
                 }
-                StopReason::RoundingFloor => {
+                MultigridStop::RoundingFloor => {
                     assert!(measured <= 2.0 * rounding_level(n, &y), "{name} {measured:e}");
                 }
                 stop => panic!("{name} {tolerance:e} {stop:?}"),
@@ -188,8 +188,8 @@ fn absurd_starts_lead_to_the_same_solution() {
         for (k, start) in absurd_starts(&y).iter().enumerate() {
             let params = MultigridParams::default();
             let (z, outcome) =
-                multigrid::solve::<Cube>(n, &load, Some(start), &params).expect("valid");
-            assert_eq!(outcome.stop, StopReason::RoundingFloor, "{problem:?} {k} {outcome:?}");
+                multigrid::solve_cube(n, &load, Some(start), &params).expect("valid");
+            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{problem:?} {k} {outcome:?}");
             let rounding = 1e3 * f64::EPSILON * largest(&y);
             assert!(distance(&y, &z) < rounding, "{problem:?} start {k} {}", distance(&y, &z));
         }
@@ -201,8 +201,7 @@ fn impossible_input_is_refused() {
     let n = 8;
     let good = vec![-1.0; 729];
     let params = MultigridParams::default();
-    let solve =
-        |n: usize, load: &[f64]| multigrid::solve::<Cube>(n, load, None, &params).map(|_| ());
+    let solve = |n: usize, load: &[f64]| multigrid::solve_cube(n, load, None, &params).map(|_| ());
     let direct = |load: &[f64]| active_set::<Cube>(n, load).map(|_| ());
     for wrong in [0, 1, 9, 10, 14] {
         assert!(matches!(solve(wrong, &good), Err(InputError::GridSize(..))), "{wrong}");
@@ -213,7 +212,7 @@ fn impossible_input_is_refused() {
         bad[40] = value;
         assert_eq!(solve(n, &bad), Err(InputError::NotFinite("load")));
         assert_eq!(direct(&bad), Err(InputError::NotFinite("load")));
-        let start = multigrid::solve::<Cube>(n, &good, Some(&bad), &params).map(|_| ());
+        let start = multigrid::solve_cube(n, &good, Some(&bad), &params).map(|_| ());
         assert_eq!(start, Err(InputError::NotFinite("start")));
     }
     let opposite: Vec<_> = good.iter().map(|entry| -entry).collect();
@@ -226,7 +225,7 @@ fn impossible_input_is_refused() {
 #[test]
 fn the_workspace_can_be_used_again() {
     let n = 32;
-    let mut workspace = Multigrid::<Cube>::new(n).expect("valid size");
+    let mut workspace = Multigrid::cube(n).expect("valid size");
     let params = MultigridParams::default();
     let mut solve = |load: &[f64]| {
         workspace.solve(load, None, &params).expect("valid load");
@@ -260,7 +259,7 @@ fn no_two_contact_sets_take_turns() {
         let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * dice.unit() - 1.0).collect();
         let load = random_load(4, &amplitudes, dice.unit(), -8.0 + 7.7 * dice.unit());
         let (_, outcome) = run(4, &load, Goal::RoundingFloor);
-        assert_eq!(outcome.stop, StopReason::RoundingFloor, "{number}: {outcome:?}");
+        assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{number}: {outcome:?}");
     }
 }
 
@@ -277,7 +276,7 @@ proptest! {
     ) {
         let load = random_load(n, &amplitudes, roughness, deficit_exponent);
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-        prop_assert_eq!(outcome.stop, StopReason::RoundingFloor);
+        prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
         let oracle = oracle(n, &load);
         let level = 2.0 * rounding_level(n, &oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
@@ -286,7 +285,7 @@ proptest! {
         for tolerance in [1e-5, 1e-9, 1e-13] {
             let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
             let measured = natural_residual(n, &y, &load);
-            let claimed = outcome.stop == StopReason::Converged;
+            let claimed = outcome.stop == MultigridStop::Converged;
             prop_assert!(!claimed || measured <= tolerance + 0.25 * level, "{measured:e}");
         }
     }

@@ -14,7 +14,7 @@ use signorini::experiments::targets::{ALGEBRAIC, BYTES, COUNTED, HARD, TEXTBOOK,
 use signorini::multigrid::active_set::active_set;
 use signorini::multigrid::square::Square;
 use signorini::multigrid::{
-    self, Goal, InputError, Multigrid, MultigridParams, Outcome, StopReason,
+    self, Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
 };
 use signorini::problem::exact::Exact;
 use signorini::problem::source::{Source, Tie};
@@ -37,9 +37,9 @@ fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
     kkt(grid(n), y, load).natural
 }
 
-fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, Outcome) {
+fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
     let params = MultigridParams { goal, ..Default::default() };
-    multigrid::solve::<Square>(n, load, None, &params).expect("valid load")
+    multigrid::solve_square(n, load, None, &params).expect("valid load")
 }
 
 /// What rounding errors alone leave of the optimality conditions.
@@ -73,7 +73,7 @@ fn one_cycle_reaches_the_discretisation_error() {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (StopReason::Converged, 1));
+            assert_eq!((outcome.stop, outcome.cycles), (MultigridStop::Converged, 1));
             if n >= 64 {
                 assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             }
@@ -177,7 +177,7 @@ fn multigrid_and_active_set_agree_to_rounding() {
         for (name, load) in exact.into_iter().chain(stress_loads(n)) {
             let (y, outcome) = run(n, &load, Goal::RoundingFloor);
             let (oracle, _) = active_set::<Square>(n, &load).expect("valid load");
-            assert_eq!(outcome.stop, StopReason::RoundingFloor, "{name} {n} {outcome:?}");
+            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} {n} {outcome:?}");
             // Values are determined up to the conditioning of the contact set.
             let level = rounding_level(&oracle);
             assert!(
@@ -206,8 +206,8 @@ fn work_does_not_depend_on_the_grid() {
                 let outcome = run(n, &load, goal).1;
                 assert!(outcome.work_units < allowance * limit, "{name} {n} {goal:?} {outcome:?}");
                 let stop = match goal {
-                    Goal::RoundingFloor => StopReason::RoundingFloor,
-                    _ => StopReason::Converged,
+                    Goal::RoundingFloor => MultigridStop::RoundingFloor,
+                    _ => MultigridStop::Converged,
                 };
                 assert_eq!(outcome.stop, stop, "{name} {n} {goal:?}");
             }
@@ -226,10 +226,10 @@ fn a_claimed_tolerance_holds() {
             // The check adds in another order.
             let slack = 8.0 * f64::EPSILON * rounding_level(&y) / (32.0 * f64::EPSILON);
             match outcome.stop {
-                StopReason::Converged => {
+                MultigridStop::Converged => {
                     assert!(measured <= tolerance + slack, "{name} {measured:e}")
                 }
-                StopReason::RoundingFloor => assert!(measured <= rounding_level(&y), "{name}"),
+                MultigridStop::RoundingFloor => assert!(measured <= rounding_level(&y), "{name}"),
                 stop => panic!("{name} {tolerance:e} {stop:?}"),
             }
         }
@@ -267,10 +267,10 @@ fn absurd_starts_lead_to_the_same_solution() {
         for (k, start) in absurd_starts(&y).iter().enumerate() {
             let params = MultigridParams::default();
             let (z, outcome) =
-                multigrid::solve::<Square>(n, &load, Some(start), &params).expect("valid");
+                multigrid::solve_square(n, &load, Some(start), &params).expect("valid");
             assert_eq!(
                 outcome.stop,
-                StopReason::RoundingFloor,
+                MultigridStop::RoundingFloor,
                 "{problem:?} start {k} {outcome:?}"
             );
             assert!(distance(&y, &z) < 100.0 * rounding_level(&y), "{problem:?} start {k}");
@@ -284,7 +284,7 @@ fn impossible_input_is_refused() {
     let good = vec![-1.0; 17 * 17];
     let params = MultigridParams::default();
     let solve =
-        |n: usize, load: &[f64]| multigrid::solve::<Square>(n, load, None, &params).map(|_| ());
+        |n: usize, load: &[f64]| multigrid::solve_square(n, load, None, &params).map(|_| ());
     assert!(matches!(solve(9, &good), Err(InputError::GridSize(9, _))));
     assert!(matches!(solve(0, &good), Err(InputError::GridSize(0, _))));
     assert!(matches!(solve(n, &good[1..]), Err(InputError::Length { found: 288, expected: 289 })));
@@ -305,7 +305,7 @@ fn impossible_input_is_refused() {
 #[test]
 fn the_workspace_stays_small_and_can_be_used_again() {
     let n = 512;
-    let mut workspace = Multigrid::<Square>::new(n).expect("valid size");
+    let mut workspace = Multigrid::square(n).expect("valid size");
     assert!(workspace.bytes() as f64 <= BYTES[0] * ((n + 1) * (n + 1)) as f64);
     let load = exact_load(Exact::FreeCorner, n);
     let params = MultigridParams::default();
@@ -323,7 +323,7 @@ fn the_workspace_stays_small_and_can_be_used_again() {
 #[test]
 #[should_panic(expected = "one number for each node")]
 fn a_short_slice_does_not_hold_the_solution() {
-    let mut workspace = Multigrid::<Square>::new(16).expect("valid size");
+    let mut workspace = Multigrid::square(16).expect("valid size");
     workspace.solve(&[-1.0; 289], None, &MultigridParams::default()).expect("valid load");
     workspace.write_solution(&mut [0.0; 272]);
 }
@@ -348,7 +348,7 @@ proptest! {
             smooth + roughness * ((x * 517.3 + y * 917.7).sin() * 4317.5).fract()
         });
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-        prop_assert_eq!(outcome.stop, StopReason::RoundingFloor);
+        prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
         let (oracle, _) = active_set::<Square>(n, &load).expect("valid");
         // Twice what the solver asks for: the check adds in another order.
         let level = 2.0 * rounding_level(&oracle);

@@ -5,7 +5,6 @@ use crate::reference::REFERENCES;
 use signorini::discrete::grid::Grid;
 use signorini::discrete::load::{Diagonal, LoadRule, load};
 use signorini::discrete::stiffness::energy;
-use signorini::multigrid::square::Square;
 use signorini::multigrid::{self, MultigridParams};
 use signorini::problem::source::Source;
 use signorini::spectral::{Params, Solution, SpectralError, spectral};
@@ -246,8 +245,7 @@ fn compare(f: &Source) -> f64 {
     let [coarse, fine] = [64, 128].map(|n| {
         let grid = Grid::new(n).unwrap();
         let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::Rising });
-        let (y, _) =
-            multigrid::solve::<Square>(n, &load, None, &MultigridParams::default()).unwrap();
+        let (y, _) = multigrid::solve_square(n, &load, None, &MultigridParams::default()).unwrap();
         energy(grid, &y, &load)
     });
     let change = fine - coarse;

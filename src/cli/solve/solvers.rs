@@ -10,7 +10,7 @@ use crate::discrete::norms::{largest, sum};
 use crate::multigrid::active_set::{self, active_set};
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
-use crate::multigrid::{self, Goal, InputError, MultigridParams};
+use crate::multigrid::{self, Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop};
 use crate::pipeline::error::{Error, Result};
 use crate::saddle::{self, Pair, Params, SaddleRun, StopReason, on_nested, tolerance};
 use std::time::Instant;
@@ -99,20 +99,20 @@ impl Problem {
             _ => Goal::RoundingFloor,
         };
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        let by_cycles = |(y, o): (_, multigrid::Outcome)| (y, o.cycles, o.stop, Some(o.work_units));
+        let by_cycles = |(y, o): (_, MultigridOutcome)| (y, o.cycles, o.stop, Some(o.work_units));
         let by_steps = |(y, o): (_, active_set::Outcome)| (y, o.steps, o.stop, None);
         let solved = match (&self.domain, self.solver) {
             (Domain::Square { .. }, Solver::Multigrid) => {
-                multigrid::solve::<Square>(n, load, None, &params).map(by_cycles)
+                multigrid::solve_square(n, load, None, &params).map(by_cycles)
             }
             (Domain::Cube { .. }, Solver::Multigrid) => {
-                multigrid::solve::<Cube>(n, load, None, &params).map(by_cycles)
+                multigrid::solve_cube(n, load, None, &params).map(by_cycles)
             }
             (Domain::Square { .. }, _) => active_set::<Square>(n, load).map(by_steps),
             (Domain::Cube { .. }, _) => active_set::<Cube>(n, load).map(by_steps),
         };
         let (y, iterations, stop, work_units) = solved.map_err(|e| self.refused(&e))?;
-        if stop == multigrid::StopReason::Diverged {
+        if stop == MultigridStop::Diverged {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }

@@ -1,9 +1,9 @@
-//! The equilibrated flux: reactions on the boundary, and what has to flow where f is not constant.
+//! The equilibrated flux: reactions on the boundary, and the fluxes that f requires where it is not constant.
 
-use super::data::{AllCells, Cursor, Run, seams};
+use super::data::{AllCells, ColumnSpan, Cursor, MomentRun, find_seams};
 use crate::discrete::grid::Grid;
 
-/// Reactions on the four sides, without a sign: the normal flux is their linear interpolant over h.
+/// Reactions on the four sides, none of them negative. The normal flux is their linear interpolant over h.
 pub(super) struct Reactions {
     pub bottom: Vec<f64>,
     pub top: Vec<f64>,
@@ -12,117 +12,162 @@ pub(super) struct Reactions {
 }
 
 impl Reactions {
-    /// Those of the nodal vector `y`, with the values `outer` on the boundary, none of them negative: `A y - b`
-    /// where it is at least y, scaled so that they balance f, whose integral is negative.
+    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, none of them negative.
+    ///
+    /// The reaction is `A y - b` where that is positive and at least y, otherwise zero. All are scaled so that they
+    /// balance f, whose integral must be negative.
     pub(super) fn new(grid: Grid, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
         let (n, nodes) = (grid.cells(), outer.len());
-        let mut values: Vec<f64> = grid
-            .boundary()
-            .enumerate()
-            .map(|(b, node)| {
-                let [before, after] = [b + nodes - 1, b + 1].map(|b| outer[b % nodes]);
-                let along = 0.5 * ((y[node] - before) + (y[node] - after));
-                let inner = match b / n {
-                    _ if grid.is_corner(b) => node,
-                    0 => node + grid.side(),
-                    1 => node - 1,
-                    2 => node - grid.side(),
-                    _ => node + 1,
-                };
-                let reaction = along + (y[node] - y[inner]) - f.outer[b];
-                if reaction > 0.0 && reaction >= y[node] { reaction } else { 0.0 }
-            })
-            .collect();
-        let balance = |values: &[f64]| -f.integral / values.iter().sum::<f64>();
-        if !balance(&values).is_finite() {
-            // The vector shows none: alike where it rests, or else everywhere.
-            let rests = outer.contains(&0.0);
-            values = outer.iter().map(|&y| f64::from(!rests || y == 0.0)).collect();
+        let mut values = Vec::with_capacity(nodes + 1);
+        for (b, node) in grid.boundary().enumerate() {
+            let [before, after] = [b + nodes - 1, b + 1].map(|b| outer[b % nodes]);
+            let along = 0.5 * ((y[node] - before) + (y[node] - after));
+            let inner = match b / n {
+                _ if grid.is_corner(b) => node,
+                0 => node + grid.side(),
+                1 => node - 1,
+                2 => node - grid.side(),
+                _ => node + 1,
+            };
+            let reaction = along + (y[node] - y[inner]) - f.boundary_masses[b];
+            values.push(if reaction > 0.0 && reaction >= y[node] { reaction } else { 0.0 });
         }
-        let balanced = balance(&values);
-        values.iter_mut().for_each(|value| *value *= balanced);
+        if !(-f.integral / values.iter().sum::<f64>()).is_finite() {
+            // No reaction is positive: equal ones where y is zero, or at all nodes if it is zero nowhere.
+            let is_zero_somewhere = outer.contains(&0.0);
+            values = outer.iter().map(|&y| f64::from(!is_zero_somewhere || y == 0.0)).collect();
+        }
+        let balance = -f.integral / values.iter().sum::<f64>();
+        values.iter_mut().for_each(|value| *value *= balance);
         values.push(values[0]);
-        let side = |k: usize| values[k * n..=(k + 1) * n].to_vec();
-        let [bottom, right, mut top, mut left] = [0, 1, 2, 3].map(side);
+        let [bottom, right, mut top, mut left] =
+            [0, 1, 2, 3].map(|side| values[side * n..=(side + 1) * n].to_vec());
         top.reverse();
         left.reverse();
         Self { bottom, top, left, right }
     }
 }
 
-/// Fluxes through the half edges around a node, counter-clockwise: from the cell below to the one above
-/// the edge east, and so on.
+/// Fluxes through the half edges around a node, counter-clockwise: `east` from the cell below to the cell above the
+/// edge east of the node, and so on.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Around {
-    pub east: f64,
-    pub north: f64,
-    pub west: f64,
-    pub south: f64,
+struct HalfEdgeFluxes {
+    east: f64,
+    north: f64,
+    west: f64,
+    south: f64,
 }
 
-impl Around {
-    /// The fluxes of least norm that move what the cells ne, nw, sw, se have too much of; none flows along a straight
-    /// seam. Beyond the boundary f is reflected.
-    fn balancing([ne, nw, sw, se]: [Option<f64>; 4]) -> Self {
+/// Masses of f in the quarter of each of four cells around a node; `None` beyond the boundary.
+#[derive(Clone, Copy)]
+struct CellsAround {
+    ne: Option<f64>,
+    nw: Option<f64>,
+    sw: Option<f64>,
+    se: Option<f64>,
+}
+
+impl HalfEdgeFluxes {
+    /// Fluxes of least norm that equalise the masses of the cells. No flux runs along a straight seam. Beyond the
+    /// boundary f is reflected.
+    fn balancing(CellsAround { ne, nw, sw, se }: CellsAround) -> Self {
         let [ne, nw, sw, se] = [ne.or(se), nw.or(sw), sw.or(nw), se.or(ne)];
         let all = [ne.or(nw), nw.or(ne), sw.or(se), se.or(sw)];
         let [ne, nw, sw, se] = all.map(|mass| mass.expect("a node has cells"));
-        let flow = |near: f64, far: f64| 0.125 * (3.0 * near + far);
         Self {
-            east: flow(ne - se, nw - sw),
-            north: flow(nw - ne, sw - se),
-            west: flow(sw - nw, se - ne),
-            south: flow(se - sw, ne - nw),
+            east: half_edge_flux(ne - se, nw - sw),
+            north: half_edge_flux(nw - ne, sw - se),
+            west: half_edge_flux(sw - nw, se - ne),
+            south: half_edge_flux(se - sw, ne - nw),
         }
     }
 }
 
-/// [`Around`] for one row of nodes; zero but at the seams of f.
+/// Flux through a half edge, from the jump of the mass across it and across the opposite half edge.
+fn half_edge_flux(near: f64, far: f64) -> f64 {
+    0.125 * (3.0 * near + far)
+}
+
+/// Fluxes around the nodes of one row; zero except at the seams of f.
 #[derive(Clone, Debug)]
 pub(super) struct NodeFluxes {
-    pub seams: Vec<[usize; 2]>,
-    around: Vec<Around>,
+    pub seams: Vec<ColumnSpan>,
+    fluxes: Vec<HalfEdgeFluxes>,
 }
 
 impl NodeFluxes {
     pub(super) fn zero(n: usize) -> Self {
-        Self { seams: Vec::new(), around: vec![Around::default(); n + 1] }
+        Self { seams: Vec::new(), fluxes: vec![HalfEdgeFluxes::default(); n + 1] }
     }
 
-    /// Replaces this by the row between two rows of cells; one that is missing is empty.
-    pub(super) fn set(&mut self, below: &[Run], above: &[Run]) {
-        for &[from, to] in &self.seams {
-            self.around[from..=to].fill(Around::default());
+    /// Replaces the row of nodes by the one between two rows of cells; a missing row of cells is empty.
+    pub(super) fn set(&mut self, below: &[MomentRun], above: &[MomentRun]) {
+        for span in &self.seams {
+            self.fluxes[span.first..=span.last].fill(HalfEdgeFluxes::default());
         }
-        seams(below, above, &mut self.seams);
-        let n = self.around.len() - 1;
-        let mut rows = [below, above].map(Cursor);
-        let mut column = |cell: Option<usize>| {
-            let cell = cell.filter(|&cell| cell < n);
-            rows.each_mut()
-                .map(|row| cell.filter(|_| !row.0.is_empty()).map(|cell| row.at(cell).f.masses()))
-        };
-        for &[from, to] in &self.seams {
-            let mut west = column(from.checked_sub(1));
-            for i in from..=to {
-                let east = column(Some(i));
-                let [[sw, se], [nw, ne]] = [0, 1].map(|row| [west[row], east[row]]);
-                let at = |masses: Option<[f64; 4]>, corner: usize| masses.map(|m| m[corner]);
-                self.around[i] = Around::balancing([at(ne, 0), at(nw, 1), at(sw, 3), at(se, 2)]);
-                west = east;
+        find_seams(below, above, &mut self.seams);
+        let n = self.fluxes.len() - 1;
+        let (mut below, mut above) = (Cursor(below), Cursor(above));
+        for &ColumnSpan { first, last } in &self.seams {
+            let west = first.checked_sub(1);
+            let [mut sw, mut nw] =
+                [&mut below, &mut above].map(|row| west.and_then(|cell| masses(row, cell)));
+            for i in first..=last {
+                let [se, ne] =
+                    [&mut below, &mut above].map(|row| if i < n { masses(row, i) } else { None });
+                self.fluxes[i] = HalfEdgeFluxes::balancing(CellsAround {
+                    ne: ne.map(|masses| masses[0]),
+                    nw: nw.map(|masses| masses[1]),
+                    sw: sw.map(|masses| masses[3]),
+                    se: se.map(|masses| masses[2]),
+                });
+                (sw, nw) = (se, ne);
             }
         }
     }
 }
 
-/// The fluxes through the edges of cell `i` between two rows of nodes: left, right, bottom, top.
+/// Integrals of f times the hat functions of the corners of a cell; `None` if the row is empty.
+fn masses(row: &mut Cursor, cell: usize) -> Option<[f64; 4]> {
+    (!row.0.is_empty()).then(|| row.at(cell).f.masses())
+}
+
+/// Fluxes through the edges of a cell, in the direction of x or y.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EdgeFluxes<T = f64> {
+    pub left: T,
+    pub right: T,
+    pub bottom: T,
+    pub top: T,
+}
+
+impl EdgeFluxes {
+    /// Sum of two fluxes, edge by edge.
+    #[inline(always)]
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            left: self.left + other.left,
+            right: self.right + other.right,
+            bottom: self.bottom + other.bottom,
+            top: self.top + other.top,
+        }
+    }
+
+    /// Flux out of the cell less flux into it, along x and along y.
+    #[inline(always)]
+    pub(super) fn changes(self) -> [f64; 2] {
+        [self.right - self.left, self.top - self.bottom]
+    }
+}
+
+/// Fluxes through the edges of cell `i` between two rows of nodes.
 #[inline(always)]
-pub(super) fn through_edges(lower: &NodeFluxes, upper: &NodeFluxes, i: usize) -> [f64; 4] {
-    let (lower, upper) = (&lower.around, &upper.around);
-    [
-        upper[i].south - lower[i].north,
-        upper[i + 1].south - lower[i + 1].north,
-        lower[i].east - lower[i + 1].west,
-        upper[i].east - upper[i + 1].west,
-    ]
+pub(super) fn through_edges(lower: &NodeFluxes, upper: &NodeFluxes, i: usize) -> EdgeFluxes {
+    let (lower, upper) = (&lower.fluxes, &upper.fluxes);
+    EdgeFluxes {
+        left: upper[i].south - lower[i].north,
+        right: upper[i + 1].south - lower[i + 1].north,
+        bottom: lower[i].east - lower[i + 1].west,
+        top: upper[i].east - upper[i + 1].west,
+    }
 }

@@ -9,40 +9,50 @@
 //! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <sigma.n, w> =: G(w, sigma),
 //! ```
 //!
-//! and the same with the solution u, whose flux is `grad u`, in place of either. So J(u) lies between
+//! and likewise with the solution u in place of w, or its flux `grad u` in place of sigma. So J(u) lies between
 //! J(w) - G and J(w), and `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in K, with equality where v vanishes on
-//! the contact set. No constant of Poincaré's or of the trace appears: that the problem is only
-//! semicoercive does not matter. (Prager and Synge 1947; for Signorini's problem Bartels, Gudi and
-//! Kaltenbach, arXiv 2407.10912.) Nothing is asked of v: iteration errors, wrong loads and wrong
-//! solutions make the bounds wide, not wrong.
+//! the contact set. No constant of Poincaré's or of the trace inequality appears, so the bounds do not depend on the
+//! problem being only semicoercive. (Prager and Synge 1947; for Signorini's problem Bartels, Gudi and Kaltenbach,
+//! arXiv 2407.10912.) Nothing is assumed of v: iteration errors, wrong loads and wrong solutions make the bounds wide,
+//! not wrong.
+//!
+//! # Algorithm
+//! 1. Set negative boundary values to zero; their energy norm is added to the bounds of the error (`project`).
+//! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, scaled so that they
+//!    balance f (`flux.rs`).
+//! 3. In one sweep over the cells, row by row (`walk.rs`), form the flux (`flux.rs`, `strip.rs`), the recovery
+//!    (`recovery.rs`), the sums of all energies (`regular.rs` where f is constant around a cell, else `cells.rs`), and
+//!    the residual (`residual.rs`).
+//! 4. Combine the sums to the bounds, widened by the rounding errors of sums of `n` terms. `summed` is the central
+//!    function.
 //!
 //! # The flux
-//! Horizontal differences of the nodal vector over h, at the middles of edges, are coefficients of
-//! B-splines of degree 2 in x and 1 in y; vertical ones the other way round. Beyond the boundary the vector
-//! is continued by reflection plus twice the reaction, which makes `sigma.n` the linear interpolant of the
-//! reactions (`flux.rs`). The divergence of this *spline flux* is the bilinear interpolant of what the
-//! five-point stencil gives at the nodes: f, where f is constant. Where f jumps, its moments over the cells
-//! give corrections in closed form: fluxes through edges that move the integrals of f times the bilinear
-//! hat functions to the cells, and a field inside the cell. In the spirit of Braess and Schöberl (Math.
-//! Comp. 77, 2008), but of second order, since the spline averages a flux on the dual grid (Luce and
-//! Wohlmuth, SIAM J. Numer. Anal. 42, 2004) over one cell.
+//! Horizontal differences of the nodal vector over h, at the midpoints of edges, are coefficients of
+//! B-splines of degree 2 in x and 1 in y; vertical differences likewise with x and y exchanged. Beyond the boundary the
+//! vector is continued by reflection plus twice the reaction, which makes `sigma.n` the linear interpolant of the
+//! reactions (`flux.rs`). The divergence of this *spline flux* is the bilinear interpolant of the
+//! five-point stencil's values at the nodes, which is f where f is constant. Where f jumps, its moments over the cells
+//! give corrections in closed form: fluxes through edges, which transport the difference between the integrals of f
+//! over cells and those of f times bilinear hat functions, and a field inside the cell. The construction is in the
+//! spirit of Braess and Schöberl (Math. Comp. 77, 2008), but of second order, since the spline averages a flux on the
+//! dual grid (Luce and Wohlmuth, SIAM J. Numer. Anal. 42, 2004) over one cell.
 //!
-//! What is left adds to `|grad w - sigma|`: the distance of f from a bilinear function in cells that a jump
-//! cuts, times `h / (2 pi)` (Poincaré's constant on bilinear complements); and the residual of the
-//! five-point equation, which holds iteration errors and what the load vector differs from the integrals
-//! against bilinear hats (`residual.rs`). If that vector has the integrals against linear hats, and jumps cut cells,
-//! the difference is the divergence of fluxes in closed form (`strip.rs`), which leave less of it than half.
+//! Two remainders add to `|grad w - sigma|`. The first is the distance of f from a bilinear function in cells that a
+//! jump cuts, times `h / (2 pi)` (Poincaré's constant on bilinear complements). The second is the residual of the
+//! five-point equation: iteration errors, and the difference between the load vector and the integrals of f times
+//! bilinear hats (`residual.rs`). If the load vector has the integrals of f times linear hats, and jumps cut cells,
+//! fluxes in closed form (`strip.rs`) have a divergence that cancels more than half of that difference.
 //!
 //! # The recovery
 //! w is the bilinear interpolant less a bubble on each edge that makes its slopes those of the flux, blended
-//! over the cells; on the boundary the bubbles are cut so that w stays in K ([`recovery`]). J(w) is within
+//! over the cells; on the boundary the bubbles are limited so that w stays in K ([`recovery`]). J(w) is within
 //! O(h^3) of J(u), and with it the whole bracket; J(v) is within O(h^2). The error of v is then bracketed by
-//! `2 (J(v) - J(w) + G)` and, with the bubbles on the boundary left out, `2 (J(v) - J(w'))`.
+//! `2 (J(v) - J(w) + G)` and, with w' the recovery without bubbles on the boundary, `2 (J(v) - J(w'))`.
 //!
-//! # Cost and rounding
-//! One pass over the vector, row by row, with closed forms for all integrals (`cells.rs`), summed over many cells
-//! side by side. Where f is constant around a cell they are quadratic forms of the twelve values there
-//! (`regular.rs`). The bounds are widened by what rounding errors can add up to in sums of `n` terms.
+//! # Easily broken
+//! - The bounds are guaranteed only if every sum's rounding errors are covered: a change of the order of summation must
+//!   keep the chains of additions as short as `summed` assumes.
+//! - Vector instructions need each function between `vectorised` and the loop to be inlined.
 
 mod cells;
 mod data;
@@ -59,28 +69,27 @@ use crate::problem::source::Source;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// What is guaranteed of a finite element solution, up to the quadrature of an f that is not piecewise
-/// constant.
+/// Guaranteed bounds for a finite element solution, up to the quadrature error of an f that is not piecewise constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
-    /// Ends of an interval that holds the energy J(u) of the true solution u.
+    /// Ends of an interval that contains the energy J(u) of the true solution u.
     pub energy: [f64; 2],
-    /// Ends of an interval that holds the L2 norm of `grad (u - v)`, v piecewise linear on triangles cut by
+    /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear on triangles cut by
     /// rising diagonals.
     pub error: [f64; 2],
-    /// A bound of the L2 norm of `grad (u - w)`, w the recovery, which is piecewise quadratic.
+    /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery, which is piecewise quadratic.
     pub recovered: f64,
 }
 
 impl Bounds {
-    /// A bound of the error relative to `|grad u|`; infinite where that cannot be told from zero.
+    /// Upper bound of the error relative to `|grad u|`; infinite if the bounds do not exclude `|grad u| = 0`.
     pub fn relative(&self) -> f64 {
-        // |grad u|^2 = -2 J(u), as the reactions do no work on u.
+        // |grad u|^2 = -2 J(u), since the reactions do no work on u.
         let size = (-2.0 * self.energy[1]).max(0.0).sqrt();
         if size > 0.0 { self.error[1] / size } else { f64::INFINITY }
     }
 
-    /// The width of the bracket of the energy over |J(u)|; infinite where that cannot be told from zero.
+    /// Width of the bracket of the energy over |J(u)|; infinite if the bracket contains zero.
     pub fn relative_energy(&self) -> f64 {
         let [low, high] = self.energy;
         // J(u) is at most zero.
@@ -88,22 +97,22 @@ impl Bounds {
     }
 }
 
-/// Why there is no bound.
+/// Reason for which there are no bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoBound {
-    /// The continuous problem has no, or no unique, solution.
+    /// The continuous problem has no solution, or no unique one.
     #[error("the integral of f is not negative")]
     NotCoercive,
-    /// A sum overflowed, squares underflow, or the vector holds no number somewhere.
+    /// A sum overflows, squares underflow, or the vector contains a NaN.
     #[error("numbers exceed the range of double precision")]
     NotFinite,
 }
 
-/// Least integral of |f|: below, what underflows from squares is no longer small beside rounding errors of the energy,
-/// `sqrt(f64::MIN_POSITIVE / f64::EPSILON)`.
+/// Least integral of |f|, `sqrt(f64::MIN_POSITIVE / f64::EPSILON)`: below it, squares lose more by underflow than by
+/// rounding.
 const LEAST_MASS: f64 = 1e-146;
 
-/// Bounds for the nodal vector `y` as an approximation of the solution for f, however it came about.
+/// Returns bounds for the nodal vector `y` as an approximation of the solution for f. Any vector may be given.
 ///
 /// # Errors
 /// If the integral of f is not negative, or numbers exceed the range of double precision.
@@ -114,13 +123,13 @@ pub fn bounds(grid: Grid, f: &Source, y: &[f64]) -> Result<Bounds, NoBound> {
     summed(grid, f, y, None)
 }
 
-/// The recovery w of `y` on the grid of half the width, whose nodes determine it, and the bounds.
+/// Returns the values of the recovery w of `y` on the grid of half the width, which determine it, and the bounds.
 ///
 /// # Errors
-/// As [`bounds`].
+/// See [`bounds`].
 ///
 /// # Panics
-/// As [`bounds`].
+/// See [`bounds`].
 pub fn recovery(grid: Grid, f: &Source, y: &[f64]) -> Result<(Vec<f64>, Bounds), NoBound> {
     let side = 2 * grid.cells() + 1;
     let mut recovered = vec![0.0; side * side];
@@ -128,6 +137,7 @@ pub fn recovery(grid: Grid, f: &Source, y: &[f64]) -> Result<(Vec<f64>, Bounds),
     Ok((recovered, bounds))
 }
 
+/// Returns the bounds and writes the recovery to `recovered`. This is the central function.
 fn summed(
     grid: Grid,
     f: &Source,
@@ -136,50 +146,66 @@ fn summed(
 ) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
     let n = grid.cells();
-    let (v, moved) = admissible(grid, y);
-    let walk::Total { sums, work, trace, residual, largest, mass } =
+    let Projection { v, distance: projection_distance } = project(grid, y);
+    let walk::Total { sums, work, boundary_bubble_gain, residual, largest, mass } =
         walk::total(grid, f, &v, recovered)?;
     if mass < LEAST_MASS {
         return Err(NoBound::NotFinite);
     }
     let size = sums.recovered + 2.0 * largest * mass;
-    // No sum has more terms one after the other than a row of cells has, and some.
+    // The longest chain of additions has as many terms as a row has cells, and fewer than 300 more.
     let rounding = (n + 300) as f64 * f64::EPSILON * size;
-    // Differences of rounded values, were all errors of one sign: in the residual, and in the flux.
-    let noise = (8.0 * n as f64 / PI + 16.0) * n as f64 * f64::EPSILON * largest;
-    let distance = sums.distance.sqrt() + residual + noise;
+    // Rounding errors of the differences of values, in the residual and in the flux, if all have one sign.
+    let flux_rounding = (8.0 * n as f64 / PI + 16.0) * n as f64 * f64::EPSILON * largest;
+    let distance = sums.distance.sqrt() + residual + flux_rounding;
     let gap = 0.5 * distance * distance + work;
-    let upper = 0.5 * sums.recovered - sums.recovered_load;
-    let linear = 0.5 * sums.linear - sums.linear_load;
-    let above = 2.0 * (linear - upper + gap + 2.0 * rounding);
-    let below = 2.0 * (linear - upper - trace - 2.0 * rounding);
-    let root = |square: f64| square.max(0.0).sqrt();
-    let energy = [upper - gap - rounding, upper + rounding];
-    // Its own rounding errors: it is a sum of two terms for each boundary node, none of them negative.
-    let astray = (8 * n + 16) as f64 * f64::EPSILON * moved;
-    let error = [(root(below) - moved - astray).max(0.0), root(above) + moved + astray];
-    if !(energy[0].is_finite() && energy[1].is_finite() && above.is_finite() && moved.is_finite()) {
+    let recovered_energy = 0.5 * sums.recovered - sums.recovered_load;
+    let linear_energy = 0.5 * sums.linear - sums.linear_load;
+    let error_squared_max = 2.0 * (linear_energy - recovered_energy + gap + 2.0 * rounding);
+    let error_squared_min =
+        2.0 * (linear_energy - recovered_energy - boundary_bubble_gain - 2.0 * rounding);
+    let energy = [recovered_energy - gap - rounding, recovered_energy + rounding];
+    // The projection distance is a sum of two terms for each boundary node, none of them negative.
+    let projection_rounding = (8 * n + 16) as f64 * f64::EPSILON * projection_distance;
+    let error = [
+        (root(error_squared_min) - projection_distance - projection_rounding).max(0.0),
+        root(error_squared_max) + projection_distance + projection_rounding,
+    ];
+    let finite = [energy[0], energy[1], error_squared_max, projection_distance];
+    if !finite.into_iter().all(f64::is_finite) {
         return Err(NoBound::NotFinite);
     }
     let recovered = root(2.0 * (gap + 2.0 * rounding));
     Ok(Bounds { energy, error, recovered })
 }
 
-/// The nodal vector without its negative values on the boundary, and how far that is in the energy norm.
-fn admissible(grid: Grid, y: &[f64]) -> (Cow<'_, [f64]>, f64) {
+/// Square root, 0 for negative numbers.
+fn root(square: f64) -> f64 {
+    square.max(0.0).sqrt()
+}
+
+/// A nodal vector without its negative values on the boundary.
+struct Projection<'a> {
+    v: Cow<'a, [f64]>,
+    /// Distance from the vector before, in the energy norm.
+    distance: f64,
+}
+
+/// Sets negative boundary values to zero.
+fn project(grid: Grid, y: &[f64]) -> Projection<'_> {
     let below: Vec<f64> = grid.boundary().map(|node| y[node].min(0.0)).collect();
     if below.iter().all(|&value| value == 0.0) {
-        return (Cow::Borrowed(y), 0.0);
+        return Projection { v: Cow::Borrowed(y), distance: 0.0 };
     }
     let mut v = y.to_vec();
-    // A difference, as the maximum with zero would hide a NaN.
+    // A difference, since the maximum with zero would hide a NaN.
     grid.boundary().zip(&below).for_each(|(node, value)| v[node] -= value);
-    // Edges on the boundary have weight 1/2, those inward 1.
+    // Edges on the boundary have weight 1/2, edges to the inside 1.
     let mut square = 0.0;
     for (b, value) in below.iter().enumerate() {
         let next = below[(b + 1) % below.len()];
         square += 0.5 * (next - value) * (next - value);
         square += if grid.is_corner(b) { 0.0 } else { value * value };
     }
-    (Cow::Owned(v), square.sqrt())
+    Projection { v: Cow::Owned(v), distance: square.sqrt() }
 }

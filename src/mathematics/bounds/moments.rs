@@ -1,12 +1,11 @@
-//! Moments of the right-hand side over a cell.
+//! CellMoments of the right-hand side over a cell.
 
 use crate::discrete::cells::{Cut, bilinear};
 use crate::discrete::grid::Grid;
 
-/// Integrals over one cell of f times polynomials in X and Y, the coordinates that run from -1/2 to 1/2
-/// there.
+/// Integrals over one cell of f times polynomials in X and Y, coordinates from -1/2 to 1/2 in the cell.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moments<T = f64> {
+pub(super) struct CellMoments<T = f64> {
     pub one: T,
     pub x: T,
     pub y: T,
@@ -15,17 +14,17 @@ pub(super) struct Moments<T = f64> {
     pub yy: T,
     pub xxy: T,
     pub xyy: T,
-    /// Of `min(x, y) (1 - max(x, y))`, `x = X + 1/2`: the piecewise linear function on triangles less the
-    /// bilinear one, where the second difference over the cell is 1.
+    /// Integral of f times the ridge `min(x, y) (1 - max(x, y))`, `x = X + 1/2`, `y = Y + 1/2`: the piecewise linear
+    /// function on triangles less the bilinear one, where the mixed second difference over the cell is 1.
     pub ridge: T,
-    /// Of f itself, times `h^2`.
+    /// Integral of the square of f, times `h^2`.
     pub square: T,
 }
 
-impl<T> Moments<T> {
-    /// Lets each moment take its part of `other` into account.
+impl<T> CellMoments<T> {
+    /// Calls `take` with each moment and the same moment of `other`.
     #[inline(always)]
-    pub(super) fn each<U: Copy>(&mut self, other: &Moments<U>, take: impl Fn(&mut T, U)) {
+    pub(super) fn each<U: Copy>(&mut self, other: &CellMoments<U>, take: impl Fn(&mut T, U)) {
         take(&mut self.one, other.one);
         take(&mut self.x, other.x);
         take(&mut self.y, other.y);
@@ -39,11 +38,11 @@ impl<T> Moments<T> {
     }
 }
 
-impl<const N: usize> Moments<[f64; N]> {
-    /// The moments in lane `k`.
+impl<const N: usize> CellMoments<[f64; N]> {
+    /// Moments in lane `k`.
     #[inline(always)]
-    pub(super) fn lane(&self, k: usize) -> Moments {
-        Moments {
+    pub(super) fn lane(&self, k: usize) -> CellMoments {
+        CellMoments {
             one: self.one[k],
             x: self.x[k],
             y: self.y[k],
@@ -58,8 +57,8 @@ impl<const N: usize> Moments<[f64; N]> {
     }
 }
 
-impl Moments {
-    /// Those of a constant f, from its integral.
+impl CellMoments {
+    /// Moments of a constant f with the integral `mass`.
     #[inline(always)]
     pub(super) fn constant(mass: f64) -> Self {
         let twelfth = mass / 12.0;
@@ -72,22 +71,27 @@ impl Moments {
         bilinear([self.one, self.x, self.y, self.xy])
     }
 
-    /// The integral of f times the bubbles on both edges along x, blended over the cell, and what the upper one has
-    /// more than the lower one; the same along y.
+    /// Integrals of f times the bubbles on the edges along x, and along y, blended over the cell.
     #[inline(always)]
-    pub(super) fn blended(&self) -> [[f64; 2]; 2] {
+    pub(super) fn blended(&self) -> [BubbleLoad; 2] {
         [
-            [0.25 * self.one - self.xx, 0.25 * self.y - self.xxy],
-            [0.25 * self.one - self.yy, 0.25 * self.x - self.xyy],
+            BubbleLoad {
+                sum: 0.25 * self.one - self.xx,
+                half_difference: 0.25 * self.y - self.xxy,
+            },
+            BubbleLoad {
+                sum: 0.25 * self.one - self.yy,
+                half_difference: 0.25 * self.x - self.xyy,
+            },
         ]
     }
 
-    /// The integral of f times the bubbles on the edges along x and along y.
+    /// Integral of f times the sum of the bubbles with these coefficients on the edges along x and along y.
     #[inline(always)]
     pub(super) fn bubbles(&self, [x, y]: [[f64; 2]; 2]) -> f64 {
         let [along_x, along_y] = self.blended();
-        (mean(x) * along_x[0] + difference(x) * along_x[1])
-            + (mean(y) * along_y[0] + difference(y) * along_y[1])
+        (mean(x) * along_x.sum + difference(x) * along_x.half_difference)
+            + (mean(y) * along_y.sum + difference(y) * along_y.half_difference)
     }
 
     /// `h^2` times the square of the L2 norm of f less its best bilinear approximation.
@@ -99,18 +103,17 @@ impl Moments {
         (self.square - bilinear).max(0.0)
     }
 
-    /// Those over a cell that jumps of f cut.
-    pub(super) fn of_cut(grid: Grid, cell: &mut Cut) -> Self {
-        let triangles = cell.triangles(true).map(|moments| (moments.f, moments.square));
-        let sum = |k: usize| triangles[0].0[k] + triangles[1].0[k];
-        // Below the rising diagonal the ridge is (Y + 1/2) (1/2 - X), above it the other way round.
-        let ridge = |[one, x, y, xy, ..]: [f64; 8]| 0.25 * one + 0.5 * (y - x) - xy;
-        let [below, above] = triangles.map(|(f, _)| f);
-        let flipped = [above[0], above[2], above[1], above[3], 0.0, 0.0, 0.0, 0.0];
+    /// Moments over a cell that jumps of f cut.
+    pub(super) fn from_cut(grid: Grid, cell: &mut Cut) -> Self {
+        let [below, above] = cell.triangles(true);
         let h2 = grid.h() * grid.h();
-        let [one, x, y, xy, xx, yy, xxy, xyy] = std::array::from_fn(|k| h2 * sum(k));
-        let ridge = h2 * (ridge(below) + ridge(flipped));
-        let square = h2 * h2 * (triangles[0].1 + triangles[1].1);
+        let [one, x, y, xy, xx, yy, xxy, xyy] =
+            std::array::from_fn(|k| h2 * (below.f[k] + above.f[k]));
+        let [above_one, above_x, above_y, above_xy, ..] = above.f;
+        let flipped = ridge_below([above_one, above_y, above_x, above_xy]);
+        let [one_below, x_below, y_below, xy_below, ..] = below.f;
+        let ridge = h2 * (ridge_below([one_below, x_below, y_below, xy_below]) + flipped);
+        let square = h2 * h2 * (below.square + above.square);
         Self { one, x, y, xy, xx, yy, xxy, xyy, ridge, square }
     }
 
@@ -128,6 +131,21 @@ impl Moments {
         self.ridge += mass * right.min(up) * (1.0 - right.max(up));
         self.square += mass * value;
     }
+}
+
+/// Integrals of f times the bubbles on two opposite edges, blended over the cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BubbleLoad {
+    /// Sum over both bubbles.
+    pub sum: f64,
+    /// Half the difference, upper or right bubble less lower or left one.
+    pub half_difference: f64,
+}
+
+/// Integral of f times the ridge over the triangle below the rising diagonal, `(Y + 1/2) (1/2 - X)` there, from the
+/// moments of 1, X, Y and XY. Above the diagonal X and Y are exchanged.
+fn ridge_below([one, x, y, xy]: [f64; 4]) -> f64 {
+    0.25 * one + 0.5 * (y - x) - xy
 }
 
 #[inline(always)]

@@ -1,36 +1,35 @@
-//! The nodal vector continued beyond the boundary, and the recovery on one edge and on one cell.
+//! The nodal vector, continued beyond the boundary, and the recovery on one edge and on one cell.
 
-use super::cells::Special;
+use super::cells::SpecialCell;
 use super::flux::Reactions;
 use crate::discrete::grid::Grid;
 
-/// A nodal vector with one layer of nodes beyond the boundary, by reflection plus twice the reaction: so the
-/// five-point equation holds on the boundary as inside, and every stencil is that of the interior.
+/// A nodal vector with one layer of nodes beyond the boundary, by reflection plus twice the reaction.
+///
+/// The five-point equation then holds at boundary nodes as well, so that every stencil is that of the interior.
 pub(super) struct Extended<'a> {
     pub grid: Grid,
     pub reactions: &'a Reactions,
     v: &'a [f64],
-    /// The rows of nodes below and above the square.
+    /// Rows of nodes below and above the square.
     beyond: [Vec<f64>; 2],
 }
 
 impl<'a> Extended<'a> {
     pub(super) fn new(grid: Grid, v: &'a [f64], reactions: &'a Reactions) -> Self {
-        let row = |j: usize| v[grid.index(0, j)..].iter();
-        let reflected = |(v, a): (&f64, &f64)| v + 2.0 * a;
-        let below = row(1).zip(&reactions.bottom).map(reflected).collect();
-        let above = row(grid.cells() - 1).zip(&reactions.top).map(reflected).collect();
+        let below = reflected(&v[grid.index(0, 1)..], &reactions.bottom);
+        let above = reflected(&v[grid.index(0, grid.cells() - 1)..], &reactions.top);
         Self { grid, reactions, v, beyond: [below, above] }
     }
 
-    /// The values on row `j` of nodes.
+    /// Values on row `j` of nodes.
     #[inline(always)]
     pub(super) fn row(&self, j: usize) -> &[f64] {
         let side = self.grid.side();
         &self.v[j * side..(j + 1) * side]
     }
 
-    /// The values on the rows of nodes below row `j` of cells, at their lower and upper edges, and above.
+    /// Values on four rows of nodes: below row `j` of cells, at its lower and upper edges, and above it.
     #[inline(always)]
     pub(super) fn rows(&self, j: usize) -> [&[f64]; 4] {
         let [below, above] = &self.beyond;
@@ -39,7 +38,7 @@ impl<'a> Extended<'a> {
         [below, self.row(j), self.row(j + 1), above]
     }
 
-    /// The values on the lines of the horizontal and of the vertical edges of cell (i, j): at their ends, and one
+    /// Values on the lines of the horizontal and of the vertical edges of cell (i, j): at their ends, and one
     /// node further at each end.
     #[inline(always)]
     pub(super) fn around(&self, i: usize, j: usize) -> [[[f64; 4]; 2]; 2] {
@@ -59,20 +58,29 @@ impl<'a> Extended<'a> {
     }
 }
 
-/// The coefficient of the bubble on an edge of the boundary with values p and q at its ends, cut so that the
-/// function stays nonnegative: its Bernstein coefficients are p, (p + q - c) / 2 and q.
-pub(super) fn admissible(bubble: f64, [_, p, q, _]: [f64; 4]) -> f64 {
+/// Continues a row next to the boundary beyond it: the values plus twice the reactions `a`.
+fn reflected(v: &[f64], a: &[f64]) -> Vec<f64> {
+    v.iter().zip(a).map(|(v, a)| v + 2.0 * a).collect()
+}
+
+/// Limits the coefficient c of the bubble on an edge of the boundary with values p and q at its ends, so that the
+/// recovery is not negative there: its Bernstein coefficients are p, (p + q - c) / 2 and q.
+pub(super) fn limit_bubble(bubble: f64, [_, p, q, _]: [f64; 4]) -> f64 {
     if p == 0.0 && q == 0.0 { 0.0 } else { bubble.min(p + q) }
 }
 
-/// What the recovery is at the corners, the middles of edges and the centre of a cell, row by row.
-pub(super) fn values(cell: &Special) -> [[f64; 3]; 3] {
+/// Values of the recovery at the corners, the midpoints of edges and the centre of a cell, row by row.
+pub(super) fn values(cell: &SpecialCell) -> [[f64; 3]; 3] {
     let ([ll, lr, ul, ur], [[bottom, top], [left, right]]) = (cell.corners(), cell.bubbles);
-    let middle = |p: f64, q: f64, bubble: f64| 0.5 * (p + q) - 0.25 * bubble;
     let centre = 0.25 * ((ll + lr) + (ul + ur)) - 0.125 * ((bottom + top) + (left + right));
     [
-        [ll, middle(ll, lr, bottom), lr],
-        [middle(ll, ul, left), centre, middle(lr, ur, right)],
-        [ul, middle(ul, ur, top), ur],
+        [ll, at_midpoint(ll, lr, bottom), lr],
+        [at_midpoint(ll, ul, left), centre, at_midpoint(lr, ur, right)],
+        [ul, at_midpoint(ul, ur, top), ur],
     ]
+}
+
+/// Value of the recovery at the midpoint of an edge with values p and q at its ends.
+fn at_midpoint(p: f64, q: f64, bubble: f64) -> f64 {
+    0.5 * (p + q) - 0.25 * bubble
 }

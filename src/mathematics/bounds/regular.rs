@@ -1,16 +1,18 @@
-//! Sums over regular cells: those in which, and around which, f has one value.
+//! Sums over regular cells, that is cells in and around which f has one value.
 
-use super::cells::{LANES, Lanes, Sums};
+use super::cells::{CellLanes, LANES, Sums};
 use std::ops::Range;
 
-/// Sums over regular cells, in units that [`take`](Self::take) puts right.
+/// Sums over regular cells, in units that [`take`](Self::take) converts.
 #[derive(Default)]
-pub(super) struct Regular(Sums<Lanes>);
+pub(super) struct Regular(Sums<CellLanes>);
 
 impl Regular {
-    /// Adds cells of one row over each of which the integral of f is `mass`. The rows of nodes are those below the
-    /// cells, at their lower and upper edges, and above; they are longer than [`LANES`] by three nodes at least.
-    /// Writes the means of the residual times `h^2` to `means`, and returns the sum of their squares.
+    /// Adds cells of one row over each of which the integral of f is `mass`. Writes the means of the residual times
+    /// `h^2` to `means`, and returns the sum of their squares.
+    ///
+    /// `rows` are the rows of nodes below the cells, at their lower and upper edges, and above, each of at least
+    /// `LANES + 3` nodes.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
@@ -29,7 +31,7 @@ impl Regular {
             start += LANES;
         }
         if start < cells.end {
-            // A block that also holds cells of others, which do not count.
+            // A block that also contains other cells, with weight zero.
             let first = start.min(rows[0].len() - 2 - LANES);
             let counted = start - first..cells.end - first;
             let mut block = Sums::default();
@@ -49,7 +51,7 @@ impl Regular {
         squares.iter().sum()
     }
 
-    /// The sums, which are zero afterwards.
+    /// Returns the sums, and resets them to zero.
     pub(super) fn take(&mut self) -> Sums {
         let sums = std::mem::take(&mut self.0).total();
         let linear = 0.25 * sums.linear;
@@ -64,17 +66,17 @@ impl Regular {
     }
 }
 
-/// Adds the regular cells from `start` on to the sums, and returns the means of the residual.
+/// Adds [`LANES`] regular cells from `start` on to the sums, and returns the means of the residual.
 ///
-/// The formulas are those of [`Special`](super::cells::Special) with f constant around the cell, in sums and
+/// The formulas are those of [`SpecialCell`](super::cells::SpecialCell) with f constant around the cell, in sums and
 /// differences of opposite edges.
 #[inline(always)]
 fn add_block(
     [below, lower, upper, above]: [&[f64]; 4],
     start: usize,
     mass: f64,
-    sums: &mut Sums<Lanes>,
-) -> Lanes {
+    sums: &mut Sums<CellLanes>,
+) -> CellLanes {
     // Columns of nodes, from the one left of the cells on.
     let (d1, d2) = (column(below, start), column(below, start + 1));
     let (a0, a1) = (column(lower, start - 1), column(lower, start));
@@ -84,12 +86,12 @@ fn add_block(
     let (u1, u2) = (column(above, start), column(above, start + 1));
     let mut means = [0.0; LANES];
     for i in 0..LANES {
-        // Sums and differences of the two rows, and of the outer rows.
+        // Sums and differences of the two inner rows, and in the two outer rows.
         let (s0, s1, s2, s3) = (b0[i] + a0[i], b1[i] + a1[i], b2[i] + a2[i], b3[i] + a3[i]);
         let (t0, t1, t2, t3) = (b0[i] - a0[i], b1[i] - a1[i], b2[i] - a2[i], b3[i] - a3[i]);
         let (us, ut, ds, dt) = (u2[i] + u1[i], u2[i] - u1[i], d2[i] + d1[i], d2[i] - d1[i]);
         let (x, y, turn, corners) = (s2 - s1, t2 + t1, t2 - t1, s2 + s1);
-        // Four times what the bubbles of one axis bend along the other.
+        // Four times the contribution of the bubbles of each axis to the slope along the other.
         let (g, e) = ((ut + dt) - x, (t3 + t0) - y);
         // Third differences, summed over opposite edges, and their differences.
         let (p, q) = ((s3 - s0) - 3.0 * x, (us - ds) - 3.0 * y);
@@ -102,7 +104,7 @@ fn add_block(
         let (third, slope) = (p * p + q * q, r * r + o * o);
         let (steep, turned) = (x * x + y * y, turn * turn);
         let (bubbles, bent) = (along * along + across * across, g * x + e * y);
-        // In units that `take` puts right.
+        // In units that `take` converts.
         let cell = Sums {
             distance: 7.0 * (third + (dp * dp + dq * dq)) + 8.0 * (p * r + q * o) + 6.0 * slope,
             recovered: 11.0 * (g * g + e * e) + 15.0 * bubbles - 120.0 * bent - 960.0 * turned,

@@ -1,39 +1,39 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
 use super::NoBound;
-use super::cells::{Batch, Special, Sums};
-use super::data::{AllCells, Cursor, Run};
+use super::cells::{Batch, CellSlot, SpecialCell, Sums};
+use super::data::{AllCells, ColumnSpan, Cursor, MomentRun};
 use super::flux::Reactions;
-use super::moments::Moments;
+use super::moments::CellMoments;
 use super::recovery::{Extended, values};
 use super::regular::Regular;
 use super::residual::Pyramid;
-use super::strip::Strip;
+use super::strip::FluxStrip;
 use crate::discrete::grid::Grid;
 use crate::discrete::simd::vectorised;
 use crate::problem::source::Source;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// The sums over all cells, and what the boundary adds.
+/// Sums over all cells and over the boundary.
 #[derive(Default)]
 pub(super) struct Total {
     pub sums: Sums,
     /// `<sigma.n, w>`, the work of the reactions on the recovery.
     pub work: f64,
-    /// What the energy of the recovery gains when its bubbles on the boundary are left out.
-    pub trace: f64,
-    /// A bound of the flux that the residual takes.
+    /// Increase of the energy of the recovery if its bubbles on the boundary are left out.
+    pub boundary_bubble_gain: f64,
+    /// Upper bound of the norm of a flux whose divergence is the residual.
     pub residual: f64,
-    /// The largest |v|.
+    /// Largest |v|.
     pub largest: f64,
     /// Integral of |f|.
     pub mass: f64,
 }
 
-/// The sums for the nodal vector `v`, which is not negative on the boundary.
+/// Computes the sums for the nodal vector `v`, which must not be negative on the boundary.
 ///
-/// `recovered`, if given, receives the recovery on the grid of half the width.
+/// Writes the recovery on the grid of half the width to `recovered`, if that is given.
 pub(super) fn total(
     grid: Grid,
     f: &Source,
@@ -46,40 +46,43 @@ pub(super) fn total(
     }
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
     let reactions = Reactions::new(grid, v, &outer, &data);
-    let strip = Strip::new(Extended::new(grid, v, &reactions), data.is_linear(v));
-    let walk = Walk::new(&data, strip, recovered);
+    let extended = Extended::new(grid, v, &reactions);
+    let strip = FluxStrip::new(extended, data.solves_for_linear_hats(v));
+    let sweep = CellSweep::new(&data, strip, recovered);
     Ok(vectorised(
         #[inline(always)]
-        || walk.run(),
+        || sweep.run(),
     ))
 }
 
-/// Rows of cells whose sums are added up before they join the others: in lanes, no sum has more terms than half a
-/// row has cells.
+/// Number of rows of cells whose sums are formed in lanes before they are added to the total: no lane sums more terms
+/// than half a row has cells.
 const BLOCK: usize = 8;
 
-struct Walk<'a> {
+/// State of the sweep over the rows of cells.
+struct CellSweep<'a> {
     grid: Grid,
     data: &'a AllCells<'a>,
-    strip: Strip<'a>,
-    /// Rows j to j + 2 of cells, where j is the row at which the walk stands; empty beyond the boundary.
-    cells: [Cow<'a, [Run]>; 3],
-    /// Cells of the row that need more than the regular formulas, as inclusive ranges.
-    special: Vec<[usize; 2]>,
-    /// The means of the residual in the row, times `h^2`, but for rounding errors.
+    strip: FluxStrip<'a>,
+    /// Rows j to j + 2 of cells, where j is the current row; empty beyond the boundary.
+    cells: [Cow<'a, [MomentRun]>; 3],
+    /// Cells of the current row to which the regular formulas do not apply.
+    special: Vec<ColumnSpan>,
+    /// Means of the residual in the cells of the current row, times `h^2`; zero where they are rounding errors.
     means: Vec<f64>,
     pyramid: Pyramid,
     total: Total,
-    /// The sums over cells of the last rows, at most [`BLOCK`].
+    /// Sums over regular cells of the last rows, at most [`BLOCK`].
     regular: Regular,
+    /// Sums over special cells of the same rows.
     batch: Batch,
-    /// Sum of the squares of residuals that are rounding errors, each times `h^2`.
+    /// Sum of the squares of the means, times `h^2`, of residuals that are rounding errors.
     noise: f64,
     recovered: Option<&'a mut [f64]>,
 }
 
-impl<'a> Walk<'a> {
-    fn new(data: &'a AllCells<'a>, strip: Strip<'a>, recovered: Option<&'a mut [f64]>) -> Self {
+impl<'a> CellSweep<'a> {
+    fn new(data: &'a AllCells<'a>, strip: FluxStrip<'a>, recovered: Option<&'a mut [f64]>) -> Self {
         let (grid, n) = (strip.v.grid, strip.v.grid.cells());
         Self {
             grid,
@@ -119,30 +122,31 @@ impl<'a> Walk<'a> {
         self.batch.flush();
         self.settle();
         let Self { total, pyramid, noise, .. } = &mut self;
-        // Poincaré's constant is h / pi on cells and 1 / pi on the square.
+        // Poincaré's constant is h / pi on a cell and 1 / pi on the square.
         let inside = (total.sums.variance.sqrt() + n as f64 * noise.sqrt()) / PI;
         total.residual = pyramid.bound() + inside;
         self.total
     }
 
-    /// Adds the sums over the last rows to those over all.
+    /// Adds the sums over the last rows to the total.
     fn settle(&mut self) {
         self.total.sums.add(&self.regular.take());
         self.total.sums.add(&self.batch.take());
     }
 
-    /// Adds row `j` of cells to the sums, and their residuals to the pyramid.
+    /// Adds row `j` of cells to the sums, and its residuals to the pyramid.
     #[inline(always)]
     fn sum(&mut self, j: usize) {
         let n = self.grid.cells();
         self.strip.find_special(j, &mut self.special);
         let (row, special) =
             (std::mem::take(&mut self.cells[0]), std::mem::take(&mut self.special));
-        // Where a residual can only be a rounding error.
+        // Smaller residuals can only be rounding errors.
         let floor = 16.0 * f64::EPSILON * self.total.largest;
         let (mut cursor, mut start, mut residual) = (Cursor(&row), 0, false);
         for k in 0..=special.len() {
-            let [from, to] = special.get(k).copied().unwrap_or([n, n]);
+            let end = ColumnSpan { first: n, last: n };
+            let ColumnSpan { first: from, last: to } = special.get(k).copied().unwrap_or(end);
             while start < from {
                 let run = cursor.at(start);
                 let mass = run.mass().expect("cells that jumps of f cut are special");
@@ -174,42 +178,43 @@ impl<'a> Walk<'a> {
         self.pyramid.push(if residual { &self.means } else { &[] });
     }
 
-    /// Adds cell (i, j), and what the reactions on its edges do, to the sums; returns the mean of the residual
-    /// times `h^2`.
+    /// Adds cell (i, j), and the contribution of the reactions on its edges, to the sums. Returns the mean of the
+    /// residual times `h^2`.
     #[inline(always)]
-    fn add_special(&mut self, i: usize, j: usize, f: Moments) -> f64 {
+    fn add_special(&mut self, i: usize, j: usize, f: CellMoments) -> f64 {
         let residual = self.strip.set(self.batch.next(), [i, j], f);
         self.total.mass += f.square.sqrt();
-        if self.strip.outer(i, j).as_flattened().contains(&true) {
-            self.add_outer(i, j);
+        if self.strip.on_boundary(i, j).as_flattened().contains(&true) {
+            self.add_reactions(i, j);
         }
         self.batch.push();
         residual
     }
 
-    /// Adds what the reactions on the edges of cell (i, j) do to the sums.
-    fn add_outer(&mut self, i: usize, j: usize) {
-        let (cells, lane) = self.batch.next();
+    /// Adds the contribution of the reactions on the edges of cell (i, j) to the sums.
+    fn add_reactions(&mut self, i: usize, j: usize) {
+        let CellSlot { cells, lane } = self.batch.next();
         let cell = cells.lane(lane);
-        let (outer, Reactions { left, right, bottom, top, .. }) =
-            (self.strip.outer(i, j), self.strip.v.reactions);
+        let on_boundary = self.strip.on_boundary(i, j);
+        let Reactions { left, right, bottom, top } = self.strip.v.reactions;
         let reactions = [[&bottom[i..], &top[i..]], [&left[j..], &right[j..]]];
         for (axis, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            if outer[axis][k] {
+            if on_boundary[axis][k] {
                 let [_, p, q, _] = cell.lines[axis][k];
-                self.total.work += work([p, q], reactions[axis][k], cell.bubbles[axis][k]);
-                self.total.trace += cell.trace(axis, k);
+                self.total.work += reaction_work([p, q], reactions[axis][k], cell.bubbles[axis][k]);
+                self.total.boundary_bubble_gain += cell.boundary_bubble_gain(axis, k);
             }
         }
     }
 
-    /// Writes what the recovery is on row `j` of cells to its rows of the grid of half the width.
+    /// Writes the values of the recovery on row `j` of cells to three rows of the grid of half the width.
     fn write_recovered(&mut self, j: usize) {
         let Some(out) = self.recovered.take() else { return };
         let side = 2 * self.grid.cells() + 1;
-        let mut cells = Special::default();
+        let mut cells = SpecialCell::default();
         for i in 0..self.grid.cells() {
-            self.strip.set((&mut cells, 0), [i, j], Moments::default());
+            let slot = CellSlot { cells: &mut cells, lane: 0 };
+            self.strip.set(slot, [i, j], CellMoments::default());
             for (k, values) in values(&cells.lane(0)).iter().enumerate() {
                 let start = (2 * j + k) * side + 2 * i;
                 out[start..start + 3].copy_from_slice(values);
@@ -219,12 +224,13 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The largest |v|. Compared as numbers: as integers, as in [`Largest`](crate::discrete::simd::Largest), the whole
-/// walk takes a tenth longer; what is no number shows in the sums.
+/// Largest |v|, ignoring NaN, which makes the sums NaN.
+///
+/// Values are compared as numbers: with integers, as in [`Largest`](crate::discrete::simd::Largest), the whole sweep
+/// takes a tenth longer.
 #[inline(always)]
 fn largest(v: &[f64]) -> f64 {
     const LANES: usize = 16;
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let (blocks, rest) = v.as_chunks::<LANES>();
     let mut largest = [0.0; LANES];
     for block in blocks {
@@ -235,8 +241,13 @@ fn largest(v: &[f64]) -> f64 {
     rest.iter().map(|v| v.abs()).chain(largest).fold(0.0, larger)
 }
 
-/// The work of the reactions `a` at the ends of an edge on the function there, with values `v`.
-fn work(v: [f64; 2], a: &[f64], bubble: f64) -> f64 {
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Work of the reactions `a` at the ends of an edge on the recovery there, with values `v` at the ends.
+fn reaction_work(v: [f64; 2], a: &[f64], bubble: f64) -> f64 {
     let linear = a[0] * (2.0 * v[0] + v[1]) + a[1] * (v[0] + 2.0 * v[1]);
     linear / 6.0 - bubble * (a[0] + a[1]) / 12.0
 }

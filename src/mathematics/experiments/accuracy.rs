@@ -7,8 +7,9 @@ use super::work::{self, Comparison, CostLaw};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::{lumped, worst};
 use crate::discrete::stiffness::energy;
-use crate::multigrid::square::Square;
-use crate::multigrid::{Geometry, Goal, Multigrid, MultigridParams, Outcome, StopReason};
+use crate::multigrid::{
+    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
+};
 use crate::problem::exact::Exact;
 use crate::spectral::Params;
 use rayon::prelude::*;
@@ -108,7 +109,7 @@ pub struct Spent {
     /// Natural residual, not relative: in the units of the load, f h^2.
     pub kkt: f64,
     /// How it ended.
-    pub stop: StopReason,
+    pub stop: MultigridStop,
 }
 
 /// Ranges over problems and grids.
@@ -171,7 +172,7 @@ fn known(solution: &KnownSolution, plan: &Plan) -> Result<Known<Level>, String> 
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = solution.load(grid);
-        let (cost, [rough, _, y]) = cost::<Square>(solution.name(), n, &load)?;
+        let (cost, [rough, _, y]) = cost(solution.name(), Multigrid::square, n, &load)?;
         let errors = solution.errors(grid, &y, &load);
         let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
         // Twice the energy without load is the square of the H1 seminorm.
@@ -191,20 +192,22 @@ fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
     for &n in cells {
         Grid::new(n).map_err(|e| e.to_string())?;
         let loads: Vec<_> = paper_loads(n).into_iter().chain(stress_loads(n)).collect();
-        let counted = loads.par_iter().map(|(name, load)| Ok(cost::<Square>(name, n, load)?.0));
+        let counted =
+            loads.par_iter().map(|(name, load)| Ok(cost(name, Multigrid::square, n, load)?.0));
         costs.extend(counted.collect::<Result<Vec<_>, String>>()?);
     }
     Ok(costs)
 }
 
-/// What each goal costs with `n` cells per side, and the solution with which it was reached.
-pub(super) fn cost<G: Geometry>(
+/// Cost of each goal on `grids` with `n` cells per side, and the solution with which it was reached.
+pub(super) fn cost(
     name: &str,
+    grids: fn(usize) -> Result<Multigrid, InputError>,
     n: usize,
     load: &[f64],
 ) -> Result<(Cost, [Vec<f64>; 3]), String> {
     let failed = |e| format!("{name} on grid 1/{n}: {e}");
-    let mut workspace = Multigrid::<G>::new(n).map_err(failed)?;
+    let mut workspace = grids(n).map_err(failed)?;
     let mut solve = |goal| {
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let outcome = workspace.solve(load, None, &params).map_err(failed)?;
@@ -218,8 +221,8 @@ pub(super) fn cost<G: Geometry>(
 }
 
 impl Spent {
-    fn of(outcome: &Outcome) -> Self {
-        let Outcome { stop, cycles, kkt, work_units, .. } = *outcome;
+    fn of(outcome: &MultigridOutcome) -> Self {
+        let MultigridOutcome { stop, cycles, kkt, work_units, .. } = *outcome;
         Self { work_units, cycles, kkt, stop }
     }
 }

@@ -3,7 +3,7 @@
 use super::accuracy::{Cost, Known, cost};
 use crate::discrete::cube::{Grid, errors, load};
 use crate::discrete::norms::{Errors, worst};
-use crate::multigrid::cube::Cube;
+use crate::multigrid::Multigrid;
 use crate::problem::cube::Exact;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -74,7 +74,7 @@ fn known(exact: Exact, cells: &[usize]) -> Result<Known<Level>, String> {
         let failed = |e: String| format!("on the cube, {e}");
         let grid = Grid::new(n).map_err(|e| failed(e.to_string()))?;
         let load = load(grid, |point| exact.at(point).f);
-        let (cost, [.., y]) = cost::<Cube>(exact.name(), n, &load).map_err(failed)?;
+        let (cost, [.., y]) = cost(exact.name(), Multigrid::cube, n, &load).map_err(failed)?;
         let Errors { l2, h1, max } = errors(grid, exact, &y);
         let errors = [l2, h1, max];
         let order =

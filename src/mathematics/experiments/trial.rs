@@ -3,8 +3,7 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::simd::Largest;
-use crate::multigrid::square::Square;
-use crate::multigrid::{self, Goal, MultigridParams};
+use crate::multigrid::{self, Goal, MultigridParams, MultigridStop};
 use crate::saddle::batch::{self, AsDefined, End, Job, run};
 use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
@@ -107,12 +106,12 @@ pub fn single(grid: Grid, load: &[f64], job: Job<f32>) -> Trial {
 /// Multigrid, by nested iteration or from `start`.
 pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    let Ok((y, outcome)) = multigrid::solve::<Square>(grid.cells(), load, start, &params) else {
+    let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), load, start, &params) else {
         return Trial { stop: "refused".into(), ..Trial::default() };
     };
     let claim = |size: f64| match (outcome.stop, goal) {
-        (multigrid::StopReason::Converged, Goal::Kkt(tolerance)) => Some(tolerance),
-        (multigrid::StopReason::RoundingFloor, _) => Some(FLOOR * f64::EPSILON * size),
+        (MultigridStop::Converged, Goal::Kkt(tolerance)) => Some(tolerance),
+        (MultigridStop::RoundingFloor, _) => Some(multigrid::ROUNDING_FLOOR * f64::EPSILON * size),
         _ => None,
     };
     let cost = (outcome.cycles, outcome.work_units);
@@ -122,5 +121,3 @@ pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Tri
 /// By how much two ways to compute a residual may differ, adding in another order, in units of
 /// `EPSILON * max |y|`.
 const SLACK: f64 = 8.0;
-/// Units of `EPSILON * max |y|` at which multigrid speaks of the rounding floor.
-const FLOOR: f64 = 32.0;

@@ -9,7 +9,6 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
-use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
@@ -179,7 +178,7 @@ impl OnGrid {
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
-        let solved = multigrid::solve::<Square>(grid.cells(), &level.load, None, &params);
+        let solved = multigrid::solve_square(grid.cells(), &level.load, None, &params);
         level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
         Ok(level)
     }
@@ -212,7 +211,7 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<Run, String> {
         let unknowns = grid.nodes() as f64;
         let solve = |goal, max_cycles| {
             let params = MultigridParams { goal, max_cycles };
-            let solved = multigrid::solve::<Square>(grid.cells(), load, None, &params);
+            let solved = multigrid::solve_square(grid.cells(), load, None, &params);
             solved.map_err(|e| e.to_string())
         };
         let limit = MultigridParams::default().max_cycles;

@@ -17,8 +17,8 @@ use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Col, Side};
 
-use super::StopReason;
-use super::input::{Extent, InputError, check_length};
+use super::MultigridStop;
+use super::input::{InputError, LoadStats, check_length};
 use super::layout::Dimension;
 use super::network::Network;
 use super::stencil::coupling;
@@ -31,7 +31,7 @@ const MAX_STEPS: usize = 100;
 pub struct Outcome {
     /// `Converged` if the contact set came to rest; `RoundingFloor` if it returned to an earlier one,
     /// which was seen only where multipliers or values are zero up to rounding errors.
-    pub stop: StopReason,
+    pub stop: MultigridStop,
     /// Linear systems solved.
     pub steps: usize,
 }
@@ -50,7 +50,7 @@ pub fn active_set<D: Dimension>(n: usize, load: &[f64]) -> Result<(Vec<f64>, Out
 
 fn on_network(network: &Network, load: &[f64]) -> Result<(Vec<f64>, Outcome), InputError> {
     check_length(network.nodes(), load)?;
-    Extent::of(load).check()?;
+    LoadStats::measure(load).check()?;
     let system = System::new(network, load);
     let mut active: Vec<_> = (0..load.len()).map(|k| network.is_constrained(k)).collect();
     let mut seen = Vec::new();
@@ -58,19 +58,19 @@ fn on_network(network: &Network, load: &[f64]) -> Result<(Vec<f64>, Outcome), In
     let mut steps = 0;
     let stop = loop {
         if steps == MAX_STEPS {
-            break StopReason::CycleLimit;
+            break MultigridStop::CycleLimit;
         }
         y = system.solve(&active);
         steps += 1;
         if !y.iter().all(|value| value.is_finite()) {
-            break StopReason::Diverged;
+            break MultigridStop::Diverged;
         }
         let next = system.next_contact(&active, &y);
         if next == active {
-            break StopReason::Converged;
+            break MultigridStop::Converged;
         }
         if seen.contains(&next) {
-            break StopReason::RoundingFloor;
+            break MultigridStop::RoundingFloor;
         }
         seen.push(std::mem::replace(&mut active, next));
     };

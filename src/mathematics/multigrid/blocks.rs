@@ -1,24 +1,24 @@
-//! Blocks of slabs that threads work on independently.
+//! Blocks of slabs on which threads work independently.
 
 use std::ops::Range;
 
 use super::buffers::Buffers;
-use super::layout::{At, Dimension, boundary_before, nodes, slab};
-use super::rows::{Colour, MIN_PLACES, Rows};
-use super::stencil::{Boundary, Row, edges};
-use super::transfer::Weighting;
+use super::layout::{Dimension, Slab, boundary_before, nodes, places_per_slab};
+use super::rows::{Colour, ColourRows, MIN_PLACES};
+use super::stencil::{Boundary, ContactFlags, LevelEquation, ResidualReport, StencilRow, edges};
+use super::transfer::{CoarseLoad, Weighting};
 use crate::discrete::simd::Largest;
 use crate::discrete::threads::stays;
 
-/// Slabs per block at least: half of them must hold what the longest pass leaves to the seams.
+/// Least number of slabs per block: half of them must hold the slabs that the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;
 
-/// How many blocks a pass over `n + 1` slabs is cut into.
+/// Number of blocks into which a pass over `n + 1` slabs is cut.
 pub(super) fn blocks<D: Dimension>(n: usize) -> usize {
     if stays(nodes::<D>(n)) {
         return 1;
     }
-    let slabs = MIN_BLOCK.max(MIN_PLACES.div_ceil(slab::<D>(n)));
+    let slabs = MIN_BLOCK.max(MIN_PLACES.div_ceil(places_per_slab::<D>(n)));
     (4 * rayon::current_num_threads()).min((n + 1) / slabs).max(1)
 }
 
@@ -30,116 +30,122 @@ impl Cuts {
         Self((0..blocks).map(|block| (block * n / blocks) & !1).chain([n + 1]).collect())
     }
 
-    /// The cuts between blocks.
+    /// Cuts between blocks.
     pub(super) fn inner(&self) -> &[usize] {
         &self.0[1..self.0.len() - 1]
     }
 
-    /// Cuts in the middle of the blocks: one piece around every inner cut.
+    /// Cuts in the middle of the blocks: one block around every inner cut of these.
     pub(super) fn middles(&self, n: usize) -> Self {
         let between = self.inner().windows(2).map(|pair| ((pair[0] + pair[1]) / 2) & !1);
         Self([0].into_iter().chain(between).chain([n + 1]).collect())
     }
 }
 
-/// What a pass over a grid may write.
-pub(super) struct Target<'a> {
+/// Arrays that a pass over a grid writes.
+pub(super) struct PassOutput<'a> {
     pub(super) n: usize,
-    pub(super) values: &'a mut [Rows; 2],
+    pub(super) values: &'a mut [ColourRows; 2],
     pub(super) in_contact: &'a mut [bool],
-    pub(super) coarse_load: &'a mut [Rows; 2],
+    pub(super) coarse_load: &'a mut [ColourRows; 2],
     pub(super) buffers: &'a mut [Buffers],
 }
 
-impl Target<'_> {
-    /// Everything, for one thread.
-    pub(super) fn whole(&mut self) -> Block<'_> {
+impl PassOutput<'_> {
+    /// One block with all slabs, for one thread.
+    pub(super) fn whole(&mut self) -> SlabBlock<'_> {
         let Self { n, values: [red, black], coarse_load: [coarse_red, coarse_black], .. } = self;
-        Block {
+        SlabBlock {
             slabs: 0..*n + 1,
             values: [red, black],
-            in_contact: self.in_contact,
-            first_edge: 0,
+            contact: ContactFlags { flags: self.in_contact, first: 0 },
             coarse_load: [coarse_red, coarse_black],
             buffers: &mut self.buffers[0],
         }
     }
 
-    /// Hands each block its part.
-    pub(super) fn split<D: Dimension>(&mut self, cuts: &Cuts) -> Vec<Block<'_>> {
+    /// Blocks between the cuts.
+    pub(super) fn split<D: Dimension>(&mut self, cuts: &Cuts) -> Vec<SlabBlock<'_>> {
         let Self { n, values: [red, black], coarse_load: [coarse_red, coarse_black], .. } = self;
-        let (n, mut in_contact) = (*n, &mut *self.in_contact);
-        let mut rest: [&mut [f64]; 4] = [red, black, coarse_red, coarse_black];
-        let mut take = |k: usize, len: usize| {
-            let (piece, left) = std::mem::take(&mut rest[k]).split_at_mut(len);
-            rest[k] = left;
-            piece
-        };
-        let mut block = |(pair, buffers): (&[usize], _)| {
+        let n = *n;
+        let [mut red, mut black]: [&mut [f64]; 2] = [red, black];
+        let [mut coarse_red, mut coarse_black]: [&mut [f64]; 2] = [coarse_red, coarse_black];
+        let mut in_contact = &mut *self.in_contact;
+        let mut blocks = Vec::with_capacity(self.buffers.len());
+        for (pair, buffers) in cuts.0.windows(2).zip(self.buffers.iter_mut()) {
             let slabs = pair[0]..pair[1];
-            let fine = slabs.len() * slab::<D>(n);
-            let coarse = (slabs.end.div_ceil(2) - slabs.start.div_ceil(2)) * slab::<D>(n / 2);
-            let first_edge = boundary_before::<D>(n, slabs.start);
-            let edges = boundary_before::<D>(n, slabs.end) - first_edge;
-            let (contact, left) = std::mem::take(&mut in_contact).split_at_mut(edges);
-            in_contact = left;
-            Block {
+            let fine = slabs.len() * places_per_slab::<D>(n);
+            let coarse_slabs = slabs.end.div_ceil(2) - slabs.start.div_ceil(2);
+            let coarse = coarse_slabs * places_per_slab::<D>(n / 2);
+            let first = boundary_before::<D>(n, slabs.start);
+            let boundary_nodes = boundary_before::<D>(n, slabs.end) - first;
+            let flags = take_front(&mut in_contact, boundary_nodes);
+            blocks.push(SlabBlock {
                 slabs,
-                values: [take(0, fine), take(1, fine)],
-                in_contact: contact,
-                first_edge,
-                coarse_load: [take(2, coarse), take(3, coarse)],
+                values: [take_front(&mut red, fine), take_front(&mut black, fine)],
+                contact: ContactFlags { flags, first },
+                coarse_load: [
+                    take_front(&mut coarse_red, coarse),
+                    take_front(&mut coarse_black, coarse),
+                ],
                 buffers,
-            }
-        };
-        cuts.0.windows(2).zip(self.buffers.iter_mut()).map(&mut block).collect()
+            });
+        }
+        blocks
     }
 }
 
-/// A run of slabs of both colours, with the coarse slabs it may write.
-pub(super) struct Block<'a> {
+/// Cuts the first `len` items off a slice.
+fn take_front<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
+    let (front, left) = std::mem::take(rest).split_at_mut(len);
+    *rest = left;
+    front
+}
+
+/// Consecutive slabs of both colours, and the coarse slabs that a pass over them may write.
+pub(super) struct SlabBlock<'a> {
     pub(super) slabs: Range<usize>,
     pub(super) values: [&'a mut [f64]; 2],
-    in_contact: &'a mut [bool],
-    /// Number of the first boundary node.
-    first_edge: usize,
+    contact: ContactFlags<'a>,
     coarse_load: [&'a mut [f64]; 2],
     pub(super) buffers: &'a mut Buffers,
 }
 
-impl Block<'_> {
-    /// Residual and restriction of red slab `s`; `first` is the first slab that is restricted; `natural` takes in
-    /// the natural residuals.
+impl SlabBlock<'_> {
+    /// Computes the residual of a red slab, restricts it, and sets the contact flags of the slab.
+    ///
+    /// `first` is the first slab that is restricted; `natural` collects the natural residuals of an obstacle problem.
     #[inline(always)]
     pub(super) fn restrict<D: Weighting>(
         &mut self,
-        (n, s, first): (usize, usize, usize),
-        boundary: Boundary,
-        load: [&[f64]; 2],
+        slab: Slab,
+        first: usize,
+        equation: LevelEquation,
         natural: &mut Largest,
     ) {
-        let slab = slab::<D>(n);
+        let LevelEquation { load, boundary } = equation;
+        let places = places_per_slab::<D>(slab.n);
         let start = self.slabs.start;
         let [red, black] = &self.values;
-        let own = (s - start) * slab..(s - start + 1) * slab;
-        let (in_contact, first_edge) = (&mut *self.in_contact, self.first_edge);
+        let own = (slab.s - start) * places..(slab.s - start + 1) * places;
         if let Boundary::Obstacle = boundary {
-            for at in At::of_slab::<D>(n, s) {
+            for at in slab.rows::<D>() {
                 let black = &black[own.clone()][at.in_slab()];
-                for (m, edge) in edges::<D>(at, Colour::Black) {
-                    in_contact[edge.number - first_edge] = black[m] == 0.0;
+                for (m, node) in edges::<D>(at, Colour::Black) {
+                    self.contact.set(node, black[m] == 0.0);
                 }
             }
         }
-        let (red, target) = (&red[own], self.buffers.residuals(s));
-        let mut see = |number: usize, contact| in_contact[number - first_edge] = contact;
-        for at in At::of_slab::<D>(n, s) {
-            let row = Row::new::<D>(at, Colour::Red, load[Colour::Red as usize], black, start);
+        let (red, target) = (&red[own], self.buffers.residuals(slab.s));
+        let mut report = ResidualReport { natural, contact: Some(&mut self.contact) };
+        for at in slab.rows::<D>() {
+            let load = load[Colour::Red as usize];
+            let row = StencilRow::new::<D>(at, Colour::Red, load, black, start);
             let (values, target) = (&red[at.in_slab()], &mut target[at.in_slab()]);
-            row.residual::<D>(boundary, values, target, natural, &mut see);
+            row.residual::<D>(boundary, values, target, &mut report);
         }
-        let [coarse_red, coarse_black] = &mut self.coarse_load;
-        let coarse_load = (start.div_ceil(2), [&mut **coarse_red, &mut **coarse_black]);
-        self.buffers.restrict::<D>((n, s, first), coarse_load);
+        let [red, black] = &mut self.coarse_load;
+        let coarse_load = CoarseLoad { first: start.div_ceil(2), red, black };
+        self.buffers.restrict::<D>(slab, first, coarse_load);
     }
 }

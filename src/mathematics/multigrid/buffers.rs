@@ -1,24 +1,26 @@
-//! What passes over the grids work with beside the grids themselves.
+//! Scratch memory of a pass over a block of slabs.
 
-/// What a pass over one block of slabs needs beside the grids.
+/// Scratch memory of a pass over one block of slabs.
 pub(super) struct Buffers {
-    /// Residuals of the last three slabs of red nodes, slab `s` in place `s % 3`.
+    /// Residuals of the last three slabs of red nodes; slab `s` is at index `s % 3`.
     pub(super) residuals: [Vec<f64>; 3],
-    /// Sums over coarse rows, at even and at odd columns.
+    /// Sums over coarse rows, at even columns.
     pub(super) even: Vec<f64>,
+    /// Sums over coarse rows, at odd columns.
     pub(super) odd: Vec<f64>,
     /// A coarse row in natural order.
     pub(super) row: Vec<f64>,
 }
 
 impl Buffers {
-    /// For `n` cells in a row and slabs of so many places.
-    pub(super) fn new(n: usize, slab: usize) -> Self {
-        let residuals = [(); 3].map(|()| vec![0.0; slab]);
+    /// Allocates buffers for a grid with `n` cells per side and `places` places of one colour per slab.
+    pub(super) fn new(n: usize, places: usize) -> Self {
+        let residuals = [(); 3].map(|()| vec![0.0; places]);
         let [even, odd, row] = [(); 3].map(|()| vec![0.0; n / 2 + 1]);
         Self { residuals, even, odd, row }
     }
 
+    /// Memory in bytes.
     pub(super) fn bytes(&self) -> usize {
         let all = self.residuals.iter().chain([&self.even, &self.odd, &self.row]);
         all.map(|numbers| size_of_val(&numbers[..])).sum()

@@ -4,7 +4,7 @@ use super::banded::Banded;
 use super::layout::{Dimension, boundary_number};
 use super::level::{Level, locate};
 use super::network::Network;
-use super::stencil::{diagonal, inverse, visit};
+use super::stencil::{diagonal, inverse, multiplications_per_visit};
 
 /// Active-set steps at most; there are at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
@@ -55,7 +55,8 @@ impl Coarsest {
         Self {
             nodes: (0..network.nodes()).map(node).collect(),
             inverse: inverse::<D>(),
-            work: [matrix.factor_work(), matrix.solve_work()].map(|work| work / visit::<D>()),
+            work: [matrix.factor_work(), matrix.solve_work()]
+                .map(|work| work / multiplications_per_visit::<D>()),
             factor: zeros(),
             x: vec![0.0; network.nodes()],
             matrix,

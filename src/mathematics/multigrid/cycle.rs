@@ -1,47 +1,65 @@
-//! One cycle through the grids, and the nested iteration that leads to the finest.
+//! One cycle through the grids, and the nested iteration that leads to the finest grid.
+//!
+//! An F-cycle on grid 5 (finest), with double visits from grid 2 down. Time runs to the right; `o` is a pass over a
+//! grid, `x` a direct solution.
+//!
+//! ```text
+//! grid 5  o                               o
+//! grid 4    o                           o
+//! grid 3      o                       o
+//! grid 2        o           o       o
+//! grid 1          o   o   o   o   o
+//! grid 0            x   x       x
+//! ```
+//!
+//! In a W-cycle the second visit to grid 2 would visit grid 1 twice, too.
 
-use super::hierarchy::{Geometry, Multigrid};
+use super::geometry::{MultigridGeometry, Visits};
+use super::hierarchy::Hierarchy;
 use super::layout::{boundary_nodes, rows_per_slab};
-use super::pass::Problem::{Correction, Obstacle};
+use super::pass::LevelProblem::{Correction, Obstacle};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
-use super::pass::{self, Problem, Stage};
+use super::pass::{self, LevelProblem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
 use super::stencil::for_each_boundary_node;
 
-/// Nested iteration stays on a grid until the natural residual is below this part of the load.
+/// Ratio of the natural residual to the load at which nested iteration leaves a grid.
 const SETTLED: f64 = 1.0;
-/// Cycles on one coarse grid of the nested iteration at most.
+/// Limit on the number of cycles on one coarse grid of the nested iteration.
 const MAX_NESTED_CYCLES: usize = 30;
 
-impl<G: Geometry> Multigrid<G> {
-    /// Solves on all grids but the finest, each started from the one below.
+impl<G: MultigridGeometry> Hierarchy<G> {
+    /// Solves on all grids but the finest, each started from the next coarser one.
     ///
     /// Two sweeps before the first correction let the contact set settle.
     pub(super) fn nested_iteration(&mut self) {
         self.solve_coarsest();
         for l in 1..self.levels.len() - 1 {
-            self.pass(l, Obstacle, &Self::smooth_twice(Interpolate));
+            self.obstacle_pass(l, &Self::smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
                 let smooth = Self::smooth_twice(Correct(G::OVERCORRECTION));
-                let kkt = self.cycle(l, &smooth, G::TWICE_BELOW);
-                if kkt <= SETTLED * self.levels[l].load_scale {
+                let residual = self.cycle(l, &smooth, G::DOUBLE_VISITS_BELOW);
+                if residual <= SETTLED * self.levels[l].load_scale {
                     break;
                 }
             }
         }
     }
 
+    /// Solves the obstacle problem of the coarsest grid directly.
     pub(super) fn solve_coarsest(&mut self) {
-        self.contact.0 = 0;
+        self.springs.cells = None;
         let work = self.coarsest.solve_obstacle(&mut self.levels[0]);
         self.count(work);
     }
 
-    /// One cycle on the obstacle problem of level `l`, whose residual has been restricted; grids see two from
-    /// `twice_below` grids below on. `smooth` brings the correction and ends by restricting the residual again.
-    /// Returns the natural residual.
-    pub(super) fn cycle(&mut self, l: usize, smooth: &[Stage], twice_below: usize) -> f64 {
+    /// Applies one cycle to the obstacle problem of level `l`, whose residual has been restricted; returns the natural
+    /// residual of the red nodes. This is the central function of multigrid.
+    ///
+    /// Grids are visited twice from `double_visits_below` grids below `l` on. `smooth` adds the correction, smooths,
+    /// and restricts the new residual.
+    pub(super) fn cycle(&mut self, l: usize, smooth: &[Stage], double_visits_below: usize) -> f64 {
         let level = &mut self.levels[l];
         let n = level.n;
         if !level.in_contact.contains(&true) {
@@ -49,23 +67,24 @@ impl<G: Geometry> Multigrid<G> {
         }
         let (coarser, level) = self.levels.split_at_mut(l);
         let in_contact = &level[0].in_contact;
-        if self.contact.0 != n || self.contact.1 != *in_contact {
+        if self.springs.cells != Some(n) || self.springs.in_contact != *in_contact {
             let work = G::set_springs(n, in_contact, coarser);
             let factor = self.coarsest.factor(&coarser[0]);
-            self.contact.0 = n;
-            self.contact.1.clone_from(in_contact);
+            self.springs.cells = Some(n);
+            self.springs.in_contact.clone_from(in_contact);
             self.count(work + factor);
         }
         self.count(boundary_nodes::<G>(n) as f64);
-        self.correct(l - 1, l.saturating_sub(twice_below), true);
-        self.pass(l, Obstacle, smooth)
+        self.correct(l - 1, l.saturating_sub(double_visits_below), Visits::Double);
+        self.obstacle_pass(l, smooth)
     }
 
-    /// One cycle on the linear problem of level `l`, from zero; from level `twice_from` down, and while
-    /// `twice`, the coarser problem gets two.
+    /// Applies one cycle to the linear problem of level `l`, from zero. If `visits` is `Double`, coarser problems get
+    /// two cycles from level `double_visits_from` down.
     ///
-    /// Near-constant modes of semicoercive problems need accurate coarse solves, and there they cost little.
-    fn correct(&mut self, l: usize, twice_from: usize, twice: bool) {
+    /// Near-constant modes of semicoercive problems need accurate coarse solutions, and on coarse grids these cost
+    /// little.
+    fn correct(&mut self, l: usize, double_visits_from: usize, visits: Visits) {
         if l == 0 {
             let work = self.coarsest.solve_linear(&mut self.levels[0]);
             self.count(work);
@@ -73,23 +92,23 @@ impl<G: Geometry> Multigrid<G> {
         }
         let relaxation = G::COARSE_RELAXATION;
         self.pass(l, Correction, &[StartRed(relaxation), Relax(Black, 1.0), Restrict]);
-        self.correct(l - 1, twice_from, twice);
-        if twice && l <= twice_from {
+        self.correct(l - 1, double_visits_from, visits);
+        if visits == Visits::Double && l <= double_visits_from {
             self.pass(l, Correction, &Self::smooth_twice(Correct(1.0)));
-            self.correct(l - 1, twice_from, G::W_CYCLE);
+            self.correct(l - 1, double_visits_from, G::IN_SECOND_VISIT);
         }
-        // What comes from two cycles or, two grids below, a direct solution, near-constant modes above all, is
-        // complete, and must not grow on the finest grid. (That it does one grid below costs nothing: without,
-        // 8 cells take 3 % more cycles, 12 and 28 cells 4 to 8 % less, finer grids the same.)
-        let factor = if l == twice_from + 1 { 1.0 / G::OVERCORRECTION } else { 1.0 };
+        // Corrections after two cycles, or after a direct solution two grids below, are complete, near-constant modes
+        // above all, and must not be enlarged on the finest grid. (That this also holds one grid below costs nothing:
+        // otherwise 8 cells take 3 % more cycles, 12 and 28 cells 4 to 8 % less, finer grids as many.)
+        let factor = if l == double_visits_from + 1 { 1.0 / G::OVERCORRECTION } else { 1.0 };
         let last = [Correct(factor), Relax(Red, 1.0), Relax(Black, relaxation)];
         self.pass(l, Correction, &last);
     }
 
-    /// Subtracts a constant such that one boundary node touches zero, and puts that one in contact.
+    /// Subtracts a constant such that the lowest boundary node has the value zero, and puts that node in contact.
     ///
-    /// With an empty contact set the corrections would be unbounded; the sum of the load being
-    /// negative, the solution does touch somewhere.
+    /// With an empty contact set the corrections would be unbounded. Since the sum of the load is negative, the
+    /// solution is zero somewhere on the boundary.
     fn lower_into_contact(&mut self, l: usize) {
         let level = &mut self.levels[l];
         let (mut lowest, mut at) = (f64::INFINITY, 0);
@@ -107,7 +126,13 @@ impl<G: Geometry> Multigrid<G> {
         self.move_bytes(16.0 * nodes);
     }
 
-    pub(super) fn pass(&mut self, l: usize, problem: Problem, stages: &[Stage]) -> f64 {
+    /// Runs a pass on an obstacle problem, whose last stage restricts; returns the natural residual of the red nodes.
+    pub(super) fn obstacle_pass(&mut self, l: usize, stages: &[Stage]) -> f64 {
+        self.pass(l, Obstacle, stages).expect("the last stage restricts")
+    }
+
+    /// Runs a pass on level `l` and counts its work; returns the natural residual, as [`pass::run`].
+    fn pass(&mut self, l: usize, problem: LevelProblem, stages: &[Stage]) -> Option<f64> {
         let (coarse, fine) = self.levels.split_at_mut(l);
         let natural = pass::run::<G>(&mut fine[0], &mut coarse[l - 1], problem, stages);
         let nodes = self.levels[l].nodes as f64;
@@ -116,7 +141,7 @@ impl<G: Geometry> Multigrid<G> {
         natural
     }
 
-    /// Between two coarse-grid corrections: post-smoothing of one cycle, pre-smoothing of the next.
+    /// Stages between two coarse-grid corrections: post-smoothing of one cycle, pre-smoothing of the next.
     pub(super) fn smooth_twice(from_coarser: Stage) -> [Stage; 6] {
         [
             from_coarser,

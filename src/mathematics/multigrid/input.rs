@@ -1,30 +1,30 @@
-//! What a load must satisfy before a solver accepts it.
+//! Validation of the input of a solver: lengths, finite numbers, a load with a negative sum.
 
 use crate::discrete::simd::LANES;
 
-/// What can be wrong with the input of a solver.
+/// Reason for which a solver rejects its input.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum InputError {
-    /// So many cells per side, which must be of another form.
+    /// Number of cells per side, and a description of the numbers that can be used.
     #[error("{0} cells per side: must be {1}")]
     GridSize(usize, &'static str),
-    /// So many numbers, where there are more or fewer nodes.
+    /// A field whose length is not the number of nodes.
     #[error("{found} numbers given for the {expected} nodes of the grid")]
     Length {
-        /// Numbers given.
+        /// Length of the field.
         found: usize,
-        /// Nodes.
+        /// Number of nodes.
         expected: usize,
     },
-    /// A field with an infinity or a NaN, or whose sum overflows.
-    #[error("the {0} contains a number that is not finite, or sums to none")]
+    /// Name of a field that contains an infinity or a NaN, or whose sum overflows.
+    #[error("the {0} contains a number that is not finite, or its sum overflows")]
     NotFinite(&'static str),
-    /// The sum of a load that is not negative.
+    /// Sum of a load, which is zero or positive.
     #[error("the load sums to {0:e}: without a negative sum the problem has no unique solution")]
     NotCoercive(f64),
 }
 
-/// Checks that there is one number for each node.
+/// Checks that a field has one number for each node.
 pub(super) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputError> {
     let found = field.len();
     if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
@@ -37,29 +37,27 @@ pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<
     if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
 }
 
-/// Loads whose largest entry lies in here are not rescaled.
-const COMFORTABLE: std::ops::Range<f64> = 1e-100..1e100;
+/// Range of the largest entry for which a load is not rescaled.
+const NOT_RESCALED: std::ops::Range<f64> = 1e-100..1e100;
 
-/// What must be known of a load before it is used.
-pub(super) struct Extent {
+/// Largest entry and sum of a load, from which its scale and its validity follow.
+pub(super) struct LoadStats {
+    /// Largest absolute value.
     pub(super) largest: f64,
-    /// The sign of the sum decides whether there is a solution; not finite if a value is not.
+    /// Rounded sum of the entries; not finite if an entry is not.
     sum: f64,
-    /// What rounding took from the sum.
+    /// Difference between the exact sum and `sum`.
     lost: f64,
 }
 
-impl Extent {
-    /// Rounds sums of four numbers, and only these: enough for a sum 1e-15 times the sum of the absolute
-    /// values, at the speed of the memory.
+impl LoadStats {
+    /// Measures a load in one pass at the speed of the memory.
+    ///
+    /// Sums of four entries are rounded, all other additions are compensated. That is enough to find the sign of a
+    /// sum that is 1e-15 times the sum of the absolute values.
     #[inline(always)]
-    pub(super) fn of(values: &[f64]) -> Self {
-        let mut largest = [0.0_f64; LANES];
-        let (mut sums, mut losses) = ([0.0; LANES], [0.0; LANES]);
-        let mut see = |lane: usize, size: f64, sum: f64| {
-            largest[lane] = larger(size, largest[lane]);
-            (sums[lane], losses[lane]) = two_sum(sums[lane], losses[lane], sum);
-        };
+    pub(super) fn measure(values: &[f64]) -> Self {
+        let mut lanes = LaneStats::default();
         let (blocks, rest) = values.as_chunks::<{ 4 * LANES }>();
         for block in blocks {
             let (a, b) = block.split_at(2 * LANES);
@@ -67,18 +65,18 @@ impl Extent {
             for lane in 0..LANES {
                 let (a, b, c, d) = (a[lane], b[lane], c[lane], d[lane]);
                 let size = larger(larger(a.abs(), b.abs()), larger(c.abs(), d.abs()));
-                see(lane, size, (a + b) + (c + d));
+                lanes.take(lane, size, (a + b) + (c + d));
             }
         }
         for row in rest.chunks(LANES) {
             for (lane, &value) in row.iter().enumerate() {
-                see(lane, value.abs(), value);
+                lanes.take(lane, value.abs(), value);
             }
         }
-        let of_lane = |lane| Self { largest: largest[lane], sum: sums[lane], lost: losses[lane] };
-        Self::join(&std::array::from_fn::<_, LANES, _>(of_lane))
+        Self::join(&std::array::from_fn::<_, LANES, _>(|lane| lanes.lane(lane)))
     }
 
+    /// Stats of the concatenation of several parts.
     pub(super) fn join(parts: &[Self]) -> Self {
         let mut all = Self { largest: 0.0, sum: 0.0, lost: 0.0 };
         for part in parts {
@@ -88,12 +86,13 @@ impl Extent {
         all
     }
 
-    /// A power of two by which to divide the load, so that squares and ratios of the numbers stay within
-    /// the range of double precision; 1 where they do anyway.
+    /// Power of two by which to divide the load, so that squares and ratios of its entries neither overflow nor
+    /// underflow; 1 if they do not do so anyway.
     pub(super) fn scale(&self) -> f64 {
-        if COMFORTABLE.contains(&self.largest) { 1.0 } else { power_of_two_near(self.largest) }
+        if NOT_RESCALED.contains(&self.largest) { 1.0 } else { power_of_two_near(self.largest) }
     }
 
+    /// Checks that all entries are finite and that their sum is negative.
     pub(super) fn check(&self) -> Result<(), InputError> {
         let sum = self.sum + self.lost;
         if !sum.is_finite() {
@@ -103,7 +102,35 @@ impl Extent {
     }
 }
 
-/// Adds to a sum and to the rounding errors it has made so far (Knuth's exact transformation).
+/// [`LoadStats`] of interleaved parts of a load, side by side in vector lanes.
+struct LaneStats {
+    largest: [f64; LANES],
+    sums: [f64; LANES],
+    losses: [f64; LANES],
+}
+
+impl Default for LaneStats {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { largest: [0.0; LANES], sums: [0.0; LANES], losses: [0.0; LANES] }
+    }
+}
+
+impl LaneStats {
+    /// Adds `sum`, a sum of entries of absolute value `size` at most, to a lane.
+    #[inline(always)]
+    fn take(&mut self, lane: usize, size: f64, sum: f64) {
+        self.largest[lane] = larger(size, self.largest[lane]);
+        (self.sums[lane], self.losses[lane]) = two_sum(self.sums[lane], self.losses[lane], sum);
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> LoadStats {
+        LoadStats { largest: self.largest[lane], sum: self.sums[lane], lost: self.losses[lane] }
+    }
+}
+
+/// Adds `value` to `sum`, and the rounding error of that addition to `lost` (Knuth's exact transformation).
 #[inline(always)]
 fn two_sum(sum: f64, lost: f64, value: f64) -> (f64, f64) {
     let next = sum + value;
@@ -111,13 +138,13 @@ fn two_sum(sum: f64, lost: f64, value: f64) -> (f64, f64) {
     (next, lost + ((sum - (next - part)) + (value - part)))
 }
 
-/// The maximum in one machine instruction, which `f64::max` is not.
+/// Maximum in one machine instruction, which `f64::max` is not.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// A power of two within a factor of two of `x`, itself and its inverse normal numbers.
+/// Power of two within a factor of two of `x`. It and its inverse are normal numbers.
 fn power_of_two_near(x: f64) -> f64 {
     const EXPONENT_BITS: u64 = 0x7ff << 52;
     let tiny = f64::MIN_POSITIVE * 4.0;

@@ -1,44 +1,44 @@
-//! One grid of the hierarchy, red and black nodes stored apart.
+//! One grid of the hierarchy, with red and black nodes stored apart.
 
 use super::buffers::Buffers;
-use super::layout::{Dimension, boundary_nodes, nodes, slab};
-use super::rows::{Rows, stride};
+use super::layout::{Dimension, boundary_nodes, nodes, places_per_slab};
+use super::rows::{ColourRows, stride};
 use crate::discrete::simd::{Largest, vectorised};
 
 /// Values and load on a grid with `n` cells per side.
 ///
-/// Loads are divided by the coupling of their node, that is by `h^(d - 2)` and the part of the cell around
-/// the node that lies inside. Mirrored at the boundary, the stencil is then the same at all nodes: `2 d`
-/// times the value, less the neighbours. All neighbours of a node have the other colour, and those of a row
-/// lie in rows side by side, so that the stencil is plain arithmetic on contiguous slices.
-pub struct Level {
+/// Each entry of the load is divided by the coupling of its node, that is by `h^(d - 2)` and the part of the cell
+/// around the node that lies inside. With values mirrored at the boundary the stencil is then the same at all nodes:
+/// `2 d` times the value, less the neighbours. All neighbours of a node have the other colour, and the neighbours of
+/// a row of nodes lie in contiguous rows, so that the stencil is plain arithmetic on contiguous slices.
+pub(super) struct Level {
     pub(super) n: usize,
     pub(super) nodes: usize,
-    /// Places of one colour in a slab.
-    slab: usize,
-    /// Solution during nested iteration, correction while a finer level is being solved.
-    pub(super) values: [Rows; 2],
-    /// Load of the problem, or restricted residual while a finer level is being solved.
-    pub(super) load: [Rows; 2],
-    /// Largest absolute value of the load before the division.
+    /// Number of places of one colour in a slab.
+    places_per_slab: usize,
+    /// Red and black values: the solution during nested iteration, the correction while a finer level is being solved.
+    pub(super) values: [ColourRows; 2],
+    /// Red and black load: of the problem, or the restricted residual while a finer level is being solved.
+    pub(super) load: [ColourRows; 2],
+    /// Largest absolute value of the load before the division by the couplings.
     pub(super) load_scale: f64,
     /// `1 / (2 d + spring)` for each boundary node, 0 for a node in contact.
     pub(super) inverse_diagonal: Vec<f64>,
-    /// The boundary nodes with `y = 0` and `A y >= F`, as the last restriction saw them.
+    /// Flag for each boundary node, true if `y = 0` and `A y >= F` at the last restriction.
     pub(super) in_contact: Vec<bool>,
-    /// What passes need beside, for each block of slabs.
+    /// Scratch memory for each block of slabs.
     pub(super) buffers: Vec<Buffers>,
 }
 
 impl Level {
     pub(super) fn new<D: Dimension>(n: usize) -> Self {
-        let zeros = || Rows::zeros((n + 1) * slab::<D>(n));
+        let places = (n + 1) * places_per_slab::<D>(n);
         Self {
             n,
             nodes: nodes::<D>(n),
-            slab: slab::<D>(n),
-            values: [zeros(), zeros()],
-            load: [zeros(), zeros()],
+            places_per_slab: places_per_slab::<D>(n),
+            values: [ColourRows::zeros(places), ColourRows::zeros(places)],
+            load: [ColourRows::zeros(places), ColourRows::zeros(places)],
             load_scale: 0.0,
             inverse_diagonal: vec![0.0; boundary_nodes::<D>(n)],
             in_contact: vec![false; boundary_nodes::<D>(n)],
@@ -46,10 +46,10 @@ impl Level {
         }
     }
 
-    /// Makes room for this many blocks of slabs.
+    /// Allocates scratch memory for at least this many blocks of slabs.
     pub(super) fn reserve(&mut self, blocks: usize) {
-        let (n, slab) = (self.n, self.slab);
-        self.buffers.resize_with(blocks.max(self.buffers.len()), || Buffers::new(n, slab));
+        let (n, places) = (self.n, self.places_per_slab);
+        self.buffers.resize_with(blocks.max(self.buffers.len()), || Buffers::new(n, places));
     }
 
     /// Memory that one thread needs, in bytes.
@@ -61,13 +61,13 @@ impl Level {
             + self.in_contact.len()
     }
 
-    /// The value at node `k` in natural order.
+    /// Value at node `k` in natural order.
     pub(super) fn value(&self, k: usize) -> f64 {
         let (colour, place) = locate(self.n, k);
         self.values[colour][place]
     }
 
-    /// The largest absolute value.
+    /// Largest absolute value.
     pub(super) fn max_abs(&self) -> f64 {
         vectorised(
             #[inline(always)]

@@ -1,4 +1,28 @@
-//! Solvers whose cost is proportional to the number of unknowns, and the direct oracle.
+//! Multigrid for the scalar Signorini problem on the square and on the cube, and the direct method that checks it.
+//!
+//! # Algorithm
+//! 1. Check the load, scale it by a power of two, and restrict it to every coarser grid by full weighting (`load.rs`).
+//! 2. Solve the problem of the coarsest grid directly (`coarsest.rs`).
+//! 3. Nested iteration (`cycle.rs`): interpolate the solution to the next finer grid and apply one cycle there, or
+//!    more if the residual is still large; repeat up to the finest grid.
+//! 4. Apply cycles on the finest grid until the goal is reached (`stopping.rs`). One cycle on an obstacle problem:
+//!    1. Find the boundary nodes in contact, and the springs by which coarser grids represent them
+//!       (`square/contact.rs`, `cube/contact.rs`).
+//!    2. Restrict the residual of the nodes that are not in contact (`transfer.rs`).
+//!    3. Solve the linear correction problem recursively, by an F- or W-cycle.
+//!    4. Add the interpolated correction, project the boundary values to `y >= 0`, and smooth by red-black
+//!       Gauss-Seidel sweeps (`stencil.rs`).
+//!
+//! All half-sweeps and transfers between two visits to the coarser grid are one *pass* over the memory (`pass.rs`).
+//! The central function is `cycle` in `cycle.rs`. [`square`] and [`cube`] give the theory, the cost and the references.
+//!
+//! # Easily broken
+//! - Results are compared by hash between machines and numbers of threads: neither the order of additions nor the
+//!   order of half-sweeps may change.
+//! - Loops gain from vector instructions only if each function between `vectorised` and the loop is inlined: keep
+//!   `#[inline(always)]`.
+//! - Each pass must begin with a half-sweep or a transfer that does not read the red values, and a restriction must
+//!   follow an exact half-sweep over the black nodes.
 
 pub mod active_set;
 mod banded;
@@ -7,6 +31,7 @@ mod buffers;
 mod coarsest;
 pub mod cube;
 mod cycle;
+mod geometry;
 mod hierarchy;
 mod input;
 mod layout;
@@ -19,28 +44,30 @@ pub mod square;
 mod stencil;
 mod stopping;
 mod transfer;
+mod workspace;
 
-pub use hierarchy::{Geometry, Multigrid, solve};
 pub use input::InputError;
+pub use stopping::ROUNDING_FLOOR;
+pub use workspace::{Multigrid, solve_cube, solve_square};
 
 use serde::{Deserialize, Serialize};
 
-/// Why the iteration ended.
+/// Reason for which multigrid or the active set method ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum StopReason {
-    /// The goal was reached; a tolerance was checked in full.
+pub enum MultigridStop {
+    /// The goal was reached; a tolerance was checked at all nodes.
     Converged,
     /// Rounding errors prevent further progress.
     RoundingFloor,
-    /// The limit on cycles or steps was not enough.
+    /// The limit on cycles or steps was reached first.
     CycleLimit,
-    /// Numbers grew beyond all bounds.
+    /// Values became infinite or NaN, or residuals grew by a factor of 1e12.
     Diverged,
 }
 
-impl StopReason {
-    /// The name used in answers.
+impl MultigridStop {
+    /// Name of the reason in answers.
     pub fn name(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -51,25 +78,25 @@ impl StopReason {
     }
 }
 
-/// When to stop.
+/// Goal at which multigrid stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// Algebraic error at most a tenth of the discretisation error in the energy norm: one cycle on the finest
-    /// grid, seldom two.
+    /// Algebraic error at most a tenth of the discretisation error in the energy norm. One cycle on the finest grid
+    /// is nearly always enough.
     DiscretisationError,
-    /// `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)` at most this number (units of the
-    /// load, that is of f h^2; not relative).
+    /// Upper limit of `max(max_interior |A y - F|, max_boundary |min(y, A y - F)|)`, not relative: in the units of
+    /// the load, those of f h^2.
     Kkt(f64),
-    /// As far as double precision goes.
+    /// Smallest residual that double precision allows.
     RoundingFloor,
 }
 
 /// Parameters of multigrid.
 #[derive(Clone, Debug)]
 pub struct MultigridParams {
-    /// When to stop.
+    /// Goal at which the iteration stops.
     pub goal: Goal,
-    /// Limit on the cycles on the finest grid.
+    /// Limit on the number of cycles on the finest grid.
     pub max_cycles: usize,
 }
 
@@ -79,12 +106,12 @@ impl Default for MultigridParams {
     }
 }
 
-/// Result without the solution itself.
+/// Result of multigrid without the solution itself.
 #[derive(Clone, Copy, Debug)]
-pub struct Outcome {
-    /// Why it ended.
-    pub stop: StopReason,
-    /// Cycles on the finest grid.
+pub struct MultigridOutcome {
+    /// Reason for which the iteration ended.
+    pub stop: MultigridStop,
+    /// Number of cycles on the finest grid.
     pub cycles: usize,
     /// Natural residual of the solution, not relative: in the units of the load.
     pub kkt: f64,

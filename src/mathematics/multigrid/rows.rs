@@ -1,4 +1,4 @@
-//! Rows of nodes with red and black ones stored apart, as the grids of a hierarchy keep them.
+//! Rows of nodes with red and black nodes stored apart, the layout of the grids of a hierarchy.
 
 use std::ops::{Deref, DerefMut};
 
@@ -11,7 +11,7 @@ use crate::discrete::threads::{TASK, in_tasks};
 ///
 /// The corners are red because the number of cells per side is even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
+pub(super) enum Colour {
     Red,
     Black,
 }
@@ -32,30 +32,31 @@ impl Colour {
     }
 }
 
-/// Places per row of one colour on a grid with `n` cells per side.
+/// Number of places per row of one colour on a grid with `n` cells per side: `n / 2 + 1` nodes, rounded up to full
+/// cache lines.
 ///
-/// `n / 2 + 1` nodes, rounded up to full cache lines. That makes it an odd number of lines for the
-/// usual `n`; otherwise the same places of all rows would compete for the same few sets of the cache.
+/// For the usual `n` this is an odd number of lines. With an even number the same places of all rows would compete for
+/// the same few sets of the cache.
 #[inline(always)]
 pub(super) fn stride(n: usize) -> usize {
     (n / 2 + LINE) / LINE * LINE
 }
 
-/// Places of one colour per task at least.
+/// Least number of places of one colour per task.
 pub(super) const MIN_PLACES: usize = TASK / 2;
-/// Places of one colour, at least, that a loop works on at a time: what it needs stays in the cache, and what it
-/// prepares is prepared for several short rows.
+/// Least number of places of one colour that a loop works on at a time. Its data stay in the cache, and the setup of
+/// the loop is shared by several short rows.
 pub(super) const CHUNK: usize = 1 << 11;
-/// Numbers in a cache line.
+/// Count of `f64` in a cache line.
 pub(super) const LINE: usize = 8;
 
-/// All rows of one colour, the first one at the start of a cache line.
-pub(super) struct Rows {
+/// All rows of one colour. The first row starts at a cache line.
+pub(super) struct ColourRows {
     storage: Vec<f64>,
     first: usize,
 }
 
-impl Rows {
+impl ColourRows {
     pub(super) fn zeros(len: usize) -> Self {
         let storage = vec![0.0; len + LINE];
         let first = storage.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
@@ -63,7 +64,7 @@ impl Rows {
     }
 }
 
-impl Deref for Rows {
+impl Deref for ColourRows {
     type Target = [f64];
 
     #[inline(always)]
@@ -73,7 +74,7 @@ impl Deref for Rows {
     }
 }
 
-impl DerefMut for Rows {
+impl DerefMut for ColourRows {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [f64] {
         let end = self.storage.len() - LINE + self.first;
@@ -81,13 +82,13 @@ impl DerefMut for Rows {
     }
 }
 
-/// The rows of both colours as slices.
-pub(super) fn of(colours: &[Rows; 2]) -> [&[f64]; 2] {
+/// Rows of both colours as slices.
+pub(super) fn as_slices(colours: &[ColourRows; 2]) -> [&[f64]; 2] {
     [&colours[0], &colours[1]]
 }
 
 /// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows.
-pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) {
+pub(super) fn split(n: usize, natural: &[f64], colours: &mut [ColourRows; 2]) {
     let stride = stride(n);
     let [red, black] = colours.each_mut().map(|half| half.par_chunks_exact_mut(stride));
     let rows = red.zip(black).zip(natural.par_chunks_exact(n + 1)).enumerate();
@@ -97,22 +98,25 @@ pub(super) fn split(n: usize, natural: &[f64], colours: &mut [Rows; 2]) {
     });
 }
 
-/// Multiplies an array of both colours by a number.
-pub(super) fn scale(colours: &mut [Rows; 2], factor: f64) {
+/// Multiplies every number of both colours by `factor`.
+pub(super) fn scale(colours: &mut [ColourRows; 2], factor: f64) {
     if factor != 1.0 {
         for_each(colours, |value| *value *= factor);
     }
 }
 
-/// Changes every number of both colours.
-pub(super) fn for_each(colours: &mut [Rows; 2], change: impl Fn(&mut f64) + Sync) {
+/// Applies `change` to every number of both colours.
+pub(super) fn for_each(colours: &mut [ColourRows; 2], change: impl Fn(&mut f64) + Sync) {
     for half in colours {
         in_tasks(half.par_iter_mut(), 1).for_each(&change);
     }
 }
 
-/// The inverse of [`split`], each number times `factor`.
-pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f64]) {
+/// Copies red and black rows, multiplied by `factor`, into a field in natural order: the inverse of [`split`].
+///
+/// # Panics
+/// If `natural` does not have one number for each node.
+pub(super) fn merge(n: usize, colours: &[ColourRows; 2], factor: f64, natural: &mut [f64]) {
     let (stride, rows) = (stride(n), CHUNK.div_ceil(stride(n)));
     assert_eq!(natural.len() * stride, colours[0].len() * (n + 1), "one number for each node");
     let [red, black] = colours.each_ref().map(|half| half.par_chunks(rows * stride));
@@ -134,14 +138,14 @@ pub(super) fn merge(n: usize, colours: &[Rows; 2], factor: f64, natural: &mut [f
     });
 }
 
-/// Orders what belongs to the red and the black part of row `j` by the kind of row: a *long* row of a
-/// colour starts and ends on the boundary and has `n / 2 + 1` nodes, a *short* row has one less.
+/// Orders the red and the black part of row `j` by length: a *long* row of a colour starts and ends on the boundary
+/// and has `n / 2 + 1` nodes, a *short* row has one less.
 #[inline(always)]
 pub(super) fn long_and_short<T>(j: usize, [red, black]: [T; 2]) -> [T; 2] {
     if j.is_multiple_of(2) { [red, black] } else { [black, red] }
 }
 
-/// `target = long[0], short[0], long[1], ..., long[last]`.
+/// Sets `target` to `long[0], short[0], long[1], ..., long[last]`.
 #[inline(always)]
 pub(super) fn interleave(long: &[f64], short: &[f64], target: &mut [f64]) {
     let cells = target.len() / 2;
@@ -153,7 +157,7 @@ pub(super) fn interleave(long: &[f64], short: &[f64], target: &mut [f64]) {
     target[2 * cells] = end[0];
 }
 
-/// The inverse of [`interleave`].
+/// Splits `source` into `long` and `short`: the inverse of [`interleave`].
 #[inline(always)]
 pub(super) fn deinterleave(source: &[f64], long: &mut [f64], short: &mut [f64]) {
     let cells = source.len() / 2;
@@ -165,7 +169,7 @@ pub(super) fn deinterleave(source: &[f64], long: &mut [f64], short: &mut [f64]) 
     end[0] = source[2 * cells];
 }
 
-/// The larger number; NaN if one is.
+/// Returns the larger number, or NaN if one of them is NaN.
 #[inline(always)]
 pub(super) fn worse(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }

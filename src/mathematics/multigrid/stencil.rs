@@ -1,10 +1,10 @@
-//! The five- or seven-point stencil on one row of one colour, and what the boundary does to it.
+//! The five- or seven-point stencil on one row of one colour, and the condition at its boundary nodes.
 
-use super::layout::{At, Dimension, mirrored, rows_per_slab};
+use super::layout::{At, Dimension, Slab, mirrored, rows_per_slab};
 use super::rows::{Colour, stride};
 use crate::discrete::simd::Largest;
 
-/// What holds on the boundary of a level.
+/// Boundary condition of a level.
 #[derive(Clone, Copy)]
 pub(super) enum Boundary<'a> {
     /// `y >= 0`: the Signorini problem itself.
@@ -13,85 +13,106 @@ pub(super) enum Boundary<'a> {
     Springs(&'a [f64]),
 }
 
-/// A boundary node as the stencil meets it.
+/// Load and boundary condition of a level.
 #[derive(Clone, Copy)]
-pub(super) struct Edge {
+pub(super) struct LevelEquation<'a> {
+    /// Red and black load.
+    pub(super) load: [&'a [f64]; 2],
+    pub(super) boundary: Boundary<'a>,
+}
+
+/// A boundary node and its weight in the stencil.
+#[derive(Clone, Copy)]
+pub(super) struct BoundaryNode {
     pub(super) number: usize,
-    /// Part of the cell around it that lies inside.
+    /// Part of the cell around the node that lies inside.
     share: f64,
+}
+
+/// Residual at a boundary node.
+struct BoundaryResidual {
+    /// Residual for the coarser grid; zero in contact, since no coarser correction moves such a node.
+    truncated: f64,
+    /// Natural residual of an obstacle problem, in units of the load.
+    natural: f64,
+    in_contact: bool,
 }
 
 impl Boundary<'_> {
     /// Exact minimiser in one boundary unknown; `sum` is its load plus its neighbours.
     #[inline(always)]
-    pub(super) fn relax<D: Dimension>(self, edge: Edge, sum: f64) -> f64 {
+    pub(super) fn relax<D: Dimension>(self, node: BoundaryNode, sum: f64) -> f64 {
         match self {
             Boundary::Obstacle => (sum * inverse::<D>()).max(0.0),
-            Boundary::Springs(inverse) => sum * inverse[edge.number],
+            Boundary::Springs(inverse) => sum * inverse[node.number],
         }
     }
 
-    /// Residual that the coarser grid may see, natural residual, and whether the node is in contact.
-    ///
-    /// Nodes in contact are truncated: no coarser correction moves them.
     #[inline(always)]
     fn residual<D: Dimension>(
         self,
-        edge: Edge,
+        node: BoundaryNode,
         coupling: f64,
         value: f64,
         sum: f64,
-    ) -> (f64, f64, bool) {
+    ) -> BoundaryResidual {
         match self {
             Boundary::Obstacle => {
                 let residual = sum - diagonal::<D>() * value;
-                let natural = value.min(-residual * (edge.share * coupling)).abs();
+                let natural = value.min(-residual * (node.share * coupling)).abs();
                 let in_contact = value == 0.0 && residual <= 0.0;
-                (if in_contact { 0.0 } else { residual }, natural, in_contact)
+                let truncated = if in_contact { 0.0 } else { residual };
+                BoundaryResidual { truncated, natural, in_contact }
             }
-            Boundary::Springs(inverse) => match inverse[edge.number] {
-                0.0 => (0.0, 0.0, true),
-                inverse => (sum - value / inverse, 0.0, false),
+            Boundary::Springs(inverse) => match inverse[node.number] {
+                0.0 => BoundaryResidual { truncated: 0.0, natural: 0.0, in_contact: true },
+                inverse => {
+                    let truncated = sum - value / inverse;
+                    BoundaryResidual { truncated, natural: 0.0, in_contact: false }
+                }
             },
         }
     }
 
-    /// A value that a correction has moved, if it may.
+    /// Value after a correction. Nodes in contact keep their value; an obstacle problem is projected.
     #[inline(always)]
-    pub(super) fn corrected(self, edge: Edge, value: f64, correction: f64) -> f64 {
+    pub(super) fn corrected(self, node: BoundaryNode, value: f64, correction: f64) -> f64 {
         match self {
             Boundary::Obstacle if value > 0.0 => (value + correction).max(0.0),
-            Boundary::Springs(inverse) if inverse[edge.number] > 0.0 => value + correction,
+            Boundary::Springs(inverse) if inverse[node.number] > 0.0 => value + correction,
             _ => value,
         }
     }
 }
 
-/// The diagonal of the stencil.
+/// Diagonal of the stencil.
 #[inline(always)]
 pub(super) fn diagonal<D: Dimension>() -> f64 {
     2.0 * D::AXES as f64
 }
 
-/// Multiplications per visit of an unknown, as work is counted.
-pub(super) fn visit<D: Dimension>() -> f64 {
+/// Number of multiplications that are counted as the visit of one unknown.
+pub(super) fn multiplications_per_visit<D: Dimension>() -> f64 {
     diagonal::<D>() + 1.0
 }
 
-/// One over the diagonal.
+/// One over the diagonal of the stencil.
 #[inline(always)]
 pub(super) fn inverse<D: Dimension>() -> f64 {
     1.0 / diagonal::<D>()
 }
 
-/// The coupling of neighbours inside, `h^(d - 2)`.
+/// Coupling of neighbours inside, `h^(d - 2)`.
 pub(super) fn coupling<D: Dimension>(n: usize) -> f64 {
     if D::AXES == 2 { 1.0 } else { 1.0 / n as f64 }
 }
 
-/// The boundary nodes in a row of one colour, with their places.
+/// Boundary nodes in a row of one colour, with their places.
 #[inline(always)]
-pub(super) fn edges<D: Dimension>(at: At, colour: Colour) -> impl Iterator<Item = (usize, Edge)> {
+pub(super) fn edges<D: Dimension>(
+    at: At,
+    colour: Colour,
+) -> impl Iterator<Item = (usize, BoundaryNode)> {
     let (half, long, first) = (at.n / 2, at.is_long(colour), at.first_boundary::<D>());
     let across = at.share::<D>();
     let (count, step, first, next) = match (at.is_inner::<D>(), long) {
@@ -103,44 +124,67 @@ pub(super) fn edges<D: Dimension>(at: At, colour: Colour) -> impl Iterator<Item 
     (0..count).map(move |k| {
         let m = k * step;
         let along = if long && (m == 0 || m == half) { 0.5 } else { 1.0 };
-        (m, Edge { number: first + k * next, share: across * along })
+        (m, BoundaryNode { number: first + k * next, share: across * along })
     })
 }
 
-/// Calls `visit(number, [i, r, s])` for every boundary node, by growing number: column `i` of row `r` of slab `s`.
+/// Calls `action(number, [i, r, s])` for every boundary node in the order of the numbers: column `i` of row `r` of
+/// slab `s`.
 pub(super) fn for_each_boundary_node<D: Dimension>(
     n: usize,
-    mut visit: impl FnMut(usize, [usize; 3]),
+    mut action: impl FnMut(usize, [usize; 3]),
 ) {
     let mut number = 0;
     for s in 0..=n {
-        for at in At::of_slab::<D>(n, s) {
+        for at in (Slab { n, s }).rows::<D>() {
             let step = if at.is_inner::<D>() { n } else { 1 };
             for i in (0..=n).step_by(step) {
-                visit(number, [i, at.r, s]);
+                action(number, [i, at.r, s]);
                 number += 1;
             }
         }
     }
 }
 
-/// The load and the neighbours of one row of one colour.
-///
-/// `along` is the same row of the other colour, `across` are its rows in the slabs before and after and, on
-/// the cube, those beside it in its slab.
+/// Contact flags of consecutive boundary nodes.
+pub(super) struct ContactFlags<'a> {
+    pub(super) flags: &'a mut [bool],
+    /// Number of the first boundary node.
+    pub(super) first: usize,
+}
+
+impl ContactFlags<'_> {
+    #[inline(always)]
+    pub(super) fn set(&mut self, node: BoundaryNode, in_contact: bool) {
+        self.flags[node.number - self.first] = in_contact;
+    }
+}
+
+/// Results that the residuals of an obstacle problem leave beside the residuals themselves.
+pub(super) struct ResidualReport<'a, 'f> {
+    /// Largest natural residual so far, in units of the load.
+    pub(super) natural: &'a mut Largest,
+    /// Flags to be set for the boundary nodes; `None` if they are not needed.
+    pub(super) contact: Option<&'a mut ContactFlags<'f>>,
+}
+
+/// Load and neighbours of one row of one colour.
 #[derive(Clone, Copy)]
-pub(super) struct Row<'a> {
+pub(super) struct StencilRow<'a> {
     at: At,
     colour: Colour,
     load: &'a [f64],
+    /// The same row of the other colour.
     along: &'a [f64],
-    /// The same from one place before the row.
+    /// The slice that begins one place before `along`.
     before: &'a [f64],
+    /// Rows of the other colour in the neighbouring slabs and, on the cube, beside the row in its slab: south, north,
+    /// below, above.
     across: [&'a [f64]; 4],
 }
 
-impl<'a> Row<'a> {
-    /// `load` is that of the colour on the whole grid; `other` holds the other colour from slab `first` on.
+impl<'a> StencilRow<'a> {
+    /// Takes `load`, the load of the colour on the whole grid, and `other`, the other colour from slab `first` on.
     #[inline(always)]
     pub(super) fn new<D: Dimension>(
         at: At,
@@ -151,97 +195,93 @@ impl<'a> Row<'a> {
     ) -> Self {
         let At { n, r, s } = at;
         let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
-        let row = |r: usize, s: usize| &other[((s - first) * rows + r) * stride..][..stride];
         let [below, above] = mirrored(n, s);
         let [south, north] = if D::AXES == 2 { [r, r] } else { mirrored(n, r) };
-        let number = s * rows + r;
+        let across = [(south, s), (north, s), (r, below), (r, above)];
+        let own = ((s - first) * rows + r) * stride;
         Self {
             at,
             colour,
-            load: &load[number * stride..][..stride],
-            along: row(r, s),
-            before: &other[(((s - first) * rows + r) * stride).saturating_sub(1)..][..stride],
-            across: [row(south, s), row(north, s), row(r, below), row(r, above)],
+            load: &load[(s * rows + r) * stride..][..stride],
+            along: &other[own..][..stride],
+            before: &other[own.saturating_sub(1)..][..stride],
+            across: across.map(|(r, s)| &other[((s - first) * rows + r) * stride..][..stride]),
         }
     }
 
-    /// Half a sweep; the factor acts inside, boundary unknowns are minimised exactly.
+    /// Half a sweep over the row. The factor is applied inside; boundary unknowns are minimised exactly.
     #[inline(always)]
     pub(super) fn relax<D: Dimension>(self, boundary: Boundary, factor: f64, target: &mut [f64]) {
-        let edge = |_, edge, sum| boundary.relax::<D>(edge, sum);
         if factor == 1.0 {
-            self.update::<D>(target, |_, _, sum| inverse::<D>() * sum, edge);
+            self.update_inside::<D>(target, |_, _, sum| inverse::<D>() * sum);
         } else {
             let (keep, take) = (1.0 - factor, inverse::<D>() * factor);
-            self.update::<D>(target, |_, value, sum| keep * value + take * sum, edge);
+            self.update_inside::<D>(target, |_, value, sum| keep * value + take * sum);
+        }
+        for (m, node) in edges::<D>(self.at, self.colour) {
+            target[m] = boundary.relax::<D>(node, self.edge_sum::<D>(m));
         }
     }
 
-    /// Sets `target` to the residuals of the row, zero where truncated; `natural` takes in the natural residuals of
-    /// an obstacle problem, in units of the load, and `see` is told of each of its boundary nodes whether it is in
-    /// contact.
+    /// Sets `target` to the residuals of the row, zero at nodes in contact. For an obstacle problem, adds natural
+    /// residuals and contact flags to the report.
     #[inline(always)]
     pub(super) fn residual<D: Dimension>(
         self,
         boundary: Boundary,
         values: &[f64],
         target: &mut [f64],
-        natural: &mut Largest,
-        mut see: impl FnMut(usize, bool),
+        report: &mut ResidualReport,
     ) {
         let (half, coupling) = (self.at.n / 2, coupling::<D>(self.at.n));
         let inside = &values[..half];
-        self.update::<D>(
-            target,
-            |m, _, sum| sum - diagonal::<D>() * inside[m],
-            |m, edge, sum| {
-                let (residual, of_node, in_contact) =
-                    boundary.residual::<D>(edge, coupling, values[m], sum);
-                if let Boundary::Obstacle = boundary {
-                    natural.put(of_node);
-                    see(edge.number, in_contact);
+        self.update_inside::<D>(target, |m, _, sum| sum - diagonal::<D>() * inside[m]);
+        for (m, node) in edges::<D>(self.at, self.colour) {
+            let sum = self.edge_sum::<D>(m);
+            let residual = boundary.residual::<D>(node, coupling, values[m], sum);
+            if let Boundary::Obstacle = boundary {
+                report.natural.put(residual.natural);
+                if let Some(contact) = &mut report.contact {
+                    contact.set(node, residual.in_contact);
                 }
-                residual
-            },
-        );
+            }
+            target[m] = residual.truncated;
+        }
         if let Boundary::Obstacle = boundary
             && self.at.is_inner::<D>()
         {
-            // From the first place on, which is aligned, but without it if it lies on the boundary.
+            // The slice begins at the first place, which is aligned; a boundary node there is left out.
             let first = target[0];
             if self.at.is_long(self.colour) {
                 target[0] = 0.0;
             }
-            natural.see(coupling, &target[..half]);
+            report.natural.see(coupling, &target[..half]);
             target[0] = first;
         }
     }
 
-    /// Replaces each `t` of `target` by `inner(m, t, sum)` inside and `edge(m, node, sum)` on the boundary, where `m`
-    /// is its place and `sum` the load plus the neighbours.
+    /// Replaces each value `t` of an inner row by `inner(m, t, sum)`, where `m` is its place and `sum` the load plus
+    /// the neighbours.
+    ///
+    /// The loop covers the whole row, so that it is aligned. In a long row the first value is that of a boundary node
+    /// and must be replaced afterwards.
     #[inline(always)]
-    fn update<D: Dimension>(
+    fn update_inside<D: Dimension>(
         self,
         target: &mut [f64],
         inner: impl Fn(usize, f64, f64) -> f64,
-        mut edge: impl FnMut(usize, Edge, f64) -> f64,
     ) {
         let Self { at, colour, load, along, before, across } = self;
-        let half = at.n / 2;
         if at.is_inner::<D>() {
-            // The whole row, aligned; a long one begins with a place that is none, and gets its ends after it.
-            let [west, east] = match at.is_long(colour) {
+            let sides = match at.is_long(colour) {
                 true => [before, along],
                 false => [along, &along[1..]],
             };
-            update_inner::<D>(&mut target[..half], load, [west, east], across, inner);
-        }
-        for (m, node) in edges::<D>(at, colour) {
-            target[m] = edge(m, node, self.edge_sum::<D>(m));
+            update_slice::<D>(&mut target[..at.n / 2], load, sides, across, inner);
         }
     }
 
-    /// The load plus the neighbours of a boundary node, mirrored.
+    /// Load plus neighbours of a boundary node, mirrored.
     #[inline(always)]
     fn edge_sum<D: Dimension>(self, m: usize) -> f64 {
         let Self { at, load, along, across: [south, north, below, above], .. } = self;
@@ -257,9 +297,9 @@ impl<'a> Row<'a> {
     }
 }
 
-/// The hot loop: every slice has the length of `target`.
+/// The hot loop of all solvers here. Every slice is at least as long as `target`.
 #[inline(always)]
-fn update_inner<D: Dimension>(
+fn update_slice<D: Dimension>(
     target: &mut [f64],
     load: &[f64],
     [west, east]: [&[f64]; 2],

@@ -1,201 +1,247 @@
-//! When multigrid stops, on the square and on the cube alike.
+//! Stopping test of multigrid, for the square and the cube.
+//!
+//! # Algorithm
+//! After each cycle on the finest grid:
+//! 1. Stop with `Diverged` if the residual is not finite or has grown by [`DIVERGENCE`].
+//! 2. Stop with `Converged` if the goal is met. A cycle measures the residual at the red nodes only; it leaves rounding
+//!    errors at the black ones. Where these may matter, all nodes are checked first.
+//! 3. If the residual has hardly fallen, compare it with [`ROUNDING_FLOOR`] roundings; if it is below, check all nodes and stop
+//!    with `RoundingFloor`.
+//! 4. If the residual is that of two cycles before, two contact sets alternate: the next cycle applies half a
+//!    correction.
+//!
+//! # Easily broken
+//! A check of all nodes costs a sweep of the finest grid, so it is made only where the result may depend on it.
 
-use super::{Goal, MultigridParams, Outcome, StopReason};
+use super::{Goal, MultigridParams, MultigridStop};
 
-/// The discretisation error is reached if the residual that the coarser grid sees is this part of the load there,
-/// in the root mean square: the algebraic error is then below a tenth of it in the energy norm, in all of 20 000
-/// random problems. Where contact ends, single nodes have large residuals, and next to no energy.
+/// Ratio of the residual to the load, both on the finest grid but one in the root mean square, below which the
+/// discretisation error is reached.
+///
+/// The algebraic error is then below a tenth of the discretisation error in the energy norm, in all of 20 000 random
+/// problems. The largest residual would not do: single nodes at the ends of contact have large residuals and next to
+/// no energy.
 const DISCRETISATION: f64 = 0.01;
-/// A cycle that reduces the natural residual by less is suspected to work on rounding errors.
+/// Reduction of the natural residual by a cycle from which on rounding errors are suspected.
 const STAGNATION: f64 = 0.5;
-/// Natural residual of nodes that were minimised one by one, in roundings, generously.
-const FLOOR: f64 = 32.0;
-/// A residual this near to that of two cycles ago, relatively, tells of two contact sets that take turns.
-const CIRCLE: f64 = 1e-3;
+/// Generous bound of the natural residual after exact minimisation at each node, in roundings of the largest value.
+pub const ROUNDING_FLOOR: f64 = 32.0;
+/// Relative difference between the residuals of this cycle and of two cycles before, below which two contact sets are
+/// taken to alternate.
+const ALTERNATION: f64 = 1e-3;
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.
 const DIVERGENCE: f64 = 1e12;
 
-/// A hierarchy of grids, as far as the stopping tests know it. Residuals are natural ones, those of the
-/// scaled load.
-pub(super) trait Hierarchy {
-    /// One cycle on the finest grid, with this part of the correction; returns the residual of the red nodes.
-    /// The black ones are minimised last. A `last` cycle does not smooth for a next.
-    fn cycle(&mut self, last: bool, part: f64) -> f64;
-    /// Root mean square of the residual that the coarser grid sees, over that of the load there.
+/// Operations of a hierarchy of grids that the stopping test calls. Residuals are natural ones of the scaled load.
+pub(super) trait CycledHierarchy {
+    /// Applies one cycle on the finest grid with a multiple `part` of the correction, and returns the residual of the
+    /// red nodes.
+    fn cycle(&mut self, position: CyclePosition, part: f64) -> f64;
+    /// Root mean square of the residual on the finest grid but one, over that of the load there.
     fn smooth_residual(&mut self) -> f64;
     /// Residual of all nodes.
-    fn check(&mut self) -> f64;
-    /// What one rounding of the largest value leaves in a residual.
+    fn full_residual(&mut self) -> f64;
+    /// Residual that one rounding of the largest value makes.
     fn rounding(&mut self) -> f64;
-    /// `max |F|` of the scaled load.
-    fn load_scale(&self) -> f64;
-    /// What the load was divided by.
-    fn scale(&self) -> f64;
-    fn work_units(&self) -> f64;
 }
 
-/// Cycles until the goal is reached; `first` is the residual before the first one.
-pub(super) fn iterate(grids: &mut impl Hierarchy, first: f64, params: &MultigridParams) -> Outcome {
-    let diverging = DIVERGENCE * first.max(grids.load_scale());
+/// Position of a cycle in the iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CyclePosition {
+    /// The cycle is expected to be the last: it does not smooth for a next one.
+    Last,
+    /// Other cycles follow.
+    Inner,
+}
+
+/// Quantities of the scaled problem before the first cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InitialState {
+    /// Natural residual of the scaled load.
+    pub(super) residual: f64,
+    /// `max |F|` of the scaled load.
+    pub(super) load: f64,
+    /// Power of two by which the load was divided.
+    pub(super) scale: f64,
+}
+
+/// Result of an iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct IterationEnd {
+    pub(super) stop: MultigridStop,
+    pub(super) cycles: usize,
+    /// Natural residual of the load as it was given.
+    pub(super) kkt: f64,
+}
+
+/// Applies cycles until the goal is reached.
+pub(super) fn iterate(
+    grids: &mut impl CycledHierarchy,
+    initial: InitialState,
+    params: &MultigridParams,
+) -> IterationEnd {
+    let InitialState { residual: first, load, scale } = initial;
+    let position = match params.goal {
+        Goal::DiscretisationError => CyclePosition::Last,
+        Goal::Kkt(_) | Goal::RoundingFloor => CyclePosition::Inner,
+    };
+    let diverging = DIVERGENCE * first.max(load);
     let (mut kkt, mut cycles) = (first, 0);
     let [mut previous, mut before] = [f64::INFINITY; 2];
     let stop = loop {
         if cycles == params.max_cycles {
-            break StopReason::CycleLimit;
+            break MultigridStop::CycleLimit;
         }
-        let last = params.goal == Goal::DiscretisationError;
-        // Each of two contact sets may lead to the other; half a correction leaves that circle.
-        let circling = (kkt - before).abs() <= CIRCLE * kkt;
+        // Each of two contact sets may lead to the other; half a correction ends the alternation.
+        let alternates = (kkt - before).abs() <= ALTERNATION * kkt;
         (before, previous) = (previous, kkt);
-        kkt = grids.cycle(last, if circling { 0.5 } else { 1.0 });
+        kkt = grids.cycle(position, if alternates { 0.5 } else { 1.0 });
         cycles += 1;
-        let raw = kkt * grids.scale();
         if !kkt.is_finite() || kkt > diverging {
-            break StopReason::Diverged;
+            break MultigridStop::Diverged;
         }
         match params.goal {
             Goal::DiscretisationError if grids.smooth_residual() <= DISCRETISATION => {
-                break StopReason::Converged;
+                break MultigridStop::Converged;
             }
-            // What the cycle measured leaves out the black nodes; minimised last, they have residuals of
-            // rounding errors only. Where these might matter, all nodes are checked before claiming.
-            Goal::Kkt(tolerance) if raw <= tolerance => {
-                if (kkt + FLOOR * grids.rounding()) * grids.scale() > tolerance {
-                    kkt = grids.check();
+            Goal::Kkt(tolerance) if kkt * scale <= tolerance => {
+                if (kkt + ROUNDING_FLOOR * grids.rounding()) * scale > tolerance {
+                    kkt = grids.full_residual();
                 }
-                if kkt * grids.scale() <= tolerance {
-                    break StopReason::Converged;
+                if kkt * scale <= tolerance {
+                    break MultigridStop::Converged;
                 }
             }
             _ => {}
         }
         if kkt >= STAGNATION * previous {
-            let floor = FLOOR * grids.rounding();
+            let floor = ROUNDING_FLOOR * grids.rounding();
             if kkt <= floor {
-                kkt = grids.check();
+                kkt = grids.full_residual();
                 if kkt <= floor {
-                    break StopReason::RoundingFloor;
+                    break MultigridStop::RoundingFloor;
                 }
             }
         }
     };
-    let kkt = kkt * grids.scale();
-    Outcome { stop, cycles, kkt, work_units: grids.work_units() }
+    IterationEnd { stop, cycles, kkt: kkt * scale }
 }
 
-/// The outcome where the finest grid is the coarsest, and has been solved directly.
-pub(super) fn direct(grids: &mut impl Hierarchy, goal: Goal) -> Outcome {
-    let kkt = grids.check() * grids.scale();
+/// Result where the finest grid is the coarsest, and has been solved directly with this residual.
+pub(super) fn direct(kkt: f64, goal: Goal) -> IterationEnd {
     let stop = match goal {
-        Goal::Kkt(tolerance) if kkt > tolerance => StopReason::RoundingFloor,
-        Goal::RoundingFloor => StopReason::RoundingFloor,
-        Goal::Kkt(_) | Goal::DiscretisationError => StopReason::Converged,
+        Goal::Kkt(tolerance) if kkt > tolerance => MultigridStop::RoundingFloor,
+        Goal::RoundingFloor => MultigridStop::RoundingFloor,
+        Goal::Kkt(_) | Goal::DiscretisationError => MultigridStop::Converged,
     };
-    Outcome { stop, cycles: 0, kkt, work_units: grids.work_units() }
+    IterationEnd { stop, cycles: 0, kkt }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A hierarchy whose cycles and checks leave what is said here, the last first.
-    struct Told {
+    const INITIAL: InitialState = InitialState { residual: 1.0, load: 1.0, scale: 1.0 };
+
+    /// A hierarchy that returns given residuals.
+    struct ScriptedHierarchy {
+        /// Residuals after the cycles; the last entry comes first.
         cycles: Vec<f64>,
+        /// Results of the checks; the last entry comes first.
         checks: Vec<f64>,
         rounding: f64,
-        scale: f64,
-        /// Parts of corrections that were asked for.
+        /// Multiples of the correction that were requested.
         parts: Vec<f64>,
     }
 
-    impl Told {
+    impl ScriptedHierarchy {
         fn new(cycles: Vec<f64>, checks: Vec<f64>, rounding: f64) -> Self {
-            Self { cycles, checks, rounding, scale: 1.0, parts: Vec::new() }
+            Self { cycles, checks, rounding, parts: Vec::new() }
+        }
+
+        /// Iterates to the goal, and fails if a scripted residual is left over.
+        fn iterate(mut self, scale: f64, goal: Goal) -> (MultigridStop, usize, f64) {
+            let params = MultigridParams { goal, max_cycles: 9 };
+            let end = iterate(&mut self, InitialState { scale, ..INITIAL }, &params);
+            assert!(self.cycles.is_empty() && self.checks.is_empty());
+            (end.stop, end.cycles, end.kkt)
         }
     }
 
-    impl Hierarchy for Told {
-        fn cycle(&mut self, _last: bool, part: f64) -> f64 {
+    impl CycledHierarchy for ScriptedHierarchy {
+        fn cycle(&mut self, _position: CyclePosition, part: f64) -> f64 {
             self.parts.push(part);
-            self.cycles.pop().expect("no more cycles are asked for")
+            self.cycles.pop().expect("a scripted cycle")
         }
         fn smooth_residual(&mut self) -> f64 {
-            self.checks.pop().expect("no more checks are asked for")
+            self.checks.pop().expect("a scripted check")
         }
-        fn check(&mut self) -> f64 {
-            self.checks.pop().expect("no more checks are asked for")
+        fn full_residual(&mut self) -> f64 {
+            self.checks.pop().expect("a scripted check")
         }
         fn rounding(&mut self) -> f64 {
             self.rounding
         }
-        fn load_scale(&self) -> f64 {
-            1.0
-        }
-        fn scale(&self) -> f64 {
-            self.scale
-        }
-        fn work_units(&self) -> f64 {
-            0.0
-        }
-    }
-
-    fn ended(mut told: Told, goal: Goal) -> (StopReason, usize, f64) {
-        let params = MultigridParams { goal, max_cycles: 9 };
-        let outcome = iterate(&mut told, 1.0, &params);
-        assert!(told.cycles.is_empty() && told.checks.is_empty());
-        (outcome.stop, outcome.cycles, outcome.kkt)
     }
 
     #[test]
-    fn a_tolerance_is_claimed_unchecked_only_well_above_rounding() {
+    fn tolerance_near_rounding_is_checked_at_all_nodes() {
         for scale in [1.0, 2f64.powi(300), 2f64.powi(-300)] {
-            let told =
-                |cycles, checks, rounding| Told { scale, ..Told::new(cycles, checks, rounding) };
             let goal = Goal::Kkt(1e-9 * scale);
-            let end = ended(told(vec![1e-10, 1e-3], vec![], 1e-12), goal);
-            assert_eq!(end, (StopReason::Converged, 2, 1e-10 * scale));
-            // The black nodes may have more: the first check says so.
-            let end = ended(told(vec![1e-10, 9e-10], vec![2e-10, 2e-9], 1e-10), goal);
-            assert_eq!(end, (StopReason::Converged, 2, 2e-10 * scale));
+            let script = ScriptedHierarchy::new(vec![1e-10, 1e-3], vec![], 1e-12);
+            let end = script.iterate(scale, goal);
+            assert_eq!(end, (MultigridStop::Converged, 2, 1e-10 * scale));
+            // The black nodes may have larger residuals, as in the first check.
+            let script = ScriptedHierarchy::new(vec![1e-10, 9e-10], vec![2e-10, 2e-9], 1e-10);
+            let end = script.iterate(scale, goal);
+            assert_eq!(end, (MultigridStop::Converged, 2, 2e-10 * scale));
         }
     }
 
-    #[test]
-    fn what_does_not_fall_any_more_is_at_the_floor_or_goes_on() {
-        let told = |cycles, checks| Told::new(cycles, checks, 1e-12);
-        let end = ended(told(vec![6e-12, 9e-12, 1e-3], vec![7e-12]), Goal::RoundingFloor);
-        assert_eq!(end, (StopReason::RoundingFloor, 3, 7e-12));
-        // Stagnation far above the floor is none of it.
-        let end = ended(told(vec![2e-4; 9], vec![]), Goal::RoundingFloor);
-        assert_eq!(end, (StopReason::CycleLimit, 9, 2e-4));
-        let end = ended(told(vec![2e12], vec![]), Goal::RoundingFloor);
-        assert_eq!(end, (StopReason::Diverged, 1, 2e12));
-        let (stop, ..) = ended(told(vec![f64::NAN], vec![]), Goal::RoundingFloor);
-        assert_eq!(stop, StopReason::Diverged);
+    fn to_the_floor(cycles: Vec<f64>, checks: Vec<f64>) -> (MultigridStop, usize, f64) {
+        ScriptedHierarchy::new(cycles, checks, 1e-12).iterate(1.0, Goal::RoundingFloor)
     }
 
     #[test]
-    fn the_discretisation_error_takes_as_many_cycles_as_the_smooth_residual_asks_for() {
-        let told = |cycles, smooth| Told::new(cycles, smooth, 1e-12);
-        let end = ended(told(vec![0.04], vec![0.009]), Goal::DiscretisationError);
-        assert_eq!(end, (StopReason::Converged, 1, 0.04));
-        let smooth = vec![0.009, 0.011, 0.05];
-        let end = ended(told(vec![0.04, 0.06, 0.07], smooth), Goal::DiscretisationError);
-        assert_eq!(end, (StopReason::Converged, 3, 0.04));
+    fn stagnation_is_the_rounding_floor_only_near_rounding() {
+        let end = to_the_floor(vec![6e-12, 9e-12, 1e-3], vec![7e-12]);
+        assert_eq!(end, (MultigridStop::RoundingFloor, 3, 7e-12));
+        let end = to_the_floor(vec![2e-4; 9], vec![]);
+        assert_eq!(end, (MultigridStop::CycleLimit, 9, 2e-4));
+        let end = to_the_floor(vec![2e12], vec![]);
+        assert_eq!(end, (MultigridStop::Diverged, 1, 2e12));
+        let (stop, ..) = to_the_floor(vec![f64::NAN], vec![]);
+        assert_eq!(stop, MultigridStop::Diverged);
+    }
+
+    fn to_the_discretisation_error(
+        cycles: Vec<f64>,
+        smooth: Vec<f64>,
+    ) -> (MultigridStop, usize, f64) {
+        ScriptedHierarchy::new(cycles, smooth, 1e-12).iterate(1.0, Goal::DiscretisationError)
     }
 
     #[test]
-    fn half_a_correction_is_asked_for_where_residuals_repeat_after_two_cycles() {
-        let parts = |mut cycles: Vec<f64>| {
-            cycles.reverse();
-            let max_cycles = cycles.len();
-            let mut told = Told::new(cycles, vec![], 1e-12);
-            let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles };
-            iterate(&mut told, 1.0, &params);
-            told.parts
-        };
-        assert_eq!(parts(vec![0.3, 0.8, 0.3001, 0.01, 0.005]), [1.0, 1.0, 1.0, 0.5, 1.0]);
-        // Not if they are only of the same size.
-        assert_eq!(parts(vec![0.3, 0.8, 0.302, 0.81]), [1.0; 4]);
+    fn discretisation_error_is_judged_by_the_smooth_residual() {
+        let end = to_the_discretisation_error(vec![0.04], vec![0.009]);
+        assert_eq!(end, (MultigridStop::Converged, 1, 0.04));
+        let end = to_the_discretisation_error(vec![0.04, 0.06, 0.07], vec![0.009, 0.011, 0.05]);
+        assert_eq!(end, (MultigridStop::Converged, 3, 0.04));
+    }
+
+    /// Multiples of the correction that are requested if the cycles leave these residuals, the first entry first.
+    fn requested_parts(mut cycles: Vec<f64>) -> Vec<f64> {
+        cycles.reverse();
+        let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles: cycles.len() };
+        let mut script = ScriptedHierarchy::new(cycles, vec![], 1e-12);
+        iterate(&mut script, INITIAL, &params);
+        script.parts
+    }
+
+    #[test]
+    fn alternating_residuals_halve_the_correction() {
+        assert_eq!(requested_parts(vec![0.3, 0.8, 0.3001, 0.01, 0.005]), [1.0, 1.0, 1.0, 0.5, 1.0]);
+        // Residuals of about the same size do not alternate.
+        assert_eq!(requested_parts(vec![0.3, 0.8, 0.302, 0.81]), [1.0; 4]);
     }
 }

@@ -1,41 +1,89 @@
 //! Linear prolongation and its transpose, full weighting, slab by slab.
 //!
-//! Both act between red and black rows. Only black values are prolongated, since the half-sweep that
-//! follows replaces all red ones; only red residuals are restricted, since black ones vanish after a
-//! half-sweep over the black nodes.
+//! Both act between red and black rows. Only black values are prolongated, since the following half-sweep replaces all
+//! red values. Only red residuals are restricted, since black residuals vanish after a half-sweep over the black nodes.
 
 use super::buffers::Buffers;
-use super::layout::{At, Dimension, mirrored, rows_per_slab, slab};
+use super::layout::{At, Dimension, Slab, mirrored, places_per_slab, rows_per_slab};
 use super::rows::{Colour, deinterleave, long_and_short, stride};
 use super::stencil::{Boundary, edges};
 
-/// Full weighting of one slab: what differs between the square and the cube.
-pub trait Weighting: Dimension {
-    /// Full weighting of red residuals into `row`, that `at` of the coarser grid, in natural order. `residuals`
-    /// are the slabs below, at and above the coarse one, mirrored at the boundary.
+/// Full weighting of one slab, which differs between the square and the cube.
+pub(super) trait Weighting: Dimension {
+    /// Sets `row`, row `at` of the coarser grid in natural order, to the full weighting of red residuals.
+    ///
+    /// `residuals` are the fine slabs below, at and above the coarse slab, mirrored at the boundary.
     fn weigh_residuals(at: At, residuals: [&[f64]; 3], row: &mut [f64]);
 
-    /// The same of the load of both colours; `load(colour, s)` is a slab of the finer grid.
-    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], row: &mut [f64]);
+    /// Sets `row`, row `at` of the coarser grid in natural order, to the full weighting of the load of both colours.
+    fn weigh_load(at: At, load: &FineLoad, row: &mut [f64]);
+}
+
+/// Red and black load of some slabs of the finer grid.
+#[derive(Clone, Copy)]
+pub(super) struct FineLoad<'a> {
+    /// Red and black slabs from `first` on.
+    pub(super) slabs: [&'a [f64]; 2],
+    pub(super) first: usize,
+    /// The red and the black slab before `first`, or empty slices if no slab there is needed.
+    pub(super) before: [&'a [f64]; 2],
+    /// Number of places of one colour in a slab.
+    pub(super) places: usize,
+}
+
+impl<'a> FineLoad<'a> {
+    /// Slab `s` of one colour.
+    #[inline(always)]
+    pub(super) fn slab(&self, colour: Colour, s: usize) -> &'a [f64] {
+        match s.checked_sub(self.first) {
+            Some(s) => &self.slabs[colour as usize][s * self.places..(s + 1) * self.places],
+            None => self.before[colour as usize],
+        }
+    }
+}
+
+/// A correction on the coarser grid that is to be added to a slab.
+#[derive(Clone, Copy)]
+pub(super) struct CoarseCorrection<'a> {
+    /// Red and black values of the coarser grid.
+    pub(super) values: [&'a [f64]; 2],
+    pub(super) factor: f64,
+    /// Boundary condition of the finer grid.
+    pub(super) boundary: Boundary<'a>,
+}
+
+/// Red and black load of the coarser grid from slab `first` on.
+pub(super) struct CoarseLoad<'a> {
+    pub(super) first: usize,
+    pub(super) red: &'a mut [f64],
+    pub(super) black: &'a mut [f64],
+}
+
+/// Row `r` of slab `s` of a grid with `n` cells per side, its long part first.
+#[inline(always)]
+fn long_and_short_row<D: Dimension>(values: [&[f64]; 2], At { n, r, s }: At) -> [&[f64]; 2] {
+    let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
+    let row = values.map(|of_colour| &of_colour[(s * rows + r) * stride..][..stride]);
+    long_and_short(r + s, row)
+}
+
+/// Coarse indices next to the fine index `i`; equal if `i` lies on the coarser grid.
+#[inline(always)]
+fn coarse_neighbours(i: usize) -> [usize; 2] {
+    [i / 2, i.div_ceil(2)]
 }
 
 impl Buffers {
-    /// The sums whose multiples by a weight are the prolongation to the black nodes of a row, and the weight.
+    /// Neighbours on the coarser grid of the black nodes of row `at`.
     #[inline(always)]
     fn neighbours<'b, D: Dimension>(
         &'b mut self,
         at: At,
         coarse: [&'b [f64]; 2],
-    ) -> (Neighbours<'b>, f64) {
-        let (half, rows) = (at.n / 2, rows_per_slab::<D>(at.n / 2));
-        let stride = stride(half);
-        let coarse_row = |r: usize, s: usize| {
-            let row = |of_colour: &'b [f64]| &of_colour[(s * rows + r) * stride..][..stride];
-            long_and_short(r + s, coarse.map(row))
-        };
-        let beside = |i: usize| [i / 2, i.div_ceil(2)];
-        let ([south, north], [below, above]) = (beside(at.r), beside(at.s));
-        let [mut even, mut odd] = coarse_row(south, below);
+    ) -> Neighbours<'b> {
+        let n = at.n / 2;
+        let ([south, north], [below, above]) = (coarse_neighbours(at.r), coarse_neighbours(at.s));
+        let [mut even, mut odd] = long_and_short_row::<D>(coarse, At { n, r: south, s: below });
         let Self { even: even_sum, odd: odd_sum, .. } = self;
         let rest = [(north, below), (south, above), (north, above)];
         let rest = match (south < north, below < above) {
@@ -45,78 +93,83 @@ impl Buffers {
             (true, true) => &rest[..],
         };
         for (k, &(r, s)) in rest.iter().enumerate() {
-            let [long, short] = coarse_row(r, s);
-            add(k == 0, even_sum, even, long);
-            add(k == 0, odd_sum, odd, short);
+            let [long, short] = long_and_short_row::<D>(coarse, At { n, r, s });
+            if k == 0 {
+                set_sum(even_sum, even, long);
+                set_sum(odd_sum, odd, short);
+            } else {
+                add_row(even_sum, long);
+                add_row(odd_sum, short);
+            }
         }
         if !rest.is_empty() {
             (even, odd) = (even_sum, odd_sum);
         }
-        let (long, pairs) = (at.is_long(Colour::Black), half / 2);
-        let sums = Neighbours { long, even: &even[..pairs + 1], odd: &odd[..pairs] };
-        (sums, if long { 1.0 } else { 0.5 } / (rest.len() + 1) as f64)
+        let (long, pairs) = (at.is_long(Colour::Black), n / 2);
+        let weight = if long { 1.0 } else { 0.5 } / (rest.len() + 1) as f64;
+        Neighbours { long, even: &even[..pairs + 1], odd: &odd[..pairs], weight }
     }
 
-    /// Sets the black slab to the prolongation.
+    /// Sets the black values of a slab to the prolongation.
     ///
     /// Coarse values are nonnegative on the boundary, hence so are their means.
     #[inline(always)]
     pub(super) fn interpolate<D: Dimension>(
         &mut self,
-        (n, s): (usize, usize),
+        slab: Slab,
         coarse: [&[f64]; 2],
         black: &mut [f64],
     ) {
-        for at in At::of_slab::<D>(n, s) {
-            let (sums, weight) = self.neighbours::<D>(at, coarse);
-            let target = &mut black[at.in_slab()];
-            sums.combine(&mut target[..n / 2], |_, sum| weight * sum);
-            if sums.long {
-                target[n / 2] = weight * sums.at(n / 2);
+        for at in slab.rows::<D>() {
+            let near = self.neighbours::<D>(at, coarse);
+            let (target, weight, half) = (&mut black[at.in_slab()], near.weight, at.n / 2);
+            near.combine(&mut target[..half], |_, sum| weight * sum);
+            if near.long {
+                target[half] = weight * near.sum(half);
             }
         }
     }
 
-    /// Adds `factor` times the prolongation to the black slab, except at nodes in contact; projects.
+    /// Adds a correction to the black values of a slab, except at nodes in contact; an obstacle problem is projected.
     #[inline(always)]
     pub(super) fn correct<D: Dimension>(
         &mut self,
-        (n, s): (usize, usize),
-        coarse: [&[f64]; 2],
-        boundary: Boundary,
-        factor: f64,
+        slab: Slab,
+        correction: CoarseCorrection,
         black: &mut [f64],
     ) {
-        for at in At::of_slab::<D>(n, s) {
-            let (sums, weight) = self.neighbours::<D>(at, coarse);
-            let (target, weight) = (&mut black[at.in_slab()], factor * weight);
-            // The whole row, aligned; the ends again.
-            let ends = [target[0], target[n / 2]];
+        let CoarseCorrection { values, factor, boundary } = correction;
+        for at in slab.rows::<D>() {
+            let near = self.neighbours::<D>(at, values);
+            let (target, weight) = (&mut black[at.in_slab()], factor * near.weight);
+            // The loop covers the whole row, so that it is aligned; the ends are then set again.
+            let ends = [target[0], target[at.n / 2]];
             let inner = at.is_inner::<D>();
             if inner {
-                sums.combine(&mut target[..n / 2], |value, sum| value + weight * sum);
+                near.combine(&mut target[..at.n / 2], |value, sum| value + weight * sum);
             }
-            for (m, edge) in edges::<D>(at, Colour::Black) {
+            for (m, node) in edges::<D>(at, Colour::Black) {
                 let value = if inner { ends[usize::from(m > 0)] } else { target[m] };
-                target[m] = boundary.corrected(edge, value, weight * sums.at(m));
+                target[m] = boundary.corrected(node, value, weight * near.sum(m));
             }
         }
     }
 
-    /// Room for the residuals of slab `s`.
+    /// Buffer for the residuals of slab `s`.
     #[inline(always)]
     pub(super) fn residuals(&mut self, s: usize) -> &mut [f64] {
         &mut self.residuals[s % 3]
     }
 
-    /// Makes the slab of the coarse load whose three fine slabs are complete with slab `s`, if there is one.
+    /// Sets the slab of the coarse load whose three fine slabs of residuals are complete with `slab`, if there is one.
     ///
-    /// Slabs must come in increasing order from `first` on; the coarse load begins with slab `first_coarse`.
+    /// Slabs must come in increasing order from `first` on.
     #[inline(always)]
     pub(super) fn restrict<D: Weighting>(
         &mut self,
-        (n, s, first): (usize, usize, usize),
-        (first_coarse, [red, black]): (usize, [&mut [f64]; 2]),
+        Slab { n, s }: Slab,
+        first: usize,
+        coarse_load: CoarseLoad,
     ) {
         let emitted = if s == n {
             n / 2
@@ -128,10 +181,11 @@ impl Buffers {
         let middle = 2 * emitted;
         let [below, above] = mirrored(n, middle);
         let residuals = [below, middle, above].map(|s| &self.residuals[s % 3][..]);
-        let slab = slab::<D>(n / 2);
-        let own = (emitted - first_coarse) * slab..(emitted - first_coarse + 1) * slab;
-        let (red, black) = (&mut red[own.clone()], &mut black[own]);
-        for at in At::of_slab::<D>(n / 2, emitted) {
+        let places = places_per_slab::<D>(n / 2);
+        let start = (emitted - coarse_load.first) * places;
+        let red = &mut coarse_load.red[start..start + places];
+        let black = &mut coarse_load.black[start..start + places];
+        for at in (Slab { n: n / 2, s: emitted }).rows::<D>() {
             D::weigh_residuals(at, residuals, &mut self.row);
             let halves = [&mut red[at.in_slab()], &mut black[at.in_slab()]];
             let [long, short] = long_and_short(at.r + at.s, halves);
@@ -140,28 +194,34 @@ impl Buffers {
     }
 }
 
-/// Sums over rows of the coarser grid, at even and at odd columns, beside a row of black nodes.
+/// Sums over the coarse rows next to a row of black nodes, at even and at odd columns of the coarser grid.
 #[derive(Clone, Copy)]
 struct Neighbours<'a> {
-    /// Whether every other node of the row lies at a column of the coarser grid; otherwise all lie between two.
+    /// True if the row is long: then each of its nodes lies at a column of the coarser grid, otherwise between two.
     long: bool,
     even: &'a [f64],
     odd: &'a [f64],
+    /// Ratio of the prolongation to the sums.
+    weight: f64,
 }
 
 impl Neighbours<'_> {
-    /// The sum at the `m`-th black node.
+    /// Sum at column `m` of the coarser grid.
     #[inline(always)]
-    fn at(self, m: usize) -> f64 {
-        let Self { long, even, odd } = self;
-        let of_column = |m: usize| if m.is_multiple_of(2) { even[m / 2] } else { odd[m / 2] };
-        if long { of_column(m) } else { of_column(m) + of_column(m + 1) }
+    fn column(self, m: usize) -> f64 {
+        if m.is_multiple_of(2) { self.even[m / 2] } else { self.odd[m / 2] }
     }
 
-    /// Replaces each `t` of an even number of places by `with(t, sum)`.
+    /// Sum over the neighbours of the `m`-th black node.
+    #[inline(always)]
+    fn sum(self, m: usize) -> f64 {
+        if self.long { self.column(m) } else { self.column(m) + self.column(m + 1) }
+    }
+
+    /// Replaces each value `t` of an even number of places by `with(t, sum)`.
     #[inline(always)]
     fn combine(self, target: &mut [f64], with: impl Fn(f64, f64) -> f64) {
-        let Self { long, even, odd } = self;
+        let Self { long, even, odd, .. } = self;
         let (pairs, _) = target.as_chunks_mut::<2>();
         let len = pairs.len();
         let (west, odd, east) = (&even[..len], &odd[..len], &even[1..len + 1]);
@@ -177,13 +237,15 @@ impl Neighbours<'_> {
     }
 }
 
-/// Adds a row to a sum, which if `first` is another row.
+/// Sets `sum` to the sum of two rows.
 #[inline(always)]
-fn add(first: bool, sum: &mut [f64], other: &[f64], row: &[f64]) {
-    let pairs = sum.iter_mut().zip(row);
-    if first {
-        pairs.zip(other).for_each(|((sum, row), other)| *sum = other + row);
-    } else {
-        pairs.for_each(|(sum, row)| *sum += row);
-    }
+fn set_sum(sum: &mut [f64], first: &[f64], second: &[f64]) {
+    let pairs = sum.iter_mut().zip(second);
+    pairs.zip(first).for_each(|((sum, second), first)| *sum = first + second);
+}
+
+/// Adds a row to `sum`.
+#[inline(always)]
+fn add_row(sum: &mut [f64], row: &[f64]) {
+    sum.iter_mut().zip(row).for_each(|(sum, row)| *sum += row);
 }

@@ -6,7 +6,6 @@ use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::largest;
-use crate::multigrid::square::Square;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::source::Source;
 
@@ -38,7 +37,7 @@ impl Start {
         let quick = Goal::Kkt(0.05 * largest(&load));
         let goal = if careful { Goal::RoundingFloor } else { quick };
         let params = MultigridParams { goal, ..Default::default() };
-        let (y, _) = multigrid::solve::<Square>(n, &load, None, &params).ok()?;
+        let (y, _) = multigrid::solve_square(n, &load, None, &params).ok()?;
         let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
         let mut places = changes(&values, &free_nodes(&values, n), n);
         if careful {

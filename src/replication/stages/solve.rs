@@ -6,7 +6,6 @@ use crate::discrete::kkt::judge;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::max_error;
 use crate::discrete::transfer::Prolongation;
-use crate::multigrid::square::Square;
 use crate::multigrid::{self, MultigridParams};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -72,7 +71,7 @@ pub(super) fn tasks(scene: &Scene, stop: StopRule) -> impl Iterator<Item = Task>
 pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
-    let (y, _) = multigrid::solve::<Square>(grid.cells(), &load, None, &MultigridParams::default())
+    let (y, _) = multigrid::solve_square(grid.cells(), &load, None, &MultigridParams::default())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let a = judge(grid, &y, &load).multiplier(grid.boundary(), &y, grid.h());
     Ok(Pair { y, a })

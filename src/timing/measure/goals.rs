@@ -46,7 +46,7 @@ pub(super) fn goals(solver: Solver) -> Vec<(String, f64, Solve)> {
                     let OnGrid { grid, load, .. } = levels.last()?;
                     let params =
                         MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
-                    Some(multigrid::solve::<Square>(grid.cells(), load, None, &params).ok()?.0)
+                    Some(multigrid::solve_square(grid.cells(), load, None, &params).ok()?.0)
                 };
                 (goal.in_words().into(), 4.0, Box::new(solve))
             };

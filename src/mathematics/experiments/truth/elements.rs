@@ -7,7 +7,6 @@ use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::load::{self, LoadRule};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
-use crate::multigrid::square::Square;
 use crate::multigrid::{self, MultigridParams};
 use serde::{Deserialize, Serialize};
 
@@ -77,8 +76,8 @@ impl Level {
         // A solution, its error in the energy norm, and what is guaranteed of it.
         let bounded = |its_load: &[f64]| {
             let params = MultigridParams::default();
-            let (y, _) = multigrid::solve::<Square>(cells, its_load, None, &params)
-                .map_err(|e| failed(&e))?;
+            let (y, _) =
+                multigrid::solve_square(cells, its_load, None, &params).map_err(|e| failed(&e))?;
             let bounds = bounds(grid, &f, &y).map_err(|e| failed(&e))?;
             Ok::<_, String>((known.h1_error(grid, &y, &load), y, bounds))
         };

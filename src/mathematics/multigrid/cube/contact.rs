@@ -1,47 +1,46 @@
-//! The contact set of the finest grid, and how each coarser grid of the cube represents it.
+//! The contact set of the finest grid, and its representation on each coarser grid of the cube.
 //!
-//! A coarse grid that only knows whether its own nodes are in contact misplaces the rim of the contact
-//! set by half a cell, and loses small sets altogether. Here every boundary node of a coarse grid gets a
-//! *spring*, chosen such that the set takes up the same current as on the finest grid.
+//! If a coarse grid only knows whether its own nodes are in contact, it misplaces the rim of the contact set by half a
+//! cell, and loses small sets altogether. Here every boundary node of a coarse grid gets a *spring*, chosen such that
+//! the set draws the same current as on the finest grid.
 //!
 //! # Idea
-//! Seen from afar, a set held at zero is known by its *capacity*: the current it draws when everything
-//! else is at one. Mirrored at the faces, the cube becomes the whole cubic lattice, where a single node
-//! has the capacity `1 / G(0)`, `G` being the potential kernel (Glasser and Zucker 1977); and a compact
-//! set of `m` nodes has about `sqrt(m) / G(0)`, as a disc has a capacity like its radius. (Also where
-//! faces meet: three discs across each other take up little less than a ball.)
+//! From afar, a set held at zero is characterised by its *capacity*: the current that it draws when everything else is
+//! at one. Mirrored at the faces, the cube becomes the whole cubic lattice. There a single node has the capacity
+//! `1 / G(0)`, `G` being the potential kernel (Glasser and Zucker 1977), and a compact set of `m` nodes has about
+//! `sqrt(m) / G(0)`, since the capacity of a disc is proportional to its radius. (This also holds where faces meet:
+//! three perpendicular discs draw little less current than a ball.)
 //!
-//! So two numbers are carried from grid to grid for each boundary node: its part of the *area* of the
-//! set, which becomes 1/4 with each coarsening, and its part of the capacity, which becomes 1/2:
-//! - Compact sets: `area / (G(0) sqrt(total area of the neighbourhood))`.
-//! - Scattered sets: the capacities of the finer grid add up, less what neighbours screen.
+//! # Algorithm
+//! Two numbers are carried from grid to grid for each boundary node: its part of the *area* of the set, which becomes
+//! 1/4 with each coarsening, and its part of the capacity, which becomes 1/2. For each coarser grid:
+//! 1. Sum areas and capacities over the neighbours on the finer grid.
+//! 2. Divide each capacity by `1 + sum G c`, the sum over its neighbours, which screen it.
+//! 3. Raise each capacity to that of a compact set, `area / (G(0) sqrt(total area of the neighbourhood))`, if that is
+//!    larger.
+//! 4. A node that draws the current `c` when the far field is one has the potential `1 - sum G c`, the sum over its
+//!    neighbours and itself. Set its spring to `c / (1 - sum G c)`; put it in contact if that is not positive or if all
+//!    of its area is in contact.
 //!
-//! The larger of the two holds. A node that draws the current `c` when the far field is one sees the
-//! potential `1 - sum G c`, the sum over its neighbours and itself; hence the spring
-//! `c / (1 - sum G c)`, or contact if that is not positive or the node's whole area is in contact.
-//!
-//! No length, angle or topology of the set enters, and no constant but three values of `G`. The rate of
-//! convergence is that of the Poisson equation, about 0.1, from a whole face to one corner node; up to
-//! 0.3 where the set is scattered over single nodes. The springs affect the speed only, never the
-//! solution.
+//! No length, angle or topology of the set enters, and no constant but three values of `G`. The springs affect the
+//! rate of convergence only, never the solution.
 
 use super::Cube;
-use super::surface::{around, nodes};
+use super::surface::{neighbour_sums, nodes};
 use crate::multigrid::level::Level;
 use crate::multigrid::stencil::for_each_boundary_node;
 
-/// Potential kernel of the cubic lattice at the origin, at the nearest and at the diagonal neighbours in
-/// a plane: 0.252731..., G(0) - 1/6, and 0.055191...
+/// Potential kernel of the cubic lattice at the origin, at the nearest and at the diagonal neighbours in a plane:
+/// 0.252731..., G(0) - 1/6, and 0.055191...
 const G: [f64; 3] = [0.252_731_009_8, 0.086_064_343_1, 0.055_191_433_7];
-/// Springs at least this stiff count as contact.
+/// Stiffness from which on a spring counts as contact.
 const STIFFEST: f64 = 1e3;
 
-/// Sets `1 / (6 + spring)` on all `levels`, coarsest first, for a contact set of a finer grid with `n` cells
-/// per side. Returns the work in visits of unknowns: one sum over neighbours on the finest grid, five on each
-/// coarser one.
+/// Sets `1 / (6 + spring)` on all `levels`, coarsest first, for the contact set of a finer grid with `n` cells per
+/// side. Returns the work in visits of unknowns: one sum over neighbours on the finest grid, five on each coarser one.
 pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
     let area: Vec<_> = in_contact.iter().map(|&contact| f64::from(contact)).collect();
-    let mut finer = Draw { n, capacity: vec![0.0; area.len()], area };
+    let mut finer = CapacityField { n, capacity: vec![0.0; area.len()], area };
     finer.make_compact();
     let mut work = nodes(n) as f64;
     for level in levels.iter_mut().rev() {
@@ -52,51 +51,47 @@ pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -
     work
 }
 
-/// How much current each boundary node of a grid takes up.
-struct Draw {
+/// Area and capacity of the contact set, shared among the boundary nodes of a grid.
+struct CapacityField {
     n: usize,
-    /// Part of the contact set, in nodes of this grid.
+    /// Part of the contact set at each boundary node, in nodes of this grid.
     area: Vec<f64>,
-    /// Current, if the far field is one, in couplings of the mirrored lattice.
+    /// Current into each boundary node if the far field is one, in couplings of the mirrored lattice.
     capacity: Vec<f64>,
 }
 
-impl Draw {
+impl CapacityField {
     /// Raises capacities to those of compact sets.
     fn make_compact(&mut self) {
         let Self { n, area, capacity } = self;
         for_each_boundary_node::<Cube>(*n, |place, node| {
             if area[place] > 0.0 {
-                let total: f64 = around(*n, area, node).iter().sum();
+                let total: f64 = neighbour_sums(*n, area, node).iter().sum();
                 capacity[place] = capacity[place].max(area[place] / (G[0] * total.sqrt()));
             }
         });
     }
 
-    /// The same currents on the grid with half as many cells per side.
+    /// Field of the same currents on the grid with half as many cells per side.
     fn coarsened(&self) -> Self {
         let n = self.n / 2;
         let (mut area, mut capacity) = (vec![0.0; nodes(n)], vec![0.0; nodes(n)]);
         for_each_boundary_node::<Cube>(n, |place, node| {
             let node = node.map(|i| 2 * i);
-            let weighted = |field: &[f64]| {
-                let [own, nearest, diagonal] = around(self.n, field, node);
-                own + 0.5 * nearest + 0.25 * diagonal
-            };
-            // Where faces meet, more than one node's area may come together.
-            area[place] = (0.25 * weighted(&self.area)).min(1.0);
-            capacity[place] = 0.5 * weighted(&self.capacity);
+            // Where faces meet, the area of more than one node may be added up.
+            area[place] = (0.25 * weighted_sum(self.n, &self.area, node)).min(1.0);
+            capacity[place] = 0.5 * weighted_sum(self.n, &self.capacity, node);
         });
         let mut screened = capacity.clone();
         for_each_boundary_node::<Cube>(n, |place, node| {
             if capacity[place] > 0.0 {
-                let [_, nearest, diagonal] = around(n, &capacity, node);
+                let [_, nearest, diagonal] = neighbour_sums(n, &capacity, node);
                 screened[place] /= 1.0 + G[1] * nearest + G[2] * diagonal;
             }
         });
-        let mut draw = Self { n, area, capacity: screened };
-        draw.make_compact();
-        draw
+        let mut field = Self { n, area, capacity: screened };
+        field.make_compact();
+        field
     }
 
     /// `1 / (6 + spring)` of every node, 0 in contact.
@@ -104,7 +99,7 @@ impl Draw {
         let mut inverse = vec![1.0 / 6.0; nodes(self.n)];
         for_each_boundary_node::<Cube>(self.n, |place, node| {
             if self.capacity[place] > 0.0 {
-                let near = around(self.n, &self.capacity, node);
+                let near = neighbour_sums(self.n, &self.capacity, node);
                 let potential = 1.0 - (G[0] * near[0] + G[1] * near[1] + G[2] * near[2]);
                 let is_contact = self.area[place] >= 1.0 || potential * STIFFEST <= near[0];
                 inverse[place] = if is_contact { 0.0 } else { 1.0 / (6.0 + near[0] / potential) };
@@ -114,6 +109,12 @@ impl Draw {
     }
 }
 
+/// Sum of a field over a node of the finer grid and its neighbours, with weights 1, 1/2 and 1/4.
+fn weighted_sum(n: usize, field: &[f64], node: [usize; 3]) -> f64 {
+    let [own, nearest, diagonal] = neighbour_sums(n, field, node);
+    own + 0.5 * nearest + 0.25 * diagonal
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Cube;
@@ -121,6 +122,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
+    /// Springs on a coarse grid for contact in some nodes of a finer one.
     fn springs(n: usize, coarse_n: usize, contact: &[[usize; 3]]) -> Vec<f64> {
         let mut in_contact = vec![false; nodes(n)];
         contact.iter().for_each(|&node| in_contact[place(n, node)] = true);
@@ -148,8 +150,8 @@ mod tests {
 
     #[test]
     fn a_single_node_keeps_its_capacity() {
-        // Resistances count in cells: that of the spring and of a coarse node together are those of the
-        // node, twice as many cells with each coarsening.
+        // The resistances of the spring and of a coarse node add up to that of the node, in couplings of the coarse
+        // grid: with each coarsening twice as much.
         for (n, coarse_n, halvings) in [(16, 8, 1), (32, 8, 2), (64, 8, 3)] {
             for node in [[n / 2, n / 4, 0], [n / 2, 0, 0], [n, n, 0]] {
                 let springs = springs(n, coarse_n, &[node]);

@@ -1,51 +1,47 @@
 //! Full multigrid for the scalar Signorini problem on the unit cube, at optimal cost.
 //!
 //! # Idea
-//! As on the square (see [`multigrid`](crate::multigrid::square)): projected red-black Gauss-Seidel on the
-//! finest grid, truncation of the nodes in contact, a linear coarse-grid correction of the others. What is
-//! particular here is how coarse grids see the contact set: by the current it draws (see `contact.rs`).
-//! The convergence rate is then that of multigrid for the Poisson equation, about 0.1, down to contact in
-//! a single node; up to 0.3 for sets scattered over single nodes.
+//! As on the [square](crate::multigrid::square): projected red-black Gauss-Seidel sweeps on the finest grid, truncation
+//! of the nodes in contact, a linear coarse-grid correction of the others. New here is the representation of the
+//! contact set on coarse grids: by the current that it draws (see `contact.rs`). The rate of convergence is then that
+//! of multigrid for the Poisson equation, about 0.1, for contact sets down to a single node, and up to 0.3 for sets of
+//! scattered single nodes.
 //!
-//! # Method
-//! Nested iteration from the coarsest grid, one cycle per grid, more only where the contact set of a
-//! coarse grid is far off; loads of the coarse grids by full weighting. Trilinear transfers, one sweep
-//! before and one after each correction, over-relaxed inside (Yavneh 1996). Coarse grids see two
-//! corrections per correction of the grid above, each costing an eighth of the one before. With four cells
-//! per side two contact sets may take turns (in 12 of 20 000 random problems); half a correction ends that.
+//! # Parameters of the algorithm
+//! The steps are numbered in [`multigrid`](crate::multigrid). On the cube:
+//! - Transfers are trilinear. A visit to a grid applies one sweep before and one after the coarse-grid correction,
+//!   over-relaxed inside (Yavneh, SIAM J. Sci. Comput. 17, 1996).
+//! - Nested iteration applies one cycle per grid, and more only where the contact set of a coarse grid is far off.
+//! - Each visit to a grid makes two visits to the next coarser one (W-cycle), where a visit costs an eighth.
+//! - On a grid with four cells per side two contact sets may alternate (in 12 of 20 000 random problems); half a
+//!   correction ends the alternation.
 //!
 //! # Cost
-//! Values and loads of all grids, 18.3 bytes per unknown, plus rounding of rows to cache lines, three planes of
-//! residuals for each thread, and what is kept for the boundary. A *work unit* is one projected Gauss-Seidel sweep
-//! of the finest grid, counted by visits of unknowns on all grids: a half-sweep 1/2, residual and
-//! restriction of one colour 3/4, interpolation to one colour 1/4, restriction of a load 1/2, a check of
-//! all optimality conditions 1, boundary loops by their size, direct solutions by their multiplications,
-//! of which a visit has as many as its stencil.
+//! Memory: values and loads of all grids, 18.3 bytes per unknown, plus padding of rows to cache lines, three planes of
+//! residuals for each thread, and the arrays of the boundary nodes. The work unit is that of the square.
 
 mod contact;
 mod surface;
 mod transfer;
 
-use super::hierarchy::{Geometry, Multigrid};
-use super::input::InputError;
+use super::geometry::{MultigridGeometry, Visits};
 use super::layout::Dimension;
 use super::level::Level;
-use super::{MultigridParams, Outcome};
 
-/// The unit cube.
+/// The unit cube, as a type.
 pub struct Cube;
 
 impl Dimension for Cube {
     const AXES: usize = 3;
 }
 
-impl Geometry for Cube {
+impl MultigridGeometry for Cube {
     const CELLS: &str = "a power of two (at least 2), or three times one";
     const RELAXATION: f64 = 1.25;
     const COARSE_RELAXATION: f64 = 1.25;
     const OVERCORRECTION: f64 = 1.0;
-    const TWICE_BELOW: usize = 1;
-    const W_CYCLE: bool = true;
+    const DOUBLE_VISITS_BELOW: usize = 1;
+    const IN_SECOND_VISIT: Visits = Visits::Double;
 
     fn coarsest(n: usize) -> Option<usize> {
         let odd = n.checked_shr(n.trailing_zeros())?;
@@ -54,18 +50,5 @@ impl Geometry for Cube {
 
     fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
         contact::set_springs(n, in_contact, levels)
-    }
-
-    fn allocated(n: usize) -> Result<Multigrid<Self>, InputError> {
-        Multigrid::allocate(n)
-    }
-
-    fn solved(
-        grids: &mut Multigrid<Self>,
-        load: &[f64],
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Result<Outcome, InputError> {
-        grids.run(load, start, params)
     }
 }

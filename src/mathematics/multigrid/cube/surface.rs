@@ -1,9 +1,9 @@
-//! Numbers for the boundary nodes of a grid of the cube, and sums over their neighbours on its faces.
+//! Numbers of the boundary nodes of a grid of the cube, and sums over neighbours on the faces.
 
 use super::Cube;
-use crate::multigrid::layout::{boundary_nodes, boundary_number, mirrored};
+use crate::multigrid::layout::{boundary_nodes, boundary_number, is_inside, mirrored};
 
-/// How many nodes lie on the boundary.
+/// Number of nodes on the boundary.
 pub(super) fn nodes(n: usize) -> usize {
     boundary_nodes::<Cube>(n)
 }
@@ -14,33 +14,38 @@ pub(super) fn place(n: usize, node: [usize; 3]) -> usize {
     boundary_number::<Cube>(n, &node)
 }
 
-/// Sums of a field over a node itself, its nearest and its diagonal neighbours on the faces it lies on,
-/// faces continued by reflection.
+/// Sums of a field over a node itself, over its nearest and over its diagonal neighbours on the faces to which it
+/// belongs. Faces are continued by reflection.
 #[inline(always)]
-pub(super) fn around(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
+pub(super) fn neighbour_sums(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
+    let Some([a, b]) = steps(n, node) else { return neighbour_sums_at_edge(n, field, node) };
     let here = place(n, node);
-    let Some([a, b]) = steps(n, node) else { return around_edge(n, field, node) };
-    let three = |middle: usize| (field[middle - a] + field[middle + a], field[middle]);
-    let ((below, south), (sides, own), (above, north)) =
-        (three(here - b), three(here), three(here + b));
-    [own, sides + (south + north), below + above]
+    let below = field[here - b - a] + field[here - b + a];
+    let sides = field[here - a] + field[here + a];
+    let above = field[here + b - a] + field[here + b + a];
+    [field[here], sides + (field[here - b] + field[here + b]), below + above]
 }
 
-/// Distances to the neighbours of a node that is well inside a face.
+/// Distances between the number of a node and those of its neighbours along both axes of the face; `None` within one
+/// node of an edge, where the distances vary.
 #[inline(always)]
 fn steps(n: usize, [i, j, k]: [usize; 3]) -> Option<[usize; 2]> {
-    let inside = |i: usize| 0 < i && i < n;
-    let well_inside = |i: usize| 1 < i && i + 1 < n;
-    match (inside(i), inside(j), inside(k)) {
+    match (is_inside(n, i), is_inside(n, j), is_inside(n, k)) {
         (true, true, false) => Some([1, n + 1]),
-        (true, false, true) if well_inside(k) => Some([1, 4 * n]),
-        (false, true, true) if well_inside(j) && well_inside(k) => Some([2, 4 * n]),
+        (true, false, true) if is_well_inside(n, k) => Some([1, 4 * n]),
+        (false, true, true) if is_well_inside(n, j) && is_well_inside(n, k) => Some([2, 4 * n]),
         _ => None,
     }
 }
 
-/// The same at and near edges, where places are irregular.
-fn around_edge(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
+/// True if both neighbours of node `i` lie inside.
+#[inline(always)]
+fn is_well_inside(n: usize, i: usize) -> bool {
+    1 < i && i + 1 < n
+}
+
+/// [`neighbour_sums`] for any node, from the numbers of all neighbours.
+fn neighbour_sums_at_edge(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
     let mut sums = [0.0; 3];
     let near = node.map(|i| {
         let [before, after] = mirrored(n, i);
@@ -50,9 +55,7 @@ fn around_edge(n: usize, field: &[f64], node: [usize; 3]) -> [f64; 3] {
         for (j, dj) in near[1] {
             for (i, di) in near[0] {
                 let other = [i, j, k];
-                let on_face =
-                    |axis: usize| node[axis] == other[axis] && (node[axis] == 0 || node[axis] == n);
-                if (0..3).any(on_face) {
+                if (0..3).any(|axis| node[axis] == other[axis] && !is_inside(n, node[axis])) {
                     sums[di + dj + dk] += field[place(n, other)];
                 }
             }
@@ -79,17 +82,17 @@ mod tests {
     }
 
     #[test]
-    fn fast_and_careful_sums_agree() {
+    fn sums_by_steps_equal_sums_by_numbers() {
         let n = 8;
         let field: Vec<_> = (0..nodes(n)).map(|p| ((p * p) % 31) as f64).collect();
         for_each_boundary_node::<Cube>(n, |_, node| {
-            assert_eq!(around(n, &field, node), around_edge(n, &field, node), "{node:?}");
+            let expected = neighbour_sums_at_edge(n, &field, node);
+            assert_eq!(neighbour_sums(n, &field, node), expected, "{node:?}");
         });
-        // A face has nine nodes around each of its own, an edge fifteen, a corner nineteen.
+        // Nine nodes around a node of a face, fifteen around a node of an edge, nineteen around a corner.
         let ones = vec![1.0; nodes(n)];
-        let around = |node| around(n, &ones, node);
-        assert_eq!(around([3, 0, 5]), [1.0, 4.0, 4.0]);
-        assert_eq!(around([0, 0, 5]), [1.0, 6.0, 8.0]);
-        assert_eq!(around([0, 8, 0]), [1.0, 6.0, 12.0]);
+        assert_eq!(neighbour_sums(n, &ones, [3, 0, 5]), [1.0, 4.0, 4.0]);
+        assert_eq!(neighbour_sums(n, &ones, [0, 0, 5]), [1.0, 6.0, 8.0]);
+        assert_eq!(neighbour_sums(n, &ones, [0, 8, 0]), [1.0, 6.0, 12.0]);
     }
 }

@@ -1,21 +1,27 @@
-//! The contact set of the finest grid, and how each coarser grid represents it.
+//! The contact set of the finest grid, and its representation on each coarser grid.
 //!
-//! A coarse grid that only knows whether its own nodes are in contact misplaces the ends of a contact
-//! interval by half a cell, and loses short intervals altogether; that is what slows multigrid down
-//! for obstacle problems. Here every coarse grid gets *springs* on boundary nodes that put the ends, or
-//! the logarithmic capacity of a short interval, where the finest grid has them. Some facts about the
-//! five-point stencil on a half-plane with natural boundary condition are used (lengths in cells):
+//! If a coarse grid only knows whether its own nodes are in contact, it misplaces the ends of a contact interval by
+//! half a cell, and loses short intervals altogether; that makes multigrid slow for obstacle problems. Here every
+//! coarse grid gets *springs* on boundary nodes. They put the ends of an interval, or the logarithmic capacity of a
+//! short one, to where the finest grid has them.
 //!
-//! - Seen from afar, nodes `..., -1, 0` in contact act like the interval that ends at [`TIP`].
+//! # Algorithm
+//! 1. Find the runs of nodes in contact on the finest grid, and the interval that each run is equivalent to.
+//! 2. For each coarser grid, scale the intervals to its cells.
+//! 3. Represent each interval by nodes in contact and a spring beyond each end (`add_springs`, the central function),
+//!    at corners by the formulas of `corner_springs` and `Leg::around_corner`.
+//!
+//! # Facts
+//! Lengths are in cells, for the five-point stencil on a half-plane with natural boundary condition:
+//! - From afar, nodes `..., -1, 0` in contact act like an interval that ends at [`TIP`].
 //! - A spring `SPRING t / (1 - t)` on node 1 moves that end on by `t`, for any `0 <= t < 1`.
-//! - A single node in contact acts like an interval of half-length [`POINT_ON_EDGE`], and in the
-//!   corner of a quadrant like one that reaches [`POINT_IN_CORNER`] along both sides.
-//! - A corner node in contact with springs on its two neighbours acts like contact up to `a` along one
-//!   side and `b` along the other, and similar things hold for all that is short there: see
-//!   `corner_springs`.
-//! - If a whole side of a quadrant is in contact, and around the corner one node more, that acts like
-//!   contact up to [`CORNER_LEG`]; a spring `CORNER_SPRING t / (1 - t)` on that node instead of contact
-//!   like contact up to `CORNER_LEG sqrt(t)`.
+//! - A single node in contact acts like an interval of half-length [`POINT_ON_EDGE`]. In the corner of a quadrant it
+//!   acts like an interval that reaches [`POINT_IN_CORNER`] along both sides.
+//! - A corner node in contact with springs on its two neighbours acts like contact up to `a` along one side and `b`
+//!   along the other. `corner_springs` has the formulas for all short intervals there.
+//! - If a whole side of a quadrant is in contact, and one node more around the corner, that acts like contact up to
+//!   [`CORNER_LEG`]. With a spring `CORNER_SPRING t / (1 - t)` on that node instead, it acts like contact up to
+//!   `CORNER_LEG sqrt(t)`.
 //!
 //! The first two follow by Wiener and Hopf's factorisation. Without the interior nodes, the boundary has the
 //! symbol `2 sqrt((1 - cos t)(3 - cos t)) = S(z) S(1/z) / sqrt(rho)`, `S = sqrt((1 - z)(1 - rho z))`,
@@ -24,14 +30,15 @@
 //! grow like `sqrt(k - e)` with `e = 1/4 + rho / (2 (1 - rho)) + t = TIP + t`, and in the equation of node 1
 //! `t / sqrt(rho)` is left, twice a spring times the value `1 - t` there.
 //! The others follow from the potential kernel of the square lattice (Spitzer, *Principles of Random
-//! Walk*, section 15) and the map `z^2` of the quadrant. They affect the speed of convergence only,
-//! never the solution.
+//! Walk*, section 15) and the map `z^2` of the quadrant.
+//!
+//! The springs affect the rate of convergence only, never the solution.
 
 use std::f64::consts::{PI, SQRT_2};
 
 use crate::multigrid::level::Level;
 
-/// Where the interval of contact ends beyond its last node: sqrt(2) / 4.
+/// Distance from the last node in contact to the end of the equivalent interval: sqrt(2) / 4.
 const TIP: f64 = SQRT_2 / 4.0;
 /// Scale of the spring that moves the end of an interval: (1 + sqrt(2)) / 2.
 const SPRING: f64 = (1.0 + SQRT_2) / 2.0;
@@ -44,17 +51,17 @@ const POINT_IN_CORNER: f64 = 0.280_730;
 const ONE_LEG: [f64; 2] = [1.309_464, 0.379_343];
 /// Reach of a corner node and both its neighbours: `POINT_IN_CORNER exp(pi / 2)`.
 const TWO_LEGS: f64 = 1.350_444;
-/// Contact around a corner by one node, where the whole other side is in contact: sqrt(4 / (pi g)),
+/// Reach of one node in contact around a corner, if the whole other side is in contact: sqrt(4 / (pi g)),
 /// g = 2 - 4 / pi the resistance of that node.
 const CORNER_LEG: f64 = 1.323_608;
 /// Scale of the spring around a corner: 1 / g.
 const CORNER_SPRING: f64 = 1.375_969;
-/// Springs at least this stiff, in the mirrored stencil, count as contact.
+/// Stiffness, in the mirrored stencil, from which on a spring counts as contact.
 const STIFFEST: f64 = 2e4;
-/// Slack when a node lies at the very end of an interval, in cells.
+/// Tolerance for a node at the very end of an interval, in cells.
 const ROUNDING: f64 = 1e-9;
 
-/// A run of contact nodes as it looks from afar, in cells of the finest grid along the perimeter,
+/// Interval equivalent to a run of contact nodes, in cells of the finest grid along the perimeter,
 /// counter-clockwise from the corner (0, 0); `end` may exceed the perimeter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Interval {
@@ -62,8 +69,8 @@ struct Interval {
     end: f64,
 }
 
-/// Sets `1 / (4 + spring)` on all `levels`, for a contact set of a finer grid with `n` cells per side; both
-/// by the numbers of boundary nodes. Returns the work in visits of unknowns.
+/// Sets `1 / (4 + spring)` on all `levels`, for the contact set of a finer grid with `n` cells per side; both
+/// are indexed by the numbers of boundary nodes. Returns the work in visits of unknowns.
 pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -> f64 {
     let around: Vec<_> = (0..4 * n).map(|p| in_contact[number(n, p)]).collect();
     let intervals = intervals(n, &around);
@@ -84,7 +91,7 @@ pub(super) fn set_springs(n: usize, in_contact: &[bool], levels: &mut [Level]) -
 
 /// Finds the springs of the mirrored stencil on the boundary nodes of a coarser grid, counter-clockwise.
 fn find_springs(n: usize, around: &[bool], intervals: &[Interval], springs: &mut [f64]) {
-    // Without a free node there are no ends.
+    // Without a free node the contact has no ends.
     let all_held = intervals.is_empty() && around[0];
     springs.fill(if all_held { f64::INFINITY } else { 0.0 });
     let cells = springs.len() / 4;
@@ -107,7 +114,7 @@ fn number(n: usize, p: usize) -> usize {
     }
 }
 
-/// Runs of nodes in contact; none if there is no free node between them.
+/// Intervals equivalent to the runs of nodes in contact; empty if no node is free.
 fn intervals(n: usize, in_contact: &[bool]) -> Vec<Interval> {
     let Some(free) = in_contact.iter().position(|contact| !contact) else {
         return Vec::new();
@@ -119,7 +126,7 @@ fn intervals(n: usize, in_contact: &[bool]) -> Vec<Interval> {
         match (first, contact) {
             (None, true) => first = Some(p),
             (Some(start), false) => {
-                intervals.push(Interval::of_nodes(n, start, p - 1));
+                intervals.push(Interval::from_nodes(n, start, p - 1));
                 first = None;
             }
             _ => {}
@@ -128,8 +135,18 @@ fn intervals(n: usize, in_contact: &[bool]) -> Vec<Interval> {
     intervals
 }
 
+/// Distance from the last node of a long run to the end of the interval, if the node lies `beyond_corner` cells beyond
+/// the last corner.
+fn reach(beyond_corner: usize) -> f64 {
+    match beyond_corner {
+        0 => 0.0,
+        1 => CORNER_LEG - 1.0,
+        _ => TIP,
+    }
+}
+
 impl Interval {
-    fn of_nodes(n: usize, first: usize, last: usize) -> Self {
+    fn from_nodes(n: usize, first: usize, last: usize) -> Self {
         let (before, after) = ((n - first % n) % n, last % n);
         let (start, end) = match (last - first, before, after) {
             (0, 0, _) => (POINT_IN_CORNER, POINT_IN_CORNER),
@@ -137,14 +154,7 @@ impl Interval {
             (1, 0, _) => (ONE_LEG[1], ONE_LEG[0] - 1.0),
             (1, 1, 0) => (ONE_LEG[0] - 1.0, ONE_LEG[1]),
             (2, 1, 1) => (TWO_LEGS - 1.0, TWO_LEGS - 1.0),
-            _ => {
-                let reach = |beyond_corner: usize| match beyond_corner {
-                    0 => 0.0,
-                    1 => CORNER_LEG - 1.0,
-                    _ => TIP,
-                };
-                (reach(before), reach(after))
-            }
+            _ => (reach(before), reach(after)),
         };
         Self { start: first as f64 - start, end: last as f64 + end }
     }
@@ -153,15 +163,15 @@ impl Interval {
         Self { start: factor * self.start, end: factor * self.end }
     }
 
-    /// The first and the last node in contact, if neither end is in a corner; in the wrong order if none is.
-    fn holds(self) -> [f64; 2] {
+    /// First and last node in contact, if neither end is in a corner; `first > last` if there is none.
+    fn held_nodes(self) -> [f64; 2] {
         [(self.start + TIP - ROUNDING).ceil(), (self.end - TIP + ROUNDING).floor()]
     }
 
-    /// Whether it lies about a cell around a corner or less, and holds no node but that at most.
+    /// True if the interval lies within about a cell around a corner and contains no other node than the corner.
     fn is_short_at(self, corner: f64) -> bool {
         let (start, end) = (self.start - corner, self.end - corner);
-        let [first, last] = self.holds();
+        let [first, last] = self.held_nodes();
         if start <= 0.0 && end >= 0.0 {
             end.max(-start) < CORNER_LEG
         } else {
@@ -169,98 +179,122 @@ impl Interval {
         }
     }
 
-    /// The corners it holds, and how far it reaches beyond the first and the last of them.
-    fn corners(self, n: usize) -> Option<Corners> {
+    /// Nodes in contact that represent an interval which is not short at a corner, and the springs beside them, on a
+    /// grid with `n` cells per side.
+    fn held(self, n: usize) -> HeldRun {
         let side = n as f64;
-        let first = (self.start / side).ceil() * side;
-        let last = (self.end / side).floor() * side;
-        let (before, after) = (first - self.start, self.end - last);
-        (first <= last).then_some(Corners { first, last, before, after })
+        let first_corner = (self.start / side).ceil() * side;
+        let last_corner = (self.end / side).floor() * side;
+        if first_corner <= last_corner {
+            let before = Leg::around_corner(first_corner - self.start);
+            let after = Leg::around_corner(self.end - last_corner);
+            HeldRun {
+                first: first_corner - before.nodes,
+                last: last_corner + after.nodes,
+                spring_before: before.spring,
+                spring_after: after.spring,
+            }
+        } else {
+            let [first, last] = self.held_nodes();
+            HeldRun {
+                first,
+                last,
+                spring_before: end_spring(first - TIP - self.start),
+                spring_after: end_spring(self.end - TIP - last),
+            }
+        }
     }
 }
 
-struct Corners {
+/// A run of nodes in contact with a spring on the node before and on the node after it; `first > last` if no node is
+/// in contact.
+struct HeldRun {
     first: f64,
     last: f64,
-    before: f64,
-    after: f64,
+    spring_before: f64,
+    spring_after: f64,
 }
 
-/// Adds the springs that represent one interval, in cells of the grid, to those of its nodes.
+/// The part of an interval beyond a corner that it contains.
+struct Leg {
+    /// Number of nodes in contact.
+    nodes: f64,
+    /// Spring on the next node.
+    spring: f64,
+}
+
+impl Leg {
+    /// Represents contact up to `length` beyond a corner, where the whole side before the corner is in contact.
+    fn around_corner(length: f64) -> Self {
+        if length < CORNER_LEG {
+            let t = length * length / (CORNER_LEG * CORNER_LEG);
+            Self { nodes: 0.0, spring: CORNER_SPRING * t / (1.0 - t) }
+        } else {
+            let nodes = (length - TIP + ROUNDING).floor().max(1.0);
+            Self { nodes, spring: end_spring(length - TIP - nodes) }
+        }
+    }
+}
+
+/// Index in `springs` of a node on the perimeter.
+fn place(springs: &[f64], node: f64) -> usize {
+    (node as i64).rem_euclid(springs.len() as i64) as usize
+}
+
+/// Adds a spring of the half-plane to a node. It counts twice in the mirrored stencil.
+fn add_spring(springs: &mut [f64], node: f64, spring: f64) {
+    springs[place(springs, node)] += 2.0 * spring;
+}
+
+/// Adds the springs that represent one interval, given in cells of a grid with `n` cells per side, to those of the
+/// nodes of that grid. This is the central function of the representation of contact.
 fn add_springs(interval: Interval, n: usize, springs: &mut [f64]) {
-    let nodes = springs.len() as i64;
-    let mut add = |node: f64, spring: f64| {
-        let p = (node as i64).rem_euclid(nodes) as usize;
-        // Springs of the half-plane count twice in the mirrored stencil.
-        springs[p] += 2.0 * spring;
-    };
     let Interval { start, end } = interval;
     let middle = 0.5 * (start + end);
     let corner = (middle / n as f64).round() * n as f64;
     if interval.is_short_at(corner) {
         let [before, own, after] = corner_springs(start - corner, end - corner);
-        add(corner - 1.0, before);
-        add(corner, 2.0 * own);
-        add(corner + 1.0, after);
+        add_spring(springs, corner - 1.0, before);
+        add_spring(springs, corner, 2.0 * own);
+        add_spring(springs, corner + 1.0, after);
         return;
     }
-    let (first, last, before, after) = match interval.corners(n) {
-        Some(Corners { first, last, before, after }) => {
-            let (to_first, before) = around_corner(before);
-            let (to_last, after) = around_corner(after);
-            (first - to_first, last + to_last, before, after)
-        }
-        None => {
-            let [first, last] = interval.holds();
-            (first, last, end_spring(first - TIP - start), end_spring(end - TIP - last))
-        }
-    };
+    let HeldRun { first, last, spring_before, spring_after } = interval.held(n);
     if first <= last {
-        add(first - 1.0, before);
-        add(last + 1.0, after);
+        add_spring(springs, first - 1.0, spring_before);
+        add_spring(springs, last + 1.0, spring_after);
         let held = (last - first) as usize + 1;
-        let start = (first as i64).rem_euclid(nodes) as usize;
-        let (around, onwards) = springs.split_at_mut(start);
+        let (around, onwards) = springs.split_at_mut(place(springs, first));
         onwards.iter_mut().chain(around).take(held).for_each(|spring| *spring = f64::INFINITY);
         return;
     }
-    // Too short to hold a node of this grid: the current is shared between two nodes, such that capacity
-    // and centre stay as they are; as in `corner_springs`.
+    // Too short to hold a node of this grid: two nodes share the current, such that capacity and centre are kept; the
+    // formula is derived as in `corner_springs`.
     let c = 2.0 / PI * libm::log((end - start) / (2.0 * POINT_ON_EDGE));
     let right = (middle - middle.floor()).clamp(c.max(0.0), 1.0 - c.max(0.0));
     for (node, share) in [(middle.floor(), 1.0 - right), (middle.floor() + 1.0, right)] {
-        add(node, conductance((1.0 - share - c) / (2.0 * share)));
+        add_spring(springs, node, conductance((1.0 - share - c) / (2.0 * share)));
     }
 }
 
-/// Springs on a corner node (over a quarter of its couplings in the whole lattice) and on the ones before
-/// and after it, for contact from `start` to `end`, about a cell from the corner at most.
+/// Springs on a corner node (over a quarter of its couplings in the whole lattice) and on the nodes before
+/// and after it, for contact from `start` to `end`, at most about a cell from the corner.
 ///
-/// Mirrored at both sides, the quadrant becomes the whole lattice, and `z^2` makes a slit of the contact. Its
-/// length gives the capacity, `c` in units of the resistance between neighbours, its middle the quadrupole
-/// moment `m` of the current. On the lattice the corner node draws `1 - x - y` of the current and its
-/// neighbours, in pairs, `x` and `y`, where `x - y = m`; the potential kernel being 0, 1, 4 / pi and
-/// 4 - 8 / pi at the distances that occur, the potentials of all follow, and the springs from these.
+/// Mirrored at both sides, the quadrant becomes the whole lattice, and `z^2` maps the contact to a slit. The length of
+/// the slit gives the capacity, `c` in units of the resistance between neighbours, its middle the quadrupole moment
+/// `m` of the current. On the lattice the corner node draws `1 - x - y` of the current and its neighbours, in pairs,
+/// `x` and `y`, where `x - y = m`. The potential kernel is 0, 1, 4 / pi and 4 - 8 / pi at the distances that occur, so
+/// the potentials of all three nodes follow, and from these the springs.
 fn corner_springs(start: f64, end: f64) -> [f64; 3] {
     let [first, last] = [start, end].map(|s| s * s.abs());
     let c = libm::log((last - first) / (2.0 * POINT_IN_CORNER * POINT_IN_CORNER)) / PI;
     // Springs draw current one way only.
     let m = (0.5 * (first + last)).clamp(-1.0, 1.0);
-    // x + y: what the corner node leaves its neighbours if it is in contact, or what the moment takes.
+    // x + y: the current left to the neighbours if the corner node is in contact, or the current of the moment.
     let together = c.max(m.abs());
-    let side = |m: f64| conductance((1.0 - c - (4.0 / PI - 1.0) * m) / (0.5 * (together + m)));
-    [side(-m), conductance((together - c) / (1.0 - together)), side(m)]
-}
-
-/// Number of nodes in contact beyond a corner, and spring on the next one, for contact up to `leg`.
-fn around_corner(leg: f64) -> (f64, f64) {
-    if leg < CORNER_LEG {
-        let t = leg * leg / (CORNER_LEG * CORNER_LEG);
-        (0.0, CORNER_SPRING * t / (1.0 - t))
-    } else {
-        let nodes = (leg - TIP + ROUNDING).floor().max(1.0);
-        (nodes, end_spring(leg - TIP - nodes))
-    }
+    let [before, after] =
+        [-m, m].map(|m| conductance((1.0 - c - (4.0 / PI - 1.0) * m) / (0.5 * (together + m))));
+    [before, conductance((together - c) / (1.0 - together)), after]
 }
 
 /// Spring that moves the end of an interval on by `t` cells.
@@ -269,6 +303,7 @@ fn end_spring(t: f64) -> f64 {
     SPRING * t / (1.0 - t)
 }
 
+/// One over a resistance, limited to [`STIFFEST`].
 fn conductance(resistance: f64) -> f64 {
     if resistance > 1.0 / STIFFEST { 1.0 / resistance } else { STIFFEST }
 }

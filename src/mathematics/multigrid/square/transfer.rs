@@ -1,9 +1,11 @@
 //! Full weighting on the square, row by row.
+//!
+//! The weights are 1 at the coarse node, 1/2 at its four nearest and 1/4 at its four diagonal neighbours.
 
 use super::Square;
 use crate::multigrid::layout::{At, mirrored};
 use crate::multigrid::rows::Colour;
-use crate::multigrid::transfer::Weighting;
+use crate::multigrid::transfer::{FineLoad, Weighting};
 
 impl Weighting for Square {
     #[inline(always)]
@@ -12,21 +14,21 @@ impl Weighting for Square {
     }
 
     #[inline(always)]
-    fn weigh_load<'a>(at: At, load: impl Fn(Colour, usize) -> &'a [f64], row: &mut [f64]) {
+    fn weigh_load(at: At, load: &FineLoad, row: &mut [f64]) {
         let middle = 2 * at.s;
         let [below, above] = mirrored(2 * at.n, middle);
-        let rows = |colour: Colour| [middle, below, above].map(|s| load(colour, s));
-        weigh_red(row, rows(Colour::Red));
-        weigh_black(row, rows(Colour::Black));
+        let slabs = [middle, below, above];
+        weigh_red(row, slabs.map(|s| load.slab(Colour::Red, s)));
+        weigh_black(row, slabs.map(|s| load.slab(Colour::Black, s)));
     }
 }
 
-/// The red part of full weighting: the node itself and a quarter of its four diagonal neighbours.
+/// Sets a coarse row to the red part of full weighting: the node itself and a quarter of its four diagonal neighbours.
 #[inline(always)]
 fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {
     let half = coarse.len() - 1;
     coarse[0] = middle[0] + 0.5 * (lower[0] + upper[0]);
-    // Up to the last one, which is replaced: whole vectors.
+    // The loop includes the last node, so that it fills whole vectors; that node is set again afterwards.
     let (inner, middle_inner) = (&mut coarse[1..half + 1], &middle[1..half + 1]);
     let (lower_west, lower_east) = (&lower[..half], &lower[1..half + 1]);
     let (upper_west, upper_east) = (&upper[..half], &upper[1..half + 1]);
@@ -37,7 +39,7 @@ fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {
     coarse[half] = middle[half] + 0.5 * (lower[half - 1] + upper[half - 1]);
 }
 
-/// The black part of full weighting: half of the four nearest neighbours.
+/// Adds the black part of full weighting to a coarse row: half of the four nearest neighbours.
 #[inline(always)]
 fn weigh_black(coarse: &mut [f64], [along, below, above]: [&[f64]; 3]) {
     let half = coarse.len() - 1;

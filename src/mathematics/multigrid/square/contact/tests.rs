@@ -1,11 +1,11 @@
-//! The springs against the lattice: energies of sets in contact, ends, corners and single nodes.
+//! Tests of the springs against the lattice: energies of sets in contact, ends, corners and single nodes.
 
 use super::*;
 use crate::multigrid::coarsest::Coarsest;
-use crate::multigrid::layout::boundary_number;
+use crate::multigrid::layout::{boundary_number, share};
 use crate::multigrid::square::Square;
 
-/// Nodes in contact, counter-clockwise.
+/// Contact flags counter-clockwise for these nodes in contact.
 fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> Vec<bool> {
     let mut flags = vec![false; 4 * n];
     nodes.into_iter().for_each(|p| flags[p % (4 * n)] = true);
@@ -58,9 +58,10 @@ fn short_intervals_keep_their_capacity() {
 
 #[test]
 fn contact_everywhere_and_nowhere_have_no_ends() {
-    let inverses = |nodes| inverse_diagonal(8, &set(8, nodes), 4);
-    assert!(inverses(0..32).iter().all(|&inverse| inverse == 0.0));
-    assert!(inverses(0..0).iter().all(|&inverse| inverse == 0.25));
+    for (nodes, expected) in [(0..32, 0.0), (0..0, 0.25)] {
+        let inverses = inverse_diagonal(8, &set(8, nodes), 4);
+        assert!(inverses.iter().all(|&inverse| inverse == expected));
+    }
 }
 
 /// `F'y` for a constant load and the linear problem with these inverses on the boundary.
@@ -73,9 +74,12 @@ fn energy(n: usize, inverse_diagonal: &[f64]) -> f64 {
     let mut coarsest = Coarsest::new::<Square>(n);
     coarsest.factor(&level);
     coarsest.solve_linear(&mut level);
-    let share = |i: usize| if i.is_multiple_of(n) { 0.5 } else { 1.0 } / n as f64;
-    let part = |k: usize| share(k % (n + 1)) * share(k / (n + 1));
-    (0..level.nodes).map(|k| part(k) * level.value(k)).sum()
+    let mut energy = 0.0;
+    for k in 0..level.nodes {
+        let cell = share(n, k % (n + 1)) * share(n, k / (n + 1)) / (n * n) as f64;
+        energy += cell * level.value(k);
+    }
+    energy
 }
 
 #[test]
@@ -97,24 +101,28 @@ fn coarse_grids_see_how_much_a_set_holds() {
     }
 }
 
-/// Reach around the corner, in cells, of what holds node (1, 0) of a quadrant whose left side is in
-/// contact, `inverse` being the inverse of its diagonal: the lattice problem is solved on a square,
-/// with `Re sqrt(z^2 - reach^2)` on its far sides, until that fits in the middle as well.
+/// `Re sqrt(z^2 - reach^2)` at node (i, j).
+fn far_field(reach: f64, i: usize, j: usize) -> f64 {
+    let (x, y) = (i as f64, j as f64);
+    let (re, im) = (x * x - y * y - reach * reach, 2.0 * x * y);
+    (0.5 * (re.hypot(im) + re)).sqrt()
+}
+
+/// Reach around the corner, in cells, of a spring or of contact at node (1, 0) of a quadrant whose left side is in
+/// contact; `inverse` is the inverse of the diagonal at that node.
+///
+/// The lattice problem is solved on a square with [`far_field`] on its far sides, and the reach is adjusted to the
+/// solution in the middle, six times.
 fn reach_around_the_corner(inverse: f64) -> f64 {
     const N: usize = 48;
     const SWEEPS: usize = 400;
     let relaxation = 2.0 / (1.0 + PI / N as f64);
     let mut reach = 0.0;
     for _ in 0..6 {
-        let far = |i: usize, j: usize| {
-            let (x, y) = (i as f64, j as f64);
-            let (re, im) = (x * x - y * y - reach * reach, 2.0 * x * y);
-            (0.5 * (re.hypot(im) + re)).sqrt()
-        };
         let mut v = vec![[0.0; N + 1]; N + 1];
         for (j, row) in v.iter_mut().enumerate() {
             for (i, value) in row.iter_mut().enumerate() {
-                *value = far(i, j);
+                *value = far_field(reach, i, j);
             }
         }
         for _ in 0..SWEEPS {
@@ -136,46 +144,54 @@ fn reach_around_the_corner(inverse: f64) -> f64 {
     reach
 }
 
+const RHO: f64 = 3.0 - 2.0 * SQRT_2;
+
+/// First `count` coefficients of `(1 - ratio z)^(-power)`.
+fn binomial_series(power: f64, ratio: f64, count: usize) -> Vec<f64> {
+    let mut terms = vec![1.0];
+    for k in 0..count - 1 {
+        terms.push(terms[k] * ratio * (power + k as f64) / (k + 1) as f64);
+    }
+    terms
+}
+
+/// Coefficient `k` of the product of a slowly and a fast decreasing series.
+fn product_coefficient(slow: &[f64], fast: &[f64], k: usize) -> f64 {
+    fast.iter().enumerate().map(|(m, c)| c * slow[k - m]).sum()
+}
+
+/// End of the interval by `k - (u / C)^2`, from coefficient `k = count - 1` of U.
+fn end_from_series(t: f64, count: usize) -> f64 {
+    let slow = binomial_series(1.5, 1.0, count);
+    let fast = binomial_series(0.5, RHO, 60);
+    let u = (1.0 - t) * product_coefficient(&slow, &fast, count - 1)
+        + t * product_coefficient(&slow, &fast, count - 2);
+    let growth = 2.0 / PI.sqrt() / (1.0 - RHO).sqrt();
+    count as f64 - (u / growth).powi(2)
+}
+
 #[test]
 fn ends_and_springs_are_those_of_the_lattice() {
-    // Values along the boundary by the series of U; their end by extrapolation of k - (u / C)^2.
-    let rho = 3.0 - 2.0 * SQRT_2;
     for t in [0.0, 0.3, 0.9] {
-        let end = |count: usize| {
-            // Coefficients of (1 - z)^(-3/2) and (1 - rho z)^(-1/2), of their product, of U.
-            let series = |power: f64, ratio: f64| {
-                let next = move |(k, c): (usize, f64)| {
-                    (k + 1, c * ratio * (power + k as f64) / (k + 1) as f64)
-                };
-                std::iter::successors(Some((0, 1.0)), move |&term| Some(next(term)))
-            };
-            let slow: Vec<_> = series(1.5, 1.0).map(|term| term.1).take(count).collect();
-            let product =
-                |k: usize| -> f64 { series(0.5, rho).take(60).map(|(m, c)| c * slow[k - m]).sum() };
-            let u = (1.0 - t) * product(count - 1) + t * product(count - 2);
-            let growth = 2.0 / PI.sqrt() / (1.0 - rho).sqrt();
-            count as f64 - (u / growth).powi(2)
-        };
-        let extrapolated = 2.0 * end(20_000) - end(10_000);
+        let extrapolated = 2.0 * end_from_series(t, 20_000) - end_from_series(t, 10_000);
         assert!((extrapolated - TIP - t).abs() < 1e-6, "{t}: {extrapolated}");
     }
     // The factorisation of the symbol.
     for angle in [0.1, 1.0, 3.0_f64] {
         let c = angle.cos();
-        let factors = ((2.0 - 2.0 * c) * (1.0 + rho * rho - 2.0 * rho * c) / rho).sqrt();
+        let factors = ((2.0 - 2.0 * c) * (1.0 + RHO * RHO - 2.0 * RHO * c) / RHO).sqrt();
         assert!((2.0 * ((1.0 - c) * (3.0 - c)).sqrt() / factors - 1.0).abs() < 1e-12);
     }
-    assert!((end_spring(0.3) - 0.3 / 0.7 / (2.0 * rho.sqrt())).abs() < 1e-12);
+    assert!((end_spring(0.3) - 0.3 / 0.7 / (2.0 * RHO.sqrt())).abs() < 1e-12);
 }
 
 #[test]
 fn corner_constants_are_those_of_the_lattice() {
-    let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-3;
     let contact = reach_around_the_corner(0.0);
-    assert!(close(contact, CORNER_LEG), "{contact}");
+    assert!((contact / CORNER_LEG - 1.0).abs() < 1e-3, "{contact}");
     for t in [0.2, 0.5, 0.8_f64] {
         let reach = reach_around_the_corner(1.0 / (2.0 + CORNER_SPRING * t / (1.0 - t)));
-        assert!(close(reach, CORNER_LEG * t.sqrt()), "{t}: {reach}");
+        assert!((reach / (CORNER_LEG * t.sqrt()) - 1.0).abs() < 1e-3, "{t}: {reach}");
     }
 }
 

@@ -1,0 +1,134 @@
+//! Public entry points: a workspace for repeated solution, and two functions for a single one.
+//!
+//! Nothing here is generic, so that all loops are compiled with the options of this package.
+
+use super::cube::Cube;
+use super::hierarchy::Hierarchy;
+use super::input::InputError;
+use super::square::Square;
+use super::{MultigridOutcome, MultigridParams};
+use crate::discrete::threads::among_threads;
+
+/// Preallocated grids for problems with `n` cells per side.
+pub struct Multigrid {
+    grids: Grids,
+}
+
+enum Grids {
+    Square(Hierarchy<Square>),
+    Cube(Hierarchy<Cube>),
+}
+
+impl Multigrid {
+    /// Allocates grids of the square: 21.3 bytes per unknown, and padding of each row to a cache line.
+    ///
+    /// # Errors
+    /// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7.
+    pub fn square(n: usize) -> Result<Self, InputError> {
+        Ok(Self { grids: Grids::Square(Hierarchy::allocate(n)?) })
+    }
+
+    /// Allocates grids of the cube: 18.3 bytes per unknown, and padding of each row to a cache line.
+    ///
+    /// # Errors
+    /// If `n` is not a power of two (at least 2) times 1 or 3.
+    pub fn cube(n: usize) -> Result<Self, InputError> {
+        Ok(Self { grids: Grids::Cube(Hierarchy::allocate(n)?) })
+    }
+
+    /// Memory that one thread needs, in bytes. Each further thread takes a few rows of the square, or a slab of the
+    /// cube.
+    pub fn bytes(&self) -> usize {
+        match &self.grids {
+            Grids::Square(grids) => grids.bytes(),
+            Grids::Cube(grids) => grids.bytes(),
+        }
+    }
+
+    /// Bytes per unknown that the passes of the last solve and [`Multigrid::write_solution`] move together, if each
+    /// reads and writes every row once.
+    ///
+    /// On grids too large for the caches, this number over the bandwidth of the memory is a lower bound of the time.
+    pub fn traffic(&self) -> f64 {
+        match &self.grids {
+            Grids::Square(grids) => grids.traffic(),
+            Grids::Cube(grids) => grids.traffic(),
+        }
+    }
+
+    /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
+    ///
+    /// # Errors
+    /// If a length is wrong, a number is not finite, or the load does not have a negative sum.
+    pub fn solve(
+        &mut self,
+        load: &[f64],
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<MultigridOutcome, InputError> {
+        match &mut self.grids {
+            Grids::Square(grids) => grids.solve(load, start, params),
+            Grids::Cube(grids) => grids.solve(load, start, params),
+        }
+    }
+
+    /// Copies the solution in the order of the load.
+    ///
+    /// # Panics
+    /// If the slice has another length.
+    pub fn write_solution(&self, solution: &mut [f64]) {
+        match &self.grids {
+            Grids::Square(grids) => grids.write_solution(solution),
+            Grids::Cube(grids) => grids.write_solution(solution),
+        }
+    }
+
+    /// Solves the problem for one load and returns the solution with the outcome.
+    fn solve_once(
+        mut self,
+        load: &[f64],
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+        let mut solution = vec![0.0; load.len()];
+        let outcome = among_threads(load.len(), || {
+            let outcome = self.solve(load, start, params)?;
+            self.write_solution(&mut solution);
+            Ok(outcome)
+        })?;
+        Ok((solution, outcome))
+    }
+}
+
+/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary of the square, `A` the five-point stiffness matrix of the
+/// natural boundary condition on a grid with `n` cells per side.
+///
+/// `load` and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
+///
+/// # Errors
+/// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the sum
+/// of the load is not negative: then the energy is not bounded below, or has no unique minimiser.
+pub fn solve_square(
+    n: usize,
+    load: &[f64],
+    start: Option<&[f64]>,
+    params: &MultigridParams,
+) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+    Multigrid::square(n)?.solve_once(load, start, params)
+}
+
+/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary of the cube, `A` the seven-point stiffness matrix; see
+/// [`solve_square`].
+///
+/// `load` and the solution hold `(n + 1)^3` numbers, x fastest.
+///
+/// # Errors
+/// If `n` is not a power of two (at least 2) times 1 or 3, and as [`solve_square`].
+pub fn solve_cube(
+    n: usize,
+    load: &[f64],
+    start: Option<&[f64]>,
+    params: &MultigridParams,
+) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+    Multigrid::cube(n)?.solve_once(load, start, params)
+}
