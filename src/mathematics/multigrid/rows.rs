@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::discrete::simd::vectorised;
 use crate::discrete::threads::{TASK, in_tasks};
 
-/// Nodes with an even sum of indices are red, the others black.
+/// Colour of a node: red if the sum of its indices is even, otherwise black.
 ///
 /// The corners are red because the number of cells per side is even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +53,7 @@ pub(super) const LINE: usize = 8;
 /// All rows of one colour. The first row starts at a cache line.
 pub(super) struct ColourRows {
     storage: Vec<f64>,
+    /// Index in `storage` at which the first row starts.
     first: usize,
 }
 

@@ -174,7 +174,7 @@ pub(super) struct StencilRow<'a> {
     at: At,
     colour: Colour,
     load: &'a [f64],
-    /// The same row of the other colour.
+    /// Row of the other colour at the same position.
     along: &'a [f64],
     /// The slice that begins one place before `along`.
     before: &'a [f64],

@@ -5,8 +5,8 @@
 //! 1. Stop with `Diverged` if the residual is not finite or has grown by [`DIVERGENCE`].
 //! 2. Stop with `Converged` if the goal is met. A cycle measures the residual at the red nodes only; it leaves rounding
 //!    errors at the black ones. Where these may matter, all nodes are checked first.
-//! 3. If the residual has hardly fallen, compare it with [`ROUNDING_FLOOR`] roundings; if it is below, check all nodes and stop
-//!    with `RoundingFloor`.
+//! 3. If the residual has hardly fallen, compare it with [`ROUNDING_FLOOR`] roundings; if it is below, check all nodes
+//!    and stop with `RoundingFloor`.
 //! 4. If the residual is that of two cycles before, two contact sets alternate: the next cycle applies half a
 //!    correction.
 //!

@@ -1,11 +1,11 @@
 //! Full multigrid for the scalar Signorini problem on the unit cube, at optimal cost.
 //!
 //! # Idea
-//! As on the [square](crate::multigrid::square): projected red-black Gauss-Seidel sweeps on the finest grid, truncation
-//! of the nodes in contact, a linear coarse-grid correction of the others. New here is the representation of the
-//! contact set on coarse grids: by the current that it draws (see `contact.rs`). The rate of convergence is then that
-//! of multigrid for the Poisson equation, about 0.1, for contact sets down to a single node, and up to 0.3 for sets of
-//! scattered single nodes.
+//! The method is that of the [square](crate::multigrid::square): projected red-black Gauss-Seidel sweeps on the finest
+//! grid, truncation of the nodes in contact, a linear coarse-grid correction of the others. New here is the
+//! representation of the contact set on coarse grids: by the current that it draws (see `contact.rs`). The rate of
+//! convergence is then that of multigrid for the Poisson equation, about 0.1, for contact sets down to a single node,
+//! and up to 0.3 for sets of scattered single nodes.
 //!
 //! # Parameters of the algorithm
 //! The steps are numbered in [`multigrid`](crate::multigrid). On the cube:
