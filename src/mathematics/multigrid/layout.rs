@@ -123,6 +123,13 @@ impl At {
     }
 }
 
+/// One row of one colour, of which `slabs` holds all slabs from `first` on.
+#[inline(always)]
+pub(super) fn row_from<D: Dimension>(slabs: &[f64], first: usize, at: At) -> &[f64] {
+    let start = ((at.s - first) * rows_per_slab::<D>(at.n) + at.r) * stride(at.n);
+    &slabs[start..][..stride(at.n)]
+}
+
 /// Number of the first boundary node of row `j` of a plane, among the boundary nodes of the plane.
 #[inline(always)]
 fn first_boundary_in_plane(n: usize, j: usize) -> usize {

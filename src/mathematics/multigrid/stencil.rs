@@ -1,6 +1,6 @@
 //! The five- or seven-point stencil on one row of one colour, and the condition at its boundary nodes.
 
-use super::layout::{At, Dimension, Slab, mirrored, rows_per_slab};
+use super::layout::{At, Dimension, Slab, mirrored, row_from, rows_per_slab};
 use super::rows::{Colour, stride};
 use crate::discrete::simd::Largest;
 
@@ -197,7 +197,6 @@ impl<'a> StencilRow<'a> {
         let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
         let [below, above] = mirrored(n, s);
         let [south, north] = if D::AXES == 2 { [r, r] } else { mirrored(n, r) };
-        let across = [(south, s), (north, s), (r, below), (r, above)];
         let own = ((s - first) * rows + r) * stride;
         Self {
             at,
@@ -205,7 +204,13 @@ impl<'a> StencilRow<'a> {
             load: &load[(s * rows + r) * stride..][..stride],
             along: &other[own..][..stride],
             before: &other[own.saturating_sub(1)..][..stride],
-            across: across.map(|(r, s)| &other[((s - first) * rows + r) * stride..][..stride]),
+            // Written out: a call of `map` is not inlined, and takes as long as a short row.
+            across: [
+                row_from::<D>(other, first, At { n, r: south, s }),
+                row_from::<D>(other, first, At { n, r: north, s }),
+                row_from::<D>(other, first, At { n, r, s: below }),
+                row_from::<D>(other, first, At { n, r, s: above }),
+            ],
         }
     }
 

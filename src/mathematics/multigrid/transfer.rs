@@ -4,8 +4,8 @@
 //! red values. Only red residuals are restricted, since black residuals vanish after a half-sweep over the black nodes.
 
 use super::buffers::Buffers;
-use super::layout::{At, Dimension, Slab, mirrored, places_per_slab, rows_per_slab};
-use super::rows::{Colour, deinterleave, long_and_short, stride};
+use super::layout::{At, Dimension, Slab, mirrored, places_per_slab, row_from};
+use super::rows::{Colour, deinterleave, long_and_short};
 use super::stencil::{Boundary, edges};
 
 /// Full weighting of one slab, which differs between the square and the cube.
@@ -59,12 +59,11 @@ pub(super) struct CoarseLoad<'a> {
     pub(super) black: &'a mut [f64],
 }
 
-/// Row `r` of slab `s` of a grid with `n` cells per side, its long part first.
+/// Row `at` of both colours of a grid, its long part first.
 #[inline(always)]
-fn long_and_short_row<D: Dimension>(values: [&[f64]; 2], At { n, r, s }: At) -> [&[f64]; 2] {
-    let (rows, stride) = (rows_per_slab::<D>(n), stride(n));
-    let row = values.map(|of_colour| &of_colour[(s * rows + r) * stride..][..stride]);
-    long_and_short(r + s, row)
+fn long_and_short_row<D: Dimension>([red, black]: [&[f64]; 2], at: At) -> [&[f64]; 2] {
+    let row = [row_from::<D>(red, 0, at), row_from::<D>(black, 0, at)];
+    long_and_short(at.r + at.s, row)
 }
 
 /// Coarse indices next to the fine index `i`; equal if `i` lies on the coarser grid.

@@ -35,19 +35,30 @@ impl<'a> NeighbourRows<'a> {
     fn new(at: At, slab: impl Fn(usize, usize) -> &'a [f64]) -> Self {
         let (n, r, s) = (2 * at.n, 2 * at.r, 2 * at.s);
         let ([south, north], [below, above]) = (mirrored(n, r), mirrored(n, s));
-        let slabs = [slab(0, below), slab(1, s), slab(2, above)];
-        let [
-            [below_south, below, below_north],
-            [south, middle, north],
-            [above_south, above, above_north],
-        ] = slabs
-            .map(|slab| [south, r, north].map(|r| &slab[At { n, r, s }.in_slab()][..at.n + 1]));
+        let (lower, own, upper) = (slab(0, below), slab(1, s), slab(2, above));
+        // Written out: a call of `map` is not inlined, and takes as long as a short row.
         Self {
-            middle,
-            sides: [below, south, north, above],
-            diagonals: [below_south, below_north, above_south, above_north],
+            middle: row_start(own, at.n, r),
+            sides: [
+                row_start(lower, at.n, r),
+                row_start(own, at.n, south),
+                row_start(own, at.n, north),
+                row_start(upper, at.n, r),
+            ],
+            diagonals: [
+                row_start(lower, at.n, south),
+                row_start(lower, at.n, north),
+                row_start(upper, at.n, south),
+                row_start(upper, at.n, north),
+            ],
         }
     }
+}
+
+/// First `coarse_n + 1` places of row `r` of a slab of the finer grid.
+#[inline(always)]
+fn row_start(slab: &[f64], coarse_n: usize, r: usize) -> &[f64] {
+    &slab[At { n: 2 * coarse_n, r, s: 0 }.in_slab()][..coarse_n + 1]
 }
 
 /// Sets a coarse row to the red part of full weighting: rows at the sides lie between the coarse nodes.
