@@ -32,5 +32,6 @@ mod solvers;
 mod spectral;
 mod stress;
 mod terminal;
+mod touching;
 mod truth;
 mod whole;

@@ -224,9 +224,36 @@ fn what_nearly_touches_is_as_good_as_touching() {
 #[test]
 fn the_length_of_a_normal_does_not_matter() {
     let energy = |f: &str| spectral(&f.parse().unwrap(), Params::default()).unwrap().energy;
-    for length in ["1e-160", "1e160"] {
+    for length in ["1e-160", "1e160", "5e-324", "1e-320", "1.7e308"] {
         let f = format!("halfplane({length},{length},0)=1; else=-2");
         assert_eq!(energy(&f), energy("halfplane(1,1,0)=1; else=-2"));
+    }
+}
+
+#[test]
+fn a_line_far_away_is_none() {
+    let energy = |f: &str| solved(f, Params::default()).energy;
+    let known = energy("disc(0,0,0.3)=1; else=-2");
+    for line in ["halfplane(1,2,1e300)", "halfplane(5e-324,0,1)", "halfplane(1,1,20)"] {
+        assert_eq!(energy(&format!("{line}=-2; disc(0,0,0.3)=1; else=3")), known, "{line}");
+    }
+}
+
+#[test]
+fn the_unit_of_f_does_not_matter() {
+    let f = |unit: f64| {
+        format!(
+            "rect(0.25,0.5,0.25,0.5)={:e}; disc(-0.3,0,0.1)={:e}; else={:e}",
+            2.0 * unit,
+            unit,
+            -unit
+        )
+    };
+    let known = solved(&f(1.0), Params::default());
+    for unit in [1e-130, 1e-60, 1e60, 1e130] {
+        let found = solved(&f(unit), Params::default());
+        close(found.energy / unit / unit / known.energy, 1.0, 1e-13);
+        close(found.contact[0].from[0], known.contact[0].from[0], 1e-13);
     }
 }
 
@@ -237,7 +264,7 @@ fn what_is_not_solved_is_refused() {
     assert!(matches!(refused("exact(torsion)"), Some(SpectralError::NotPieces)));
     // A jump that is too small to be seen is missed in the force.
     let lost = "disc(0.3,-0.4,1e-12)=-1e20; else=-1";
-    assert!(matches!(refused(lost), Some(SpectralError::Unchecked(_))));
+    assert!(matches!(refused(lost), Some(SpectralError::Unchecked { .. })));
 }
 
 /// How far the spectral energy is from extrapolated ones, over what one halving of h changes.

@@ -6,11 +6,13 @@ use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
 use crate::discrete::grid::Grid;
+use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::shown_integral;
 use crate::saddle::Pair;
 use crate::spectral::{Params, Solution, SpectralError, spectral};
-use std::time::Instant;
+use indicatif::ProgressBar;
+use std::time::{Duration, Instant};
 
 /// Says what the solution is, and returns it.
 pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
@@ -67,7 +69,14 @@ pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
         multiplier.max(0.0)
     };
     let a = (0..grid.boundary_nodes()).map(multiplier).collect();
-    Pair { y: solution.at_nodes(grid.cells()), a }
+    let bar = bar("{spinner} v at {msg} nodes, {elapsed}");
+    if let Some(bar) = &bar {
+        bar.set_message(grid.nodes().to_string());
+        bar.enable_steady_tick(Duration::from_millis(200));
+    }
+    let y = solution.at_nodes(grid.cells());
+    bar.inspect(ProgressBar::finish_and_clear);
+    Pair { y, a }
 }
 
 fn table(solution: &Solution) -> String {
@@ -81,6 +90,11 @@ fn failed(name: &str, error: &SpectralError) -> Error {
     match error {
         SpectralError::NotPieces | SpectralError::NotCoercive(_) => {
             Error::input(format!("{name}: {error}; use --solver multigrid, or change f"))
+        }
+        SpectralError::Unchecked { near: Some(_), .. } | SpectralError::NoContactSet(Some(_)) => {
+            Error::Stage(vec![format!(
+                "{name}: {error}; use --solver multigrid --accuracy-energy 1e-6"
+            )])
         }
         _ => Error::Stage(vec![format!("{name}: {error}; use --solver multigrid")]),
     }

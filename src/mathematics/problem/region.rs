@@ -2,7 +2,7 @@
 
 use super::exact::Exact;
 use super::shape::{
-    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, run, scaled,
+    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, plain, run, scaled,
 };
 use std::f64::consts::PI;
 use std::fmt;
@@ -32,7 +32,10 @@ impl Region {
                     [[-1.0, 0.0, left], [1.0, 0.0, x[1]], [0.0, -1.0, bottom], [0.0, 1.0, y[1]]];
                 sides.into_iter().filter(|[.., c]| c.is_finite()).collect()
             }
-            Self::HalfPlane { a, b, c } => vec![[a, b, c]],
+            Self::HalfPlane { a, b, c } => {
+                let ([a, b], c) = plain([a, b], c);
+                vec![[a, b, c]]
+            }
             Self::Disc { centre: [cx, cy], radius } => {
                 let angle = PI / 360.0;
                 let apothem = radius * (angle / libm::tan(angle)).sqrt();
@@ -57,7 +60,10 @@ impl Shape for Region {
             Self::Rect { x: [left, right], y: [bottom, top] } => {
                 left <= x && x <= right && bottom <= y && y <= top
             }
-            Self::HalfPlane { a, b, c } => a * x + b * y <= c,
+            Self::HalfPlane { a, b, c } => {
+                let ([a, b], c) = plain([a, b], c);
+                a * x + b * y <= c
+            }
             Self::Disc { centre: [cx, cy], radius } => {
                 let (dx, dy) = (x - cx, y - cy);
                 dx * dx + dy * dy <= radius * radius

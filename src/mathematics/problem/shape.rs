@@ -71,6 +71,20 @@ pub(crate) fn scaled<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64
     (normal.map(|s| s / scale), d / scale)
 }
 
+/// The same half-plane or half-space with a normal whose products with coordinates are normal numbers: scaled by a power
+/// of two, which changes no digit, where its components are extremely small or large.
+pub(crate) fn plain<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64) {
+    let largest = normal.iter().fold(0.0f64, |most, s| most.max(s.abs()));
+    // In two steps, since the reciprocal of a subnormal number is infinite.
+    let steps = match largest {
+        tiny if tiny < 1e-150 => [600, 474],
+        huge if huge > 1e150 => [-450, -450],
+        _ => return (normal, d),
+    };
+    let [first, second] = steps.map(|step| libm::ldexp(1.0, step));
+    (normal.map(|s| s * first * second), d * first * second)
+}
+
 /// Least and greatest x with `a x <= room`; nothing if there is none.
 pub(super) fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
     match a {

@@ -182,6 +182,7 @@ fn shape<S: Shape>(text: &str) -> Option<Result<S, SourceError>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::cube::Body;
 
     #[test]
     fn last_piece_wins_and_text_round_trips() {
@@ -192,6 +193,23 @@ mod tests {
         assert_eq!(f.at([-0.4, -0.4]), 2.0);
         assert_eq!(f.at([0.4, 0.4]), -1.0);
         assert_eq!(f.to_string(), text);
+    }
+
+    #[test]
+    fn half_planes_are_read_with_extreme_coefficients() {
+        for (text, inside, outside) in [
+            ("halfplane(5e-324,5e-324,0)", [-0.1, -0.2], [0.1, 0.2]),
+            ("halfplane(1e-320,2e-320,1e-321)", [0.06, 0.015], [0.08, 0.015]),
+            ("halfplane(1e-310,-1e308,0)", [-0.4, 0.1], [-0.4, -0.1]),
+            ("halfplane(1.7e308,1.7e308,1.7e308)", [0.5, 0.4], [0.6, 0.5]),
+        ] {
+            let f: Source = format!("{text}=2; else=-3").parse().unwrap();
+            assert_eq!([f.at(inside), f.at(outside)], [2.0, -3.0], "{text}");
+            // It stays as it was written.
+            assert!(f.to_string().parse::<Source>().unwrap() == f, "{text}");
+        }
+        let f: Source<Body> = "halfspace(5e-324,5e-324,-5e-324,0)=2; else=-3".parse().unwrap();
+        assert_eq!([f.at([0.1, 0.1, 0.3]), f.at([0.1, 0.2, 0.2])], [2.0, -3.0]);
     }
 
     #[test]

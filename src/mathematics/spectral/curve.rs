@@ -9,6 +9,9 @@ use std::f64::consts::TAU;
 /// the limit.
 pub(super) const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
+/// How far points may be off by rounding, of coordinates below 1 and in their use.
+pub(super) const ROUNDING: f64 = 4e-15;
+
 /// A line, or a circle anticlockwise, whose points are known by their distance from the origin along it.
 ///
 /// Centres and radii would lose digits to cancellation where a large circle is nearly straight.
@@ -70,9 +73,20 @@ impl Curve {
         (self.curvature > 0.0).then(|| self.origin + normal.scaled(1.0 / self.curvature))
     }
 
-    /// Where it meets another curve. If they overlap by, or lack, less than half of [`SAME`] they touch, as is frequent
-    /// with decimal input.
-    pub(super) fn meets(self, other: Self) -> Vec<f64> {
+    /// Where the point nearest to `z` is along it.
+    pub(super) fn place(self, z: Complex) -> f64 {
+        let local = self.local(z);
+        if self.curvature == 0.0 {
+            return local.re;
+        }
+        let (polar, _) = self.polar(z);
+        polar.arg() / self.curvature
+    }
+
+    /// How it lies to another curve.
+    fn relation(self, other: Self) -> Relation {
+        /// Distance of centres, in radii of either circle, from which on the angle between circles has all digits.
+        const NEARLY_ONE: f64 = 1e-3;
         let sign = 1.0_f64.copysign(self.tangent.dot(other.tangent));
         let (k, l, tangent) = (self.curvature, sign * other.curvature, other.tangent.scaled(sign));
         // In the frame of this curve the other, in the same direction, is l |w|^2 + 2 Re(conj(b) w) + c = 0. Here
@@ -81,19 +95,42 @@ impl Curve {
         let b = turn.conj() * Complex::new(l * from.re, l * from.im - 1.0);
         let c = l * from.norm2() - 2.0 * from.im;
         let a = l + k * (b.im + 0.25 * k * c);
-        // The discriminant is the square of the sine of the angle between the curves, this 1 less its cosine, without
-        // cancellation where they are nearly parallel.
-        let versine = turn.im * turn.im / (1.0 + turn.re) + l * turn.cross(from) + 0.5 * k * c;
-        let square = versine * (2.0 - versine);
         // The difference of the curvatures where curves touch, zero for lines and circles with one centre.
         let bend = (other.origin - self.origin).scaled(k * l)
             + (tangent.scaled(k) - self.tangent.scaled(l)).turned();
-        let (bend, parallel) = (bend.norm(), k == 0.0 && l == 0.0 && square < SAME * SAME);
-        if square < -SAME * bend || bend < SAME * (k * l).abs() || parallel {
+        let bend = bend.norm();
+        // The discriminant is the square of the sine of the angle between the curves, this 1 less its cosine: without
+        // cancellation where they are nearly parallel, and by the triangle of the centres and a common point for
+        // circles that are nearly one.
+        let versine = match bend < NEARLY_ONE * k.min(l) {
+            true => 0.5 * (bend - (k - l).abs()) * (bend + (k - l).abs()) / (k * l),
+            false => turn.im * turn.im / (1.0 + turn.re) + l * turn.cross(from) + 0.5 * k * c,
+        };
+        let concentric = bend < ROUNDING * (k * l).abs();
+        Relation { a, b: b.re, c, bend, square: versine * (2.0 - versine), concentric }
+    }
+
+    /// Zero if it touches, or is, another curve: the angle at which they meet or an imaginary one; for parallel lines
+    /// their distance in the square.
+    pub(super) fn apartness(self, other: Self) -> f64 {
+        let Relation { square, .. } = self.relation(other);
+        let angle = square.abs().sqrt();
+        let straight = self.curvature == 0.0 && other.curvature == 0.0;
+        if straight { angle.max(other.distance(self.origin).abs()) } else { angle }
+    }
+
+    /// Where it meets another curve. If they overlap by, or lack, less than half of [`SAME`] they touch, as is frequent
+    /// with decimal input.
+    pub(super) fn meets(self, other: Self) -> Vec<f64> {
+        let k = self.curvature;
+        let Relation { a, b, c, bend, square, concentric } = self.relation(other);
+        let straight = k == 0.0 && other.curvature == 0.0;
+        let parallel = straight && square < ROUNDING * ROUNDING;
+        if square < -SAME * bend || concentric || parallel {
             return Vec::new();
         }
         let touch = square < SAME * bend;
-        let q = -b.re - if touch { 0.0 } else { square.sqrt().copysign(b.re) };
+        let q = -b - if touch { 0.0 } else { square.sqrt().copysign(b) };
         let roots = match touch {
             true if a.abs() > c.abs() => vec![q / a],
             true => vec![c / q],
@@ -105,18 +142,34 @@ impl Curve {
 
     /// How far its points may be off: those of a large circle by rounding errors of its radius, as f knows it.
     pub(super) fn rounding(self) -> f64 {
-        SAME.max(2e-15 * self.period().unwrap_or_default())
+        ROUNDING.max(2e-15 * self.period().unwrap_or_default())
     }
 
-    /// Whether points lie on it.
-    pub(super) fn holds(self, points: [Complex; 3]) -> bool {
-        points.into_iter().all(|z| self.distance(z).abs() < self.rounding())
+    /// Whether points lie on it, within a distance or what rounding makes of it.
+    pub(super) fn holds(self, points: [Complex; 3], within: f64) -> bool {
+        let within = within.max(self.rounding());
+        points.into_iter().all(|z| self.distance(z).abs() < within)
     }
 
+    /// Whether it is another curve. A little farther apart than points that count as one, curves could be told apart
+    /// along some of their pieces only.
     pub(super) fn same(self, other: Self) -> bool {
         let s = 1.0_f64.min(1.0 / self.curvature);
-        other.holds([-s, 0.0, s].map(|s| self.at(s)))
+        other.holds([-s, 0.0, s].map(|s| self.at(s)), 4.0 * ROUNDING)
     }
+}
+
+/// How two curves lie to one another: the points of the one that are on the other are at `tan(k s / 2) / (k / 2)` along
+/// it, which is a root of `a u^2 + 2 b u + c`.
+struct Relation {
+    a: f64,
+    b: f64,
+    c: f64,
+    /// Discriminant, the square of the sine of the angle between them.
+    square: f64,
+    /// Distance of the centres times both curvatures: the difference of the curvatures where they touch.
+    bend: f64,
+    concentric: bool,
 }
 
 /// A part of a curve.
@@ -144,6 +197,9 @@ pub(super) const SIDES: [Curve; 4] = [
     Curve::line(Complex::new(0.0, 0.5), Complex::new(1.0, 0.0)),
 ];
 
+/// Lines farther from the centre than this bound nothing in the square, and their points may overflow.
+const FARTHEST: f64 = 10.0;
+
 /// The curves that bound a region; none bounds a disc that is hardly wider than a point.
 pub(super) fn borders(region: &Region) -> Vec<Curve> {
     if let Region::Disc { centre: [x, y], radius } = *region {
@@ -168,7 +224,8 @@ pub(super) fn borders(region: &Region) -> Vec<Curve> {
         let scale = 1.0 / normal.norm();
         Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))
     };
-    region.half_planes().into_iter().map(side).collect()
+    let lines = region.half_planes().into_iter().map(side);
+    lines.filter(|line| line.origin.norm() < FARTHEST).collect()
 }
 
 #[cfg(test)]

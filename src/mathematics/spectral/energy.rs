@@ -1,4 +1,4 @@
-//! The energy of the solution, from integrals over the border and along the jumps of f.
+//! The energy of the solution, from integrals over the border and along the jumps of f, and moments of f by the same.
 
 use super::along::Node;
 use super::complex::Complex;
@@ -18,6 +18,21 @@ pub(super) struct Energies {
     pub rellich: f64,
     /// Integral of l over the border.
     pub force: f64,
+    /// Integrals of f times the [`HARMONIC`] polynomials, by Green's identity with psi on the border.
+    contour: [f64; HARMONIC],
+    /// The same by the divergence theorem, over the border and along the jumps.
+    area: [f64; HARMONIC],
+}
+
+/// Polynomials for which moments of f are compared: 1, x, y, xy and x^2 - y^2.
+const HARMONIC: usize = 5;
+const DEGREES: [f64; HARMONIC] = [0.0, 1.0, 1.0, 2.0, 2.0];
+
+/// The polynomials and their gradients.
+fn harmonic(Complex { re: x, im: y }: Complex) -> [(f64, Complex); HARMONIC] {
+    let gradients = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [y, x], [2.0 * x, -2.0 * y]];
+    let values = [1.0, x, y, x * y, (x - y) * (x + y)];
+    std::array::from_fn(|k| (values[k], Complex::new(gradients[k][0], gradients[k][1])))
 }
 
 impl Energies {
@@ -26,6 +41,13 @@ impl Energies {
         energies.add_border(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, &trace.rules);
         Self { energy: -0.5 * energies.energy, rellich: -0.25 * energies.rellich, ..energies }
+    }
+
+    /// The largest difference of moments of f, as psi and the jumps have them, from those of its pieces in closed form:
+    /// times a size of v it is by how much the energy may be off.
+    pub(super) fn moments_off(&self, problem: &Problem) -> f64 {
+        let differences = problem.moments.iter().zip(self.contour.iter().zip(&self.area));
+        differences.map(|(m, (c, a))| (c - m).abs().max((a - m).abs())).fold(0.0, f64::max)
     }
 
     fn add_border(&mut self, trace: &Trace, problem: &Problem, bilinear: &Bilinear) {
@@ -44,6 +66,10 @@ impl Energies {
                     + psi * l
                     - v * psi_n);
             self.force += weight * l;
+            for (k, (p, slope)) in harmonic(z).into_iter().enumerate() {
+                self.contour[k] += weight * (psi * slope.dot(normal) - p * psi_n);
+                self.area[k] += weight * f * p * outward / (DEGREES[k] + 2.0);
+            }
             let (h, h_s) = (v - psi, along - psi_s);
             let tau = z.dot(tangent);
             let u = z.dot(gradient) - 2.0 * psi;
@@ -76,6 +102,9 @@ impl Energies {
                     - square * gradient.dot(normal);
                 self.energy += weight * (left - right) * moment;
                 self.rellich += weight * (left - right) * outward * psi;
+                for (k, (p, _)) in harmonic(point).into_iter().enumerate() {
+                    self.area[k] += weight * (left - right) * p * outward / (DEGREES[k] + 2.0);
+                }
             };
             let end = problem.along(arc, start, rules, add);
             for (vertex, psi) in arc.ends.into_iter().zip([start, end]) {

@@ -39,14 +39,6 @@ struct Jump {
 }
 
 impl Potential {
-    /// The number of the vertex at a point, a new one if there is none.
-    pub(super) fn vertex(&mut self, z: Complex) -> usize {
-        self.vertex_at(z).unwrap_or_else(|| {
-            self.vertices.push(z);
-            self.vertices.len() - 1
-        })
-    }
-
     /// The vertex at a point, if there is one.
     pub(super) fn vertex_at(&self, z: Complex) -> Option<usize> {
         self.vertices.iter().position(|&v| (v - z).norm() < 10.0 * SAME)

@@ -99,7 +99,18 @@ impl Trace {
                     part.map(|x| panel.place(panel.nodes(&[[x, 1.0]], power).t[0]).point());
                 (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12)
             };
-            for [from, to] in halved([0.0, 1.0], too_long) {
+            let parts = halved([0.0, 1.0], too_long);
+            if parts.len() == 1 {
+                // The values are wanted where they are known.
+                for (k, h) in values.iter().enumerate() {
+                    let point = &points[if panel.reversed { n - 1 - k } else { k }];
+                    let half = Complex::new(point.angle.cos, point.angle.sin);
+                    let to = corner * half * half - image;
+                    sum += point.weight * point.angle.slope * h / to.norm2();
+                }
+                continue;
+            }
+            for [from, to] in parts {
                 let inside =
                     targets.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]);
                 let inside: Vec<[f64; 2]> = inside.collect();

@@ -3,7 +3,7 @@
 use super::exact::Exact;
 use crate::problem::region::Region;
 use crate::problem::shape::{
-    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, run, scaled,
+    Convex, INSIDE, Shape, SourceError, VAST, half_line, misses, numbers, plain, run, scaled,
 };
 use std::fmt;
 use std::ops::Range;
@@ -36,7 +36,8 @@ impl Body {
                     x: [f64::NEG_INFINITY, f64::INFINITY],
                     y: [f64::NEG_INFINITY, f64::INFINITY],
                 }),
-            Self::HalfSpace { normal: [a, b, c], d } => {
+            Self::HalfSpace { normal, d } => {
+                let ([a, b, c], d) = plain(normal, d);
                 Some(Region::HalfPlane { a, b, c: d - c * z })
             }
         }
@@ -57,7 +58,8 @@ impl Shape for Body {
                 let square = |axis: usize| (point[axis] - centre[axis]).powi(2);
                 (0..3).map(square).sum::<f64>() <= radius * radius
             }
-            Self::HalfSpace { normal: [a, b, c], d } => {
+            Self::HalfSpace { normal, d } => {
+                let ([a, b, c], d) = plain(normal, d);
                 a * point[0] + b * point[1] + c * point[2] <= d
             }
         }
