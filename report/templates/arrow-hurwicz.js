@@ -1,80 +1,15 @@
 // The paper's iteration in JavaScript: the mathematics of the page explore.html, without the page.
 //
-// The same floating-point operations in the same order as src/saddle, so that counts, and the last
-// bit of every number, are those of the tables. Served as it is written: no library, no build step.
+// With f at the nodes it does the same floating-point operations in the same order as
+// src/mathematics/saddle, so that counts, and the last bit of every number, are those of the tables.
+// Needs right-hand-side.js. Served as it is written: no library, no build step.
 "use strict";
 
 const signorini = (() => {
-  // A jump of f closer to a node than this counts as through it, as in src/source.rs.
-  const STEP_OFF = 1e-9;
-  // The page gives up after so many iterations on a grid: a reader will not wait for the run's cap.
+  // Iterations on a grid after which the page gives up: a reader will not wait for the program's limit.
   const CAP = 200000;
 
-  // f in the notation of scenes, as a function of (x, y); the last region that holds a point wins.
-  function parseSource(text) {
-    const number = (t) => {
-      if (t.trim() === "" || !Number.isFinite(Number(t))) throw new Error(`“${t.trim()}” is no number`);
-      return Number(t);
-    };
-    const shapes = {
-      rect: [4, ([x0, x1, y0, y1]) => (x, y) => x0 <= x && x <= x1 && y0 <= y && y <= y1],
-      halfplane: [3, ([a, b, c]) => (x, y) => a * x + b * y <= c],
-      disc: [3, ([cx, cy, radius]) => (x, y) =>
-        (x - cx) * (x - cx) + (y - cy) * (y - cy) <= radius * radius],
-    };
-    const region = (item) => {
-      const match = /^(\w+)\s*\(([^)]*)\)$/.exec(item);
-      const quadrant = match && match[1] === "quadrant" && /^[lu][lr]$/.test(match[2].trim());
-      if (quadrant) {
-        const [upper, right] = [match[2].trim()[0] === "u", match[2].trim()[1] === "r"];
-        return (x, y) => (right ? -x : x) <= 0 && (upper ? -y : y) <= 0;
-      }
-      const shape = match && shapes[match[1]];
-      const args = match && match[2].split(",");
-      if (!shape || args.length !== shape[0]) throw new Error(`cannot read “${item}”`);
-      return shape[1](args.map(number));
-    };
-    const pieces = [];
-    let background;
-    for (const item of text.split(/[;\n]/).map((t) => t.trim()).filter((t) => t)) {
-      const [left, value] = item.split("=");
-      if (value === undefined) throw new Error(`“${item}” lacks “=value”`);
-      if (left.trim() === "else") background = number(value);
-      else pieces.unshift([region(left.trim()), number(value)]);
-    }
-    // Four quadrants may do without; a point that nothing covers is then on none of their borders.
-    if (background === undefined && !/ll.*lr.*ul.*ur/.test(text)) {
-      throw new Error("say what f is elsewhere: “else=value”");
-    }
-    return (x, y) => {
-      const piece = pieces.find(([holds]) => holds(x, y));
-      return piece ? piece[1] : background || 0;
-    };
-  }
-
-  // The load vector (6) by the nodal rule; `tie` is the side from which f is taken on a jump.
-  function loadVector(n, f, { load, tie, diagonal }) {
-    if (load !== "nodal") throw new Error("this page knows the nodal load rule only");
-    const h = 1 / n, values = new Float64Array((n + 1) * (n + 1));
-    const [dy, dx] = tie.split("-").map((side) => (/lower|left/.test(side) ? -STEP_OFF : STEP_OFF));
-    const moved = (t, d) => (Math.abs(t + d) <= 0.5 ? t + d : t - d);
-    const corner = (i, j) => {
-      if (diagonal === "") return 0.25;
-      // A diagonal gives the corners it ends in two triangles, the others one.
-      return (diagonal === "rising") === (i === j) ? 1 / 3 : 1 / 6;
-    };
-    for (let j = 0; j <= n; j++) {
-      for (let i = 0; i <= n; i++) {
-        const [onSide, onEnd] = [i === 0 || i === n, j === 0 || j === n];
-        const weight = onSide && onEnd ? corner(i, j) : onSide || onEnd ? 0.5 : 1;
-        const at = f(moved(i / n - 0.5, dx), moved(j / n - 0.5, dy));
-        values[j * (n + 1) + i] = weight * h * h * at;
-      }
-    }
-    return values;
-  }
-
-  // Nodes of the boundary, counter-clockwise from the lower left corner.
+  // Nodes of the boundary, anticlockwise from the lower left corner.
   function boundaryNodes(n) {
     return Array.from({ length: 4 * n }, (_, b) => {
       const along = b % n;
@@ -187,7 +122,7 @@ const signorini = (() => {
   // One solve over nested grids, an iteration at a time. `levels` says where each grid stands.
   class Run {
     constructor(problem, grids, r, rule) {
-      Object.assign(this, { problem, grids, r, rule, f: parseSource(problem.f) });
+      Object.assign(this, { problem, grids, r, rule, f: rightHandSide.parse(problem.f) });
       this.levels = [];
       // Iteration by iteration, over all grids: both residuals.
       this.history = { signed: [], absolute: [] };
@@ -205,7 +140,7 @@ const signorini = (() => {
       }
       this.n = n;
       this.nodes = boundaryNodes(n);
-      this.load = loadVector(n, this.f, this.problem);
+      this.load = rightHandSide.load(n, this.f, this.problem.load, this.problem);
       this.level = { n, iterations: 0, tolerance: Number(`1e-${this.levels.length + 1}`) };
       this.level.sum = this.load.reduce((sum, part) => sum + part, 0);
       this.level.begin = this.history.signed.length;
@@ -234,6 +169,19 @@ const signorini = (() => {
       if (!Number.isFinite(delta + absolute)) level.stop = "diverged";
       else if (residual <= level.tolerance && settled) level.stop = "converged";
       else if (level.iterations === CAP) level.stop = "iteration-limit";
+    }
+
+    // Boundary nodes in contact: where the force h a is more than a rounding error of the largest
+    // value of y and of the force, as in src/mathematics/discrete/kkt.rs.
+    contact() {
+      const { n, nodes, y, a } = this;
+      const largest = nodes.reduce((most, k, b) => Math.max(most, Math.abs(y[k]), a[b] / n), 0);
+      return [...a].map((value) => value / n > n * Number.EPSILON * largest);
+    }
+
+    // The sum of the forces h a at the boundary nodes, which a solution has equal to minus the sum of the load.
+    force() {
+      return this.a.reduce((sum, value) => sum + value, 0) / this.n;
     }
 
     finish() {

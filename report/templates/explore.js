@@ -1,4 +1,5 @@
-// The page with the live iteration: controls, pictures, counters. The method is in arrow-hurwicz.js.
+// The page with the live iteration: controls, pictures, counters. The method is in arrow-hurwicz.js, f in
+// right-hand-side.js.
 //
 // Problems and published numbers are data of the run that built the book, in `.explore-data`.
 // Colours are CSS variables, so that the pictures follow the reader's theme.
@@ -23,14 +24,36 @@
   // ---- What is asked ----------------------------------------------------------------------------
 
   function asked() {
-    const own = form.problem.value === "own";
     const of = data.problems.find((problem) => String(problem.number) === form.problem.value);
-    const custom = { number: 0, f: form.f.value, table: [], truth: undefined };
-    const problem = own ? { ...data.problems[0], ...custom } : of;
+    const custom = { ...data.defaults, number: 0, f: form.f.value, table: [], truth: undefined };
+    const problem = { ...(of || custom), load: form.load.value };
     const grids = data.grids.filter((n) => n <= Number(form.finest.value));
     const r = Number(form.r.value);
-    if (!(r >= 1e-3 && r <= 1e9)) throw new Error("r must be a number from 0.001 to 1000000000");
-    return new signorini.Run(problem, grids, r, form.rule.value);
+    if (!(r >= 1e-3 && r <= 1e9)) throw wrong(form.r, "r must be a number from 0.001 to 1000000000");
+    try {
+      return new signorini.Run(problem, grids, r, form.rule.value);
+    } catch (error) {
+      throw wrong(form.f, error.message);
+    }
+  }
+
+  // An error that a field of the form is to blame for.
+  function wrong(field, message) {
+    return Object.assign(new Error(message), { field });
+  }
+
+  // The paper's problems come with the load and the rule of its tables, an own f with those of `signorini solve`.
+  function choicesOfProblem() {
+    const of = data.problems.find((problem) => String(problem.number) === form.problem.value);
+    form.load.value = (of || data.defaults).load;
+    form.rule.value = of ? "signed" : data.defaults.rule;
+  }
+
+  // The command that makes the same iterations.
+  function command() {
+    const { problem, grids, r, rule } = run;
+    return `signorini solve --f '${problem.f.trim()}' --h 1/${grids[grids.length - 1]} ` +
+      `--solver arrow-hurwicz --load ${problem.load} --r ${r} --stop ${rule}`;
   }
 
   // Starts over with what the form says; returns whether that can be solved.
@@ -41,11 +64,17 @@
     }
     target = undefined;
     spent = 0;
+    for (const field of [form.f, form.r]) field.removeAttribute("aria-invalid");
     try {
       run = asked();
+      find(".explore-command").textContent = command();
     } catch (error) {
       run = undefined;
       find(".explore-status").textContent = `${error.message}.`;
+      find(".explore-command").textContent = "";
+      announce();
+      error.field.setAttribute("aria-invalid", "true");
+      error.field.focus();
     }
     for (const part of root.querySelectorAll("[data-do], .explore-shown")) {
       part.toggleAttribute("inert", !run);
@@ -183,15 +212,25 @@
       find(`[data-value="${key}"]`).textContent = sci(level[key]);
     }
     find('[data-value="spent"]').textContent = `${spent.toFixed(spent < 10 ? 1 : 0)} ms`;
+    find('[data-value="force"]').textContent = sci(run.force());
+    find('[data-value="balance"]').textContent = sci(-level.sum);
     find(".explore-status").textContent = status(row);
+    if (!target) announce();
     find('[data-do="play"]').textContent = target === "play" ? "Pause" : "Play";
+  }
+
+  // Repeats the status to screen readers: when the iteration stops or is stopped, not while it runs.
+  function announce() {
+    const said = find(".explore-announced"), now = find(".explore-status").textContent;
+    if (said.textContent !== now) said.textContent = now;
   }
 
   function status(row) {
     const { n, iterations, stop, delta } = run.level;
-    const warning = run.levels.some((level) => level.sum >= 0)
-      ? " On some grid the load sums to a non-negative number: that discrete problem has no solution."
-      : "";
+    const insoluble = run.levels.filter((level) => level.sum >= 0).map((level) => `1/${level.n}`);
+    const warning = insoluble.length === 0 ? "" :
+      ` With f at the nodes, the load sums to a non-negative number on ${insoluble.join(", ")}: ` +
+      "there the discrete problem has no solution, although the problem itself has one.";
     if (stop === "diverged") return `Diverged on the grid 1/${n}.${warning}`;
     const over = stop === "iteration-limit" ? `The rule is not met on 1/${n} within ` : "";
     if (over) return `${over}${iterations} iterations.${warning}`;
@@ -200,7 +239,8 @@
     if (!row) return `Done: ${iterations} iterations on 1/${n}, Δa = ${sci(delta)}.${warning}`;
     const same = run.levels.filter((level, k) => level.iterations === row.counts[k]).length;
     const paper = n === data.grids[data.grids.length - 1] ? `, published ${sci(row.delta_a)}` : "";
-    return `Done: ${same} of ${run.levels.length} counts as published; ` +
+    const whose = run.problem.load === "nodal" ? "" : " (which are for f at the nodes)";
+    return `Done: ${same} of ${run.levels.length} counts as published${whose}; ` +
       `Δa = ${sci(delta)}${paper}.${warning}`;
   }
 
@@ -302,7 +342,7 @@
     const n = run.n, each = Math.max(1, n / 32), count = n / each;
     const node = (i, j) => point(i / count - 0.5, j / count - 0.5, run.y[(j * (n + 1) + i) * each]);
     const value = (i, j) => run.y[(j * (n + 1) + i) * each];
-    const contact = new Set(run.nodes.filter((_, b) => run.a[b] > 0));
+    const touched = run.contact(), contact = new Set(run.nodes.filter((_, b) => touched[b]));
     const touches = ([i, j]) => contact.has((j * (n + 1) + i) * each);
     const mark = (p, q) => {
       if (!touches(p) || !touches(q)) return;
@@ -372,23 +412,29 @@
 
   function history() {
     chart("history", 300, (width) => {
-      const [left, top, bottom] = [38, 26, 266], end = width - 48;
+      const [left, top, bottom] = [48, 30, 266], end = width - 48;
       const { signed, absolute } = run.history, levels = run.levels;
       const row = published();
       const expected = row ? run.grids.reduce((sum, _, k) => sum + row.counts[k], 0) : 0;
       const most = Math.max(signed.length, expected, 8) * 1.02;
-      const lowest = -run.grids.length - 1;
+      // A decade below the finest tolerance, where all that is smaller or negative is drawn, up to the largest value.
+      const largest = absolute.reduce((top, v) => (Number.isFinite(v) ? Math.max(top, v) : top), 1);
+      const lowest = -run.grids.length - 1, highest = Math.ceil(Math.log10(largest));
       const across = (k) => left + (end - left) * (k / most);
       const down = (v) => {
-        const power = v > 0 ? Math.log10(v) : lowest;
-        return bottom + (bottom - top) * ((Math.max(power, lowest) - lowest) / lowest);
+        const power = v > 0 ? Math.min(Math.max(Math.log10(v), lowest), highest) : lowest;
+        return bottom - (bottom - top) * ((power - lowest) / (highest - lowest));
       };
       let out = "";
-      for (let power = 0; power >= lowest; power--) {
+      const every = Math.ceil((highest - lowest) / 12);
+      for (let power = lowest; power <= highest; power++) {
         const y = down(10 ** power), name = power === 0 ? "1" : sci(10 ** power).slice(4);
-        out += line(left, y, end, y, "rule") + text(left - 6, y + 4, name, "end");
+        if ((power - lowest) % every === 0) {
+          const label = power === lowest ? `≤${name}` : name;
+          out += line(left, y, end, y, "rule") + text(left - 6, y + 4, label, "end");
+        }
         const n = run.grids[-power - 1];
-        if (n) out += text(end + 6, y + 4, `1/${n}`, "start", "muted");
+        if (n && every === 1) out += text(end + 6, y + 4, `1/${n}`, "start", "muted");
       }
       for (const [k, label] of ticks(0, most, Math.max(3, Math.floor(width / 80)))) {
         out += line(across(k), bottom, across(k), bottom + 4, "axis");
@@ -425,7 +471,7 @@
   function boundary() {
     chart("boundary", 326, (width) => {
       const left = 52, end = width - 14, across = (s) => left + (end - left) * (s / 4);
-      const { n, nodes, a, y } = run;
+      const { n, nodes, a, y } = run, touched = run.contact();
       let out = "";
       const panel = (top, bottom, name, kind, values) => {
         const [low, high] = span(values), pad = 0.08 * (high - low);
@@ -443,9 +489,9 @@
       panel(172, 284, "a", "third", [...a]);
       // Each node stands for the half cells on both of its sides.
       let bars = "";
-      [...a, a[0]].forEach((value, b) => {
+      [...touched, touched[0]].forEach((inContact, b) => {
         const [from, to] = [b - 0.5, b + 0.5].map((s) => across(Math.min(Math.max(s / n, 0), 4)));
-        if (value > 0) bars += `M${from} 153H${to}`;
+        if (inContact) bars += `M${from} 153H${to}`;
       });
       out += `<path class="contact" d="${bars}"/>`;
       out += text(left - 6, 157, "contact", "end", "muted small");
@@ -455,7 +501,7 @@
       [0, 1, 2, 3, 4].forEach((s) => {
         out += line(across(s), 284, across(s), 288, "axis") + text(across(s), 301, s);
       });
-      return out + text(across(2), 319, "arc length, counter-clockwise from the lower left corner");
+      return out + text(across(2), 319, "arc length, anticlockwise from the lower left corner");
     });
   }
 
@@ -464,7 +510,10 @@
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("change", (event) => {
     if (event.target === form.truth) show();
-    else if (event.target !== form.speed) changed();
+    else if (event.target !== form.speed) {
+      if (event.target.name === "problem") choicesOfProblem();
+      changed();
+    }
   });
   root.addEventListener("click", (event) => {
     const { do: what, r } = event.target.dataset || {};
@@ -494,10 +543,16 @@
   new ResizeObserver(() => show()).observe(root);
   new MutationObserver(() => show()).observe(document.documentElement, { attributeFilter: ["class"] });
 
-  // A link may say what to show, not after a #, which the page for printing keeps for places of its own: explore.html?problem=2&r=1&rule=printed&finest=32
-  for (const [name, value] of new URLSearchParams(location.search)) {
-    if (name === "truth") form.truth.checked = value === "1";
-    else if (form.elements[name]) form.elements[name].value = value;
+  // A link may say what to show, not after a #, which the page for printing keeps for places of its own:
+  // explore.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing.
+  const query = new URLSearchParams(location.search);
+  if (query.has("problem")) form.problem.value = query.get("problem");
+  choicesOfProblem();
+  form.truth.checked = query.get("truth") === "1";
+  for (const name of ["f", "r"]) if (query.has(name)) form[name].value = query.get(name);
+  for (const name of ["load", "rule", "finest"]) {
+    const offered = [...form[name].options].some((option) => option.value === query.get(name));
+    if (offered) form[name].value = query.get(name);
   }
   root.hidden = false;
   changed();

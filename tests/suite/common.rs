@@ -345,3 +345,34 @@ pub(crate) fn random_source(dice: &mut Dice) -> Source {
         }
     }
 }
+
+/// The browser in which pages are opened, if there is one.
+pub(crate) fn browser() -> Option<PathBuf> {
+    let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+    let path = std::env::var_os("PATH")?;
+    let folders: Vec<_> = std::env::split_paths(&path).collect();
+    names.iter().flat_map(|name| folders.iter().map(move |f| f.join(name))).find(|p| p.is_file())
+}
+
+/// The elements of a page, opened with a query, after its scripts have run for so many milliseconds of their own time.
+pub(crate) fn dom(browser: &Path, page: &Path, query: &str, budget: u32) -> String {
+    let profile = tempfile::tempdir().unwrap();
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--hide-scrollbars", "--window-size=900,1600", "--dump-dom"])
+        .arg(format!("--virtual-time-budget={budget}"))
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("file://{}{query}", page.display()))
+        .stdin(Stdio::null())
+        .output()
+        .expect("the browser starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The value of an attribute as it was before it was written into a page.
+pub(crate) fn unescaped(text: &str) -> String {
+    let pairs = [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
+    pairs.into_iter().fold(text.into(), |text: String, (from, to)| text.replace(from, to))
+}

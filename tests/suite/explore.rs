@@ -1,7 +1,7 @@
 //! The book of this project as a reader opens it: the live iteration in a browser gives the tables'
 //! counts, and what the book says about the program is what the program says.
 
-use crate::common::{commands, copy, skip};
+use crate::common::{browser, commands, copy, dom, skip, unescaped};
 use serde_json::Value;
 use signorini::discrete::grid::nested;
 use signorini::discrete::load::load;
@@ -11,7 +11,7 @@ use signorini::saddle::{Params, StopRule, solve_nested};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -211,43 +211,26 @@ fn signorini(args: &[&str]) -> Output {
     command.args(args).current_dir(project()).output().expect("the binary starts")
 }
 
-fn browser() -> Option<PathBuf> {
-    let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
-    let path = std::env::var_os("PATH")?;
-    let folders: Vec<_> = std::env::split_paths(&path).collect();
-    names.iter().flat_map(|name| folders.iter().map(move |f| f.join(name))).find(|p| p.is_file())
-}
-
 /// The elements of the page that a link asks by `query` after `script` has run at its end for so many
 /// milliseconds of its own time.
 fn opened(browser: &Path, book: &Path, query: &str, script: &str, budget: u32) -> String {
-    let profile = tempfile::tempdir().unwrap();
     let source = fs::read_to_string(book.join("explore.html")).unwrap();
     // Beside the page itself, so that all it loads is where it expects it.
     let page = book.join(format!("explore-test-{budget}.html"));
     let body = source.replace("</body>", &format!("<script>{script}</script></body>"));
     assert_ne!(body, source);
     fs::write(&page, body).unwrap();
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
-        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
-        .args(["--hide-scrollbars", "--window-size=900,1600", "--dump-dom"])
-        .arg(format!("--virtual-time-budget={budget}"))
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("file://{}{query}", page.display()))
-        .stdin(Stdio::null())
-        .output()
-        .expect("the browser starts");
+    let dom = dom(browser, &page, query, budget);
     fs::remove_file(&page).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    dom
 }
 
 /// The tables computed by the page's script and data without a page; `None` if node is not there.
 fn in_node(book: &Path) -> Option<String> {
     const PROGRAM: &str = r#"
 const fs = require("fs"), book = process.argv[1];
-const script = fs.readFileSync(book + "/arrow-hurwicz.js", "utf8");
+const script = ["right-hand-side.js", "arrow-hurwicz.js"]
+  .map((name) => fs.readFileSync(book + "/" + name, "utf8")).join("");
 const page = fs.readFileSync(book + "/explore.html", "utf8");
 const data = /class="explore-data">([^]*?)<\/script>/.exec(page)[1];
 const { allCells } = new Function(script + "; return signorini")();
@@ -256,10 +239,4 @@ console.log(JSON.stringify(allCells(JSON.parse(data)), text));"#;
     let output = Command::new("node").args(["-e", PROGRAM]).arg(book).output().ok()?;
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).ok()
-}
-
-/// The value of an attribute as it was before it was written into a page.
-fn unescaped(text: &str) -> String {
-    let pairs = [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
-    pairs.into_iter().fold(text.into(), |text: String, (from, to)| text.replace(from, to))
 }

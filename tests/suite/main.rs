@@ -17,6 +17,7 @@ mod engines;
 mod explore;
 mod faults;
 mod fuzz;
+mod grammar;
 mod hostile;
 mod identify;
 mod identify_cli;

@@ -1,0 +1,157 @@
+//! f as the page with the live iteration reads it: what the program takes and what it refuses, and the same loads.
+
+use crate::common::{browser, dom, skip, unescaped};
+use serde_json::{Value, json};
+use signorini::discrete::grid::Grid;
+use signorini::discrete::load::{Diagonal, LoadRule, load};
+use signorini::problem::source::Source;
+use signorini::replication::scene::Scene;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const TEXTS: &str = include_str!("grammar.txt");
+const SCRIPT: &str = include_str!("../../report/templates/right-hand-side.js");
+
+/// Grids on which loads are compared.
+const GRIDS: [usize; 2] = [4, 16];
+
+/// Reads all texts and makes their loads: an array, for each text the loads by rule and grid, or a message.
+const READ_ALL: &str = r#"
+const choices = { tie: "lower-left", diagonal: "rising" };
+const answers = texts.map((text) => {
+  try {
+    const f = rightHandSide.parse(text);
+    const on = (rule) => grids.map((n) => [...rightHandSide.load(n, f, rule, choices)]);
+    return { nodal: on("nodal"), exact: on("exact"), bilinear: on("bilinear") };
+  } catch (error) {
+    return error.message;
+  }
+});
+// Numbers as text keep all their digits.
+const answer = JSON.stringify(answers, (_, v) => (typeof v === "number" ? String(v) : v));
+"#;
+
+/// Who takes each text, and the text.
+fn texts() -> Vec<(&'static str, String)> {
+    let lines = TEXTS.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let split = |line: &'static str| {
+        let (takers, text) = line.split_once(' ').expect("two parts");
+        (takers, serde_json::from_str(text).expect(line))
+    };
+    lines.map(split).collect()
+}
+
+/// The f of a scene with this text, if the program takes it.
+fn by_program(text: &str) -> Option<Source> {
+    let f = json!(text);
+    // JSON has no other escapes than TOML, and TOML no raw control characters either.
+    let scene = format!("title = \"f\"\nf = {f}\ngrids = [4]\nr = [10]\noutputs = [\"table\"]\n");
+    Scene::parse("f", &scene).ok().map(|scene| scene.f)
+}
+
+/// What the script makes of all texts; nothing without a browser and without node.
+fn by_page() -> Option<Vec<Value>> {
+    let all: Vec<String> = texts().into_iter().map(|(_, text)| text).collect();
+    let data = format!("const texts = {}, grids = {};\n", json!(all), json!(GRIDS));
+    let answer = match browser() {
+        Some(browser) => {
+            let folder = tempfile::tempdir().unwrap();
+            let page = folder.path().join("page.html");
+            let script =
+                format!("{SCRIPT}{data}{READ_ALL}document.body.dataset.answer = answer;");
+            fs::write(&page, format!("<meta charset=utf-8><body><script>{script}</script>")).unwrap();
+            let dom = dom(&browser, &page, "", 60_000);
+            let text = dom.split("data-answer=\"").nth(1).unwrap_or_else(|| panic!("{dom}"));
+            unescaped(text.split('"').next().unwrap())
+        }
+        None => by_node(&format!("{SCRIPT}{data}{READ_ALL}console.log(answer);"))?,
+    };
+    Some(serde_json::from_str(&answer).unwrap())
+}
+
+fn by_node(script: &str) -> Option<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("script.js");
+    fs::write(&file, script).unwrap();
+    let Ok(output) = Command::new("node").arg(&file).output() else {
+        skip("neither chromium nor node; nobody has read f as the page does");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8(output.stdout).unwrap())
+}
+
+#[test]
+fn the_program_takes_and_refuses_the_listed_texts() {
+    let mut wrong = String::new();
+    for (takers, text) in texts() {
+        assert!(["good", "bad", "program"].contains(&takers), "{takers}");
+        if by_program(&text).is_some() != (takers != "bad") {
+            writeln!(wrong, "{takers} {text:?}").unwrap();
+        }
+    }
+    assert_eq!(wrong, "");
+}
+
+#[test]
+fn the_page_takes_and_refuses_the_same_texts_and_makes_the_same_loads() {
+    let Some(answers) = by_page() else { return };
+    let texts = texts();
+    assert_eq!(answers.len(), texts.len());
+    let mut wrong = String::new();
+    for ((takers, text), answer) in texts.iter().zip(&answers) {
+        match answer.as_str() {
+            None if *takers == "good" => wrong += &different_loads(text, answer),
+            Some(message) if *takers != "good" => {
+                // A text that the program takes is not called wrong.
+                assert!(*takers == "bad" || message.contains("signorini solve --f has"), "{text}");
+            }
+            _ => writeln!(wrong, "{takers} {text:?}: {answer}").unwrap(),
+        }
+    }
+    assert_eq!(wrong, "");
+}
+
+/// Says where a load of the page is not the program's: f at the nodes to the last bit, integrals to rounding errors.
+fn different_loads(text: &str, page: &Value) -> String {
+    let f = by_program(text).expect("a good text");
+    let diagonal = Diagonal::Rising;
+    let rules = [
+        ("nodal", LoadRule::default(), 0.0),
+        ("exact", LoadRule::Exact { diagonal }, 1e-12),
+        ("bilinear", LoadRule::Bilinear {}, 1e-12),
+    ];
+    let mut wrong = String::new();
+    for (name, rule, tolerance) in rules {
+        for (level, cells) in GRIDS.into_iter().enumerate() {
+            let ours = load(Grid::new(cells).unwrap(), &f, rule);
+            let largest = ours.iter().fold(0.0f64, |most, part| most.max(part.abs()));
+            let theirs = page[name][level].as_array().unwrap();
+            assert_eq!(theirs.len(), ours.len());
+            for (node, (our, their)) in ours.iter().zip(theirs).enumerate() {
+                let their: f64 = their.as_str().unwrap().parse().unwrap();
+                if !((our - their).abs() <= tolerance * largest) {
+                    writeln!(wrong, "{text}: {name} on 1/{cells}, node {node}: {our:e}, {their:e}").unwrap();
+                }
+            }
+        }
+    }
+    wrong.lines().take(3).fold(String::new(), |lines, line| lines + line + "\n")
+}
+
+#[test]
+fn the_page_loads_the_script_that_is_tested() {
+    let page = include_str!("../../report/templates/explore.md.tera");
+    let [f, method] = ["right-hand-side.js", "arrow-hurwicz.js"]
+        .map(|name| page.find(&format!("<script src=\"{name}\">")).expect(name));
+    assert!(f < method, "the method needs f");
+    // What comments name is there.
+    for script in [SCRIPT, include_str!("../../report/templates/arrow-hurwicz.js")] {
+        for name in script.split_whitespace().filter(|word| word.starts_with("src/")) {
+            let name = name.trim_end_matches([',', '.', ';', ':']);
+            assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(name).exists(), "{name}");
+        }
+    }
+}
