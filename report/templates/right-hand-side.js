@@ -12,7 +12,7 @@ const rightHandSide = (() => {
   // What rounding may leave of an integral that is zero, as in src/replication/scene.rs.
   const ROUNDING = 1e-12;
   // Points of Gauss' rule between two ordinates at which a section of f has a kink.
-  const POINTS = 10;
+  const POINTS = 12;
 
   // ---- Texts ------------------------------------------------------------------------------------
 
@@ -25,10 +25,9 @@ const rightHandSide = (() => {
   }
 
   function number(text) {
-    const value = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(trim(text)) ? Number(text) : NaN;
-    if (!Number.isFinite(value)) {
-      throw new Error(`“${trim(text)}” is not a finite number; give a decimal such as -1.5`);
-    }
+    const written = trim(text);
+    const value = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(written) ? Number(written) : NaN;
+    if (!Number.isFinite(value)) throw new Error(`“${written}” is not a finite number; give a decimal such as -1.5`);
     return value;
   }
 

@@ -59,9 +59,9 @@ fn by_page() -> Option<Vec<Value>> {
         Some(browser) => {
             let folder = tempfile::tempdir().unwrap();
             let page = folder.path().join("page.html");
-            let script =
-                format!("{SCRIPT}{data}{READ_ALL}document.body.dataset.answer = answer;");
-            fs::write(&page, format!("<meta charset=utf-8><body><script>{script}</script>")).unwrap();
+            let script = format!("{SCRIPT}{data}{READ_ALL}document.body.dataset.answer = answer;");
+            fs::write(&page, format!("<meta charset=utf-8><body><script>{script}</script>"))
+                .unwrap();
             let dom = dom(&browser, &page, "", 60_000);
             let text = dom.split("data-answer=\"").nth(1).unwrap_or_else(|| panic!("{dom}"));
             unescaped(text.split('"').next().unwrap())
@@ -133,7 +133,8 @@ fn different_loads(text: &str, page: &Value) -> String {
             for (node, (our, their)) in ours.iter().zip(theirs).enumerate() {
                 let their: f64 = their.as_str().unwrap().parse().unwrap();
                 if !((our - their).abs() <= tolerance * largest) {
-                    writeln!(wrong, "{text}: {name} on 1/{cells}, node {node}: {our:e}, {their:e}").unwrap();
+                    writeln!(wrong, "{text}: {name} on 1/{cells}, node {node}: {our:e}, {their:e}")
+                        .unwrap();
                 }
             }
         }
