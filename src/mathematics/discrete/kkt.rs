@@ -64,10 +64,9 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
     for (j, (y_row, load_row)) in y.chunks_exact(side).zip(load.chunks_exact(side)).enumerate() {
         residual_row(grid, j, y, load, &mut gradient);
         judge.see(y_row, &gradient, load_row, j % n > 0);
-        match j {
-            0 => flux[..side].copy_from_slice(&gradient),
-            _ if j < n => (flux[n + j], flux[4 * n - j]) = (gradient[n], gradient[0]),
-            _ => (0..side).for_each(|i| flux[3 * n - i] = gradient[i]),
+        let step = if j % n > 0 { n } else { 1 };
+        for i in (0..side).step_by(step) {
+            flux[grid.boundary_index(i, j)] = gradient[i];
         }
     }
     Judgement { kkt: judge.kkt(grid.h()), energy: judge.energy, flux }
