@@ -91,7 +91,17 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     files.push(File::new(MANIFEST, "", manifest.into_bytes()));
     write(&folder, &files)?;
     say(&[PAGE, MANIFEST].map(|name| format!("{}\n", folder.join(name).display())).concat())?;
-    talk(&format!("{count} files with their hashes; {}", sentences(&tables)));
+    talk(&format!("{count} files with their hashes"));
+    for table in &tables {
+        talk(&format!(
+            "Table {}: {} of {} counts exact, {} of {} Delta a to the printed digits",
+            table.table,
+            table.exact,
+            table.cells,
+            table.delta_a_exact,
+            table.rows.len()
+        ));
+    }
     if let Err(why) = &checkout {
         talk(&format!("warning: the certificate names no commit: {why}"));
     }

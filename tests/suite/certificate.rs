@@ -98,7 +98,7 @@ fn whole(folder: &Path, commit: &str) -> [String; 3] {
             "checked out from commit `{commit}` of the git repository in `{}`, without changes",
             folder.display()
         ),
-        "Of the 2 inputs below, all are as in this commit.".into(),
+        "Of the 2 inputs, all are as in this commit.".into(),
         format!(", which is the one in commit `{commit}`."),
     ]
 }

@@ -60,6 +60,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     ] {
         assert!(yaml.contains(line), "{line} is not in {yaml}");
     }
+    assert!(yaml.contains("    \"pipeline/scenes/a.toml\": \""), "{yaml}");
     assert_eq!(files_of_manifest(&project, &yaml), 7, "a table, four figures, and the data of two");
 
     let page = fs::read_to_string(project.path("codecheck/certificate.md")).unwrap();
@@ -68,13 +69,13 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
         "| Table 1, r = 10, grid 2 | 2 | 4 | within tolerance: off by 2 |",
         "| Table 1, r = 1, grid 2 | 100000 | 7 | **outside** tolerance: off by 99993 |",
         "| Table 1, r = 10, Δa | 1.0e-4 | 2.12e-2 | within tolerance: a factor of ",
-        "| `pipeline/scenes/a.toml` | `",
         "| `cargo run --release -- run --locked` | fails if",
         "| cores | ",
         "polars 0.55",
     ] {
         assert!(page.contains(part), "{part} is not in {page}");
     }
+    assert!(page.lines().count() <= 60, "more than one page: {page}");
     // The same again is the same but for the clock, and nothing is overwritten unasked.
     let first = project.files("codecheck");
     assert!(command(&args).refusal().contains("codecheck.yml is there already; move it away"));
