@@ -3,7 +3,7 @@
 use crate::common::Dice;
 use crate::cube_loads::{exact_load, nodal_load, stress_loads};
 use crate::domains::{self, rounding_level};
-use crate::solvers::{ALGEBRAIC, BYTES, HARD, TEXTBOOK, WORK_UNITS, distance};
+use crate::solvers::{ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, distance};
 use proptest::prelude::*;
 use signorini_mathematics::discrete::cube::{Grid, errors, judge};
 use signorini_mathematics::discrete::norms::Errors;
@@ -85,9 +85,9 @@ fn work_does_not_depend_on_the_grid() {
             // The loads of one problem are a million times larger.
             let tolerance = 1e-10 * if name == "jumps" { 1e6 } else { 1.0 };
             for (goal, limit) in [
-                (Goal::DiscretisationError, HARD * WORK_UNITS[0]),
-                (Goal::Kkt(tolerance), HARD * WORK_UNITS[1]),
-                (Goal::RoundingFloor, HARD * WORK_UNITS[2]),
+                (Goal::DiscretisationError, HARD_WORK_UNITS[0]),
+                (Goal::Kkt(tolerance), HARD_WORK_UNITS[1]),
+                (Goal::RoundingFloor, HARD_WORK_UNITS[2]),
             ] {
                 let params = MultigridParams { goal, ..Default::default() };
                 let outcome = workspace.solve(&load, None, &params).expect("valid load");
