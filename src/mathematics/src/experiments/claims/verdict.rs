@@ -355,10 +355,12 @@ mod tests {
         let medians = [3.0, 2.0, 5.0, 2.5, 1.5];
         assert_eq!(gains.collect::<Vec<_>>(), medians.map(|median| (Some(1e-3), None, median)));
         let at = verdicts.gains_at.iter().map(|pair| {
-            pair.each_ref().map(|ratios| (ratios.target, ratios.r.unwrap(), ratios.median))
+            pair.each_ref().map(|of| (of.target, of.r.unwrap(), of.cheaper.cases, of.median))
         });
-        let expected =
-            [[(None, 1.0, 3.0), (None, 1.0, 1.5)], [(None, 10.0, 4.5), (None, 10.0, 4.25)]];
+        let expected = [
+            [(None, 1.0, 1, 3.0), (None, 1.0, 1, 1.5)],
+            [(None, 10.0, 2, 4.5), (None, 10.0, 2, 4.25)],
+        ];
         assert_eq!(at.collect::<Vec<_>>(), expected);
         let best = verdicts.gains_at_best.map(Option::unwrap);
         assert_eq!(best.map(|range| [range.least, range.greatest]), [[2.0, 6.0], [1.0, 4.5]]);
