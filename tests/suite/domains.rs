@@ -176,13 +176,16 @@ fn a_claimed_tolerance_holds<D: Domain>() {
 fn solutions_scale_with_the_load<D: Domain>() {
     let n = D::CELLS_PER_SIDE / 2;
     let load = D::exact_load(n, D::FREE);
-    let (y, plain) = run::<D>(n, &load, Goal::RoundingFloor);
-    for exponent in [-500, -332, -40, 40, 332, 500] {
-        let factor = 2_f64.powi(exponent);
-        let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
-        let (z, outcome) = run::<D>(n, &scaled, Goal::RoundingFloor);
-        assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles));
-        assert!(y.iter().zip(&z).all(|(y, z)| y * factor == *z), "2^{exponent}");
+    for goal in [Goal::DiscretisationError, Goal::RoundingFloor] {
+        let (y, plain) = run::<D>(n, &load, goal);
+        // Squares of the largest and of the least overflow and underflow.
+        for exponent in [-960, -500, -332, -40, 40, 332, 500, 1000] {
+            let factor = 2_f64.powi(exponent);
+            let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
+            let (z, outcome) = run::<D>(n, &scaled, goal);
+            assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles), "2^{exponent}");
+            assert!(y.iter().zip(&z).all(|(y, z)| y * factor == *z), "2^{exponent}");
+        }
     }
 }
 

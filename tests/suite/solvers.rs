@@ -13,7 +13,7 @@ pub(crate) const TEXTBOOK: f64 = 10.0;
 /// Algebraic over discretisation error at the first goal.
 pub(crate) const ALGEBRAIC: f64 = 0.1;
 /// Bytes of a workspace per unknown, on the square and on the cube.
-pub(crate) const BYTES: [f64; 2] = [24.0, 40.0];
+pub(crate) const BYTES: [f64; 2] = [24.0, 26.0];
 
 /// Zero, far too high, far too low, noise, and the solution itself.
 pub(crate) fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
