@@ -230,7 +230,7 @@ impl Answer {
             text += &format!(", the cost of {work_units:.1} sweeps");
         }
         let [nodes, all] = self.contact_nodes;
-        text += &format!("\ncontact in {nodes} of {all} boundary nodes\n");
+        text += &format!("\ncontact in {nodes} of {all} boundary nodes (arcs run anticlockwise)\n");
         for arc in self.contact.iter().flatten() {
             text += &bound::contact(arc, 6);
         }

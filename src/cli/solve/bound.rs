@@ -60,7 +60,9 @@ pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
     let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
     let place = match arc.from == arc.to {
         true => "everywhere".to_owned(),
-        false => format!("anticlockwise from {from} to {to}"),
+        // Long numbers take a line each.
+        false if digits > 6 => format!("from {from}\n  to {to}"),
+        false => format!("from {from} to {to}"),
     };
     format!("contact {place}, force {:.*e}\n", digits - 1, arc.force)
 }
