@@ -213,7 +213,7 @@ fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined
     let modules = Modules::read();
     assert_eq!(
         modules.module_of(&names("experiments::claims::ClaimVerdict::Confirmed")),
-        names("experiments::claims::verdict")
+        names("experiments::claims::tally")
     );
     let used = modules.used_by(&names("experiments::claims::verdict"));
     assert!(used.contains(&names("saddle::stopping")), "{used:?}");

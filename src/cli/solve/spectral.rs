@@ -73,7 +73,7 @@ pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
     let mut a = Vec::new();
     for b in 0..grid.boundary_nodes() {
         let (i, j) = grid.boundary_node(b);
-        let [_, multiplier] = solution.on_border([grid.coordinate(i), grid.coordinate(j)]);
+        let [_, multiplier] = solution.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
         // A negative value is a rounding error: the true multiplier is not negative.
         a.push(multiplier.max(0.0));
     }

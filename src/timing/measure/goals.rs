@@ -4,7 +4,7 @@ use crate::timing::recorded::Goal;
 use crate::timing::solver::Solver;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::saddle::{CheckInterval, loose_uzawa, sweeps_until};
+use signorini_mathematics::experiments::saddle::{CheckInterval, CheckedRun, loose_uzawa};
 use signorini_mathematics::experiments::work::{OnGrid, R};
 use signorini_mathematics::multigrid::active_set::{MOST_ON_SQUARE, active_set};
 use signorini_mathematics::multigrid::square::Square;
@@ -13,8 +13,8 @@ use signorini_mathematics::saddle::{Method, Pair};
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
-/// CheckInterval of a saddle-point method; its limit is never reached, because a series ends when a run takes too long.
-const CHECKS: CheckInterval = CheckInterval { share: 8, cap: 1_000_000_000 };
+/// Checks of a saddle-point method; the limit is never reached, because a series ends when a run takes too long.
+const CHECKS: CheckInterval = CheckInterval { share: 8, limit: 1_000_000_000 };
 
 /// Goal to which a solver is timed.
 pub(super) enum TimedGoal {
@@ -79,9 +79,8 @@ fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>
         if k > 0 {
             pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
-        sweeps_until(method, (*grid, load), R, CHECKS, &mut pair, |_, pair| {
-            kkt(*grid, &pair.y, load).relative <= target
-        })?;
+        let run = CheckedRun { grid: *grid, load, method, r: R, checks: CHECKS };
+        run.sweeps_until(&mut pair, |_, pair| kkt(*grid, &pair.y, load).relative <= target)?;
     }
     Some(pair.y)
 }

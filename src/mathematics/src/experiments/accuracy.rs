@@ -1,7 +1,7 @@
 //! Errors against known solutions, and what they cost multigrid in work units and bytes.
 
 use super::Range;
-use super::known::{Errors, KnownSolution, SAMPLED};
+use super::known::{KnownSolution, SAMPLED, SolutionErrors};
 use super::problems::{CONTACT, paper_loads, stress_loads};
 use super::work::{self, Comparison, CostLaw};
 use crate::discrete::grid::Grid;
@@ -15,12 +15,12 @@ use crate::spectral::SpectralParams;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Plan of the computation; every grid is given by its cells per side.
+/// Input of the experiment; every grid is given by its cells per side.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AccuracyPlan {
     /// Grids on which errors against formulas are measured, each the halving of the one before.
     pub cells: Vec<usize>,
-    /// Grids of the problems that test contact.
+    /// Grids, likewise, for the problems that test contact.
     pub contact: Vec<usize>,
     /// Grids on which the cost of loads without known solution is counted.
     pub others: Vec<usize>,
@@ -46,12 +46,12 @@ impl Default for AccuracyPlan {
     }
 }
 
-/// Results.
+/// Result of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AccuracyFindings {
-    /// The problems with known solutions.
+    /// Problems with known solutions.
     pub problems: Vec<KnownLevels<AccuracyLevel>>,
-    /// Cells per side of the grid at whose nodes those without a formula are compared.
+    /// Cells per side of the grid at whose nodes solutions without a formula are compared.
     pub sampled: usize,
     /// Cost on the paper's problems and the stress loads, grid by grid.
     pub others: Vec<Cost>,
@@ -59,7 +59,7 @@ pub struct AccuracyFindings {
     pub laws: Vec<CostLaw>,
     /// Multigrid and the saddle-point methods side by side.
     pub comparison: Comparison,
-    /// Least and greatest of all this.
+    /// Least and greatest orders and work units.
     pub ranges: Ranges,
 }
 
@@ -76,17 +76,17 @@ pub struct KnownLevels<L> {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AccuracyLevel {
     /// Errors of the discrete solution, solved to the rounding floor.
-    pub errors: Errors,
+    pub errors: SolutionErrors,
     /// Observed orders against the grid before.
-    pub orders: Option<Errors>,
-    /// Algebraic over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped) and H1;
-    /// none where the error is not known.
+    pub orders: Option<SolutionErrors>,
+    /// Algebraic error over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped) and H1;
+    /// none if the error is not known.
     pub algebraic: [Option<f64>; 2],
-    /// Cost.
+    /// Cost of the solution.
     pub cost: Cost,
 }
 
-/// The cost of one problem on one grid.
+/// Cost of one problem on one grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Cost {
     /// Name of the problem.
@@ -95,11 +95,12 @@ pub struct Cost {
     pub cells: usize,
     /// Bytes of the workspace per unknown.
     pub bytes: f64,
-    /// For the discretisation error, for a natural residual of [`TOLERANCE`], for the rounding floor.
+    /// Cost of each of the [`GOALS`]: the discretisation error, a natural residual of [`TOLERANCE`], the rounding
+    /// floor.
     pub goals: [Spent; 3],
 }
 
-/// The cost of reaching a goal.
+/// Cost of reaching a goal.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Spent {
     /// Sweeps of the finest grid.
@@ -108,7 +109,7 @@ pub struct Spent {
     pub cycles: usize,
     /// Natural residual, not relative: in the units of the load, f h^2.
     pub kkt: f64,
-    /// Reason for the end.
+    /// End of the solve.
     pub stop: MultigridStop,
 }
 
@@ -117,40 +118,49 @@ pub struct Spent {
 pub struct Ranges {
     /// Tolerance of the second goal.
     pub tolerance: f64,
-    /// The coarsest grid that the ranges below include, where the asymptotics have set in.
+    /// Cells per side of the coarsest grid that the ranges below include: from there on orders and work units are close
+    /// to their limits.
     pub from: usize,
     /// Least and greatest observed orders of the problems whose solutions have a formula.
-    pub orders: [Errors; 2],
-    /// Largest of those that test contact, whose f jumps.
-    pub contact: [Errors; 2],
-    /// The greatest algebraic over discretisation error, in L2 and H1.
+    pub orders: [SolutionErrors; 2],
+    /// Least and greatest observed orders of the problems that test contact, whose f jumps.
+    pub contact: [SolutionErrors; 2],
+    /// Greatest algebraic over discretisation error, in L2 and H1.
     pub algebraic: [f64; 2],
     /// Least and greatest work units for each goal: problems with known solution.
     pub known: [[f64; 2]; 3],
-    /// The same on the finest grid alone.
+    /// Least and greatest work units for each goal on the finest grid alone: problems with known solution.
     pub finest: [[f64; 2]; 3],
-    /// The same for the paper's problems and the stress loads.
+    /// Least and greatest work units for each goal: the paper's problems and the stress loads.
     pub others: [[f64; 2]; 3],
 }
 
 /// Natural residual that the second goal asks for, not relative: in the units of the load, f h^2.
 pub const TOLERANCE: f64 = 1e-10;
-/// The goals, in the order of [`Cost::goals`].
+/// Goals, in the order of [`Cost::goals`].
 pub const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(TOLERANCE), Goal::RoundingFloor];
-/// On coarser grids neither orders nor work units are what they are in the limit.
+/// Cells per side of the coarsest grid on which orders and work units are close to their limits.
 const ASYMPTOTIC: usize = 64;
 
 /// Runs the experiment.
 ///
+/// 1. Solves the problems with a formula, and those that test contact with the spectral solver.
+/// 2. Solves each on its grids by multigrid, and measures errors and cost (`known`).
+/// 3. Counts the cost of loads without known solution (`others`).
+/// 4. Measures the cost laws of the paper's method ([`work::laws`]), and compares it with multigrid
+///    ([`work::compare`]).
+///
 /// # Errors
 /// A sentence if a grid cannot be used, or a problem cannot be solved on it.
 pub fn accuracy(plan: &AccuracyPlan) -> Result<AccuracyFindings, String> {
-    let formulas = Exact::ALL.map(|exact| Ok(KnownSolution::Formula(exact)));
-    let spectral =
-        CONTACT.map(|(name, f)| KnownSolution::spectral(name, f, SpectralParams::default()));
-    let solutions: Vec<_> = formulas.into_iter().chain(spectral).collect::<Result<_, String>>()?;
-    let (known, rest) = rayon::join(
-        || solutions.par_iter().map(|of| known(of, plan)).collect::<Result<Vec<_>, _>>(),
+    let mut solutions: Vec<_> = Exact::ALL.into_iter().map(KnownSolution::Formula).collect();
+    for (name, f) in CONTACT {
+        solutions.push(KnownSolution::spectral(name, f, SpectralParams::default())?);
+    }
+    let (problems, (others, (laws, comparison))) = rayon::join(
+        || -> Result<Vec<_>, String> {
+            solutions.par_iter().map(|solution| known(solution, plan)).collect()
+        },
         || {
             rayon::join(
                 || others(&plan.others),
@@ -158,12 +168,18 @@ pub fn accuracy(plan: &AccuracyPlan) -> Result<AccuracyFindings, String> {
             )
         },
     );
-    let (others, (laws, comparison)) = rest;
-    let (problems, others, laws, comparison) = (known?, others?, laws?, comparison?);
-    let ranges = Ranges::of(&problems, &others);
-    Ok(AccuracyFindings { ranges, problems, sampled: SAMPLED, others, laws, comparison })
+    let (problems, others) = (problems?, others?);
+    Ok(AccuracyFindings {
+        ranges: Ranges::of(&problems, &others),
+        problems,
+        sampled: SAMPLED,
+        others,
+        laws: laws?,
+        comparison: comparison?,
+    })
 }
 
+/// Measures errors and cost of a problem with known solution, grid by grid.
 fn known(
     solution: &KnownSolution,
     plan: &AccuracyPlan,
@@ -176,7 +192,8 @@ fn known(
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = solution.load(grid);
-        let (cost, [rough, _, y]) = cost(solution.name(), Multigrid::square, n, &load)?;
+        let Costed { cost, solutions: [rough, _, y] } =
+            cost(solution.name(), Multigrid::square, n, &load)?;
         let errors = solution.errors(grid, &y, &load);
         let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
         // Twice the energy without load is the square of the H1 seminorm.
@@ -191,37 +208,50 @@ fn known(
     Ok(KnownLevels { name: solution.name().into(), levels })
 }
 
+/// Counts the cost of the paper's problems and of the stress loads on grids with these cells per side.
 fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
     let mut costs = Vec::new();
     for &n in cells {
         Grid::new(n).map_err(|e| e.to_string())?;
-        let loads: Vec<_> = paper_loads(n).into_iter().chain(stress_loads(n)).collect();
-        let counted =
-            loads.par_iter().map(|(name, load)| Ok(cost(name, Multigrid::square, n, load)?.0));
-        costs.extend(counted.collect::<Result<Vec<_>, String>>()?);
+        let mut loads = paper_loads(n);
+        loads.extend(stress_loads(n));
+        let counted: Result<Vec<Cost>, String> = loads
+            .par_iter()
+            .map(|(name, load)| Ok(cost(name, Multigrid::square, n, load)?.cost))
+            .collect();
+        costs.extend(counted?);
     }
     Ok(costs)
 }
 
-/// Cost of each goal on `grids` with `n` cells per side, and the solution with which it was reached.
+/// Cost of a problem on one grid, with the solutions that were computed.
+pub(super) struct Costed {
+    pub(super) cost: Cost,
+    /// Nodal vector with which each of the [`GOALS`] was reached.
+    pub(super) solutions: [Vec<f64>; 3],
+}
+
+/// Solves a problem on `grids` with `n` cells per side to each of the [`GOALS`].
 pub(super) fn cost(
     name: &str,
     grids: fn(usize) -> Result<Multigrid, InputError>,
     n: usize,
     load: &[f64],
-) -> Result<(Cost, [Vec<f64>; 3]), String> {
-    let failed = |e| format!("{name} on grid 1/{n}: {e}");
-    let mut workspace = grids(n).map_err(failed)?;
-    let mut solve = |goal| {
+) -> Result<Costed, String> {
+    let mut workspace = grids(n).map_err(|e| format!("{name} on grid 1/{n}: {e}"))?;
+    let (mut goals, mut solutions) = (Vec::new(), [const { Vec::new() }; 3]);
+    for (goal, solution) in GOALS.into_iter().zip(&mut solutions) {
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        let outcome = workspace.solve(load, None, &params).map_err(failed)?;
-        let mut y = vec![0.0; load.len()];
-        workspace.write_solution(&mut y);
-        Ok::<_, String>((Spent::of(&outcome), y))
-    };
-    let [(a, ya), (b, yb), (c, yc)] = [solve(GOALS[0])?, solve(GOALS[1])?, solve(GOALS[2])?];
+        let outcome = workspace
+            .solve(load, None, &params)
+            .map_err(|e| format!("{name} on grid 1/{n}: {e}"))?;
+        *solution = vec![0.0; load.len()];
+        workspace.write_solution(solution);
+        goals.push(Spent::of(&outcome));
+    }
+    let goals = goals.try_into().expect("one for each goal");
     let bytes = workspace.bytes() as f64 / load.len() as f64;
-    Ok((Cost { name: name.into(), cells: n, bytes, goals: [a, b, c] }, [ya, yb, yc]))
+    Ok(Costed { cost: Cost { name: name.into(), cells: n, bytes, goals }, solutions })
 }
 
 impl Spent {
@@ -231,8 +261,9 @@ impl Spent {
     }
 }
 
-fn map2(a: &Errors, b: &Errors, f: impl Fn(f64, f64) -> f64) -> Errors {
-    Errors {
+/// Applies `f` to each pair of errors in the same norm.
+fn map2(a: &SolutionErrors, b: &SolutionErrors, f: impl Fn(f64, f64) -> f64) -> SolutionErrors {
+    SolutionErrors {
         l2: a.l2.zip(b.l2).map(|(a, b)| f(a, b)),
         h1: f(a.h1, b.h1),
         max: f(a.max, b.max),
@@ -240,39 +271,41 @@ fn map2(a: &Errors, b: &Errors, f: impl Fn(f64, f64) -> f64) -> Errors {
     }
 }
 
-fn orders(coarser: &Errors, finer: &Errors) -> Errors {
+fn orders(coarser: &SolutionErrors, finer: &SolutionErrors) -> SolutionErrors {
     map2(coarser, finer, |coarser, finer| libm::log2(coarser / finer))
 }
 
 impl Ranges {
     fn of(problems: &[KnownLevels<AccuracyLevel>], others: &[Cost]) -> Self {
-        let levels = || problems.iter().flat_map(|problem| &problem.levels);
-        let finest = levels().map(|level| level.cost.cells).max().unwrap_or(0);
+        let levels: Vec<_> = problems.iter().flat_map(|problem| &problem.levels).collect();
+        let finest = levels.iter().map(|level| level.cost.cells).max().unwrap_or(0);
         // A plan of coarse grids only has ranges as well.
         let from = ASYMPTOTIC.min(finest);
-        let fine = || levels().filter(|level| level.cost.cells >= from);
-        let extreme = |formula: bool| {
-            let observed = || {
-                fine()
-                    .filter(|level| level.errors.l2.is_some() == formula)
-                    .filter_map(|level| level.orders)
-            };
-            [f64::min, f64::max]
-                .map(|f| observed().reduce(|a, b| map2(&a, &b, f)).unwrap_or_default())
-        };
-        let ratio = |k: usize| worst(fine().filter_map(|level| level.algebraic[k]));
-        let last = || levels().filter(|level| level.cost.cells == finest);
+        let (mut fine, mut last) = (levels.clone(), levels);
+        fine.retain(|level| level.cost.cells >= from);
+        last.retain(|level| level.cost.cells == finest);
+        let (with_formula, contact): (Vec<_>, Vec<_>) =
+            fine.iter().copied().partition(|level| level.errors.l2.is_some());
         Self {
             tolerance: TOLERANCE,
             from,
-            orders: extreme(true),
-            contact: extreme(false),
-            algebraic: [ratio(0), ratio(1)],
-            known: work_units(fine().map(|level| &level.cost)),
-            finest: work_units(last().map(|level| &level.cost)),
+            orders: extreme_orders(&with_formula),
+            contact: extreme_orders(&contact),
+            algebraic: [0, 1].map(|k| worst(fine.iter().filter_map(|level| level.algebraic[k]))),
+            known: work_units(fine.iter().map(|level| &level.cost)),
+            finest: work_units(last.iter().map(|level| &level.cost)),
             others: work_units(others.iter()),
         }
     }
+}
+
+/// Least and greatest observed orders; zero without orders.
+fn extreme_orders(levels: &[&AccuracyLevel]) -> [SolutionErrors; 2] {
+    let observed: Vec<_> = levels.iter().filter_map(|level| level.orders).collect();
+    [f64::min, f64::max].map(|extreme| {
+        let all = observed.iter().copied();
+        all.reduce(|a, b| map2(&a, &b, extreme)).unwrap_or_default()
+    })
 }
 
 /// Least and greatest work units for each goal; zero without costs.

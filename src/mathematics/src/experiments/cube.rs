@@ -1,6 +1,6 @@
 //! Errors and work units on the unit cube.
 
-use super::accuracy::{Cost, KnownLevels, cost};
+use super::accuracy::{Cost, Costed, KnownLevels, cost};
 use crate::discrete::cube::{Grid, errors, load};
 use crate::discrete::norms::{Errors, worst};
 use crate::multigrid::Multigrid;
@@ -8,7 +8,7 @@ use crate::problem::cube::Exact;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Plan of the computation.
+/// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CubePlan {
     /// Cells per side of the grids, each the halving of the one before.
@@ -21,16 +21,16 @@ impl Default for CubePlan {
     }
 }
 
-/// Results.
+/// Result of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CubeFindings {
-    /// The problems with known solutions.
+    /// Problems with known solutions.
     pub problems: Vec<KnownLevels<CubeLevel>>,
     /// Greatest work units on the finest grid, goal by goal.
     pub most: [f64; 3],
     /// Greatest distance of an observed order from 2 in L2 and at the nodes, and from 1 in H1, between
-    /// the two finest grids.
-    pub off: f64,
+    /// the two finest grids; none with a single grid.
+    pub off: Option<f64>,
     /// Greatest bytes of the workspace per unknown on the finest grid.
     pub bytes: f64,
 }
@@ -42,7 +42,7 @@ pub struct CubeLevel {
     pub errors: [f64; 3],
     /// Observed orders against the grid before.
     pub orders: Option<[f64; 3]>,
-    /// Cost.
+    /// Cost of the solution.
     pub cost: Cost,
 }
 
@@ -51,36 +51,37 @@ pub struct CubeLevel {
 /// # Errors
 /// A sentence if a grid cannot be used, or a problem cannot be solved on it.
 pub fn cube(plan: &CubePlan) -> Result<CubeFindings, String> {
-    let known: Result<Vec<_>, _> =
-        Exact::ALL.into_par_iter().map(|exact| known(exact, &plan.cells)).collect();
+    let known: Result<Vec<_>, String> = Exact::ALL
+        .into_par_iter()
+        .map(|exact| known(exact, &plan.cells).map_err(|e| format!("on the cube, {e}")))
+        .collect();
     let problems = known?;
-    let finest = || problems.iter().filter_map(|problem| problem.levels.last());
-    let greatest = |of: &dyn Fn(&CubeLevel) -> f64| worst(finest().map(of));
-    let off = |level: &CubeLevel| {
-        let orders = level.orders.unwrap_or([f64::NAN; 3]);
-        worst(orders.iter().zip([2.0, 1.0, 2.0]).map(|(p, best)| p - best))
-    };
+    let finest: Vec<_> = problems.iter().filter_map(|problem| problem.levels.last()).collect();
+    let orders: Option<Vec<_>> = finest.iter().map(|level| level.orders).collect();
     Ok(CubeFindings {
-        most: [0, 1, 2].map(|goal| greatest(&|level| level.cost.goals[goal].work_units)),
-        off: greatest(&off),
-        bytes: greatest(&|level| level.cost.bytes),
+        most: [0, 1, 2]
+            .map(|goal| worst(finest.iter().map(|level| level.cost.goals[goal].work_units))),
+        off: orders.map(|orders| {
+            worst(orders.into_iter().flat_map(|[l2, h1, max]| [l2 - 2.0, h1 - 1.0, max - 2.0]))
+        }),
+        bytes: worst(finest.iter().map(|level| level.cost.bytes)),
         problems,
     })
 }
 
+/// Measures errors and cost of a problem with known solution, grid by grid.
 fn known(exact: Exact, cells: &[usize]) -> Result<KnownLevels<CubeLevel>, String> {
     let mut levels: Vec<CubeLevel> = Vec::new();
     for &n in cells {
-        let failed = |e: String| format!("on the cube, {e}");
-        let grid = Grid::new(n).map_err(|e| failed(e.to_string()))?;
+        let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = load(grid, |point| exact.at(point).f);
-        let (cost, [.., y]) = cost(exact.name(), Multigrid::cube, n, &load).map_err(failed)?;
+        let Costed { cost, solutions: [.., y] } = cost(exact.name(), Multigrid::cube, n, &load)?;
         let Errors { l2, h1, max } = errors(grid, exact, &y);
         let errors = [l2, h1, max];
-        let order = |coarser: &CubeLevel| {
-            [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm]))
-        };
-        levels.push(CubeLevel { orders: levels.last().map(order), errors, cost });
+        let orders = levels
+            .last()
+            .map(|coarser| [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm])));
+        levels.push(CubeLevel { errors, orders, cost });
     }
     Ok(KnownLevels { name: exact.name().into(), levels })
 }

@@ -2,7 +2,8 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::discrete::norms::{self, multiplier_error, worst};
+use crate::discrete::norms::{self, multiplier_error};
+use crate::discrete::simd::Largest;
 use crate::discrete::stiffness::energy;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
@@ -32,12 +33,12 @@ pub struct Spectral {
 
 /// Errors of a discrete solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Errors {
+pub struct SolutionErrors {
     /// L2 norm of `v - v_h`; only where v has a formula.
     pub l2: Option<f64>,
     /// L2 norm of `grad (v - v_h)`.
     pub h1: f64,
-    /// Largest error at a node; of the spectral solver's solutions, at the nodes of the grid with
+    /// Largest error at a node. For solutions of the spectral solver: at a node that also belongs to the grid with
     /// [`SAMPLED`] cells per side.
     pub max: f64,
     /// L2 norm on the boundary of the error of the multiplier, by [`multiplier_error`].
@@ -48,7 +49,7 @@ pub struct Errors {
 pub const SAMPLED: usize = 32;
 
 impl KnownSolution {
-    /// The solution for a piecewise constant f in the notation of scenes.
+    /// Solves for a piecewise constant f in the notation of scenes.
     ///
     /// # Errors
     /// A sentence if f cannot be read, or there is no solution.
@@ -58,13 +59,13 @@ impl KnownSolution {
         Ok(Self::of(name, f, solution))
     }
 
-    /// The solution that the spectral solver found for f.
+    /// Takes the solution that the spectral solver found for f.
     pub fn of(name: &str, f: Source, solution: Solution) -> Self {
         let samples = OnceLock::new();
         Self::Spectral(Box::new(Spectral { name: name.into(), f, solution, samples }))
     }
 
-    /// Name, as in `exact(name)` where it has a formula.
+    /// Name, as in `exact(name)` if there is a formula.
     pub fn name(&self) -> &str {
         match self {
             Self::Formula(exact) => exact.name(),
@@ -72,7 +73,7 @@ impl KnownSolution {
         }
     }
 
-    /// The right-hand side.
+    /// Right-hand side.
     pub fn f(&self) -> Source {
         match self {
             Self::Formula(exact) => Source::Exact(*exact),
@@ -80,7 +81,7 @@ impl KnownSolution {
         }
     }
 
-    /// The spectral solver's solution.
+    /// Solution of the spectral solver, if it is from there.
     pub fn solution(&self) -> Option<&Solution> {
         match self {
             Self::Formula(_) => None,
@@ -88,7 +89,7 @@ impl KnownSolution {
         }
     }
 
-    /// The load vector. Where f jumps it is integrated exactly, so that the discrete energy is that of v_h.
+    /// Load vector. If f jumps, f is integrated exactly, so that the discrete energy is that of `v_h`.
     pub fn load(&self, grid: Grid) -> Vec<f64> {
         let rule = match self {
             Self::Formula(_) => LoadRule::default(),
@@ -97,7 +98,7 @@ impl KnownSolution {
         load(grid, &self.f(), rule)
     }
 
-    /// The L2 norm of `grad (v - v_h)`, v_h linear on triangles with the nodal values `y`.
+    /// L2 norm of `grad (v - v_h)`, with `v_h` linear on triangles with the nodal values `y`.
     ///
     /// # Panics
     /// If a slice is not of length `grid.nodes()`.
@@ -108,24 +109,25 @@ impl KnownSolution {
         }
     }
 
-    /// All errors of the nodal values `y`; [`Self::load`] gives the multiplier.
+    /// All errors of the nodal values `y`, with the multiplier that belongs to the load vector [`Self::load`].
     ///
     /// # Panics
-    /// As [`Self::h1_error`].
-    pub fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> Errors {
+    /// If a slice is not of length `grid.nodes()`.
+    pub fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> SolutionErrors {
         match self {
             Self::Formula(exact) => {
                 let norms::Errors { l2, h1, max } = norms::errors(grid, *exact, y);
-                let multiplier = |point, normal| exact.multiplier(point, normal);
-                let multiplier_l2 = multiplier_error(grid, y, load, multiplier);
-                Errors { l2: Some(l2), h1, max, multiplier_l2 }
+                let multiplier_l2 = multiplier_error(grid, y, load, |point, normal| {
+                    exact.multiplier(point, normal)
+                });
+                SolutionErrors { l2: Some(l2), h1, max, multiplier_l2 }
             }
-            Self::Spectral(known) => Errors {
+            Self::Spectral(known) => SolutionErrors {
                 l2: None,
                 h1: known.h1_error(grid, y, load),
                 max: known.max_error(grid, y),
                 multiplier_l2: multiplier_error(grid, y, load, |point, _| {
-                    known.solution.on_border(point)[1]
+                    known.solution.on_boundary(point)[1]
                 }),
             },
         }
@@ -133,41 +135,47 @@ impl KnownSolution {
 }
 
 impl Spectral {
-    /// For every w, `|grad (v - w)|^2 = 2 (J(w) - J(v)) - 2 int l w`.
+    /// L2 norm of the error of the gradient: for every w, `|grad (v - w)|^2 = 2 (J(w) - J(v)) - 2 int l w`.
     fn h1_error(&self, grid: Grid, y: &[f64], load: &[f64]) -> f64 {
         let work: f64 = self
             .solution
-            .border()
-            .map(|p| p.weight * p.multiplier * on_border(grid, y, p.point))
+            .boundary_points()
+            .map(|p| p.weight * p.multiplier * on_boundary(grid, y, p.point))
             .sum();
         (2.0 * (energy(grid, y, load) - self.solution.energy - work)).max(0.0).sqrt()
     }
 
-    /// At the nodes that both grids have.
+    /// Largest error at a node that both grids have.
     fn max_error(&self, grid: Grid, y: &[f64]) -> f64 {
         let samples = self.samples.get_or_init(|| self.solution.at_nodes(SAMPLED));
         let common = 1 << grid.cells().trailing_zeros().min(SAMPLED.trailing_zeros());
         let (ours, theirs) = (grid.cells() / common, SAMPLED / common);
-        let nodes = (0..=common).flat_map(|j| (0..=common).map(move |i| (i, j)));
-        let error = |(i, j): (usize, usize)| {
-            y[grid.index(i * ours, j * ours)] - samples[j * theirs * (SAMPLED + 1) + i * theirs]
-        };
-        worst(nodes.map(error))
+        let mut largest = Largest::default();
+        for j in 0..=common {
+            for i in 0..=common {
+                let sample = samples[j * theirs * (SAMPLED + 1) + i * theirs];
+                largest.put(y[grid.index(i * ours, j * ours)] - sample);
+            }
+        }
+        largest.value()
     }
 }
 
-/// The nodal vector at a point of the boundary, linear between nodes.
-fn on_border(grid: Grid, y: &[f64], [x, z]: [f64; 2]) -> f64 {
-    let n = grid.cells() as f64;
-    let cell = |s: f64| {
-        let place = ((s + 0.5) * n).clamp(0.0, n);
-        let k = (place as usize).min(grid.cells() - 1);
-        (k, place - k as f64)
-    };
-    let ((i, s), (j, t)) = (cell(x), cell(z));
-    let at = |i: usize, j: usize| y[grid.index(i, j)];
-    (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(i + 1, j))
-        + t * ((1.0 - s) * at(i, j + 1) + s * at(i + 1, j + 1))
+/// Value of the nodal vector at a point of the boundary, linear between nodes.
+fn on_boundary(grid: Grid, y: &[f64], [x, z]: [f64; 2]) -> f64 {
+    let (i, s) = cell_and_fraction(grid.cells(), x);
+    let (j, t) = cell_and_fraction(grid.cells(), z);
+    let lower = (1.0 - s) * y[grid.index(i, j)] + s * y[grid.index(i + 1, j)];
+    let upper = (1.0 - s) * y[grid.index(i, j + 1)] + s * y[grid.index(i + 1, j + 1)];
+    (1.0 - t) * lower + t * upper
+}
+
+/// Number of the cell in which a coordinate lies, and the fraction of the cell's width below the coordinate.
+fn cell_and_fraction(cells: usize, coordinate: f64) -> (usize, f64) {
+    let n = cells as f64;
+    let place = ((coordinate + 0.5) * n).clamp(0.0, n);
+    let cell = (place as usize).min(cells - 1);
+    (cell, place - cell as f64)
 }
 
 #[cfg(test)]
@@ -178,8 +186,8 @@ mod tests {
     fn values_on_the_boundary_are_linear_between_nodes() {
         let grid = Grid::new(4).unwrap();
         let y: Vec<f64> = (0..25).map(|k| f64::from(k % 5) + 10.0 * f64::from(k / 5)).collect();
-        assert_eq!(on_border(grid, &y, [-0.125, -0.5]), 1.5);
-        assert_eq!(on_border(grid, &y, [0.5, 0.5]), 44.0);
+        assert_eq!(on_boundary(grid, &y, [-0.125, -0.5]), 1.5);
+        assert_eq!(on_boundary(grid, &y, [0.5, 0.5]), 44.0);
     }
 
     #[test]
@@ -190,11 +198,11 @@ mod tests {
         // The multiplier does no work on v.
         let size = (-2.0 * solution.energy).sqrt();
         let multiplier: f64 =
-            solution.border().map(|p| p.weight * p.multiplier * p.multiplier).sum();
+            solution.boundary_points().map(|p| p.weight * p.multiplier * p.multiplier).sum();
         for n in [8, 24, 256] {
             let grid = Grid::new(n).unwrap();
             let zero = vec![0.0; grid.nodes()];
-            let Errors { l2, h1, max, multiplier_l2 } = known.errors(grid, &zero, &zero);
+            let SolutionErrors { l2, h1, max, multiplier_l2 } = known.errors(grid, &zero, &zero);
             assert_eq!(l2, None);
             assert!((h1 - size).abs() < 1e-12, "{h1} {size}");
             // The corner of the quadrant with f > 0.

@@ -33,7 +33,7 @@ pub struct Problem {
     pub grids: Vec<usize>,
     /// The paper's values of r.
     pub r: Vec<f64>,
-    /// Cap on iterations per grid under the paper's stopping rules.
+    /// Limit of iterations per grid under the paper's stopping rules.
     pub max_iterations: usize,
 }
 
@@ -46,7 +46,7 @@ pub(super) struct Discrete {
 }
 
 impl Problem {
-    /// The problem on its grids.
+    /// Returns the problem on its grids.
     ///
     /// # Errors
     /// A sentence if f cannot be read, or the grids do not nest.
@@ -58,48 +58,47 @@ impl Problem {
     }
 }
 
-/// A load less the multiple of `ones`, the load of f = 1, that makes its sum `-deficit` times the sum of
-/// absolute values.
+/// Subtracts from `load` the multiple of `ones`, the load of f = 1, after which the sum of the load is `-deficit` times
+/// the sum of the absolute values of the original load.
 pub fn with_deficit(mut load: Vec<f64>, ones: &[f64], deficit: f64) -> Vec<f64> {
     let sum: f64 = load.iter().sum();
     let size: f64 = load.iter().map(|entry| entry.abs()).sum();
     let excess = sum + deficit * size;
-    load.iter_mut().zip(ones).for_each(|(entry, one)| *entry -= one * excess);
+    for (entry, one) in load.iter_mut().zip(ones) {
+        *entry -= one * excess;
+    }
     load
 }
 
-/// Nodal load of `f` on `n` by `n` cells, with this deficit; without one as it is. Row-major, `(n + 1)^2`
-/// numbers.
+/// Nodal load of `f` on `n` by `n` cells, row by row, `(n + 1)^2` numbers: with this deficit, or unchanged without one.
 pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let h = 1.0 / n as f64;
-    let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-    let nodes = || (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j)));
-    let ones: Vec<f64> = nodes().map(|(i, j)| share(i) * share(j) * h * h).collect();
-    let value = |(i, j): (usize, usize)| f(i as f64 * h - 0.5, j as f64 * h - 0.5);
-    let load = nodes().zip(&ones).map(|(node, one)| one * value(node)).collect();
+    let (mut ones, mut load) = (Vec::new(), Vec::new());
+    for j in 0..=n {
+        for i in 0..=n {
+            let one = share(i, n) * share(j, n) * h * h;
+            ones.push(one);
+            load.push(one * f(i as f64 * h - 0.5, j as f64 * h - 0.5));
+        }
+    }
     match deficit {
         Some(deficit) => with_deficit(load, &ones, deficit),
         None => load,
     }
 }
 
+/// Part of the width h that the i-th of the nodes 0 to `n` on a line stands for.
+fn share(i: usize, n: usize) -> f64 {
+    if i == 0 || i == n { 0.5 } else { 1.0 }
+}
+
 /// Semicoercive problems of growing difficulty: contact at few nodes, at one, at both sides of a corner.
 ///
 /// The number in a name is minus the sum of the load over the sum of absolute values.
 pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
-    let waves = |x: f64, y: f64| libm::sin(TAU * x) + 0.7 * libm::cos(3.0 * y + 1.0);
-    let chess = |x: f64, y: f64| libm::cos(TAU * x) * libm::cos(TAU * y);
-    let quadrant = |x: f64, y: f64| {
-        if x <= 0.0 && y <= 0.0 { 1.0 } else { -1.0 / 3.0 }
-    };
-    let jumps = |x: f64, y: f64| match (x <= 0.0, y <= 0.0) {
-        (true, true) => -1e6,
-        (true, false) => 3e5,
-        (false, _) => 1.0,
-    };
-    let spike = |x: f64, y: f64| {
+    let spike = nodal_load(n, Some(1e-2), |x, y| {
         if libm::hypot(x, y - 0.2) < 1.5 / n as f64 { 1e4 } else { -1.0 }
-    };
+    });
     vec![
         ("waves 1e-1", nodal_load(n, Some(1e-1), waves)),
         ("waves 1e-3", nodal_load(n, Some(1e-3), waves)),
@@ -111,19 +110,43 @@ pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
         ("quadrant 1e-2", nodal_load(n, Some(1e-2), quadrant)),
         ("quadrant 1e-4", nodal_load(n, Some(1e-4), quadrant)),
         ("quadrant 1e-8", nodal_load(n, Some(1e-8), quadrant)),
-        ("spike", nodal_load(n, Some(1e-2), spike)),
+        ("spike", spike),
         ("jumps", nodal_load(n, None, jumps)),
     ]
 }
 
-/// The paper's problems. The first with f averaged on the axes: with the published tie rule its load has a
+fn waves(x: f64, y: f64) -> f64 {
+    libm::sin(TAU * x) + 0.7 * libm::cos(3.0 * y + 1.0)
+}
+
+fn chess(x: f64, y: f64) -> f64 {
+    libm::cos(TAU * x) * libm::cos(TAU * y)
+}
+
+fn quadrant(x: f64, y: f64) -> f64 {
+    if x <= 0.0 && y <= 0.0 { 1.0 } else { -1.0 / 3.0 }
+}
+
+fn jumps(x: f64, y: f64) -> f64 {
+    match (x <= 0.0, y <= 0.0) {
+        (true, true) => -1e6,
+        (true, false) => 3e5,
+        (false, _) => 1.0,
+    }
+}
+
+/// Loads of the paper's problems. The first with f averaged on the axes: with the published tie rule its load has a
 /// positive sum, and there is nothing to solve. (Averaged, the sums are nearly zero: hard, but solvable.)
 ///
 /// # Panics
 /// If `n` is below 2.
 pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     let grid = Grid::new(n).expect("fine enough");
-    let on_grid = |text: &str, rule| load(grid, &text.parse().expect("a valid f"), rule);
     let [(first, f), (second, g)] = PAPER;
-    vec![(first, on_grid(f, LoadRule::LumpedAverage {})), (second, on_grid(g, LoadRule::default()))]
+    let f: Source = f.parse().expect("a valid f");
+    let g: Source = g.parse().expect("a valid f");
+    vec![
+        (first, load(grid, &f, LoadRule::LumpedAverage {})),
+        (second, load(grid, &g, LoadRule::default())),
+    ]
 }

@@ -7,10 +7,10 @@ use crate::experiments::problems::Problem;
 use runs::disturb;
 use serde::{Deserialize, Serialize};
 
-/// Plan of the experiment.
+/// Input of the experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct RoundingPlan {
-    /// The tables whose counts are disturbed.
+    /// Tables whose counts are disturbed.
     pub tables: Vec<Problem>,
     /// Largest relative disturbances, ascending.
     pub sizes: Vec<f64>,
@@ -23,23 +23,23 @@ pub struct RoundingPlan {
 }
 
 impl RoundingPlan {
-    /// The sizes and repetitions of the book.
+    /// Sizes and repetitions of the book.
     pub fn new(tables: Vec<Problem>) -> Self {
         let sizes = (-15..=-2).map(power_of_ten).collect();
         Self { tables, sizes, repetitions: 100, further: 16, seed: 1 }
     }
 }
 
-/// Results.
+/// Result of the experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rounding {
-    /// As in the [`RoundingPlan`].
+    /// Largest relative disturbances, as in the [`RoundingPlan`].
     pub sizes: Vec<f64>,
-    /// As in the [`RoundingPlan`].
+    /// Repetitions for the least size, as in the [`RoundingPlan`].
     pub repetitions: usize,
-    /// As in the [`RoundingPlan`].
+    /// Repetitions for each other size, as in the [`RoundingPlan`].
     pub further: usize,
-    /// The tables, in the order of the plan.
+    /// Tables, in the order of the plan.
     pub tables: Vec<RoundingTable>,
     /// Number of counts.
     pub cells: usize,
@@ -47,43 +47,45 @@ pub struct Rounding {
     pub fragile: usize,
     /// Counts that another order of operations changes.
     pub reordered: usize,
-    /// The least size that changes any count.
+    /// Least size that changes any count.
     pub first_flip: Option<f64>,
-    /// The cell with the least margin.
+    /// Count with the least margin.
     pub nearest: Nearest,
 }
 
-/// One table.
+/// Counts of one table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoundingTable {
-    /// Number in the paper.
+    /// Number of the table in the paper.
     pub number: u8,
     /// Cells per side, coarsest grid first.
     pub grids: Vec<usize>,
-    /// One row per r.
+    /// Rows, one per r.
     pub rows: Vec<RoundingRow>,
-    /// Of the sizes of the plan, how many counts each changes.
+    /// Number of changed counts for each of the sizes in the plan.
     pub changed: Vec<usize>,
 }
 
 impl RoundingTable {
-    /// The margin of each count.
-    fn margins<'a>(&'a self) -> impl Iterator<Item = Nearest> + 'a {
-        let of_row = move |row: &'a RoundingRow| {
-            let (table, r) = (self.number, row.r);
-            let cells = self.grids.iter().zip(&row.cells);
-            cells.map(move |(&cells, cell)| Nearest { table, r, cells, margin: cell.margin })
-        };
-        self.rows.iter().flat_map(of_row)
+    /// Margin of each count.
+    fn margins(&self) -> Vec<Nearest> {
+        let mut margins = Vec::new();
+        for row in &self.rows {
+            for (&cells, cell) in self.grids.iter().zip(&row.cells) {
+                let (table, r) = (self.number, row.r);
+                margins.push(Nearest { table, r, cells, margin: cell.margin });
+            }
+        }
+        margins
     }
 }
 
-/// The counts for one r.
+/// Counts for one r.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoundingRow {
     /// Duality parameter.
     pub r: f64,
-    /// Per grid, coarsest first.
+    /// Counts, one per grid, coarsest first.
     pub cells: Vec<RoundingCell>,
 }
 
@@ -94,20 +96,20 @@ pub struct RoundingCell {
     pub count: usize,
     /// `1 - max dM/dy / tolerance` at the stop.
     pub below: f64,
-    /// `max dM/dy / tolerance - 1` before, least over all iterations; none if the first one stopped.
+    /// Least `max dM/dy / tolerance - 1` over the iterations before the stop; none if the first iteration stopped.
     pub above: Option<f64>,
-    /// The lesser of the two: the relative change of the residual that would change the count.
+    /// Lesser of `below` and `above`: the relative change of the residual that would change the count.
     pub margin: f64,
-    /// Of the repetitions with the least size, how many gave another count: values disturbed at each update,
-    /// or the load once.
+    /// Number of repetitions with the least size that gave another count: values are disturbed at each update, or the
+    /// load is, once.
     pub flips: usize,
-    /// The least size that gave another count.
+    /// Least size that gave another count.
     pub flips_at: Option<f64>,
     /// True if another order of operations gives another count.
     pub reordered: bool,
 }
 
-/// Place at which the residual came nearest to the tolerance.
+/// Margin of one count, and its place in the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Nearest {
     /// Table.
@@ -122,23 +124,31 @@ pub struct Nearest {
 
 /// Runs the experiment.
 ///
+/// 1. Makes the runs of each table, and records how near the residual comes to the tolerance.
+/// 2. Repeats them with sums in another order, and with fused operations.
+/// 3. Repeats them with random relative errors of each size, at each update of a value or once in the load.
+/// 4. Compares the counts.
+///
 /// # Errors
 /// If the plan is not one of tables: f cannot be read, grids do not nest, or the rule is not met.
 pub fn rounding(plan: &RoundingPlan) -> Result<Rounding, String> {
-    let tables =
-        plan.tables.iter().map(|table| disturb(plan, table)).collect::<Result<Vec<_>, _>>()?;
-    let cells = || tables.iter().flat_map(|table| &table.rows).flat_map(|row| &row.cells);
-    let nearest =
-        tables.iter().flat_map(RoundingTable::margins).min_by(|a, b| a.margin.total_cmp(&b.margin));
+    let mut tables = Vec::new();
+    for problem in &plan.tables {
+        tables.push(disturb(plan, problem)?);
+    }
+    let margins = tables.iter().flat_map(RoundingTable::margins);
+    let nearest = margins.min_by(|a, b| a.margin.total_cmp(&b.margin));
+    let rows = tables.iter().flat_map(|table| &table.rows);
+    let cells: Vec<_> = rows.flat_map(|row| &row.cells).copied().collect();
     Ok(Rounding {
         sizes: plan.sizes.clone(),
         repetitions: plan.repetitions,
         further: plan.further,
-        cells: cells().count(),
-        fragile: cells().filter(|cell| cell.flips > 0).count(),
-        reordered: cells().filter(|cell| cell.reordered).count(),
-        first_flip: cells().filter_map(|cell| cell.flips_at).min_by(f64::total_cmp),
-        nearest: nearest.ok_or("no table to disturb")?,
         tables,
+        cells: cells.len(),
+        fragile: cells.iter().filter(|cell| cell.flips > 0).count(),
+        reordered: cells.iter().filter(|cell| cell.reordered).count(),
+        first_flip: cells.iter().filter_map(|cell| cell.flips_at).min_by(f64::total_cmp),
+        nearest: nearest.ok_or("no table to disturb")?,
     })
 }

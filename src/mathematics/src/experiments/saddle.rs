@@ -11,38 +11,52 @@ pub const fn loose_uzawa(weight: f64) -> Method {
 /// Number of sweeps between two checks of the goal, and limit of sweeps.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckInterval {
-    /// Sweeps of Arrow-Hurwicz between checks are the sweeps made so far over this number, and at least
-    /// one; Uzawa's algorithm is checked after each step of the multiplier.
+    /// Sweeps so far over the sweeps of Arrow-Hurwicz between two checks, of which there is at least one. Uzawa's
+    /// algorithm is checked after each step of the multiplier.
     pub share: usize,
     /// Sweeps after which the method has failed.
-    pub cap: usize,
+    pub limit: usize,
 }
 
-/// Runs `method` on `pair` until `done`, which is given the sweeps so far; returns the sweeps made.
-///
-/// `None` if the method diverged, or the cap was not enough. `done` is asked before the first sweep too.
-///
-/// # Panics
-/// If `load` or `pair` does not belong to `grid`, or r is not positive.
-pub fn sweeps_until(
-    method: Method,
-    (grid, load): (Grid, &[f64]),
-    r: f64,
-    checks: CheckInterval,
-    pair: &mut Pair,
-    mut done: impl FnMut(usize, &Pair) -> bool,
-) -> Option<usize> {
-    let mut steps = Steps::new(grid, load, method, r);
-    while !done(steps.sweeps(), pair) {
-        let many = match method {
-            Method::ArrowHurwicz => (steps.sweeps() / checks.share).max(1),
-            Method::Uzawa { .. } => 1,
-        };
-        for _ in 0..many {
-            if steps.step(pair, checks.cap).is_break() {
-                return None;
+/// A method on one discrete problem, and the checks of the goal.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckedRun<'a> {
+    /// Grid.
+    pub grid: Grid,
+    /// Load vector.
+    pub load: &'a [f64],
+    /// Method.
+    pub method: Method,
+    /// Duality parameter r > 0.
+    pub r: f64,
+    /// Number of sweeps between two checks of the goal.
+    pub checks: CheckInterval,
+}
+
+impl CheckedRun<'_> {
+    /// Changes `pair` until `done`, which is given the number of sweeps so far; returns the number of sweeps.
+    ///
+    /// `None` if the method diverged, or the limit of sweeps was reached. `done` is called before the first sweep too.
+    ///
+    /// # Panics
+    /// If `load` or `pair` does not belong to `grid`, or r is not positive.
+    pub fn sweeps_until(
+        &self,
+        pair: &mut Pair,
+        mut done: impl FnMut(usize, &Pair) -> bool,
+    ) -> Option<usize> {
+        let mut steps = Steps::new(self.grid, self.load, self.method, self.r);
+        while !done(steps.sweeps(), pair) {
+            let many = match self.method {
+                Method::ArrowHurwicz => (steps.sweeps() / self.checks.share).max(1),
+                Method::Uzawa { .. } => 1,
+            };
+            for _ in 0..many {
+                if steps.step(pair, self.checks.limit).is_break() {
+                    return None;
+                }
             }
         }
+        Some(steps.sweeps())
     }
-    Some(steps.sweeps())
 }

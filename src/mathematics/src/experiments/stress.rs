@@ -1,29 +1,33 @@
-//! Experiments that break the solvers, and the values at which they do: extreme parameters, data, tolerances, starts and precision.
+//! Solvers under stress, and the values at which they fail: extreme parameters, data, tolerances, starts and precision.
 
+mod pending;
 mod random;
 mod runs;
+mod single;
 mod summary;
 
-pub use random::Random;
+pub use random::RandomProblems;
+pub use single::{Changed, Single};
 pub use summary::{Plateau, StressSummary};
 
 use super::Range;
 use super::problems::{CONTACT, Problem};
 use super::trial::Trial;
-use runs::{Runs, single};
+use runs::Runs;
 use serde::{Deserialize, Serialize};
+use single::single;
 use std::collections::BTreeMap;
 use std::ops::Index;
 
-/// Plan of the experiments.
+/// Input of the experiments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StressPlan {
-    /// The paper's problems.
+    /// Problems of the paper.
     ///
-    /// Where a solution is needed f is averaged on its jumps: with the paper's side taken there, the load
-    /// of problem 1 has a positive sum and nothing to converge to.
+    /// If a solution is needed, f is averaged on its jumps: with the paper's choice of side on the jumps, the load
+    /// of problem 1 has a positive sum, and there is nothing to converge to.
     pub problems: Vec<Problem>,
-    /// Name and f of another one, whose lift and multiplier are of order one.
+    /// Name and f of another problem, whose lift and multiplier are of order one.
     pub contact: (String, String),
     /// Cells per side on which the paper's iteration runs.
     pub coarse: usize,
@@ -33,9 +37,9 @@ pub struct StressPlan {
     pub tolerance: f64,
     /// Bound of the strict rule, relative to the largest load.
     pub strict: f64,
-    /// Cap on the iterations of the paper's method.
+    /// Limit on the iterations of the paper's method.
     pub cap: usize,
-    /// The deficit where it is not what is varied: minus the sum of the load over the sum of its absolute
+    /// Deficit of the series that do not vary it: minus the sum of the load over the sum of its absolute
     /// values.
     pub deficit: f64,
     /// Number of random problems.
@@ -43,7 +47,7 @@ pub struct StressPlan {
 }
 
 impl StressPlan {
-    /// The sizes of the book.
+    /// Plan of the book.
     pub fn new(problems: Vec<Problem>) -> Self {
         let (name, f) = CONTACT[0];
         Self {
@@ -66,12 +70,12 @@ impl StressPlan {
     }
 }
 
-/// Runs with one value of what is varied.
+/// Runs with one value of the varied quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StressCase<X> {
-    /// Value that is varied.
+    /// Value of the varied quantity.
     pub x: X,
-    /// By method or rule: `signed` and `strict` are the paper's method under the signed rule, and under the
+    /// Runs by method or rule: `signed` and `strict` are the paper's method under the signed rule, and under the
     /// printed one together with the dual one; `multigrid` goes to the rounding floor unless a tolerance
     /// is varied.
     #[serde(flatten)]
@@ -86,98 +90,69 @@ impl<X> Index<&str> for StressCase<X> {
     }
 }
 
-/// One case after the other.
+/// Cases in the order of the varied quantity.
 pub type Series<X> = Vec<StressCase<X>>;
 
-/// Results.
+/// Result of the experiments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stress {
-    /// Name that was asked for.
+    /// Input of the experiments.
     pub plan: StressPlan,
-    /// Over r, one series per problem: `signed` with the paper's tolerance, `strict`.
+    /// Series over r, one per problem: `signed` with the paper's tolerance, `strict`.
     pub duality: Vec<Series<f64>>,
-    /// The last problem with f multiplied by a power of ten, whose exponent is varied: the signed rule with
+    /// Series over the exponent of a power of ten by which f of the last problem is multiplied: the signed rule with
     /// the tolerance multiplied as well (`scaled`) and as it is (`fixed`), `multigrid`.
     pub scaling: Series<i32>,
-    /// Over the deficit, f constant on quadrants, the odd one positive and then negative: `strict`, `multigrid`.
+    /// Series over the deficit, f constant on quadrants, the odd one positive and then negative: `strict`, `multigrid`.
     pub deficits: [Series<f64>; 2],
-    /// Over the tolerance, relative to the largest load, down to and below the rounding floor, one series
-    /// per problem: `signed`, `strict`, `multigrid`.
+    /// Series over the tolerance, relative to the largest load, down to and below the rounding floor, one per
+    /// problem: `signed`, `strict`, `multigrid`.
     pub tolerances: Vec<Series<f64>>,
-    /// Residual that rounding leaves, over the cells per side: `multigrid`, and on coarse grids `strict` after many
+    /// Series over the cells per side, to the rounding floor: `multigrid`, and on coarse grids `strict` after many
     /// iterations.
     pub floors: Series<f64>,
-    /// Residual that rounding leaves in single precision, judged in double: `single`.
+    /// Series over the cells per side, to the rounding floor of single precision, judged in double: `single`.
     pub single_floors: Series<f64>,
-    /// Starts far from the solution, by their names: `strict`, `multigrid`.
+    /// Series of starts far from the solution, by their names: `strict`, `multigrid`.
     pub starts: Series<String>,
-    /// Over the size of a jump of f beside 1: `multigrid`.
+    /// Series over the size of a jump of f beside 1: `multigrid`.
     pub jumps: Series<f64>,
-    /// Over the size of a spike of f in one node: `multigrid`.
+    /// Series over the size of a spike of f in one node: `multigrid`.
     pub spikes: Series<f64>,
-    /// Random problems.
-    pub random: Random,
-    /// The tables' counts in single precision.
+    /// RandomNumbers problems.
+    pub random: RandomProblems,
+    /// Counts of the tables in single precision.
     pub single: Vec<Single>,
     /// All runs together.
     pub tally: Tally,
-    /// Numbers on which the prose of the book rests.
+    /// Numbers that the book mentions.
     pub summary: StressSummary,
-}
-
-/// A table in single precision.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Single {
-    /// Number in the paper.
-    pub number: u8,
-    /// Counts.
-    pub cells: usize,
-    /// Those that are not as in double precision.
-    pub changed: Vec<Changed>,
-}
-
-/// A count that the precision changes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Changed {
-    /// Duality parameter.
-    pub r: f64,
-    /// Cells per side.
-    pub cells: usize,
-    /// Iterations in double precision.
-    pub double: usize,
-    /// Iterations in single precision; none if the cap came first.
-    pub single: Option<usize>,
 }
 
 /// All runs together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
-    /// Runs.
+    /// Number of runs.
     pub runs: usize,
-    /// Runs whose solver says something of the KKT residual.
+    /// Runs whose solver claims a bound of the KKT residual.
     pub claims: usize,
-    /// Those of them that are wrong.
+    /// Runs whose claim is wrong.
     pub wrong: usize,
-    /// Runs that returned something that is not a number and did not say so.
+    /// Runs that returned NaN or infinity without reporting a failure.
     pub unreported: usize,
     /// Runs over r under the signed rule.
     pub signed: usize,
-    /// Those of them in which it was met with a KKT residual as large as the load.
+    /// Runs over r in which the signed rule was met with a KKT residual as large as the load.
     pub signed_unsolved: usize,
 }
 
 impl Stress {
     /// Every run of a method in double precision but the random problems.
     pub fn trials(&self) -> impl Iterator<Item = &Trial> {
-        fn of<'a, X: 'a>(
-            series: impl IntoIterator<Item = &'a Series<X>>,
-        ) -> impl Iterator<Item = &'a Trial> {
-            series.into_iter().flatten().flat_map(|case| case.trials.values())
-        }
         let over_numbers = self.duality.iter().chain(&self.deficits).chain(&self.tolerances);
-        of(over_numbers.chain([&self.floors, &self.jumps, &self.spikes]))
-            .chain(of([&self.scaling]))
-            .chain(of([&self.starts]))
+        trials_of(over_numbers.chain([&self.floors, &self.jumps, &self.spikes]))
+            .chain(trials_of([&self.scaling]))
+            .chain(trials_of([&self.starts]))
     }
 
     fn tally(&self) -> Tally {
@@ -193,6 +168,12 @@ impl Stress {
         tally.signed_unsolved = signed.filter(|t| t.converged() && t.kkt >= Some(1.0)).count();
         tally
     }
+}
+
+fn trials_of<'a, X: 'a>(
+    series: impl IntoIterator<Item = &'a Series<X>>,
+) -> impl Iterator<Item = &'a Trial> {
+    series.into_iter().flatten().flat_map(|case| case.trials.values())
 }
 
 /// Runs the experiments.
@@ -212,7 +193,7 @@ pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
         starts: runs.starts(),
         jumps: runs.jumps(),
         spikes: runs.spikes(),
-        random: Random::of(plan.random),
+        random: RandomProblems::of(plan.random),
         single: plan.problems.iter().map(single).collect::<Result<_, _>>()?,
         tally: Tally::default(),
         summary: StressSummary::default(),

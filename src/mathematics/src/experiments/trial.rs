@@ -1,17 +1,17 @@
-//! One run of a solver under stress, judged by a measure that no solver computes for itself.
+//! One run of a solver under stress, judged by [`judge`], which no solver uses for its own stop.
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::discrete::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams, MultigridStop};
-use crate::saddle::batch::{self, AsDefined, End, Job, run};
+use crate::saddle::batch::{AsDefined, End, Job, JobGoal, run};
 use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
-/// End of a run, and the judgement by [`judge`] of the vector it returned.
+/// End of a run, and the judgement of [`judge`] on the vector that it returned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
-    /// End of the run in the words of the solver; `refused` if it did not begin.
+    /// Reason that the solver gives for its end; `refused` if it did not begin.
     pub stop: String,
     /// Iterations, or cycles on the finest grid.
     pub steps: usize,
@@ -19,106 +19,145 @@ pub struct Trial {
     pub work: f64,
     /// Natural residual over `|F|_inf`; none if it is not finite.
     pub kkt: Option<f64>,
-    /// Natural residual over `EPSILON * max |y|`, EPSILON that of the run's precision: about 1 to 10 where only
-    /// rounding is left.
+    /// Natural residual over `EPSILON * max |y|`, EPSILON that of the run's precision: about 1 to 10 if only rounding
+    /// errors are left.
     pub floor: Option<f64>,
     /// `max |y|`; none if it is not finite.
     pub size: Option<f64>,
     /// Boundary nodes in contact: there the flux is no less than y.
     pub contact: usize,
-    /// Whether what the solver claims of the natural residual is so; none if it claims nothing of it.
+    /// True if the natural residual is within the bound that the solver claims; none if it claims no bound.
     pub holds: Option<bool>,
 }
 
 impl Trial {
-    /// Judges `y`; `claim` is what the solver claims to be a bound of the natural residual, given `max |y|`.
-    fn of(
-        grid: Grid,
-        load: &[f64],
-        y: &[f64],
-        stop: &str,
-        (steps, work): (usize, f64),
-        epsilon: f64,
-        claim: impl FnOnce(f64) -> Option<f64>,
-    ) -> Self {
-        let judgement = judge(grid, y, load);
-        let kkt = judgement.kkt;
-        let mut largest = Largest::default();
-        largest.see(1.0, y);
-        let size = largest.value();
-        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let slack = SLACK * epsilon * size;
-        Self {
-            stop: stop.into(),
-            steps,
-            work,
-            kkt: finite(kkt.relative),
-            floor: finite(kkt.natural / (epsilon * size)),
-            size: finite(size),
-            contact: judgement.in_contact(grid.boundary(), y).into_iter().filter(|&b| b).count(),
-            holds: claim(size).map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
-        }
-    }
-
-    /// True if the solver says that it reached its goal.
+    /// True if the solver reports that it reached its goal.
     pub fn converged(&self) -> bool {
         self.stop == "converged"
     }
 
-    /// True if the solver says that there is no result.
+    /// True if the solver reports that there is no result.
     pub fn says_that_it_failed(&self) -> bool {
         ["diverged", "refused"].contains(&self.stop.as_str())
     }
+}
 
-    fn of_saddle(grid: Grid, job: &Job, end: &End) -> Self {
-        let stop = end.outcome(grid, job).stop;
-        let claim = |_| match job.goal {
-            batch::JobGoal::Rule(StopRule::PrintedDual, tolerance)
-                if stop == StopReason::Converged =>
-            {
-                Some(tolerance * (1.0 / job.r).max(1.0))
-            }
-            _ => None,
-        };
-        let cost = (end.sweeps, end.sweeps as f64);
-        Self::of(grid, job.load, &end.pair.y, &stop.to_string(), cost, f64::EPSILON, claim)
+/// Bound of the natural residual that a solver claims.
+enum Claim {
+    /// This number.
+    AtMost(f64),
+    /// Rounding floor of multigrid, [`multigrid::ROUNDING_FLOOR`] times `EPSILON * max |y|`.
+    RoundingFloor,
+}
+
+/// A finished run, as its solver reports it.
+struct Report<'a> {
+    y: &'a [f64],
+    stop: String,
+    steps: usize,
+    work: f64,
+    /// EPSILON of the run's precision.
+    epsilon: f64,
+    /// Bound of the natural residual, if the solver claims one.
+    claim: Option<Claim>,
+}
+
+impl Report<'_> {
+    fn judged(self, grid: Grid, load: &[f64]) -> Trial {
+        let judgement = judge(grid, self.y, load);
+        let kkt = judgement.kkt;
+        let mut largest = Largest::default();
+        largest.see(1.0, self.y);
+        let size = largest.value();
+        let slack = SLACK * self.epsilon * size;
+        let bound = self.claim.map(|claim| match claim {
+            Claim::AtMost(bound) => bound,
+            Claim::RoundingFloor => multigrid::ROUNDING_FLOOR * f64::EPSILON * size,
+        });
+        let contact = judgement.in_contact(grid.boundary(), self.y);
+        Trial {
+            stop: self.stop,
+            steps: self.steps,
+            work: self.work,
+            kkt: finite(kkt.relative),
+            floor: finite(kkt.natural / (self.epsilon * size)),
+            size: finite(size),
+            contact: contact.into_iter().filter(|&in_contact| in_contact).count(),
+            holds: bound.map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
+        }
     }
 }
 
-/// Runs of the paper's iteration on one grid.
+fn finite(x: f64) -> Option<f64> {
+    Some(x).filter(|x| x.is_finite())
+}
+
+/// Runs the paper's iteration on one grid, for all `jobs`.
 ///
 /// The printed rule and the dual one together bound the natural residual by their tolerance, over r if
 /// that is less than 1. For at a boundary node either the multiplier is zero after its step, and `A y - F`
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
-pub fn saddle(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
+pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
     let ends = run(grid, jobs, &mut AsDefined);
-    jobs.iter().zip(ends).map(|(job, end)| Trial::of_saddle(grid, job, &end)).collect()
+    jobs.iter().zip(ends).map(|(job, end)| saddle_trial(grid, job, &end)).collect()
 }
 
-/// A run of the paper's iteration in single precision, judged in double with the unrounded `load`.
-pub fn single(grid: Grid, load: &[f64], job: Job<f32>) -> Trial {
+fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
+    let stop = end.outcome(grid, job).stop;
+    let claim = match job.goal {
+        JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == StopReason::Converged => {
+            Some(Claim::AtMost(tolerance * (1.0 / job.r).max(1.0)))
+        }
+        _ => None,
+    };
+    let report = Report {
+        y: &end.pair.y,
+        stop: stop.to_string(),
+        steps: end.sweeps,
+        work: end.sweeps as f64,
+        epsilon: f64::EPSILON,
+        claim,
+    };
+    report.judged(grid, job.load)
+}
+
+/// Runs the paper's iteration in single precision, judged in double precision with the unrounded `load`.
+pub fn single_precision_trial(grid: Grid, load: &[f64], job: Job<f32>) -> Trial {
     let end = run(grid, &[job], &mut AsDefined).remove(0);
-    let cost = (end.sweeps, end.sweeps as f64);
-    let stop = end.stop.to_string();
-    Trial::of(grid, load, &end.pair.y, &stop, cost, f32::EPSILON.into(), |_| None)
+    let report = Report {
+        y: &end.pair.y,
+        stop: end.stop.to_string(),
+        steps: end.sweeps,
+        work: end.sweeps as f64,
+        epsilon: f32::EPSILON.into(),
+        claim: None,
+    };
+    report.judged(grid, load)
 }
 
-/// Multigrid, by nested iteration or from `start`.
-pub fn multi(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
+/// Runs multigrid, by nested iteration or from `start`.
+pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), load, start, &params) else {
         return Trial { stop: "refused".into(), ..Trial::default() };
     };
-    let claim = |size: f64| match (outcome.stop, goal) {
-        (MultigridStop::Converged, Goal::Kkt(tolerance)) => Some(tolerance),
-        (MultigridStop::RoundingFloor, _) => Some(multigrid::ROUNDING_FLOOR * f64::EPSILON * size),
+    let claim = match (outcome.stop, goal) {
+        (MultigridStop::Converged, Goal::Kkt(tolerance)) => Some(Claim::AtMost(tolerance)),
+        (MultigridStop::RoundingFloor, _) => Some(Claim::RoundingFloor),
         _ => None,
     };
-    let cost = (outcome.cycles, outcome.work_units);
-    Trial::of(grid, load, &y, outcome.stop.name(), cost, f64::EPSILON, claim)
+    let report = Report {
+        y: &y,
+        stop: outcome.stop.name().into(),
+        steps: outcome.cycles,
+        work: outcome.work_units,
+        epsilon: f64::EPSILON,
+        claim,
+    };
+    report.judged(grid, load)
 }
 
-/// By how much two ways to compute a residual may differ, adding in another order, in units of
-/// `EPSILON * max |y|`.
+/// Largest difference, in units of `EPSILON * max |y|`, between two ways to compute a residual that add in another
+/// order.
 const SLACK: f64 = 8.0;

@@ -2,7 +2,7 @@
 
 use super::exponent;
 use super::known::KnownSolution;
-use super::saddle::{CheckInterval, loose_uzawa, sweeps_until};
+use super::saddle::{CheckInterval, CheckedRun, loose_uzawa};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
@@ -16,19 +16,19 @@ use crate::saddle::{Method, Pair};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Number of sweeps that Arrow-Hurwicz takes to a residual, from grid to grid.
+/// Number of sweeps that Arrow-Hurwicz takes to a residual, grid by grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CostLaw {
     /// f in the notation of scenes.
     pub f: String,
-    /// True if each grid starts from the solution on the grid before; else from zero.
+    /// True if each grid starts from the solution on the grid before, false if from zero.
     pub nested: bool,
     /// Natural residual over the largest component of the load.
     pub target: f64,
     /// Cells per side, and sweeps on that grid.
     pub sweeps: Vec<(usize, usize)>,
-    /// Exponent of 1/h that fits the three finest grids.
-    pub exponent: f64,
+    /// Exponent of 1/h that fits the three finest grids; none with fewer than two.
+    pub exponent: Option<f64>,
 }
 
 /// Multigrid and the saddle-point methods on one problem.
@@ -38,42 +38,42 @@ pub struct Comparison {
     pub name: String,
     /// Cells per side of the finest grid.
     pub cells: usize,
-    /// Error of the discrete solution there, in the discrete L2 norm.
+    /// Error of the discrete solution on the finest grid, in the discrete L2 norm.
     pub discretisation: f64,
-    /// The methods.
+    /// Runs of all methods.
     pub runs: Vec<WorkRun>,
 }
 
 /// One method in a [`Comparison`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WorkRun {
-    /// Name in words.
+    /// Name of the method in words.
     pub method: String,
-    /// Work at which it reached the discretisation error, grid by grid.
+    /// First iterate that reached the discretisation error, grid by grid.
     pub reached: Vec<ReachedWork>,
 }
 
-/// The first iterate on a grid that is as close as the discretisation lets it be.
+/// First iterate on a grid whose error is at most [`REACHED`] times the discretisation error.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct ReachedWork {
     /// Cells per side.
     pub cells: usize,
     /// Unknowns visited so far, on all grids.
     pub visits: f64,
-    /// Work in sweeps of this grid.
+    /// Number of visits over the number of unknowns of this grid: work in sweeps of this grid.
     pub work_units: f64,
     /// Error in the discrete L2 norm.
     pub error: f64,
 }
 
-/// The duality parameter: above about 10 it makes no difference to these counts.
+/// Duality parameter: above about 10 it makes no difference to these counts.
 pub const R: f64 = 10.0;
 /// Relative natural residuals.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
-/// The discretisation error is reached when the error is at most this many times as large.
+/// Factor by which the error may exceed the discretisation error that it is said to reach.
 pub const REACHED: f64 = 1.1;
 /// Two per cent of the sweeps between checks.
-const CHECKS: CheckInterval = CheckInterval { share: 50, cap: 1_000_000 };
+const CHECKS: CheckInterval = CheckInterval { share: 50, limit: 1_000_000 };
 
 /// Counts sweeps of Arrow-Hurwicz for each f, in the notation of scenes, on the grids with these cells per side.
 ///
@@ -81,15 +81,22 @@ const CHECKS: CheckInterval = CheckInterval { share: 50, cap: 1_000_000 };
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
 pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<CostLaw>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
-    let laws = runs.into_par_iter().map(|((f, cells), nested)| law(f, cells, nested));
-    Ok(laws.collect::<Result<Vec<_>, _>>()?.concat())
+    let laws: Result<Vec<_>, String> =
+        runs.into_par_iter().map(|((f, cells), nested)| law(f, cells, nested)).collect();
+    Ok(laws?.concat())
 }
 
-/// One law for each of [`TARGETS`].
+/// Measures one law for each of [`TARGETS`].
 fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
     let grids = grid::nested(cells).map_err(|e| e.to_string())?;
     let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
-    let mut sweeps = [Vec::new(), Vec::new()];
+    let mut laws = TARGETS.map(|target| CostLaw {
+        f: f.into(),
+        nested,
+        target,
+        sweeps: Vec::new(),
+        exponent: None,
+    });
     let mut pair = Pair::zero(grids[0]);
     for (k, &grid) in grids.iter().enumerate() {
         pair = match nested && k > 0 {
@@ -97,21 +104,23 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
             false => Pair::zero(grid),
         };
         let load = load(grid, &source, LoadRule::default());
+        let run =
+            CheckedRun { grid, load: &load, method: Method::ArrowHurwicz, r: R, checks: CHECKS };
         let mut total = 0;
-        for (target, sweeps) in TARGETS.iter().zip(&mut sweeps) {
-            let done = |_, pair: &Pair| kkt(grid, &pair.y, &load).relative <= *target;
-            let case = (grid, &load[..]);
-            total += sweeps_until(Method::ArrowHurwicz, case, R, CHECKS, &mut pair, done)
+        for law in &mut laws {
+            let target = law.target;
+            total += run
+                .sweeps_until(&mut pair, |_, pair| kkt(grid, &pair.y, &load).relative <= target)
                 .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
-            sweeps.push((grid.cells(), total));
+            law.sweeps.push((grid.cells(), total));
         }
     }
-    let of_target = |(target, sweeps): (f64, Vec<(usize, usize)>)| {
-        let points: Vec<_> = sweeps.iter().map(|&(n, s)| (n as f64, s as f64)).collect();
-        let exponent = exponent(&points[points.len().saturating_sub(3)..]);
-        CostLaw { f: f.into(), nested, target, sweeps, exponent }
-    };
-    Ok(TARGETS.into_iter().zip(sweeps).map(of_target).collect())
+    for law in &mut laws {
+        let finest = &law.sweeps[law.sweeps.len().saturating_sub(3)..];
+        let points: Vec<_> = finest.iter().map(|&(n, sweeps)| (n as f64, sweeps as f64)).collect();
+        law.exponent = exponent(&points);
+    }
+    Ok(laws.into())
 }
 
 /// Runs multigrid, Arrow-Hurwicz and Uzawa to the discretisation error on each of the nested grids.
@@ -121,8 +130,10 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
 pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
     let known = KnownSolution::Formula(Exact::FreeCorner);
     let grids = grid::nested(cells).map_err(|e| e.to_string())?;
-    let levels =
-        grids.iter().map(|&grid| OnGrid::new(&known, grid)).collect::<Result<Vec<_>, _>>()?;
+    let mut levels = Vec::new();
+    for grid in grids {
+        levels.push(OnGrid::new(&known, grid)?);
+    }
     let finest = &levels[levels.len() - 1];
     let mut runs = vec![with_multigrid(&levels)?];
     for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", loose_uzawa(0.0))] {
@@ -143,27 +154,22 @@ pub struct OnGrid {
     pub discretisation: f64,
 }
 
-/// By what errors are measured.
+/// True values that errors are measured against.
 enum WorkMeasure {
-    /// The true values at the nodes.
+    /// Values at the nodes.
     Nodes(Vec<f64>),
-    /// The true energy.
+    /// Energy.
     Energy(f64),
 }
 
 impl OnGrid {
-    /// Errors are measured at the nodes where there is a formula, and in the energy elsewhere.
+    /// Takes the values at the nodes as the measure of errors if there is a formula, else the energy.
     ///
     /// # Errors
     /// A sentence if the grid cannot be used.
     pub fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
-        let side = grid.side();
         let measure = match known {
-            KnownSolution::Formula(exact) => {
-                let value =
-                    |k: usize| exact.at(grid.coordinate(k % side), grid.coordinate(k / side)).value;
-                WorkMeasure::Nodes((0..grid.nodes()).map(value).collect())
-            }
+            KnownSolution::Formula(exact) => WorkMeasure::Nodes(nodal_values(*exact, grid)),
             KnownSolution::Spectral(known) => WorkMeasure::Energy(known.solution.energy),
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
@@ -173,8 +179,8 @@ impl OnGrid {
         Ok(level)
     }
 
-    /// The error of `y` in the discrete L2 norm; or, where there is no formula, what the energy is too
-    /// large by, relative to it, with values that are negative on the boundary set to zero.
+    /// Error of `y` in the discrete L2 norm. Without a formula: the energy of `y`, with negative values on the
+    /// boundary set to zero, less the least energy, over the absolute value of the latter.
     pub fn error(&self, y: &[f64]) -> f64 {
         match &self.measure {
             WorkMeasure::Nodes(exact) => {
@@ -183,7 +189,9 @@ impl OnGrid {
             }
             WorkMeasure::Energy(least) => {
                 let mut admissible = y.to_vec();
-                self.grid.boundary().for_each(|node| admissible[node] = y[node].max(0.0));
+                for node in self.grid.boundary() {
+                    admissible[node] = y[node].max(0.0);
+                }
                 (energy(self.grid, &admissible, &self.load) - least) / least.abs()
             }
         }
@@ -194,47 +202,59 @@ impl OnGrid {
     }
 }
 
+/// Values of the true solution at the nodes, row by row.
+fn nodal_values(exact: Exact, grid: Grid) -> Vec<f64> {
+    let mut values = Vec::with_capacity(grid.nodes());
+    for j in 0..grid.side() {
+        for i in 0..grid.side() {
+            values.push(exact.at(grid.coordinate(i), grid.coordinate(j)).value);
+        }
+    }
+    values
+}
+
+/// Runs multigrid on each grid to the discretisation error.
 fn with_multigrid(levels: &[OnGrid]) -> Result<WorkRun, String> {
     let mut run = WorkRun { method: "multigrid".into(), reached: Vec::new() };
     for level in levels {
         let OnGrid { grid, load, .. } = level;
-        let unknowns = grid.nodes() as f64;
         let params =
             MultigridParams { goal: Goal::DiscretisationError, ..MultigridParams::default() };
         let (y, outcome) = multigrid::solve_square(grid.cells(), load, None, &params)
             .map_err(|e| e.to_string())?;
-        let work_units = outcome.work_units;
-        let (visits, error) = (work_units * unknowns, level.error(&y));
-        run.reached.push(ReachedWork { cells: grid.cells(), visits, work_units, error });
+        run.reached.push(ReachedWork {
+            cells: grid.cells(),
+            visits: outcome.work_units * grid.nodes() as f64,
+            work_units: outcome.work_units,
+            error: level.error(&y),
+        });
     }
     Ok(run)
 }
 
-/// Each grid is left as soon as its discretisation error is reached, which no real stop could know.
+/// Runs a saddle-point method over nested grids, each of which is left as soon as its discretisation error is reached:
+/// no stopping rule could know that.
 fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<WorkRun, String> {
-    let mut run = WorkRun { method: name.into(), reached: Vec::new() };
+    let mut all = WorkRun { method: name.into(), reached: Vec::new() };
     let mut visits = 0.0;
     let mut pair = Pair::zero(levels[0].grid);
     for (k, level) in levels.iter().enumerate() {
         if k > 0 {
             pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
-        let unknowns = level.grid.nodes() as f64;
-        let (cells, before, mut reached) = (level.grid.cells(), visits, None);
-        let done = |sweeps: usize, pair: &Pair| {
-            let error = level.error(&pair.y);
-            let visits = before + sweeps as f64 * unknowns;
-            let work_units = visits / unknowns;
-            if level.is_reached(error) {
-                reached = Some(ReachedWork { cells, visits, work_units, error });
-            }
-            reached.is_some()
-        };
-        let case = (level.grid, &level.load[..]);
-        let sweeps = sweeps_until(method, case, R, CHECKS, &mut pair, done);
-        let missed = format!("{name} does not reach the discretisation error on grid 1/{cells}");
-        visits += sweeps.ok_or(&missed)? as f64 * unknowns;
-        run.reached.push(reached.ok_or(&missed)?);
+        let (grid, load) = (level.grid, &level.load[..]);
+        let (cells, unknowns) = (grid.cells(), grid.nodes() as f64);
+        let run = CheckedRun { grid, load, method, r: R, checks: CHECKS };
+        let mut error = 0.0;
+        let sweeps = run.sweeps_until(&mut pair, |_, pair| {
+            error = level.error(&pair.y);
+            level.is_reached(error)
+        });
+        let sweeps = sweeps.ok_or_else(|| {
+            format!("{name} does not reach the discretisation error on grid 1/{cells}")
+        })?;
+        visits += sweeps as f64 * unknowns;
+        all.reached.push(ReachedWork { cells, visits, work_units: visits / unknowns, error });
     }
-    Ok(run)
+    Ok(all)
 }

@@ -1,36 +1,38 @@
-//! psi inside the square, by integrals of its gradient along curves from the border.
+//! psi inside the square, by integrals of its gradient along curves from the boundary.
 
 use super::complex::{Complex, distance};
 use super::curve::{Arc, Curve, SAME};
-use super::place::{BorderPlace, tangent};
+use super::place::{BoundaryPlace, tangent};
 use super::potential::Potential;
 use super::problem::SpectralProblem;
-use super::rule::{Rules, halved};
+use super::rule::{GaussNode, Rules, halved};
 
-/// A node of a quadrature on a curve.
+/// Node of a quadrature on a curve.
 pub(super) struct Node {
     pub point: Complex,
-    /// To the right of the curve.
+    /// Normal to the right of the curve.
     pub normal: Complex,
-    /// With respect to the length of the curve.
+    /// Weight with respect to the length of the curve.
     pub weight: f64,
-    /// Of psi.
+    /// Gradient of psi.
     pub gradient: Complex,
 }
 
 impl SpectralProblem {
     /// psi at a point, along a straight line from the nearest side.
     pub(super) fn psi(&self, z: Complex, rules: &Rules) -> f64 {
-        let place = BorderPlace::of(z);
+        let place = BoundaryPlace::of(z);
         let inwards = tangent(place.corner, place.t).turned();
         let line = Curve::line(place.point(), inwards);
         let to = line.local(z).re;
-        let crossed = self.jumps.curves.iter().flat_map(|&curve| line.meets(curve));
-        let mut cuts: Vec<f64> = crossed.filter(|s| (SAME..to - SAME).contains(s)).collect();
+        let mut cuts = Vec::new();
+        for &curve in &self.jumps.curves {
+            cuts.extend(line.meets(curve).into_iter().filter(|s| (SAME..to - SAME).contains(s)));
+        }
         cuts.sort_by(f64::total_cmp);
         cuts.insert(0, 0.0);
         cuts.push(to);
-        let mut psi = self.border.value(place);
+        let mut psi = self.boundary_psi.value(place);
         for span in cuts.windows(2) {
             let span = [span[0], span[1]];
             let ends = span.map(|s| self.jumps.psi.vertex_at(line.at(s)));
@@ -39,8 +41,8 @@ impl SpectralProblem {
         psi
     }
 
-    /// Gives the nodes on an arc, with psi there. Jumps of f meet it at its ends only. Returns psi at its end, from that
-    /// at its start.
+    /// Passes the nodes on an arc to `take`, with psi there. Jumps of f meet the arc at its ends only. Returns psi at
+    /// the end of the arc, from psi at its start.
     pub(super) fn along(
         &self,
         arc: Arc,
@@ -49,7 +51,10 @@ impl SpectralProblem {
         mut take: impl FnMut(&Node, f64),
     ) -> f64 {
         let pieces = pieces(&self.jumps.psi, arc);
-        let mut nodes: Vec<Node> = pieces.iter().flat_map(|&piece| nodes(piece, rules)).collect();
+        let mut nodes = Vec::with_capacity(pieces.len() * rules.targets.len());
+        for &piece in &pieces {
+            nodes.extend(nodes_on(piece, rules));
+        }
         let points: Vec<Complex> = nodes.iter().map(|node| node.point).collect();
         for (node, gradient) in nodes.iter_mut().zip(self.jumps.psi.gradients(&points)) {
             node.gradient = gradient;
@@ -59,52 +64,57 @@ impl SpectralProblem {
             let changes = nodes.iter().map(|n| way * n.weight * n.gradient.dot(n.normal.turned()));
             let (values, end) = rules.integrate(before, piece.ends[1].is_some(), changes);
             before = end;
-            nodes.iter().zip(values).for_each(|(node, psi)| take(node, psi));
+            for (node, psi) in nodes.iter().zip(values) {
+                take(node, psi);
+            }
         }
         before
     }
 }
 
 /// Nodes on a piece, counted from the vertex at one of its ends, without gradients.
-fn nodes(Arc { curve, span: [a, b], ends }: Arc, rules: &Rules) -> impl Iterator<Item = Node> {
+fn nodes_on(Arc { curve, span: [a, b], ends }: Arc, rules: &Rules) -> impl Iterator<Item = Node> {
     let [first, last] = ends.map(|end| end.is_some());
-    rules.targets.iter().map(move |&[x, w]| {
+    rules.targets.iter().map(move |&GaussNode { x, weight }| {
         let (part, slope) = if first || last { (x * x * x, 3.0 * x * x) } else { (x, 1.0) };
         let s = if last { b - (b - a) * part } else { a + (b - a) * part };
         Node {
             point: curve.at(s),
             normal: -curve.direction(s).turned(),
-            weight: (b - a).abs() * slope * w,
+            weight: (b - a).abs() * slope * weight,
             gradient: Complex::default(),
         }
     })
 }
 
-/// The pieces of an arc in order, short where psi is singular, each with one vertex at most.
-fn pieces(psi: &Potential, Arc { curve, span, ends }: Arc) -> Vec<Arc> {
-    /// Pieces shorter than this are not cut where psi is singular.
-    const SHORTEST: f64 = 1e-9;
-    /// Longest piece of an arc, as an angle.
-    const WIDEST: f64 = 1.6;
-    let own = ends.map(|end| end.map(|v| psi.vertices[v]));
-    let ends_of = |part: [f64; 2]| [0, 1].map(|k| ends[k].filter(|_| part[k] == span[k]));
-    let too_long = |part @ [a, b]: [f64; 2]| {
-        let length = (b - a).abs();
-        let along = [a, 0.5 * (a + b), b].map(|s| curve.at(s));
-        let near = psi
-            .singular(along)
-            .filter(|&v| !own.contains(&Some(v)))
-            .map(|v| distance([along[0], along[2]], v))
-            .fold(f64::INFINITY, f64::min);
-        let wide = length * curve.curvature > WIDEST;
-        let vertices = ends_of(part).iter().flatten().count();
-        let graded = if vertices > 0 { 2.0 } else { 1.0 };
-        let near = length > SHORTEST && graded * length > near;
-        length > SAME && (near || wide || vertices == 2)
-    };
-    let piece = |span: [f64; 2]| Arc { curve, span, ends: ends_of(span) };
-    halved(span, too_long).into_iter().map(piece).collect()
+/// Pieces of an arc in order, short where psi is singular, each with one vertex at most.
+fn pieces(psi: &Potential, arc: Arc) -> Vec<Arc> {
+    let spans = halved(arc.span, |span| is_too_long(psi, arc, arc.part(span)));
+    spans.into_iter().map(|span| arc.part(span)).collect()
 }
+
+/// True if a piece of an arc must be halved: it has two vertices, or is longer than its distance from a singular point
+/// of psi other than the ends of the arc (than half of that if it has a vertex), or wider than [`WIDEST`].
+fn is_too_long(psi: &Potential, arc: Arc, piece: Arc) -> bool {
+    let Arc { curve, span: [a, b], .. } = piece;
+    let own = arc.ends.map(|end| end.map(|v| psi.vertices[v]));
+    let length = (b - a).abs();
+    let along = [a, 0.5 * (a + b), b].map(|s| curve.at(s));
+    let mut nearest = f64::INFINITY;
+    for v in psi.singular(along).filter(|&v| !own.contains(&Some(v))) {
+        nearest = nearest.min(distance([along[0], along[2]], v));
+    }
+    let wide = length * curve.curvature > WIDEST;
+    let vertices = piece.ends.iter().flatten().count();
+    let graded = if vertices > 0 { 2.0 } else { 1.0 };
+    let near = length > SHORTEST && graded * length > nearest;
+    length > SAME && (near || wide || vertices == 2)
+}
+
+/// Pieces shorter than this are not cut where psi is singular.
+const SHORTEST: f64 = 1e-9;
+/// Longest piece of an arc, as an angle.
+const WIDEST: f64 = 1.6;
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,7 @@
 use super::elementary::{atan2, ln};
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// A complex number, or a vector of the plane.
+/// Complex number, or vector of the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Complex {
     pub re: f64,
@@ -29,7 +29,7 @@ impl Complex {
         Self::new(self.re, -self.im)
     }
 
-    /// The vector turned to the left by a right angle.
+    /// Vector turned to the left by a right angle.
     pub(super) fn turned(self) -> Self {
         Self::new(-self.im, self.re)
     }
@@ -44,6 +44,10 @@ impl Complex {
         self.re * other.im - self.im * other.re
     }
 
+    pub(super) fn coordinates(self) -> [f64; 2] {
+        [self.re, self.im]
+    }
+
     pub(super) fn norm2(self) -> f64 {
         self.dot(self)
     }
@@ -52,7 +56,7 @@ impl Complex {
         self.norm2().sqrt()
     }
 
-    /// The principal logarithm; finite at zero.
+    /// Principal logarithm; finite at zero.
     #[inline(always)]
     pub(super) fn ln(self) -> Self {
         Self::new(0.5 * ln(self.norm2()), self.arg())

@@ -1,7 +1,7 @@
-//! The contact set: from a grid at first, then corrected where a sign is wrong.
+//! Contact set: from a grid at first, then corrected at the points where a sign is wrong.
 
-use super::place::BorderPlace;
-use super::trace::{Trace, UNRESOLVED};
+use super::place::BoundaryPlace;
+use super::trace::{Sign, Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
@@ -9,30 +9,32 @@ use crate::discrete::norms::largest;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::source::Source;
 
-/// Arcs and gaps shorter than this are left out.
+/// Length below which arcs and gaps are left out.
 pub(super) const SHORTEST: f64 = 2e-6;
-/// Gaps round corners shorter than this are left out in the end.
+/// Length below which gaps round corners are left out in the end.
 pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
-/// Negative multipliers and values that count, relative to the largest.
-pub(super) const TOLERANCE: [f64; 2] = [1e-6, 1e-10];
+/// Size of negative multipliers, relative to the largest multiplier, that is tolerated.
+pub(super) const MULTIPLIER_TOLERANCE: f64 = 1e-6;
+/// Size of negative values, relative to the size of v and psi, that is tolerated.
+pub(super) const VALUE_TOLERANCE: f64 = 1e-10;
 
-/// A start from a grid: what Newton's method is given first.
+/// Contact set of a multigrid solution, with which Newton's method begins.
 #[derive(Clone, Copy)]
 pub(super) struct ContactStart {
     /// Cells per side.
     pub(super) n: usize,
-    /// Multigrid goes on to rounding, and ends of contact little before a corner are moved behind it.
+    /// True if multigrid goes on to the rounding floor, and ends of contact little before a corner are moved behind it.
     pub(super) careful: bool,
 }
 
 impl ContactStart {
-    /// The ends of contact to a cell or so of the grid: beginnings and ends in turn, none where all of the border
-    /// is in contact; `None` if the load has no negative sum.
-    pub(super) fn ends(self, f: &Source) -> Option<Vec<BorderPlace>> {
+    /// Ends of contact to a cell or so of the grid: beginnings and ends in turn, no ends if all of the boundary is in
+    /// contact; `None` if the load has no negative sum.
+    pub(super) fn ends(self, f: &Source) -> Option<Vec<BoundaryPlace>> {
         let Self { n, careful } = self;
         let grid = Grid::new(n).expect("not below the least");
         let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
-        // At the ends of contact single nodes have large residuals, which the discretisation error does not feel;
+        // At the ends of contact single nodes have large residuals, which do not change the discretisation error,
         // unless the integral of f nearly vanishes.
         let quick = Goal::Kkt(0.05 * largest(&load));
         let goal = if careful { Goal::RoundingFloor } else { quick };
@@ -41,13 +43,15 @@ impl ContactStart {
         let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
         let mut places = changes(&values, &free_nodes(&values, n), n);
         if careful {
-            places.iter_mut().enumerate().for_each(|(j, end)| *end = behind_corner(j, *end));
+            for (j, end) in places.iter_mut().enumerate() {
+                *end = behind_corner(j, *end);
+            }
         }
         Some(places)
     }
 }
 
-/// Which boundary nodes are free, anticlockwise, with the corners settled.
+/// True for the boundary nodes that are free, anticlockwise, with the corners settled.
 fn free_nodes(values: &[f64], n: usize) -> Vec<bool> {
     let many = values.len();
     let found: Vec<bool> = values.iter().map(|&v| v > 0.0).collect();
@@ -56,102 +60,129 @@ fn free_nodes(values: &[f64], n: usize) -> Vec<bool> {
     let mut free = found.clone();
     for corner in [0, n, 2 * n, 3 * n] {
         let state = free[corner];
-        let alike =
-            |step: usize| (1..=2).take_while(|k| free[(corner + k * step) % many] == state).count();
-        let [before, after] = [many - 1, 1].map(alike);
+        let [before, after] = [many - 1, 1].map(|step| alike(&free, corner, step));
         if before + after < if state { 1 } else { 2 } {
-            (corner + many - before..=corner + many + after).for_each(|b| free[b % many] = !state);
+            for b in corner + many - before..=corner + many + after {
+                free[b % many] = !state;
+            }
         }
     }
     if free.contains(&false) { free } else { found }
 }
 
-/// The ends of contact between the free boundary nodes and the others, beginnings first.
-fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<BorderPlace> {
-    let many = values.len();
-    let end = |b: usize| {
-        let (node, step) = if free[b] { (b + 1, many - 1) } else { (b, 1) };
-        let next = [1, 2].map(|k| (node + k * step) % many);
-        let corner = [node, next[0], next[1]].iter().any(|b| b % n == 0);
-        let part = if corner { 0.5 } else { reach(next.map(|b| values[b])).clamp(-0.3, 0.9) };
-        BorderPlace::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
-    };
-    let changes = (0..many).filter(|&b| free[b] != free[(b + 1) % many]);
-    let mut places: Vec<BorderPlace> = changes.map(end).collect();
+/// Number of nodes beside a node, at most two, that are free like it or in contact like it.
+fn alike(free: &[bool], node: usize, step: usize) -> usize {
+    (1..=2).take_while(|k| free[(node + k * step) % free.len()] == free[node]).count()
+}
+
+/// Ends of contact between the free boundary nodes and the others, beginnings first.
+fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<BoundaryPlace> {
+    let mut places = Vec::new();
+    for b in 0..free.len() {
+        if free[b] != free[(b + 1) % free.len()] {
+            places.push(end_after(b, values, free, n));
+        }
+    }
     if !free[0] && !places.is_empty() {
         places.rotate_left(1);
     }
     places
 }
 
-/// An end of contact that lies little before a corner, seen from its arc, as far behind it: near to a corner the angle
-/// on the circle grows with the square of the distance, so that Newton's method crosses it from behind only.
-fn behind_corner(j: usize, end: BorderPlace) -> BorderPlace {
-    /// On a coarse grid ends of long arcs with little force are not known better.
-    const NEAR: f64 = 0.125;
-    let before = if j.is_multiple_of(2) { end.t } else { -end.t };
-    if (0.0..NEAR).contains(&before) { BorderPlace { t: -end.t, ..end } } else { end }
+/// End of contact between a boundary node and the next one, by extrapolation from the free nodes.
+fn end_after(b: usize, values: &[f64], free: &[bool], n: usize) -> BoundaryPlace {
+    let many = values.len();
+    let (node, step) = if free[b] { (b + 1, many - 1) } else { (b, 1) };
+    let next = [1, 2].map(|k| (node + k * step) % many);
+    let corner = [node, next[0], next[1]].iter().any(|b| b % n == 0);
+    let part = if corner { 0.5 } else { reach(next.map(|b| values[b])).clamp(-0.3, 0.9) };
+    BoundaryPlace::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
 }
 
-/// The contact set of a solution without the points where the multiplier is negative, and with those where v is:
+/// Moves an end of contact that lies little before a corner, seen from its arc, as far behind it: near to a corner the
+/// angle on the circle grows with the square of the distance, so that Newton's method crosses it from behind only.
+fn behind_corner(j: usize, end: BoundaryPlace) -> BoundaryPlace {
+    /// Accuracy of the ends of long arcs with little force on a coarse grid.
+    const NEAR: f64 = 0.125;
+    let before = if j.is_multiple_of(2) { end.t } else { -end.t };
+    if (0.0..NEAR).contains(&before) { BoundaryPlace { t: -end.t, ..end } } else { end }
+}
+
+/// Contact set of a solution without the points at which the multiplier is negative, and with the points at which v is:
 /// the same ends if all signs are right, `None` if no contact is left.
-pub(super) fn corrected(trace: &Trace) -> Option<Vec<BorderPlace>> {
-    let signs = trace.signs();
-    let mut wrong: Vec<bool> = signs.iter().map(|&(kind, sign)| sign < -TOLERANCE[kind]).collect();
+pub(super) fn corrected(trace: &Trace) -> Option<Vec<BoundaryPlace>> {
+    let wrong = wrong_points(&trace.signs());
     if !wrong.contains(&true) {
         return Some(trace.ends.places.clone());
     }
     let many = wrong.len();
-    // Points that are too near to a corner to be judged go with those beside them.
-    for i in (0..many).chain((0..many).rev()) {
-        let beside = wrong[(i + 1) % many] || wrong[(i + many - 1) % many];
-        wrong[i] |= signs[i].1 == f64::INFINITY && beside;
-    }
-    let was = |i: usize| trace.in_contact(i);
-    let is = |i: usize| was(i) != wrong[i];
-    if !(0..many).any(is) {
+    let was: Vec<bool> = (0..many).map(|i| trace.in_contact(i)).collect();
+    let is: Vec<bool> = was.iter().zip(&wrong).map(|(was, wrong)| was != wrong).collect();
+    if !is.contains(&true) {
         return None;
     }
     let (mut places, mut known) = (Vec::new(), trace.ends.places.iter());
     for i in 0..many {
         let last = (i + many - 1) % many;
-        let end = if was(last) == was(i) { None } else { known.next() };
-        if is(last) != is(i) {
+        let end = if was[last] == was[i] { None } else { known.next() };
+        if is[last] != is[i] {
             let [from, to] = [last, i].map(|i| trace.points[i].place);
             places.push(match end {
                 Some(end) if !wrong[last] && !wrong[i] => *end,
-                _ => BorderPlace::new(from.corner, from.t + 0.5 * to.after(from).rem_euclid(4.0)),
+                _ => BoundaryPlace::new(from.corner, from.t + 0.5 * to.after(from).rem_euclid(4.0)),
             });
         }
     }
-    if is(0) && is(many - 1) && !places.is_empty() {
+    if is[0] && is[many - 1] && !places.is_empty() {
         // Beginnings of contact come first.
         places.rotate_left(1);
     }
+    widen_round_corners(&mut places);
+    Some(places)
+}
+
+/// True for the points at which a sign is wrong. Points that are too near to a corner to be judged go with those beside
+/// them.
+fn wrong_points(signs: &[Sign]) -> Vec<bool> {
+    let many = signs.len();
+    let mut wrong = Vec::with_capacity(many);
+    for sign in signs {
+        let tolerance = if sign.contact { MULTIPLIER_TOLERANCE } else { VALUE_TOLERANCE };
+        wrong.push(sign.value.is_some_and(|value| value < -tolerance));
+    }
+    if wrong.contains(&true) {
+        for i in (0..many).chain((0..many).rev()) {
+            let beside = wrong[(i + 1) % many] || wrong[(i + many - 1) % many];
+            wrong[i] |= signs[i].value.is_none() && beside;
+        }
+    }
+    wrong
+}
+
+/// Lets gaps at a corner go round it.
+fn widen_round_corners(places: &mut [BoundaryPlace]) {
     for gap in 0..places.len() / 2 {
         let (end, begin) = (2 * gap + 1, (2 * gap + 2) % places.len());
         let [from, to] = [places[end], places[begin]];
         let [before, after] = [from.t.abs(), to.t.abs()];
         if (from.corner - to.corner) % 4 == 0 {
-            // At a corner a gap goes round it.
-            let least = |other: f64| UNRESOLVED.max(0.5 * other);
             if before <= UNRESOLVED {
-                places[end].t = -least(after);
+                places[end].t = -UNRESOLVED.max(0.5 * after);
             }
             if after <= UNRESOLVED {
-                places[begin].t = least(before);
+                places[begin].t = UNRESOLVED.max(0.5 * before);
             }
         }
     }
-    Some(places)
 }
 
 /// Leaves out arcs and gaps that are too short, and gaps round corners that are shorter than `round_corner`;
-/// `None` if no arc is left. Corners are counted on from the first end to the last, as [`Ends`](super::panels::Ends) does.
+/// `None` if no arc is left. Corners are counted on from the first end to the last, as in
+/// [`Ends`](super::panels::Ends).
 pub(super) fn without_short(
-    mut places: Vec<BorderPlace>,
+    mut places: Vec<BoundaryPlace>,
     round_corner: f64,
-) -> Option<Vec<BorderPlace>> {
+) -> Option<Vec<BoundaryPlace>> {
     /// Corners in a turn.
     const TURN: i32 = 4;
     loop {
@@ -186,21 +217,20 @@ pub(super) fn without_short(
 mod tests {
     use super::*;
 
+    /// Joins arcs, given by their ends as distances from one corner; the last gap ends a turn after the first end.
+    fn joined(ends: &[f64]) -> Option<Vec<f64>> {
+        let places = ends.iter().map(|&t| BoundaryPlace::new(0, t)).collect();
+        let left = without_short(places, SHORTEST)?;
+        Some(left.iter().map(|place| place.distance_from(0)).collect())
+    }
+
     #[test]
     fn a_short_gap_joins_the_arcs_beside_it() {
-        // Ends of contact as distances from one corner; the last gap ends a turn after the first.
-        let joined = |ends: &[f64]| {
-            let places = ends.iter().map(|&t| BorderPlace::new(0, t)).collect();
-            without_short(places, SHORTEST).map(|left| {
-                let ends = left.iter().map(|place| place.distance_from(0));
-                ends.collect::<Vec<f64>>()
-            })
-        };
         assert_eq!(joined(&[0.25, 1.25, 2.25, 3.25]), Some(vec![0.25, 1.25, 2.25, 3.25]));
         assert_eq!(joined(&[0.25, 1.25, 1.25, 3.25]), Some(vec![0.25, 3.25]));
         assert_eq!(joined(&[0.25, 1.25, 2.25, 4.25]), Some(vec![2.25, 5.25]));
         assert_eq!(joined(&[0.25, 1.25, 2.25, 2.25]), Some(vec![0.25, 1.25]));
-        // The whole border but a gap of half the least length, one of no length, and one of less.
+        // The whole boundary but a gap of half the least length, one of no length, and one of less.
         for gap in [0.5 * SHORTEST, 0.0, -0.5 * SHORTEST] {
             assert_eq!(joined(&[0.25, 4.25 - gap]), Some(Vec::new()), "{gap}");
             assert_eq!(joined(&[0.25, 0.25 + gap]), None, "{gap}");

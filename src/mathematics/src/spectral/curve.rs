@@ -1,4 +1,4 @@
-//! Lines and circles: where they meet, and those that bound a region.
+//! Lines and circles: the points at which they meet, and the curves that bound a region.
 
 use super::complex::Complex;
 use crate::problem::region::Region;
@@ -17,9 +17,9 @@ pub(super) const ROUNDING: f64 = 4e-15;
 /// Centres and radii would lose digits to cancellation where a large circle is nearly straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Curve {
-    /// A point of it; of a large circle the one nearest to the square.
+    /// A point of the curve; of a large circle the one nearest to the square.
     pub origin: Complex,
-    /// The unit tangent at the origin.
+    /// Unit tangent at the origin.
     pub tangent: Complex,
     /// One over the radius, zero for a line.
     pub curvature: f64,
@@ -36,30 +36,31 @@ impl Curve {
         self.origin + self.tangent * half.scaled(chord)
     }
 
-    /// The unit tangent.
+    /// Unit tangent at a distance from the origin along the curve.
     pub(super) fn direction(self, s: f64) -> Complex {
         self.tangent * Complex::unit(self.curvature * s)
     }
 
-    /// A point in the frame of the origin and the tangent there.
+    /// Coordinates of a point in the frame of the origin and the tangent there.
     #[inline(always)]
     pub(super) fn local(self, z: Complex) -> Complex {
         self.tangent.conj() * (z - self.origin)
     }
 
-    /// A point relative to the centre, turned and in radii, which is 1 for a line; and 1 less the square of its size,
-    /// over the curvature: positive to the left of the curve, near it twice the distance.
+    /// Position of a point with respect to the centre.
     #[inline(always)]
-    pub(super) fn polar(self, z: Complex) -> (Complex, f64) {
+    pub(super) fn polar(self, z: Complex) -> Polar {
         let local = self.local(z);
-        let polar = Complex::new(1.0 - self.curvature * local.im, self.curvature * local.re);
-        (polar, 2.0 * local.im - self.curvature * local.norm2())
+        Polar {
+            nu: Complex::new(1.0 - self.curvature * local.im, self.curvature * local.re),
+            power: 2.0 * local.im - self.curvature * local.norm2(),
+        }
     }
 
     /// Distance of a point from the curve, negative to its left.
     pub(super) fn distance(self, z: Complex) -> f64 {
-        let (polar, power) = self.polar(z);
-        -power / (1.0 + polar.norm())
+        let Polar { nu, power } = self.polar(z);
+        -power / (1.0 + nu.norm())
     }
 
     /// Length of a circle.
@@ -73,14 +74,13 @@ impl Curve {
         (self.curvature > 0.0).then(|| self.origin + normal.scaled(1.0 / self.curvature))
     }
 
-    /// Place of the point nearest to `z` is along it.
+    /// Distance from the origin along the curve to the point nearest to `z`.
     pub(super) fn place(self, z: Complex) -> f64 {
         let local = self.local(z);
         if self.curvature == 0.0 {
             return local.re;
         }
-        let (polar, _) = self.polar(z);
-        polar.arg() / self.curvature
+        self.polar(z).nu.arg() / self.curvature
     }
 
     /// Position with respect to another curve.
@@ -110,8 +110,8 @@ impl Curve {
         Relation { a, b: b.re, c, bend, square: versine * (2.0 - versine), concentric }
     }
 
-    /// Zero if it touches, or is, another curve: the angle at which they meet or an imaginary one; for parallel lines
-    /// their distance in the square.
+    /// Angle at which the curve meets another one, or absolute value of an imaginary angle; for parallel lines, their
+    /// distance in the square. Zero if the curves touch or are equal.
     pub(super) fn apartness(self, other: Self) -> f64 {
         let Relation { square, .. } = self.relation(other);
         let angle = square.abs().sqrt();
@@ -119,12 +119,11 @@ impl Curve {
         if straight { angle.max(other.distance(self.origin).abs()) } else { angle }
     }
 
-    /// Points at which it meets another curve. If they overlap by, or lack, less than half of [`SAME`] they touch, as is frequent
-    /// with decimal input.
+    /// Points at which the curve meets another one, as distances from the origin along it. Curves that overlap by, or
+    /// lack, less than half of [`SAME`] touch, as is frequent with decimal input.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {
-        let k = self.curvature;
         let Relation { a, b, c, bend, square, concentric } = self.relation(other);
-        let straight = k == 0.0 && other.curvature == 0.0;
+        let straight = self.curvature == 0.0 && other.curvature == 0.0;
         let parallel = straight && square < ROUNDING * ROUNDING;
         if square < -SAME * bend || concentric || parallel {
             return Vec::new();
@@ -136,60 +135,81 @@ impl Curve {
             true => vec![c / q],
             false => vec![q / a, c / q],
         };
-        let length = |u: f64| if k == 0.0 { u } else { 2.0 / k * libm::atan(0.5 * k * u) };
-        roots.into_iter().map(length).filter(|s| s.is_finite()).collect()
+        roots.into_iter().map(|u| self.length(u)).filter(|s| s.is_finite()).collect()
     }
 
-    /// Distance by which its points may be off: those of a large circle by rounding errors of its radius, as f knows it.
+    /// Distance s from the origin along the curve with `u = tan(k s / 2) / (k / 2)`.
+    fn length(self, u: f64) -> f64 {
+        let k = self.curvature;
+        if k == 0.0 { u } else { 2.0 / k * libm::atan(0.5 * k * u) }
+    }
+
+    /// Distance by which points of the curve may be off: on a large circle by the rounding error of its radius.
     pub(super) fn rounding(self) -> f64 {
         ROUNDING.max(2e-15 * self.period().unwrap_or_default())
     }
 
-    /// True if points lie on it, within a distance or what rounding makes of it.
+    /// True if points lie on the curve, within a distance or [`Self::rounding`].
     pub(super) fn holds(self, points: [Complex; 3], within: f64) -> bool {
         let within = within.max(self.rounding());
         points.into_iter().all(|z| self.distance(z).abs() < within)
     }
 
-    /// True if it is another curve. A little farther apart than points that count as one, curves could be told apart
-    /// along some of their pieces only.
+    /// True if both curves are equal. Curves that are a little farther apart than points that count as one would differ
+    /// on some of their pieces only.
     pub(super) fn same(self, other: Self) -> bool {
         let s = 1.0_f64.min(1.0 / self.curvature);
         other.holds([-s, 0.0, s].map(|s| self.at(s)), 4.0 * ROUNDING)
     }
 }
 
-/// Position of two curves with respect to each other: the points of the one that are on the other are at `tan(k s / 2) / (k / 2)` along
-/// it, which is a root of `a u^2 + 2 b u + c`.
+/// Position of a point with respect to a curve.
+pub(super) struct Polar {
+    /// `1 + i k zeta`, with the curvature k and zeta of [`Curve::local`]: the position relative to the centre, turned
+    /// and in radii; 1 for a line.
+    pub nu: Complex,
+    /// `(1 - |nu|^2) / k`: positive to the left of the curve, and near to it twice the distance.
+    pub power: f64,
+}
+
+/// Position of two curves with respect to each other. They meet at the distances s along the first, of curvature k, for
+/// which `u = tan(k s / 2) / (k / 2)` is a root of `a u^2 + 2 b u + c`.
 struct Relation {
     a: f64,
     b: f64,
     c: f64,
     /// Discriminant, the square of the sine of the angle between them.
     square: f64,
-    /// Distance of the centres times both curvatures: the difference of the curvatures where they touch.
+    /// Distance of the centres times both curvatures: the difference of the curvatures if the curves touch.
     bend: f64,
+    /// True if the centres are equal.
     concentric: bool,
 }
 
-/// A part of a curve.
+/// Part of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
     pub curve: Curve,
-    /// Beginning and end along the curve; it may go backwards.
+    /// Start and end, as distances from the origin along the curve; the end may come first.
     pub span: [f64; 2],
     /// Vertices at its ends, if any.
     pub ends: [Option<usize>; 2],
 }
 
 impl Arc {
+    /// Part of the arc.
+    pub(super) fn part(self, span: [f64; 2]) -> Self {
+        let ends = [0, 1].map(|k| self.ends[k].filter(|_| span[k] == self.span[k]));
+        Self { span, ends, ..self }
+    }
+
     pub(super) fn reversed(self) -> Self {
         let ([a, b], [first, last]) = (self.span, self.ends);
         Self { span: [b, a], ends: [last, first], ..self }
     }
 }
 
-/// The lines of the sides.
+/// Lines of the left, right, lower and upper side.
 pub(super) const SIDES: [Curve; 4] = [
     Curve::line(Complex::new(-0.5, 0.0), Complex::new(0.0, 1.0)),
     Curve::line(Complex::new(0.5, 0.0), Complex::new(0.0, 1.0)),
@@ -200,7 +220,7 @@ pub(super) const SIDES: [Curve; 4] = [
 /// Lines farther from the centre than this bound nothing in the square, and their points may overflow.
 const FARTHEST: f64 = 10.0;
 
-/// The curves that bound a region; none bounds a disc that is hardly wider than a point.
+/// Curves that bound a region; none for a disc that is hardly wider than a point.
 pub(super) fn borders(region: &Region) -> Vec<Curve> {
     if let Region::Disc { centre: [x, y], radius } = *region {
         if radius < 2.0 * SAME {
@@ -218,23 +238,28 @@ pub(super) fn borders(region: &Region) -> Vec<Curve> {
         };
         return vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }];
     }
-    let side = |[a, b, c]: [f64; 3]| {
-        let ([a, b], c) = scaled([a, b], c);
-        let normal = Complex::new(a, b);
-        let scale = 1.0 / normal.norm();
-        Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))
-    };
-    let lines = region.half_planes().into_iter().map(side);
+    let lines = region.half_planes().into_iter().map(line);
     lines.filter(|line| line.origin.norm() < FARTHEST).collect()
+}
+
+/// Line `a x + b y = c`.
+fn line([a, b, c]: [f64; 3]) -> Curve {
+    let ([a, b], c) = scaled([a, b], c);
+    let normal = Complex::new(a, b);
+    let scale = 1.0 / normal.norm();
+    Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn disc(x: f64, y: f64, radius: f64) -> Region {
+        Region::Disc { centre: [x, y], radius }
+    }
+
     #[test]
     fn curves_meet_at_points_of_both() {
-        let disc = |x, y, radius| Region::Disc { centre: [x, y], radius };
         let regions = [
             Region::HalfPlane { a: 0.3, b: 0.7, c: 0.1 },
             Region::HalfPlane { a: -0.7, b: 0.3, c: 0.05 },

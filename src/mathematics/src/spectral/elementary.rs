@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, PI, SQRT_2};
 
-/// In powers of `-x^2`, sine over x for `shift` 1 and cosine for -1: one over factorials.
+/// Coefficients of powers of `-x^2`, of sine over x for `shift` 1 and of cosine for -1: one over factorials.
 const fn inverse_factorials(shift: f64) -> [f64; 9] {
     let mut series = [1.0; 9];
     let mut k = 1;
@@ -40,8 +40,13 @@ pub(super) fn sincos_pi(t: f64) -> [f64; 2] {
     let turned = half != half.floor();
     let (s, c) = if turned { (cosine, sine) } else { (sine, cosine) };
     // Both change their sign with each half turn, the cosine a quarter earlier.
-    let sign = |half: f64| 1.0 - 2.0 * (half.floor() - 2.0 * (0.5 * half).floor());
-    [sign(half) * s, sign(half + 0.5) * c]
+    [half_turn_sign(half) * s, half_turn_sign(half + 0.5) * c]
+}
+
+/// 1 if the number of whole half turns is even, else -1.
+#[inline(always)]
+fn half_turn_sign(half_turns: f64) -> f64 {
+    1.0 - 2.0 * (half_turns.floor() - 2.0 * (0.5 * half_turns).floor())
 }
 
 /// The natural logarithm of a normal number; finite at zero.
@@ -68,7 +73,7 @@ pub(super) fn ln(x: f64) -> f64 {
     exponent as f64 * LN_2 + (f - (half - s * (half + sum * square)))
 }
 
-/// The angle of the vector `(x, y)`, 0 if that is zero.
+/// Angle of the vector `(x, y)`, 0 if the vector is zero.
 #[inline(always)]
 pub(super) fn atan2(y: f64, x: f64) -> f64 {
     // Of (t - atan(t)) / t^3 for |t| < 7 / 16, as in fdlibm.

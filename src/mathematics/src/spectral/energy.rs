@@ -1,26 +1,26 @@
-//! The energy of the solution, from integrals over the border and along the jumps of f, and moments of f by the same.
+//! Energy of the solution, and moments of f, from integrals over the boundary and along the jumps of f.
 
 use super::along::Node;
 use super::complex::Complex;
 use super::jumps::{JumpEdge, Jumps};
-use super::place::{BorderPlace, CORNERS};
+use super::place::{BoundaryPlace, CORNERS};
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::sources::Point;
 use super::trace::Trace;
 
-/// Integrals over the border and over the square.
+/// Integrals over the boundary and over the square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Energies {
     /// J = -1/2 int f v, by Green's identity with psi.
     pub energy: f64,
-    /// Energy by Rellich's identity.
+    /// J by Rellich's identity.
     pub rellich: f64,
-    /// Integral of l over the border.
+    /// Integral of l over the boundary.
     pub force: f64,
-    /// Integrals of f times the [`HARMONIC`] polynomials, by Green's identity with psi on the border.
+    /// Integrals of f times the [`HARMONIC`] polynomials, by Green's identity with psi on the boundary.
     contour: [f64; HARMONIC],
-    /// Integrals by the divergence theorem, over the border and along the jumps.
+    /// Integrals of f times the polynomials, by the divergence theorem, over the boundary and along the jumps.
     area: [f64; HARMONIC],
 }
 
@@ -28,29 +28,37 @@ pub(super) struct Energies {
 const HARMONIC: usize = 5;
 const DEGREES: [f64; HARMONIC] = [0.0, 1.0, 1.0, 2.0, 2.0];
 
-/// The polynomials and their gradients.
-fn harmonic(Complex { re: x, im: y }: Complex) -> [(f64, Complex); HARMONIC] {
+/// Values of the polynomials at a point.
+fn harmonic(Complex { re: x, im: y }: Complex) -> [f64; HARMONIC] {
+    [1.0, x, y, x * y, (x - y) * (x + y)]
+}
+
+/// Gradients of the polynomials at a point.
+fn harmonic_gradients(Complex { re: x, im: y }: Complex) -> [Complex; HARMONIC] {
     let gradients = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [y, x], [2.0 * x, -2.0 * y]];
-    let values = [1.0, x, y, x * y, (x - y) * (x + y)];
-    std::array::from_fn(|k| (values[k], Complex::new(gradients[k][0], gradients[k][1])))
+    gradients.map(|[x, y]| Complex::new(x, y))
 }
 
 impl Energies {
     pub(super) fn of(trace: &Trace, problem: &SpectralProblem) -> Self {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
-        energies.add_border(trace, problem, &bilinear);
+        energies.add_boundary(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, &trace.rules);
         Self { energy: -0.5 * energies.energy, rellich: -0.25 * energies.rellich, ..energies }
     }
 
-    /// The largest difference of moments of f, as psi and the jumps have them, from those of its pieces in closed form:
-    /// times a size of v it is by how much the energy may be off.
+    /// Largest difference of the moments of f by psi and by the jumps from the moments of the pieces in closed form:
+    /// the energy may be wrong by this, times the size of v.
     pub(super) fn moments_off(&self, problem: &SpectralProblem) -> f64 {
-        let differences = problem.moments.iter().zip(self.contour.iter().zip(&self.area));
-        differences.map(|(m, (c, a))| (c - m).abs().max((a - m).abs())).fold(0.0, f64::max)
+        let mut largest = 0.0_f64;
+        for (k, moment) in problem.moments.iter().enumerate() {
+            let [contour, area] = [self.contour[k], self.area[k]].map(|m| (m - moment).abs());
+            largest = largest.max(contour.max(area));
+        }
+        largest
     }
 
-    fn add_border(&mut self, trace: &Trace, problem: &SpectralProblem, bilinear: &Bilinear) {
+    fn add_boundary(&mut self, trace: &Trace, problem: &SpectralProblem, bilinear: &Bilinear) {
         let values: Vec<f64> = trace.panels.iter().map(|panel| problem.beside(panel)).collect();
         for point in &trace.points {
             let panel = &trace.panels[point.panel];
@@ -66,9 +74,10 @@ impl Energies {
                     + psi * l
                     - v * psi_n);
             self.force += weight * l;
-            for (k, (p, slope)) in harmonic(z).into_iter().enumerate() {
-                self.contour[k] += weight * (psi * slope.dot(normal) - p * psi_n);
-                self.area[k] += weight * f * p * outward / (DEGREES[k] + 2.0);
+            let (polynomials, slopes) = (harmonic(z), harmonic_gradients(z));
+            for k in 0..HARMONIC {
+                self.contour[k] += weight * (psi * slopes[k].dot(normal) - polynomials[k] * psi_n);
+                self.area[k] += weight * f * polynomials[k] * outward / (DEGREES[k] + 2.0);
             }
             let (h, h_s) = (v - psi, along - psi_s);
             let tau = z.dot(tangent);
@@ -84,50 +93,70 @@ impl Energies {
 
     fn add_edges(&mut self, problem: &SpectralProblem, bilinear: &Bilinear, rules: &Rules) {
         let Jumps { edges, psi, .. } = &problem.jumps;
+        // psi at the vertices, as far as it is known.
         let mut at_vertices: Vec<Option<f64>> = vec![None; psi.vertices.len()];
         let mut waiting: Vec<&JumpEdge> = edges.iter().collect();
         while !waiting.is_empty() {
-            // First those with an end where psi is known or on the border.
-            let known = |end: &Option<usize>| end.is_none_or(|v| at_vertices[v].is_some());
-            let next = waiting.iter().position(|edge| edge.arc.ends.iter().any(known));
-            let &JumpEdge { arc, values: [left, right] } = waiting.swap_remove(next.unwrap_or(0));
-            let backwards = known(&arc.ends[1]) && !known(&arc.ends[0]);
-            let arc = if backwards { arc.reversed() } else { arc };
-            let from = || problem.psi(arc.curve.at(arc.span[0]), rules);
-            let start = arc.ends[0].and_then(|v| at_vertices[v]).unwrap_or_else(from);
-            let add = |&Node { point, normal, weight, gradient }: &Node, psi| {
-                let (psi, gradient) = bilinear.less(point, psi, gradient);
-                let (outward, square) = (point.dot(normal), 0.25 * point.norm2());
-                let moment = (0.5 * psi - 0.25 * (left + right) * square) * outward
-                    - square * gradient.dot(normal);
-                self.energy += weight * (left - right) * moment;
-                self.rellich += weight * (left - right) * outward * psi;
-                for (k, (p, _)) in harmonic(point).into_iter().enumerate() {
-                    self.area[k] += weight * (left - right) * p * outward / (DEGREES[k] + 2.0);
-                }
-            };
-            let end = problem.along(arc, start, rules, add);
-            for (vertex, psi) in arc.ends.into_iter().zip([start, end]) {
-                vertex.into_iter().for_each(|v| at_vertices[v] = Some(psi));
+            // First those with an end at which psi is known, or on the boundary.
+            let next = waiting
+                .iter()
+                .position(|edge| edge.arc.ends.into_iter().any(|end| is_known(end, &at_vertices)));
+            let &JumpEdge { mut arc, values } = waiting.swap_remove(next.unwrap_or(0));
+            if is_known(arc.ends[1], &at_vertices) && !is_known(arc.ends[0], &at_vertices) {
+                arc = arc.reversed();
             }
+            let start = match arc.ends[0].and_then(|v| at_vertices[v]) {
+                Some(psi) => psi,
+                None => problem.psi(arc.curve.at(arc.span[0]), rules),
+            };
+            let end = problem.along(arc, start, rules, |node, psi| {
+                self.add_node(node, psi, values, bilinear);
+            });
+            for (vertex, psi) in arc.ends.into_iter().zip([start, end]) {
+                if let Some(v) = vertex {
+                    at_vertices[v] = Some(psi);
+                }
+            }
+        }
+    }
+
+    /// Adds a node on an edge, with psi there and f on the left and on the right.
+    fn add_node(&mut self, node: &Node, psi: f64, [left, right]: [f64; 2], bilinear: &Bilinear) {
+        let Node { point, normal, weight, gradient } = *node;
+        let (psi, gradient) = bilinear.less(point, psi, gradient);
+        let (outward, square) = (point.dot(normal), 0.25 * point.norm2());
+        let moment =
+            (0.5 * psi - 0.25 * (left + right) * square) * outward - square * gradient.dot(normal);
+        self.energy += weight * (left - right) * moment;
+        self.rellich += weight * (left - right) * outward * psi;
+        for (k, polynomial) in harmonic(point).into_iter().enumerate() {
+            self.area[k] += weight * (left - right) * polynomial * outward / (DEGREES[k] + 2.0);
         }
     }
 }
 
-/// The bilinear function that equals psi in the corners, where l is known least.
+/// True if psi is known at an end of an edge: at a vertex, or on the boundary.
+fn is_known(end: Option<usize>, at_vertices: &[Option<f64>]) -> bool {
+    end.is_none_or(|v| at_vertices[v].is_some())
+}
+
+/// Bilinear function that equals psi in the corners, where l is least accurate.
 struct Bilinear([f64; 4]);
 
 impl Bilinear {
     fn new(problem: &SpectralProblem) -> Self {
         let mut c = [0.0; 4];
         for z in CORNERS {
-            let value = problem.border.value(BorderPlace::of(z));
+            let value = problem.boundary_psi.value(BoundaryPlace::of(z));
             let basis = [0.25, z.re, z.im, 4.0 * z.re * z.im];
-            c.iter_mut().zip(basis).for_each(|(c, b)| *c += b * value);
+            for (c, b) in c.iter_mut().zip(basis) {
+                *c += b * value;
+            }
         }
         Self(c)
     }
 
+    /// Subtracts the function from a `value` and a `gradient` at a point.
     fn less(&self, z: Complex, value: f64, gradient: Complex) -> (f64, Complex) {
         let [c, x, y, xy] = self.0;
         let plane = c + x * z.re + y * z.im + xy * z.re * z.im;

@@ -1,13 +1,14 @@
-//! The curves inside the square across which f jumps.
+//! Curves inside the square across which f jumps.
 
 use super::complex::Complex;
 use super::curve::{Arc, Curve, ROUNDING, SAME, SIDES, borders};
-use super::place::BorderPlace;
+use super::parts::{CurvePart, append, close};
+use super::place::BoundaryPlace;
 use super::potential::Potential;
 use crate::problem::source::{Region, Source};
 use std::fmt;
 
-/// A piece of a jump inside the square, between vertices or points of the border.
+/// Piece of a jump inside the square, between vertices or points of the boundary.
 #[derive(Clone, Debug)]
 pub(super) struct JumpEdge {
     pub arc: Arc,
@@ -15,7 +16,7 @@ pub(super) struct JumpEdge {
     pub values: [f64; 2],
 }
 
-/// Two borders that nearly touch, by the regions they bound.
+/// Two borders that nearly touch, by the regions that they bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch(pub [String; 2]);
 
@@ -27,39 +28,41 @@ impl fmt::Display for Touch {
 
 /// All jumps of f inside the square.
 ///
-/// As psi sees them, f is continued beyond the border: a line goes on for ever, an arc to the middle of its way
-/// outside, or for a length of two, and straight to infinity from there.
+/// For psi, f is continued beyond the boundary: a line to infinity, an arc to the middle of its way outside, or for a
+/// length of two, and straight to infinity from there.
 #[derive(Clone)]
 pub(super) struct Jumps {
     f: Source,
-    /// The borders of all regions, in full.
+    /// Borders of all regions, in full.
     pub curves: Vec<Curve>,
-    /// The first region that each bounds.
+    /// First region that each of the curves bounds.
     regions: Vec<Region>,
     pub edges: Vec<JumpEdge>,
-    /// Points at which edges meet the border.
-    pub crossings: Vec<BorderPlace>,
-    /// The vertices that stand for all that are hardly apart from them.
+    /// Points at which edges meet the boundary.
+    pub crossings: Vec<BoundaryPlace>,
+    /// Vertices that stand for all others within [`NEAR`].
     hubs: Vec<usize>,
-    /// Vertices are where edges meet inside the square, and the ends of arcs outside.
+    /// Potential of the jumps. Its vertices are the points at which edges meet inside the square, and the ends of arcs
+    /// outside.
     pub psi: Potential,
 }
 
-/// Vertices so near to one another are one.
+/// Distance of vertices below which they count as one.
 const NEAR: f64 = 10.0 * SAME;
-/// Crossings so near to one another are one, and what is so near to a side is on it.
+/// Distance of crossings below which they are one, and of a point from a side below which it is on the side.
 pub(super) const APART: f64 = 1e-13;
 
 /// Point at which a curve meets another one, or a side.
 #[derive(Clone, Copy)]
 struct CurveCut {
-    /// Place along the curve.
+    /// Distance along the curve.
     s: f64,
+    /// True if the curve meets a side.
     side: bool,
 }
 
-/// A piece of a curve with f on its left and right, none outside of the square.
-type Piece = ([f64; 2], Option<[f64; 2]>);
+/// Piece of a curve with f on its left and right, none outside of the square.
+type CurvePiece = CurvePart<Option<[f64; 2]>>;
 
 impl Jumps {
     pub(super) fn of(f: &Source) -> Self {
@@ -95,27 +98,43 @@ impl Jumps {
         /// Angle, or distance, below which borders nearly touch.
         const NEARLY: f64 = 0.03;
         let many = self.curves.len();
-        let curves: Vec<Curve> = self.curves.iter().copied().chain(SIDES).collect();
-        let pairs = (0..many).flat_map(|k| (k + 1..many + SIDES.len()).map(move |j| (k, j)));
-        let measured = pairs.map(|(k, j)| (k, j, curves[k].apartness(curves[j])));
-        let near = measured.filter(|&(_, _, apart)| apart < NEARLY);
-        let (k, j, _) = near.min_by(|a, b| a.2.total_cmp(&b.2))?;
-        let name = |k: usize| match self.regions.get(k) {
+        let curves = [&self.curves[..], &SIDES[..]].concat();
+        let (mut nearest, mut touch) = (NEARLY, None);
+        for k in 0..many {
+            for j in k + 1..curves.len() {
+                let apart = curves[k].apartness(curves[j]);
+                if apart < nearest {
+                    nearest = apart;
+                    touch = Some(Touch([k, j].map(|k| self.border_name(k))));
+                }
+            }
+        }
+        touch
+    }
+
+    /// Name of a region by the number of a curve that bounds it; curves after the last are the sides.
+    fn border_name(&self, curve: usize) -> String {
+        match self.regions.get(curve) {
             Some(region) => region.to_string(),
-            None => format!("the {} side", ["left", "right", "lower", "upper"][k - many]),
-        };
-        Some(Touch([k, j].map(name)))
+            None => {
+                let side = ["left", "right", "lower", "upper"][curve - self.curves.len()];
+                format!("the {side} side")
+            }
+        }
     }
 
-    /// Distance beside the middle of a piece of a curve, given by its ends and its middle, f is still that beside the
-    /// piece, up to `most`: curves that touch leave each other slowly.
-    /// Curves that pass within `on` of the piece are on it.
+    /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
+    /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
+    /// within `on` of the piece coincide with it.
     pub(super) fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
-        let others = self.curves.iter().filter(|other| !other.holds(along, on));
-        others.map(|other| 0.5 * other.distance(along[1]).abs()).fold(most, f64::min)
+        let mut room = most;
+        for other in self.curves.iter().filter(|other| !other.holds(along, on)) {
+            room = room.min(0.5 * other.distance(along[1]).abs());
+        }
+        room
     }
 
-    /// Points at which edges meet a side, as distances from its beginning.
+    /// Points at which edges meet a side, as distances from the corner at which it begins.
     pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
         let places = self.crossings.iter().map(|place| place.on_side());
         places.filter(move |&(of, _)| of == side).map(|(_, t)| t)
@@ -125,8 +144,8 @@ impl Jumps {
     fn add(&mut self, k: usize) {
         let (curve, pieces) = (self.curves[k], self.pieces(k));
         let closed = pieces.len() == 1 && curve.period().is_some();
-        for &(span, values) in &pieces {
-            let Some(values @ [left, right]) = values else { continue };
+        for &CurvePart { span, value } in &pieces {
+            let Some(values @ [left, right]) = value else { continue };
             if left == right {
                 continue;
             }
@@ -148,21 +167,27 @@ impl Jumps {
 
     /// Adds the jumps of a circle to psi, each with half of the way outside the square to the next, but no more than
     /// `FARTHEST`: psi would grow with the square of the radius.
-    fn continue_circle(&mut self, circle: Curve, period: f64, pieces: &[Piece]) {
+    fn continue_circle(&mut self, circle: Curve, period: f64, pieces: &[CurvePiece]) {
         const FARTHEST: f64 = 2.0;
         let many = pieces.len();
-        let beyond = |k: usize| match pieces[k % many] {
-            ([from, to], None) => FARTHEST.min(0.5 * (to - from)),
-            _ => 0.0,
-        };
-        let mut arcs: Vec<([f64; 2], f64)> = Vec::new();
-        for (k, &([from, to], values)) in pieces.iter().enumerate() {
-            let Some([left, right]) = values else { continue };
-            let span = [from - beyond(k + many - 1), to + beyond(k + 1)];
-            append(&mut arcs, (span, left - right));
+        // Lengths by which the neighbours of a piece go on along it.
+        let mut beyond = vec![0.0; many];
+        for (length, piece) in beyond.iter_mut().zip(pieces) {
+            if piece.value.is_none() {
+                *length = FARTHEST.min(0.5 * (piece.span[1] - piece.span[0]));
+            }
+        }
+        let mut arcs: Vec<CurvePart<f64>> = Vec::new();
+        for (k, &CurvePart { span: [from, to], value }) in pieces.iter().enumerate() {
+            let Some([left, right]) = value else { continue };
+            let span = [from - beyond[(k + many - 1) % many], to + beyond[(k + 1) % many]];
+            append(&mut arcs, CurvePart { span, value: left - right });
         }
         close(&mut arcs, period);
-        for (span, jump) in arcs.into_iter().filter(|&(_, jump)| jump != 0.0) {
+        for CurvePart { span, value: jump } in arcs {
+            if jump == 0.0 {
+                continue;
+            }
             if span[1] - span[0] > period - SAME {
                 self.psi.add(Arc { curve: circle, span, ends: [None; 2] }, jump);
                 continue;
@@ -182,30 +207,18 @@ impl Jumps {
         }
     }
 
-    /// The pieces of a curve between the others and the sides, once around a circle; neighbours with the same values
+    /// Pieces of a curve between the others and the sides, once around a circle; neighbours with the same values
     /// on both sides are one.
-    fn pieces(&self, k: usize) -> Vec<Piece> {
-        let (curve, others) = (self.curves[k], self.curves.iter().copied().chain(SIDES));
-        let many = self.curves.len();
-        let mut cuts: Vec<CurveCut> = Vec::new();
-        for (j, other) in others.enumerate() {
-            // Where curves meet at a small angle their common points are known to few digits: both are cut at the same.
-            let places = match j < k {
-                true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
-                false => curve.meets(other),
-            };
-            let cut = places.into_iter().map(|s| CurveCut { s, side: j >= many });
-            // What happens so near to a side happens on it.
-            cuts.extend(cut.filter(|cut| cut.side || depth(curve.at(cut.s)) > APART));
-        }
-        cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
+    fn pieces(&self, k: usize) -> Vec<CurvePiece> {
+        let curve = self.curves[k];
+        let mut cuts = self.cuts(k);
         if let Some(period) = curve.period() {
             let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
             cuts.resize(cuts.len().max(1), first);
             cuts.push(CurveCut { s: first.s + period, ..first });
         }
         cuts.dedup_by(|b, a| b.s - a.s < if a.side == b.side { SAME } else { ROUNDING });
-        let (mut pieces, rounding): (Vec<Piece>, _) = (Vec::new(), curve.rounding());
+        let (mut pieces, rounding) = (Vec::new(), curve.rounding());
         for cut in cuts.windows(2) {
             let [from, to] = [cut[0].s, cut[1].s];
             let s = 0.5 * (from + to);
@@ -217,50 +230,72 @@ impl Jumps {
             // Where two curves touch, the jump is that of the first.
             let known = self.curves[..k].iter().any(|other| other.holds(along, ROUNDING));
             let sides = if known { [z; 2] } else { [z + step, z - step] };
-            let values = inside.then(|| sides.map(|z| self.value(z)));
-            append(&mut pieces, ([from, to], values));
+            let value = inside.then(|| sides.map(|z| self.value(z)));
+            append(&mut pieces, CurvePart { span: [from, to], value });
         }
-        curve.period().into_iter().for_each(|period| close(&mut pieces, period));
+        if let Some(period) = curve.period() {
+            close(&mut pieces, period);
+        }
         pieces
     }
 
-    /// Notes where an edge ends: the vertex there, or none on the border.
+    /// Points at which a curve meets the others and the sides, in order.
+    fn cuts(&self, k: usize) -> Vec<CurveCut> {
+        let (curve, many) = (self.curves[k], self.curves.len());
+        let mut cuts = Vec::new();
+        for (j, other) in self.curves.iter().copied().chain(SIDES).enumerate() {
+            // Where curves meet at a small angle their common points are known to few digits: both are cut at the same.
+            let places = match j < k {
+                true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
+                false => curve.meets(other),
+            };
+            for s in places {
+                // A meeting so near to a side happens on the side.
+                if j >= many || depth(curve.at(s)) > APART {
+                    cuts.push(CurveCut { s, side: j >= many });
+                }
+            }
+        }
+        cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
+        cuts
+    }
+
+    /// Records the point at which an edge ends. Returns the vertex there, or none on the boundary.
     fn meet(&mut self, curve: Curve, s: f64) -> Option<usize> {
         let z = curve.at(s);
         if depth(z) > APART {
             return Some(self.vertex(z));
         }
         if !self.crossings.iter().any(|place| (place.point() - z).norm() < APART) {
-            self.crossings.push(BorderPlace::of(z));
+            self.crossings.push(BoundaryPlace::of(z));
         }
         None
     }
 
-    /// The number of the vertex at a point, a new one if there is none.
+    /// Number of the vertex at a point, a new one if there is none.
     fn vertex(&mut self, z: Complex) -> usize {
-        let apart = |v: usize| (self.psi.vertices[v] - z).norm();
-        let new = self.psi.vertices.len();
-        if let Some(known) = (0..new).find(|&v| apart(v) < ROUNDING / 4.0) {
+        let vertices = &self.psi.vertices;
+        let new = vertices.len();
+        if let Some(known) = vertices.iter().position(|&v| (v - z).norm() < ROUNDING / 4.0) {
             return known;
         }
-        if !self.hubs.iter().any(|&hub| apart(hub) < NEAR) {
+        if !self.hubs.iter().any(|&hub| (vertices[hub] - z).norm() < NEAR) {
             self.hubs.push(new);
         }
         self.psi.vertices.push(z);
         new
     }
 
-    /// Straight pieces that continue an arc from and to the vertices that stand for those at its ends: where three
-    /// curves meet but for rounding, or nearly, their jumps would not sum to zero in any point.
+    /// Straight pieces that continue an arc from and to the hubs of the vertices at its ends: if three curves meet but
+    /// for rounding, or nearly, their jumps would not sum to zero in any point.
     fn stitches(&self, arc: Arc) -> Vec<Arc> {
         let vertices = &self.psi.vertices;
         let mut stitches = Vec::new();
         for (k, end) in arc.ends.into_iter().enumerate() {
             let Some(v) = end else { continue };
-            let near = |&hub: &usize| (vertices[hub] - vertices[v]).norm() <= NEAR;
-            let Some(hub) = self.hubs.iter().copied().find(near).filter(|&hub| hub != v) else {
-                continue;
-            };
+            let mut hubs = self.hubs.iter().copied();
+            let hub = hubs.find(|&hub| (vertices[hub] - vertices[v]).norm() <= NEAR);
+            let Some(hub) = hub.filter(|&hub| hub != v) else { continue };
             let [from, to] = if k == 0 { [hub, v] } else { [v, hub] };
             let way = vertices[to] - vertices[from];
             let length = way.norm();
@@ -274,25 +309,4 @@ impl Jumps {
 /// Distance of a point from the nearest side, negative beyond it.
 fn depth(z: Complex) -> f64 {
     0.5 - z.re.abs().max(z.im.abs())
-}
-
-/// Adds a part of a curve, to the last one if they touch and are alike.
-fn append<T: PartialEq>(parts: &mut Vec<([f64; 2], T)>, part: ([f64; 2], T)) {
-    match parts.last_mut() {
-        Some((span, value)) if *value == part.1 && part.0[0] - span[1] < SAME => {
-            span[1] = part.0[1];
-        }
-        _ => parts.push(part),
-    }
-}
-
-/// Consecutive pairs with the first and the last, once around a circle.
-fn close<T: PartialEq>(parts: &mut Vec<([f64; 2], T)>, period: f64) {
-    if let [(first, value), .., (last, other)] = &mut parts[..]
-        && value == other
-        && first[0] + period - last[1] < SAME
-    {
-        first[0] = last[0] - period;
-        parts.pop();
-    }
 }

@@ -1,4 +1,4 @@
-//! The conformal map of the square onto the unit disc, on the border relative to the corners.
+//! Conformal map of the square onto the unit disc, on the boundary relative to the corners.
 //!
 //! `Phi(z) = e^{-i pi/4} sl(K e^{i pi/4} z)` with the lemniscatic sine; Jacobi's functions have the
 //! parameter 1/2 throughout. The angle grows like the square of the distance from a corner, so that
@@ -8,7 +8,7 @@ use super::complex::Complex;
 use super::elementary::sincos_pi;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// The complete elliptic integral of the parameter 1/2, a quarter of the period.
+/// Complete elliptic integral of the parameter 1/2, a quarter of the period.
 pub(super) const K: f64 = 1.854_074_677_301_371_9;
 /// e^{-pi}, the nome.
 const NOME: f64 = 0.043_213_918_263_772_26;
@@ -39,8 +39,8 @@ pub(super) fn jacobi(t: f64) -> [f64; 3] {
     [SN_FACTOR * t1 * inverse, CN_FACTOR * t2 * inverse, DN_FACTOR * (plus + odd) * inverse]
 }
 
-/// A point of the border seen from a corner: sine and cosine of half the angle between them on the
-/// circle, and the derivative of the angle along the border.
+/// Point of the boundary seen from a corner: sine and cosine of half the angle between them on the
+/// circle, and the derivative of the angle along the boundary.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Angle {
     pub sin: f64,
@@ -49,7 +49,7 @@ pub(super) struct Angle {
 }
 
 impl Angle {
-    /// `t` is the distance from the corner along the border, negative before it, at most 1.
+    /// Takes the distance `t` from the corner along the boundary, negative before the corner, at most 1.
     #[inline(always)]
     pub(super) fn from_corner(t: f64) -> Self {
         let [sn, cn, dn] = jacobi(t.abs());
@@ -102,7 +102,7 @@ pub(super) fn to_disc(z: Complex) -> Complex {
     sl * Complex::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2)
 }
 
-/// The angle of a corner, counted anticlockwise from the lower right one.
+/// Angle of a corner, counted anticlockwise from the lower right one.
 pub(super) fn corner_angle(corner: i32) -> f64 {
     (0.5 * f64::from(corner) - 0.25) * PI
 }

@@ -4,64 +4,74 @@ use super::complex::Complex;
 use super::contact::{SHORTEST, without_short};
 use super::map::Angle;
 use super::panels::{Ends, LANES, Panel};
-use super::place::BorderPlace;
+use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::sources::{Point, SourceField, Sources};
 use crate::discrete::norms::largest;
 use crate::discrete::simd::vectorised;
 
+/// Ends of contact after some Newton steps.
+pub(super) struct NewtonEnds {
+    pub(super) places: Vec<BoundaryPlace>,
+    pub(super) steps: usize,
+}
+
 impl SpectralProblem {
     /// Moves the ends until a step is shorter than `shortest`: convergence is quadratic, so the next would
     /// have the square of its length. Arcs and gaps that vanish on the way are left out. `None` if no arc is
-    /// left, or that is not reached.
+    /// left, or if no step is so short.
     pub(super) fn newton(
         &self,
-        mut places: Vec<BorderPlace>,
+        mut places: Vec<BoundaryPlace>,
         rules: &Rules,
         shortest: f64,
-    ) -> Option<(Vec<BorderPlace>, usize)> {
+    ) -> Option<NewtonEnds> {
         const STEPS: usize = 20;
         if places.is_empty() {
-            return Some((places, 0));
+            return Some(NewtonEnds { places, steps: 0 });
         }
-        for step in 1..=STEPS {
+        for steps in 1..=STEPS {
             let ends = Ends::new(places);
             let changes = changes(&ends.places, &self.step(&ends, rules)?);
             let longest = longest(&ends.places, &changes);
             if !longest.is_finite() {
                 return None;
             }
-            // Without what vanishes the next step is another one.
+            // If arcs or gaps vanish the next step is another one.
             let factor = (1.0 / longest).min(1.0);
             let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).of(p));
             places = without_short(moved.collect(), SHORTEST)?;
             if longest < shortest || places.is_empty() {
-                return Some((places, step));
+                return Some(NewtonEnds { places, steps });
             }
         }
         None
     }
 
-    /// The Newton step, as relative changes of the distances from a corner for ends round which it is
-    /// free, else as lengths.
+    /// Newton step, as relative changes of the distances from a corner for ends round which it is
+    /// free, else as lengths. The central function of the solver:
+    ///
+    /// 1. puts quadrature nodes on all panels (`sources`), and on the gaps whose integrals are equations,
+    /// 2. evaluates the `m + 1` moments and the `m - 1` integrals of `v_theta`,
+    /// 3. differentiates them with respect to each end,
+    /// 4. solves the linear system.
+    ///
+    /// Easily broken: an end that is exponentially near to a corner is known by its logarithm only ([`relative`]).
     fn step(&self, ends: &Ends, rules: &Rules) -> Option<Vec<f64>> {
         let (arcs, many) = (ends.arcs(), ends.places.len());
         let gaps = gaps(ends);
-        let in_gap = |panel: &Panel| !panel.contact && gaps.contains(&panel.arcs);
-        let field = SourceField::new(self, ends, rules, in_gap);
-        let (sources, panels) = (&field.plain, &field.panels);
+        let field = SourceField::new(self, ends, rules, |panel| is_in_gap(panel, &gaps));
+        let sources = &field.plain;
         let trig = trigonometric(ends, sources);
         // One row for each equation; the last column is the right-hand side.
         let mut system = vec![vec![0.0; many + 1]; many];
         for (row, trig) in system.iter_mut().zip(&trig) {
             row[many] = -dot(&sources.moment, trig);
         }
-        let numbered = panels.iter().enumerate().filter(|(_, panel)| in_gap(panel));
-        let points: Vec<Point> = numbered.flat_map(|(p, _)| field.on_panel(p)).collect();
-        let of = |gap| points.iter().filter(move |point| panels[point.panel].arcs == gap);
-        for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-            row[many] = -of(gap).map(|at| at.along * at.weight).sum::<f64>();
+        let points = points_by_gap(&field, &gaps);
+        for (row, points) in system[arcs + 1..].iter_mut().zip(&points) {
+            row[many] = -points.iter().map(|at| at.along * at.weight).sum::<f64>();
         }
         for (j, (place, angle)) in ends.places.iter().zip(&ends.angles).enumerate() {
             let (column, y) = self.derivatives(sources, ends, j, &trig);
@@ -69,14 +79,8 @@ impl SpectralProblem {
             for (row, d) in system.iter_mut().zip(&column) {
                 row[j] = d * scale;
             }
-            for (row, &gap) in system[arcs + 1..].iter_mut().zip(&gaps) {
-                let kernel = |at: &Point| {
-                    let [ts, tc] = at.angle.seen_from(at.place.corner - place.corner);
-                    let (sine, cosine) =
-                        (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
-                    at.root * at.weight * if arcs % 2 == 1 { 1.0 } else { cosine } / sine
-                };
-                let sum: f64 = of(gap).map(kernel).sum();
+            for (row, points) in system[arcs + 1..].iter_mut().zip(&points) {
+                let sum: f64 = points.iter().map(|at| kernel(at, ends, j)).sum();
                 row[j] = -0.25 * y * sum * scale;
             }
         }
@@ -91,8 +95,8 @@ impl SpectralProblem {
         j: usize,
         trig: &[Vec<f64>],
     ) -> (Vec<f64>, f64) {
-        let (BorderPlace { corner, t }, angle) = (ends.places[j], ends.angles[j]);
-        let [x, y] = self.border.at(corner, &[t; LANES], [1, 2]).map(|s| s[0]);
+        let (BoundaryPlace { corner, t }, angle) = (ends.places[j], ends.angles[j]);
+        let [x, y] = self.boundary_psi.at(corner, &[t; LANES], [1, 2]).map(|s| s[0]);
         let (mut sum, mut cotangents) = (0.0, Vec::with_capacity(sources.tan.len()));
         for group in &sources.groups {
             let [es, ec] = angle.seen_from(corner - group.corner);
@@ -110,15 +114,43 @@ impl SpectralProblem {
     }
 }
 
+/// Part of a point in the derivative of the integral of `v_theta` over a gap, with respect to the `j`-th end of
+/// contact.
+fn kernel(at: &Point, ends: &Ends, j: usize) -> f64 {
+    let angle = ends.angles[j];
+    let [ts, tc] = at.angle.seen_from(at.place.corner - ends.places[j].corner);
+    let (sine, cosine) = (ts * angle.cos - tc * angle.sin, tc * angle.cos + ts * angle.sin);
+    at.root * at.weight * if ends.arcs() % 2 == 1 { 1.0 } else { cosine } / sine
+}
+
 /// All gaps but the longest, by the number of the arc before them.
 fn gaps(ends: &Ends) -> Vec<usize> {
     let arcs = ends.arcs();
-    let length = |gap: usize| {
-        let next = ends.places[2 * (gap % arcs)];
-        next.after(ends.places[2 * gap - 1]).rem_euclid(4.0)
-    };
-    let longest = (1..=arcs).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+    let longest = (1..=arcs).max_by(|&a, &b| gap_length(ends, a).total_cmp(&gap_length(ends, b)));
     (1..=arcs).filter(|&gap| Some(gap) != longest).collect()
+}
+
+/// Length of the gap after an arc.
+fn gap_length(ends: &Ends, arc: usize) -> f64 {
+    let next = ends.places[2 * (arc % ends.arcs())];
+    next.after(ends.places[2 * arc - 1]).rem_euclid(4.0)
+}
+
+/// True if a panel lies in one of the gaps.
+fn is_in_gap(panel: &Panel, gaps: &[usize]) -> bool {
+    !panel.contact && gaps.contains(&panel.arcs)
+}
+
+/// Points of the solution on each of the gaps.
+fn points_by_gap(field: &SourceField, gaps: &[usize]) -> Vec<Vec<Point>> {
+    let mut points = vec![Vec::new(); gaps.len()];
+    for (p, panel) in field.panels.iter().enumerate() {
+        let gap = gaps.iter().position(|&gap| gap == panel.arcs);
+        if let Some(gap) = gap.filter(|_| !panel.contact) {
+            points[gap].extend(field.on_panel(p));
+        }
+    }
+    points
 }
 
 /// Real and imaginary parts of e^{i s theta} at the sources, s = m/2, m/2 - 1, .. down to 0 or 1/2; for odd m
@@ -150,7 +182,7 @@ fn trigonometric(ends: &Ends, sources: &Sources) -> Vec<Vec<f64>> {
     rows
 }
 
-/// The scalar product, in parts that are summed at once.
+/// Scalar product, in parts that are summed at once.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     vectorised(
         #[inline(always)]
@@ -168,17 +200,17 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     )
 }
 
-/// Move of an end of contact.
+/// Change of an end of contact in a step.
 #[derive(Clone, Copy)]
 enum Change {
-    /// By a length along the border.
+    /// Change by a length along the boundary.
     Length(f64),
-    /// Of the logarithm of its distance from the corner.
+    /// Change of the logarithm of its distance from the corner.
     Logarithm(f64),
 }
 
 impl Change {
-    /// The part of a change that is within a step.
+    /// Part of the change.
     fn scaled(self, factor: f64) -> Self {
         match self {
             Self::Length(d) => Self::Length(factor * d),
@@ -186,23 +218,24 @@ impl Change {
         }
     }
 
-    fn of(self, BorderPlace { corner, t }: BorderPlace) -> BorderPlace {
+    /// Changes an end.
+    fn of(self, BoundaryPlace { corner, t }: BoundaryPlace) -> BoundaryPlace {
         match self {
-            Self::Length(d) => BorderPlace::new(corner, t + d),
-            Self::Logarithm(d) => BorderPlace::new(corner, t * libm::exp(d)),
+            Self::Length(d) => BoundaryPlace::new(corner, t + d),
+            Self::Logarithm(d) => BoundaryPlace::new(corner, t * libm::exp(d)),
         }
     }
 }
 
-/// The number of the other end of the gap beside an end.
-fn across_gap(places: &[BorderPlace], j: usize) -> usize {
+/// Number of the other end of the gap beside an end.
+fn across_gap(places: &[BoundaryPlace], j: usize) -> usize {
     let many = places.len();
     if j.is_multiple_of(2) { (j + many - 1) % many } else { (j + 1) % many }
 }
 
 /// True if an end is that of a short gap round a corner, which may be exponentially small. A long gap may
 /// begin on either side of a corner.
-fn relative(places: &[BorderPlace], j: usize) -> bool {
+fn relative(places: &[BoundaryPlace], j: usize) -> bool {
     let begins = j.is_multiple_of(2);
     let (place, other) = (places[j], places[across_gap(places, j)]);
     (place.corner - other.corner) % 4 == 0
@@ -211,44 +244,53 @@ fn relative(places: &[BorderPlace], j: usize) -> bool {
         && (other.t > 0.0) != begins
 }
 
-/// Meaning of the unknowns of the linear system.
-fn changes(places: &[BorderPlace], unknowns: &[f64]) -> Vec<Change> {
-    let vanishes = |j: usize| places[j].t.abs() * libm::exp(unknowns[j]) < SHORTEST;
-    let change = |(j, &d): (usize, &f64)| {
-        if !relative(places, j) {
-            return Change::Length(d);
-        }
+/// Changes of the ends by the unknowns of the linear system.
+fn changes(places: &[BoundaryPlace], unknowns: &[f64]) -> Vec<Change> {
+    let mut vanishing = Vec::with_capacity(places.len());
+    for (place, d) in places.iter().zip(unknowns) {
+        vanishing.push(place.t.abs() * libm::exp(*d) < SHORTEST);
+    }
+    let mut changes = Vec::with_capacity(places.len());
+    for (j, &d) in unknowns.iter().enumerate() {
         // If the gap does not vanish, but this side of the corner is to have no part of it, its end is on the other
         // side, which no logarithm reaches.
-        if vanishes(j) && !vanishes(across_gap(places, j)) {
-            return Change::Length(-2.0 * places[j].t);
-        }
-        Change::Logarithm(d)
-    };
-    unknowns.iter().enumerate().map(change).collect()
+        changes.push(if !relative(places, j) {
+            Change::Length(d)
+        } else if vanishing[j] && !vanishing[across_gap(places, j)] {
+            Change::Length(-2.0 * places[j].t)
+        } else {
+            Change::Logarithm(d)
+        });
+    }
+    changes
 }
 
-/// The longest change, in units of what a single step may do.
-fn longest(places: &[BorderPlace], changes: &[Change]) -> f64 {
+/// Longest change, in units of the largest change of a single step.
+fn longest(places: &[BoundaryPlace], changes: &[Change]) -> f64 {
     let many = places.len();
-    let steps = |(j, &change): (usize, &Change)| match change {
-        Change::Length(d) => {
-            let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
-            let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
-            d.abs() / (0.4 * next.min(last))
-        }
-        Change::Logarithm(d) => d.abs(),
-    };
-    changes.iter().enumerate().map(steps).fold(0.0, f64::max)
+    let mut longest = 0.0_f64;
+    for (j, &change) in changes.iter().enumerate() {
+        longest = longest.max(match change {
+            Change::Length(d) => {
+                let next = places[(j + 1) % many].after(places[j]).rem_euclid(4.0);
+                let last = places[j].after(places[(j + many - 1) % many]).rem_euclid(4.0);
+                d.abs() / (0.4 * next.min(last))
+            }
+            Change::Logarithm(d) => d.abs(),
+        });
+    }
+    longest
 }
 
-/// The solution of a small linear system, the right-hand side being its last column, by Gauss and Jordan's
+/// Solution of a small linear system, the right-hand side being its last column, by Gauss and Jordan's
 /// elimination with scaled rows; `None` if the matrix is singular.
 fn solution(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let n = rows.len();
     for row in &mut rows {
         let largest = largest(&row[..n]);
-        row.iter_mut().for_each(|a| *a /= largest);
+        for entry in row {
+            *entry /= largest;
+        }
     }
     for k in 0..n {
         let pivot = (k..n).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
@@ -256,7 +298,9 @@ fn solution(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
         let top = rows[k].clone();
         for (_, row) in rows.iter_mut().enumerate().filter(|&(i, _)| i != k) {
             let factor = row[k] / top[k];
-            row.iter_mut().zip(&top).skip(k).for_each(|(a, b)| *a -= factor * b);
+            for (a, b) in row.iter_mut().zip(&top).skip(k) {
+                *a -= factor * b;
+            }
         }
     }
     let unknowns: Vec<f64> = rows.iter().enumerate().map(|(k, row)| row[n] / row[k]).collect();

@@ -1,61 +1,72 @@
-//! Panels of the border: between ends of contact, corners and jumps, short where something is near.
+//! Panels of the boundary: between ends of contact, corners and jumps, short where a singularity is near.
 
 use super::complex::{Complex, distance};
 use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
-use super::place::{BorderPlace, tangent};
+use super::place::{BoundaryPlace, tangent};
 use super::potential::Potential;
-use super::rule::cut;
+use super::rule::{GaussNode, cut};
 
 /// Panels shorter than this are not cut further.
 const SHORTEST: f64 = 1e-13;
-/// Panels at a vertex on the border.
+/// Panels at a vertex on the boundary that are shorter than this are not cut further.
 const SHORTEST_AT_VERTEX: f64 = 1e-3;
 
-/// Singularity at a point of the border.
+/// Singularity at a point of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Special {
-    /// An end of contact, by its number along the border.
+    /// End of contact, by its number along the boundary.
     End(usize),
+    /// Corner of the square.
     Corner,
-    /// A jump of f ends here.
+    /// End of a jump of f.
     Crossing,
 }
 
-/// A piece of one side, with something particular at one end at most.
+/// Piece of one side, with a singularity at one end at most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panel {
     /// Corner from which its points are seen.
     pub corner: i32,
-    /// Ends as distances from that corner.
+    /// Start as a distance from that corner.
     pub from: f64,
+    /// End as a distance from that corner.
     pub to: f64,
-    /// Singularity at its start, or at its end.
+    /// Singularity at the start or at the end of the panel.
     pub special: Option<Special>,
-    /// True if nodes are counted from the end of the panel, where something is, rather than from its start.
+    /// True if nodes are counted from the end of the panel, because the singularity is there.
     pub reversed: bool,
-    /// Contact arcs begun before it.
+    /// Number of contact arcs that begin before the panel or at its start.
     pub arcs: usize,
     pub contact: bool,
     pub tangent: Complex,
 }
 
-/// Nodes that are treated side by side.
+/// Number of nodes that are treated side by side.
 pub(super) const LANES: usize = 8;
 
-/// Quadrature nodes of a panel; the last one fills what is left.
+/// Rule on (0, 1), graded like `x^power` towards the singularity of a panel.
+#[derive(Clone, Copy)]
+pub(super) struct GradedRule<'a> {
+    pub nodes: &'a [GaussNode],
+    pub power: i32,
+}
+
+/// Quadrature nodes of a panel; if there are fewer, the last one is repeated.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Nodes {
     /// Distances from the panel's corner.
     pub t: [f64; LANES],
-    /// Distances from the end of the panel where something is.
+    /// Distances from the end of the panel at which the singularity is.
     pub offset: [f64; LANES],
-    /// Weights with respect to the length of the border.
+    /// Weights with respect to the length of the boundary.
     pub weight: [f64; LANES],
-    /// Sines, cosines and slopes of their angles.
+    /// Sines of the halves of their angles.
     pub sin: [f64; LANES],
+    /// Cosines of the halves of their angles.
     pub cos: [f64; LANES],
+    /// Derivatives of their angles along the boundary.
     pub slope: [f64; LANES],
 }
 
@@ -66,16 +77,28 @@ impl Nodes {
 }
 
 impl Panel {
-    /// The direction in which derivatives of psi enter: the tangent in contact, the inner normal elsewhere.
+    /// Direction in which derivatives of psi enter: the tangent in contact, the inner normal elsewhere.
     pub(super) fn direction(&self) -> Complex {
         if self.contact { self.tangent } else { self.tangent.turned() }
     }
 
-    pub(super) fn place(&self, t: f64) -> BorderPlace {
-        BorderPlace { corner: self.corner, t }
+    pub(super) fn place(&self, t: f64) -> BoundaryPlace {
+        BoundaryPlace { corner: self.corner, t }
     }
 
-    /// The end of contact at one of its ends, if any.
+    /// Distance from the panel's corner of a place that is at most two sides away.
+    pub(super) fn local(&self, place: BoundaryPlace) -> f64 {
+        let corners = (place.corner - self.corner + 1).rem_euclid(4) - 1;
+        place.t + f64::from(corners)
+    }
+
+    /// Distance of a place from the panel along the boundary, not positive on the panel.
+    pub(super) fn distance(&self, place: BoundaryPlace) -> f64 {
+        let t = self.local(place);
+        (self.from - t).max(t - self.to)
+    }
+
+    /// Number of the end of contact at one end of the panel, if there is one.
     pub(super) fn end(&self) -> Option<usize> {
         match self.special {
             Some(Special::End(end)) => Some(end),
@@ -83,12 +106,12 @@ impl Panel {
         }
     }
 
-    /// True if a corner or crossing is at one of its ends.
+    /// Corner or crossing at one end of the panel, if there is one.
     pub(super) fn kink(&self) -> Option<Special> {
         self.special.filter(|s| !matches!(s, Special::End(_)))
     }
 
-    /// Grading of targets: v and l behave like a power of the distance from an end of contact, and
+    /// Power for the grading of targets: v and l behave like a power of the distance from an end of contact, and
     /// their series next to corners and crossings contain logarithms.
     pub(super) fn target_power(&self) -> i32 {
         match self.special {
@@ -98,21 +121,21 @@ impl Panel {
         }
     }
 
-    /// Nodes of a part of a rule on (0, 1), graded like `x^power` towards the end where something is.
+    /// Nodes of a rule, or of the first [`LANES`] nodes of it.
     #[inline(always)]
-    pub(super) fn nodes(&self, rule: &[[f64; 2]], power: i32) -> Nodes {
+    pub(super) fn nodes(&self, rule: GradedRule) -> Nodes {
         let length = self.to - self.from;
         let (start, sign) = if self.reversed { (self.to, -1.0) } else { (self.from, 1.0) };
         let mut nodes = Nodes::default();
         for k in 0..LANES {
-            let [x, w] = rule[k.min(rule.len() - 1)];
-            let (scale, slope) = match power {
+            let GaussNode { x, weight } = rule.nodes[k.min(rule.nodes.len() - 1)];
+            let (scale, slope) = match rule.power {
                 1 => (x, 1.0),
                 2 => (x * x, 2.0 * x),
                 _ => (x * x * x, 3.0 * x * x),
             };
             nodes.offset[k] = length * scale;
-            nodes.weight[k] = length * slope * w;
+            nodes.weight[k] = length * slope * weight;
         }
         for k in 0..LANES {
             nodes.t[k] = start + sign * nodes.offset[k];
@@ -123,18 +146,21 @@ impl Panel {
     }
 }
 
-/// The ends of contact, seen from all corners.
+/// Ends of contact.
 pub(super) struct Ends {
     /// Beginnings and ends of contact in turn, anticlockwise.
-    pub places: Vec<BorderPlace>,
+    pub places: Vec<BoundaryPlace>,
+    /// Their angles, each from its own corner.
     pub angles: Vec<Angle>,
 }
 
 impl Ends {
-    /// Their corners are counted on from the first.
-    pub(super) fn new(mut places: Vec<BorderPlace>) -> Self {
+    /// Takes the places, with corners counted on from the first place.
+    pub(super) fn new(mut places: Vec<BoundaryPlace>) -> Self {
         if let Some(&first) = places.first() {
-            places[1..].iter_mut().for_each(|place| *place = place.following(first));
+            for place in &mut places[1..] {
+                *place = place.following(first);
+            }
         }
         let angles = places.iter().map(|place| Angle::from_corner(place.t)).collect();
         Self { places, angles }
@@ -145,9 +171,9 @@ impl Ends {
         self.places.len() / 2
     }
 
-    /// Beginnings of panels.
-    pub(super) fn start(&self) -> BorderPlace {
-        self.places.first().copied().unwrap_or(BorderPlace { corner: 0, t: 0.0 })
+    /// Place at which the first panel begins.
+    pub(super) fn start(&self) -> BoundaryPlace {
+        self.places.first().copied().unwrap_or(BoundaryPlace { corner: 0, t: 0.0 })
     }
 
     /// (-1)^k |P|^{1/2} at nodes of a panel, P the product over all ends of 2 sin((theta - end) / 2).
@@ -175,49 +201,57 @@ impl Ends {
     }
 }
 
-/// The ends of contact with corners and crossings that are none of them, in order.
-fn breaks(ends: &Ends, crossings: &[BorderPlace]) -> Vec<(BorderPlace, Special)> {
+/// Singularity of the solution at a point of the boundary.
+#[derive(Clone, Copy)]
+struct Break {
+    place: BoundaryPlace,
+    special: Special,
+}
+
+/// Ends of contact, and corners and crossings that are not at one of them, in order.
+fn breaks(ends: &Ends, crossings: &[BoundaryPlace]) -> Vec<Break> {
     let start = ends.start();
-    let mut breaks: Vec<(BorderPlace, Special)> =
-        ends.places.iter().enumerate().map(|(j, &place)| (place, Special::End(j))).collect();
-    let apart = |breaks: &[(BorderPlace, Special)], z: Complex| {
-        breaks.iter().all(|(other, _)| (other.point() - z).norm() > SHORTEST)
-    };
-    let corners = (0..4).map(|corner| (BorderPlace { corner, t: 0.0 }, Special::Corner));
-    let crossings = crossings.iter().map(|&place| (place, Special::Crossing));
-    for (place, special) in corners.chain(crossings) {
+    let mut breaks = Vec::new();
+    for (j, &place) in ends.places.iter().enumerate() {
+        breaks.push(Break { place, special: Special::End(j) });
+    }
+    let corners = [0, 1, 2, 3].map(|corner| BoundaryPlace { corner, t: 0.0 });
+    let corners = corners.map(|place| Break { place, special: Special::Corner });
+    let crossings = crossings.iter().map(|&place| Break { place, special: Special::Crossing });
+    for Break { place, special } in corners.into_iter().chain(crossings) {
         let place = place.following(start);
-        if apart(&breaks, place.point()) {
-            breaks.push((place, special));
+        let z = place.point();
+        if breaks.iter().all(|other| (other.place.point() - z).norm() > SHORTEST) {
+            breaks.push(Break { place, special });
         }
     }
-    breaks.sort_by(|a, b| a.0.after(start).total_cmp(&b.0.after(start)));
+    breaks.sort_by(|a, b| a.place.after(start).total_cmp(&b.place.after(start)));
     breaks
 }
 
-/// The border from one particular point to the next.
+/// Part of the boundary from one singularity to the next.
 struct Stretch {
-    from: BorderPlace,
-    to: BorderPlace,
+    from: BoundaryPlace,
+    to: BoundaryPlace,
     length: f64,
-    /// The numbers of the points at its ends.
+    /// Numbers of the singularities at its ends.
     ends: [usize; 2],
 }
 
 impl Stretch {
-    /// The place at a distance from its start, seen from the corner of the nearer end.
-    fn place(&self, s: f64) -> BorderPlace {
+    /// Place at a distance from the start, seen from the corner of the nearer end.
+    fn place(&self, s: f64) -> BoundaryPlace {
         match s <= 0.5 * self.length {
-            true => BorderPlace::new(self.from.corner, self.from.t + s),
-            false => BorderPlace::new(self.to.corner, self.to.t - (self.length - s)),
+            true => BoundaryPlace::new(self.from.corner, self.from.t + s),
+            false => BoundaryPlace::new(self.to.corner, self.to.t - (self.length - s)),
         }
     }
 
-    /// Place at which to cut a part of it, if that cannot be a panel.
+    /// Place at which to cut a part of the stretch, if the part cannot be a panel.
     ///
-    /// No panel has something at both ends, or is longer than twice its distance to a vertex, or to a point where
-    /// something is and that is not an end of it; if it has something at an end, nodes are sparse at the other,
-    /// and it must not be longer than its distance to a vertex.
+    /// No panel has singularities at both ends, or is longer than twice its distance to a vertex, or to a singularity
+    /// that is not at an end of it. If it has a singularity at an end, nodes are sparse at the other end, and it must
+    /// not be longer than its distance to a vertex.
     fn cut(&self, [a, b]: [f64; 2], points: &[Complex], psi: &Potential) -> Option<f64> {
         let (length, middle) = (b - a, 0.5 * (a + b));
         let segment = [a, b].map(|s| self.place(s).point());
@@ -226,10 +260,9 @@ impl Stretch {
         if length <= SHORTEST {
             return None;
         }
-        let is_near = |&(k, &z): &(usize, &Complex)| {
-            !own.contains(&Some(k)) && length > 2.0 * distance(segment, z)
-        };
-        if let Some((_, &z)) = points.iter().enumerate().find(is_near).filter(|_| !both) {
+        let mut others = points.iter().enumerate().filter(|&(k, _)| !own.contains(&Some(k)));
+        let near = others.find(|&(_, &z)| length > 2.0 * distance(segment, z));
+        if let Some((_, &z)) = near.filter(|_| !both) {
             let [before, after] = segment.map(|end| (end - z).norm());
             let piece = (2.0 * before.min(after)).max(SHORTEST);
             let beside = if before < after { a + piece } else { b - piece };
@@ -237,28 +270,27 @@ impl Stretch {
         }
         let longest = if own == [None; 2] { 2.0 } else { 1.0 };
         let along = [segment[0], (segment[0] + segment[1]).scaled(0.5), segment[1]];
-        // A vertex at such an end, where two jumps meet on the border, is left to the grading of nodes.
-        let at_end =
-            |v: Complex| (0..2).any(|k| own[k].is_some() && (segment[k] - v).norm() < 10.0 * SAME);
-        let near = |v| {
-            length > longest * distance(segment, v) && (length > SHORTEST_AT_VERTEX || !at_end(v))
-        };
-        (both || psi.singular(along).any(near)).then_some(middle)
+        let is_too_long = psi.singular(along).any(|v| {
+            // A vertex at such an end, where two jumps meet on the boundary, is left to the grading of nodes.
+            let at_end = (0..2).any(|k| own[k].is_some() && (segment[k] - v).norm() < 10.0 * SAME);
+            length > longest * distance(segment, v) && (length > SHORTEST_AT_VERTEX || !at_end)
+        });
+        (both || is_too_long).then_some(middle)
     }
 }
 
-/// The panels, in order from the first end of contact on.
+/// Panels, in order from the first end of contact on.
 pub(super) fn panels(ends: &Ends, Jumps { crossings, psi, .. }: &Jumps) -> Vec<Panel> {
     let breaks = breaks(ends, crossings);
-    let points: Vec<Complex> = breaks.iter().map(|(place, _)| place.point()).collect();
+    let points: Vec<Complex> = breaks.iter().map(|at| at.place.point()).collect();
     let (mut panels, mut arcs, mut contact) = (Vec::new(), 0, ends.arcs() == 0);
-    for (k, &(from, special)) in breaks.iter().enumerate() {
+    for (k, &Break { place: from, special }) in breaks.iter().enumerate() {
         if let Special::End(j) = special {
             contact = j % 2 == 0;
             arcs += usize::from(contact);
         }
         let next = (k + 1) % breaks.len();
-        let (mut to, other) = breaks[next];
+        let Break { place: mut to, special: other } = breaks[next];
         to.corner += if next == 0 { 4 } else { 0 };
         let length = to.after(from);
         let stretch = Stretch { from, to, length, ends: [k, next] };

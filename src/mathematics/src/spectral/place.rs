@@ -1,4 +1,4 @@
-//! Points of the border, relative to the corners.
+//! Points of the boundary, relative to the corners.
 
 use super::complex::Complex;
 
@@ -10,22 +10,22 @@ pub(super) const CORNERS: [Complex; 4] = [
     Complex::new(-0.5, -0.5),
 ];
 
-/// A point of the border: a corner, counted anticlockwise from the lower right one and on after a full
+/// Point of the boundary: a corner, counted anticlockwise from the lower right one and on after a full
 /// turn, and the distance from it, negative before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct BorderPlace {
+pub(super) struct BoundaryPlace {
     pub corner: i32,
     pub t: f64,
 }
 
-impl BorderPlace {
-    /// This point seen from its nearest corner.
+impl BoundaryPlace {
+    /// Returns the point at a distance from a corner, seen from its nearest corner.
     pub(super) fn new(corner: i32, t: f64) -> Self {
         let corners = (t - 0.5).ceil();
         Self { corner: corner + corners as i32, t: t - corners }
     }
 
-    /// The point of the border nearest to `z`.
+    /// Returns the point of the boundary nearest to `z`.
     pub(super) fn of(z: Complex) -> Self {
         let corner = (0..4)
             .min_by(|&j, &k| (CORNERS[j] - z).norm2().total_cmp(&(CORNERS[k] - z).norm2()))
@@ -40,18 +40,18 @@ impl BorderPlace {
         self.t + f64::from(self.corner - corner)
     }
 
-    /// Length of the border from `other` to here.
+    /// Length of the boundary from `other` to here.
     pub(super) fn after(self, other: Self) -> f64 {
         self.distance_from(other.corner) - other.t
     }
 
-    /// This point, at most one turn after `start`.
+    /// Returns this point with its corner counted so that it is less than one turn after `start`.
     pub(super) fn following(self, start: Self) -> Self {
         let turns = (self.after(start) / 4.0).floor() as i32;
         Self { corner: self.corner - 4 * turns, t: self.t }
     }
 
-    /// The side, numbered by the corner at which it begins, and the distance from there.
+    /// Side of the point, numbered by the corner at which it begins, and the distance from this corner.
     #[inline(always)]
     pub(super) fn on_side(self) -> (i32, f64) {
         let Self { corner, t } = self;
@@ -64,7 +64,7 @@ impl BorderPlace {
     }
 }
 
-/// Direction of the border, anticlockwise, after a corner (`t` positive) or before it.
+/// Direction of the boundary, anticlockwise, after a corner (`t` positive) or before it.
 pub(super) fn tangent(corner: i32, t: f64) -> Complex {
     const TANGENTS: [Complex; 4] = [
         Complex::new(0.0, 1.0),

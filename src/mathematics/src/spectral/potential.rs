@@ -1,7 +1,7 @@
-//! A particular solution psi of -Lap psi = f, in closed form and smooth up to the border but for its jumps.
+//! A particular solution psi of -Lap psi = f, in closed form and smooth up to the boundary but for its jumps.
 
 use super::complex::Complex;
-use super::curve::{Arc, SAME};
+use super::curve::{Arc, Polar, SAME};
 use super::place::CORNERS;
 use crate::discrete::simd::vectorised;
 use std::f64::consts::{PI, TAU};
@@ -22,9 +22,9 @@ pub(super) struct Potential {
     /// Ends of jumps.
     pub vertices: Vec<Complex>,
     jumps: Vec<Jump>,
-    /// f less what the jumps make of it.
+    /// Difference of f and the sum of all jumps, a constant.
     background: f64,
-    /// Coefficients of p', the polynomial Re p being subtracted.
+    /// Coefficients of p', where Re p is the harmonic polynomial that is subtracted.
     gauge: [Complex; 4],
 }
 
@@ -39,19 +39,16 @@ struct Jump {
 }
 
 impl Potential {
-    /// The vertex at a point, if there is one.
+    /// Number of the vertex at a point, if there is one.
     pub(super) fn vertex_at(&self, z: Complex) -> Option<usize> {
         self.vertices.iter().position(|&v| (v - z).norm() < 10.0 * SAME)
     }
 
-    /// The singular points of psi as it is along a piece of a curve, given by its ends and its middle: vertices,
-    /// and centres of circles seen from outside, which the piece may touch in one of the three.
+    /// Singular points of psi, as continued from a piece of a curve that is given by its start, middle and end:
+    /// vertices, and centres of circles outside of which one of the three points lies.
     pub(super) fn singular(&self, along: [Complex; 3]) -> impl Iterator<Item = Complex> {
-        let centre = move |Jump { arc: Arc { curve, .. }, .. }: &Jump| {
-            let centre = curve.centre()?;
-            along.iter().any(|&z| curve.distance(z) > SAME).then_some(centre)
-        };
-        self.vertices.iter().copied().chain(self.jumps.iter().filter_map(centre))
+        let centres = self.jumps.iter().filter_map(move |jump| jump.centre_from_outside(along));
+        self.vertices.iter().copied().chain(centres)
     }
 
     /// Adds a jump, of the given size.
@@ -66,19 +63,16 @@ impl Potential {
         self.jumps.push(Jump { arc, size, far });
     }
 
-    /// Finds what the jumps leave of f, and the polynomial.
+    /// Finds the difference of f and the jumps, and the polynomial.
     pub(super) fn complete(&mut self, f: impl Fn(Complex) -> f64) {
-        // The same at all points but for rounding, and those that are too near to a jump.
-        let fraction = |x: f64| 0.9 * (x - x.floor() - 0.5);
-        let point =
-            |k: f64| Complex::new(fraction(0.618_034 * k + 0.31), fraction(0.754_878 * k + 0.17));
-        let points: [Complex; 25] = std::array::from_fn(|k| point(k as f64));
+        // The difference is the same at all points but for rounding, and those that are too near to a jump.
+        let points: [Complex; 25] = std::array::from_fn(|k| scattered(k as f64));
         let (logs, mut ratios) = (self.logs(&points), points);
         let mut rest = points.map(f);
         for jump in &self.jumps {
             jump.log_ratios(&logs, &mut ratios);
             for ((rest, z), &ratio) in rest.iter_mut().zip(points).zip(&ratios) {
-                let (_, power) = jump.arc.curve.polar(z);
+                let Polar { power, .. } = jump.arc.curve.polar(z);
                 let inside = if power > 0.0 { jump.sweep() } else { 0.0 };
                 *rest -= jump.size / TAU * (jump.logarithm(ratio, power).im + inside);
             }
@@ -97,15 +91,19 @@ impl Potential {
         }
     }
 
-    /// The gradient of psi at points.
+    /// Gradients of psi at points: the central function of this file.
     pub(super) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
         let [c0, c1, c2, c3] = self.gauge;
         vectorised(
             #[inline(always)]
             || {
-                let gauge = |z: Complex| (((c3 * z + c2) * z + c1) * z + c0).conj();
-                let mut sums: Vec<Complex> =
-                    points.iter().map(|&z| z.scaled(-0.5 * self.background) - gauge(z)).collect();
+                let mut sums: Vec<Complex> = points
+                    .iter()
+                    .map(|&z| {
+                        let gauge = (((c3 * z + c2) * z + c1) * z + c0).conj();
+                        z.scaled(-0.5 * self.background) - gauge
+                    })
+                    .collect();
                 let (logs, mut ratios) = (self.logs(points), points.to_vec());
                 for jump in &self.jumps {
                     jump.log_ratios(&logs, &mut ratios);
@@ -116,7 +114,7 @@ impl Potential {
         )
     }
 
-    /// log(v - z) for the vertices v, one after the other, seen from points z.
+    /// log(v - z) for the vertices v and the points z, vertex by vertex.
     #[inline(always)]
     fn logs(&self, points: &[Complex]) -> Vec<Complex> {
         let mut logs = vec![Complex::default(); points.len() * self.vertices.len()];
@@ -130,13 +128,25 @@ impl Potential {
     }
 }
 
+/// One of a sequence of points that are spread evenly over the square.
+fn scattered(k: f64) -> Complex {
+    let [x, y] = [0.618_034 * k + 0.31, 0.754_878 * k + 0.17];
+    Complex::new(0.9 * (x - x.floor() - 0.5), 0.9 * (y - y.floor() - 0.5))
+}
+
 impl Jump {
-    /// The angle by which the tangent turns.
+    /// Centre of a circle, if one of these points lies outside of the circle.
+    fn centre_from_outside(&self, points: [Complex; 3]) -> Option<Complex> {
+        let curve = self.arc.curve;
+        curve.centre().filter(|_| points.iter().any(|&z| curve.distance(z) > SAME))
+    }
+
+    /// Angle by which the tangent turns.
     fn sweep(&self) -> f64 {
         self.arc.curve.curvature * (self.arc.span[1] - self.arc.span[0])
     }
 
-    /// log(b - z) - log(a - z) for the ends a and b, seen from points z.
+    /// log(b - z) - log(a - z) for the ends a and b and the points z.
     #[inline(always)]
     fn log_ratios(&self, logs: &[Complex], ratios: &mut [Complex]) {
         let many = ratios.len();
@@ -149,8 +159,8 @@ impl Jump {
         }
     }
 
-    /// log((b - z) / (a - z)), less i times the sweep on the left of the curve, from a value of it that may be off by
-    /// whole turns.
+    /// log((b - z) / (a - z)), less i times the sweep on the left of the curve, from a value of this logarithm that may
+    /// be off by whole turns.
     #[inline(always)]
     fn logarithm(&self, Complex { re, im }: Complex, power: f64) -> Complex {
         let sweep = self.sweep();
@@ -162,11 +172,11 @@ impl Jump {
 
     #[inline(always)]
     fn add_gradients(&self, points: &[Complex], ratios: &[Complex], sums: &mut [Complex]) {
-        /// Square of the distance from the centre, in radii, within which the logarithm is a difference of near numbers.
+        /// Square of the distance from the centre, in radii, below which the logarithm is a difference of near numbers.
         const NEAR: f64 = 1e-4;
         let (Arc { curve, span, .. }, factor) = (self.arc, self.size / (2.0 * TAU));
         for ((sum, &z), &ratio) in sums.iter_mut().zip(points).zip(ratios) {
-            let (nu, power) = curve.polar(z);
+            let Polar { nu, power } = curve.polar(z);
             let square = nu.norm2();
             let inverse = if square < NEAR { 0.0 } else { power / square };
             let quotient = (self.logarithm(ratio, power) * nu.conj()).scaled(inverse);
@@ -175,7 +185,7 @@ impl Jump {
         }
         if curve.curvature > 0.0 {
             for (sum, &z) in sums.iter_mut().zip(points) {
-                let (nu, power) = curve.polar(z);
+                let Polar { nu, power } = curve.polar(z);
                 if nu.norm2() < NEAR {
                     let quotient = self.quotient_near_centre(nu);
                     *sum = *sum + curve.tangent * quotient.conj().scaled(factor * power);
@@ -184,7 +194,7 @@ impl Jump {
         }
     }
 
-    /// (log(1 - nu/b) - log(1 - nu/a)) / nu, b and a the ends seen like nu.
+    /// (log(1 - nu/b) - log(1 - nu/a)) / nu, with nu of the ends in the place of b and a.
     fn quotient_near_centre(&self, nu: Complex) -> Complex {
         let [a, b] = self.arc.span.map(|s| Complex::unit(-self.arc.curve.curvature * s));
         let (mut sum, mut pa, mut pb) = (Complex::default(), a, b);

@@ -1,21 +1,21 @@
-//! Right-hand side as the solver sees it, whatever the ends of contact are.
+//! Data of the right-hand side that do not depend on the ends of contact.
 
-use super::border::SquareBorder;
+use super::boundary::BoundaryPotential;
 use super::curve::SAME;
 use super::jumps::{APART, Jumps};
 use super::panels::Panel;
-use super::place::{BorderPlace, tangent};
+use super::place::{BoundaryPlace, tangent};
 use crate::discrete::cells::SweepCut;
 use crate::discrete::load::integral;
 use crate::problem::shape::Convex;
-use crate::problem::source::{Region, Source};
+use crate::problem::source::Source;
 use std::f64::consts::FRAC_1_PI;
 
-/// Data that do not change with the ends of contact.
+/// Data of the right-hand side that do not depend on the ends of contact.
 #[derive(Clone)]
 pub(super) struct SpectralProblem {
     pub jumps: Jumps,
-    pub border: SquareBorder,
+    pub boundary_psi: BoundaryPotential,
     /// Integral of f over the square.
     pub integral: f64,
     /// Integral of |f|.
@@ -30,18 +30,29 @@ impl SpectralProblem {
         let [one, x, y, xy, xx, yy, ..] = moments(f);
         let [mass, ..] = moments(&f.absolute());
         let moments = [one, x, y, xy, xx - yy];
-        Self { border: SquareBorder::new(&jumps), integral: integral(f), mass, moments, jumps }
+        Self {
+            boundary_psi: BoundaryPotential::new(&jumps),
+            integral: integral(f),
+            mass,
+            moments,
+            jumps,
+        }
     }
 
-    /// f beside a panel of the border, read far from where jumps meet the side, since a circle may leave it slowly,
-    /// and at no round fraction, where f may be one of its own.
+    /// f beside a panel of the boundary, read far from the points at which jumps meet the side, since a circle may
+    /// leave it slowly, and at no round fraction, since f may have another value there.
     pub(super) fn beside(&self, panel: &Panel) -> f64 {
         let (side, middle) = panel.place(0.5 * (panel.from + panel.to)).on_side();
-        let crossings = || self.jumps.crossings_on(side);
-        let low = crossings().filter(|&t| t <= middle).fold(0.0, f64::max);
-        let high = crossings().filter(|&t| t > middle).fold(1.0, f64::min);
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for t in self.jumps.crossings_on(side) {
+            if t <= middle {
+                low = low.max(t);
+            } else {
+                high = high.min(t);
+            }
+        }
         let along = [low, low + FRAC_1_PI * (high - low), high]
-            .map(|t| BorderPlace { corner: side, t }.point());
+            .map(|t| BoundaryPlace { corner: side, t }.point());
         let step = self.jumps.room(along, SAME, APART);
         self.jumps.value(along[1] + tangent(side, 1.0).turned().scaled(step))
     }
@@ -51,8 +62,8 @@ impl SpectralProblem {
 fn moments(f: &Source) -> [f64; 8] {
     let mut square = SweepCut::default();
     if let Source::Pieces { background, pieces } = f {
-        let seen = |&(region, value): &(Region, f64)| (region.seen_from(0.0, [0.0], 1.0), value);
-        square.set(*background, pieces.iter().rev().map(seen));
+        let seen = pieces.iter().rev().map(|(region, f)| (region.seen_from(0.0, [0.0], 1.0), *f));
+        square.set(*background, seen);
     }
     square.moments().f
 }

@@ -3,36 +3,46 @@
 use super::SpectralParams;
 use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
 use super::panels::Ends;
-use super::place::BorderPlace;
+use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::trace::Trace;
 
-/// The solution with all signs right, and how many Newton steps it took from a contact set. With `rough` that may be
-/// one of a grid: Newton's method finds six digits first, at a small part of the cost of fourteen, and a single step is
-/// left to that with all.
+/// Solution with all signs right.
+pub(super) struct FoundTrace {
+    pub(super) trace: Trace,
+    /// Number of Newton steps.
+    pub(super) steps: usize,
+}
+
+/// Finds the solution with all signs right, from a contact set; `None` if that is not reached.
+///
+/// With `rough` the contact set may be that of a grid: Newton's method finds six digits first, at a small part of the
+/// cost of fourteen, and a single step is left to the method with all digits.
 pub(super) fn search(
     problem: &SpectralProblem,
-    mut places: Vec<BorderPlace>,
+    mut places: Vec<BoundaryPlace>,
     params: SpectralParams,
     rough: bool,
-) -> Option<(Trace, usize)> {
+) -> Option<FoundTrace> {
     const ROUGH: SpectralParams = SpectralParams { nodes: 8, levels: 3 };
+    /// If a few do not do, a contact set of a finer grid is the better start.
+    const ROUNDS: usize = 5;
     let rough = (rough && params.nodes > ROUGH.nodes).then(|| Rules::new(ROUGH));
     let rules = Rules::new(params);
-    // If a few do not do, a contact set of a finer grid is the better start.
-    const ROUNDS: usize = 5;
     let mut steps = 0;
     for _ in 0..ROUNDS {
-        for (rules, shortest) in rough.iter().map(|rough| (rough, 1e-5)).chain([(&rules, 1e-7)]) {
-            let (moved, more) = problem.newton(places, rules, shortest)?;
-            (places, steps) = (moved, steps + more);
+        if let Some(rough) = &rough {
+            let found = problem.newton(places, rough, 1e-5)?;
+            (places, steps) = (found.places, steps + found.steps);
         }
-        let ends = Ends::new(without_short(places, SHORTEST_ROUND_CORNER)?);
+        let found = problem.newton(places, &rules, 1e-7)?;
+        steps += found.steps;
+        let ends = Ends::new(without_short(found.places, SHORTEST_ROUND_CORNER)?);
         let trace = Trace::new(problem, ends, &rules);
         places = corrected(&trace)?;
         if places == trace.ends.places {
-            return Some((trace, steps));
+            return Some(FoundTrace { trace, steps });
         }
     }
     None

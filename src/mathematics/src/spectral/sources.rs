@@ -1,10 +1,10 @@
-//! Quadrature nodes on the border and the Cauchy sums over them.
+//! Quadrature nodes on the boundary, and sums of Cauchy kernels over them.
 
-use super::border::SquareBorder;
+use super::boundary::BoundaryPotential;
 use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
-use super::panels::{Ends, LANES, Panel, Special, panels};
-use super::place::BorderPlace;
+use super::panels::{Ends, GradedRule, LANES, Panel, Special, panels};
+use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use crate::discrete::simd::vectorised;
@@ -14,17 +14,18 @@ use std::ops::Range;
 #[derive(Default)]
 pub(super) struct Sources {
     pub groups: Vec<Group>,
-    /// Weight over (-1)^k |P|^{1/2}, for odd m over the cosine below too: then, with half the angles t and s,
+    /// Weights over (-1)^k |P|^{1/2}, and for odd m over the cosine below: then, with half the angles t and s,
     /// 1 / sin(t - s) is 1 / (sin t - cos t tan s).
     pub weight: Vec<f64>,
     /// Weights times the derivative of psi in the panel's direction.
     pub moment: Vec<f64>,
-    /// Tangent and cosine of half the angle from the panel's corner.
+    /// Tangents of half the angles from the panels' corners.
     pub tan: Vec<f64>,
+    /// Cosines of half the angles from the panels' corners.
     pub cos: Vec<f64>,
 }
 
-/// The sources of one panel.
+/// Sources of one panel.
 pub(super) struct Group {
     pub corner: i32,
     pub direction: Complex,
@@ -33,14 +34,7 @@ pub(super) struct Group {
 
 impl Sources {
     /// Adds the nodes of a rule on a panel.
-    fn add(
-        &mut self,
-        psi: &SquareBorder,
-        ends: &Ends,
-        panel: &Panel,
-        rule: &[[f64; 2]],
-        power: i32,
-    ) {
+    fn add(&mut self, psi: &BoundaryPotential, ends: &Ends, panel: &Panel, rule: GradedRule) {
         let start = self.weight.len();
         let direction = panel.direction();
         let component = if direction.re == 0.0 { 2 } else { 1 };
@@ -49,9 +43,9 @@ impl Sources {
         vectorised(
             #[inline(always)]
             || {
-                for rule in rule.chunks(LANES) {
-                    let many = rule.len();
-                    let nodes = panel.nodes(rule, power);
+                for part in rule.nodes.chunks(LANES) {
+                    let many = part.len();
+                    let nodes = panel.nodes(GradedRule { nodes: part, ..rule });
                     let [derivative] = psi.at(panel.corner, &nodes.t, [component]);
                     let mut weight = ends.roots(panel, &nodes);
                     let (mut moment, mut tan) = ([0.0; LANES], [0.0; LANES]);
@@ -75,11 +69,16 @@ impl Sources {
         });
     }
 
-    /// For each target the sum over a group of weight (grad psi' - grad psi) . e kappa(theta - theta'). Fractions are
-    /// brought to one denominator, `JOINED` of them: divisions would take most of the time. One by one, sources that
+    /// Sums over a group of `weight (grad psi' - grad psi) . e kappa(theta - theta')`, for each target. Each `JOINED`
+    /// fractions are brought to one denominator: divisions would take most of the time. If `JOINED` is 1, sources that
     /// coincide with the target are left out.
     #[inline(always)]
-    fn sums<const JOINED: usize>(&self, group: &Group, targets: &Block, odd: bool) -> [f64; LANES] {
+    fn sums<const JOINED: usize>(
+        &self,
+        group: &Group,
+        targets: &TargetBlock,
+        odd: bool,
+    ) -> [f64; LANES] {
         let (range, [ts, tc, g]) = (group.range.clone(), targets.seen_from(group));
         let mut sums = [0.0; LANES];
         let weights = self.weight[range.clone()].chunks(JOINED);
@@ -104,14 +103,14 @@ impl Sources {
 }
 
 /// Targets of one panel for which sums are made at once.
-struct Block {
+struct TargetBlock {
     corner: i32,
     sin: [f64; LANES],
     cos: [f64; LANES],
     gradient: [[f64; LANES]; 2],
 }
 
-impl Block {
+impl TargetBlock {
     /// Sines and cosines of half the angles from the corner of a group, and psi's derivatives in its direction.
     #[inline(always)]
     fn seen_from(&self, group: &Group) -> [[f64; LANES]; 3] {
@@ -127,38 +126,46 @@ impl Block {
     }
 }
 
-/// All sources: plain ones and, where they do not serve, graded ones.
+/// All sources: plain ones, and graded ones for the targets next to kinks.
 pub(super) struct SourceField<'a> {
-    psi: &'a SquareBorder,
+    psi: &'a BoundaryPotential,
     ends: &'a Ends,
     rules: &'a Rules,
     pub panels: Vec<Panel>,
-    /// Nodes that serve all targets but those next to a kink.
+    /// Sources for all targets but those next to a kink, panel by panel.
     pub plain: Sources,
-    /// Graded sources of the panels next to kinks, and which group is whose.
+    /// Graded sources of the panels next to kinks.
     graded: Sources,
-    graded_of: Vec<usize>,
+    /// Number of each panel's group of graded sources, if it has one.
+    graded_of: Vec<Option<usize>>,
 }
 
-/// The solution at a point of the border.
+/// Solution at a point of the boundary.
 #[derive(Clone, Copy)]
 pub(super) struct Point {
-    pub place: BorderPlace,
+    pub place: BoundaryPlace,
     /// Number of its panel.
     pub panel: usize,
     pub angle: Angle,
-    /// Quadrature weight with respect to the length of the border.
+    /// Quadrature weight with respect to the length of the boundary.
     pub weight: f64,
     pub psi: f64,
     pub gradient: Complex,
-    /// (-1)^k |P|^{1/2} times the derivative of the angle along the border.
+    /// (-1)^k |P|^{1/2} times the derivative of the angle along the boundary.
     pub root: f64,
     /// v, zero until its derivative is integrated.
     pub value: f64,
     /// dv/dn.
     pub multiplier: f64,
-    /// Derivative of v along the border.
+    /// Derivative of v along the boundary.
     pub along: f64,
+}
+
+impl Point {
+    /// Value of the harmonic function v - psi.
+    pub(super) fn harmonic(&self) -> f64 {
+        self.value - self.psi
+    }
 }
 
 impl<'a> SourceField<'a> {
@@ -169,38 +176,39 @@ impl<'a> SourceField<'a> {
         rules: &'a Rules,
         wanted: impl Fn(&Panel) -> bool,
     ) -> Self {
-        let (psi, panels) = (&problem.border, panels(ends, &problem.jumps));
+        let (psi, panels) = (&problem.boundary_psi, panels(ends, &problem.jumps));
         let (mut plain, mut graded) = (Sources::default(), Sources::default());
-        let mut graded_of = vec![usize::MAX; panels.len()];
+        let mut graded_of = vec![None; panels.len()];
         for (panel, of) in panels.iter().zip(&mut graded_of) {
             let power = if panel.end().is_some() { 2 } else { 1 };
-            plain.add(psi, ends, panel, &rules.plain, power);
+            plain.add(psi, ends, panel, GradedRule { nodes: &rules.plain, power });
             if panel.kink().is_some() && wanted(panel) {
-                *of = graded.groups.len();
-                graded.add(psi, ends, panel, &rules.near, 1);
+                *of = Some(graded.groups.len());
+                graded.add(psi, ends, panel, GradedRule { nodes: &rules.near, power: 1 });
             }
         }
         Self { psi, ends, rules, panels, plain, graded, graded_of }
     }
 
-    /// The solution at the targets of panel `p`.
+    /// Solution at the targets of panel `p`.
     pub(super) fn on_panel(&self, p: usize) -> Vec<Point> {
         let panel = &self.panels[p];
         let mut found = Vec::with_capacity(self.rules.targets.len());
         vectorised(
             #[inline(always)]
             || {
-                for rule in self.rules.targets.chunks(LANES) {
-                    let nodes = panel.nodes(rule, panel.target_power());
+                for part in self.rules.targets.chunks(LANES) {
+                    let rule = GradedRule { nodes: part, power: panel.target_power() };
+                    let nodes = panel.nodes(rule);
                     let [psi, x, y] = self.psi.at(panel.corner, &nodes.t, [0, 1, 2]);
-                    let block = Block {
+                    let block = TargetBlock {
                         corner: panel.corner,
                         sin: nodes.sin,
                         cos: nodes.cos,
                         gradient: [x, y],
                     };
                     let (sums, roots) = (self.sums(p, &block), self.ends.roots(panel, &nodes));
-                    found.extend((0..rule.len()).map(|k| {
+                    found.extend((0..part.len()).map(|k| {
                         let angle = nodes.angle(k);
                         let root = roots[k] * angle.slope;
                         let derivative = -root * sums[k] / std::f64::consts::TAU;
@@ -225,24 +233,26 @@ impl<'a> SourceField<'a> {
         found
     }
 
-    /// The sums over all sources.
+    /// Sums over all sources, for each target.
     #[inline(always)]
-    fn sums(&self, p: usize, targets: &Block) -> [f64; LANES] {
-        /// Next to corners, where the angles are tiny, products of many more would underflow.
+    fn sums(&self, p: usize, targets: &TargetBlock) -> [f64; LANES] {
+        /// Number of factors in a product: next to corners, where the angles are tiny, products of many more would
+        /// underflow.
         const JOINED: usize = 6;
         let sums = self.sums_joined::<JOINED>(p, targets);
         if sums.iter().sum::<f64>().is_finite() { sums } else { self.sums_apart(p, targets) }
     }
 
-    /// The sums where sources coincide with targets, on a panel of a few rounding errors: they count for nothing.
+    /// Sums over all sources that do not coincide with a target: some do on a panel of the length of a few rounding
+    /// errors.
     #[cold]
     #[inline(never)]
-    fn sums_apart(&self, p: usize, targets: &Block) -> [f64; LANES] {
+    fn sums_apart(&self, p: usize, targets: &TargetBlock) -> [f64; LANES] {
         self.sums_joined::<1>(p, targets)
     }
 
     #[inline(always)]
-    fn sums_joined<const JOINED: usize>(&self, p: usize, targets: &Block) -> [f64; LANES] {
+    fn sums_joined<const JOINED: usize>(&self, p: usize, targets: &TargetBlock) -> [f64; LANES] {
         let many = self.panels.len();
         let panel = &self.panels[p];
         let across = if panel.reversed { (p + 1) % many } else { (p + many - 1) % many };
@@ -254,7 +264,8 @@ impl<'a> SourceField<'a> {
         let mut sums = [0.0; LANES];
         for (q, group) in self.plain.groups.iter().enumerate() {
             let (sources, group) = if replaced.contains(&q) {
-                (&self.graded, &self.graded.groups[self.graded_of[q]])
+                let graded = self.graded_of[q].expect("panels next to kinks are graded");
+                (&self.graded, &self.graded.groups[graded])
             } else {
                 (&self.plain, group)
             };

@@ -1,19 +1,19 @@
-//! The solution on the border.
+//! Solution on the boundary.
 
 use super::complex::{Complex, distance};
 use super::map::{Angle, corner_angle, to_disc};
-use super::panels::{Ends, LANES, Panel, Special};
-use super::place::BorderPlace;
+use super::panels::{Ends, GradedRule, LANES, Panel, Special};
+use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
-use super::rule::{Rules, halved, interpolation};
+use super::rule::{GaussNode, Rules, halved, interpolation};
 use super::sources::{Point, SourceField};
 use crate::discrete::contact::ContactArc;
 use std::f64::consts::TAU;
 
-/// Gaps that reach no further from a corner are left out: the energy feels the fourth power of that.
+/// Distance from a corner up to which gaps are left out: the energy changes by the fourth power of it.
 pub(super) const UNRESOLVED: f64 = 1e-4;
 
-/// The solution on the whole border.
+/// Solution on the whole boundary.
 pub(super) struct Trace {
     pub ends: Ends,
     pub rules: Rules,
@@ -39,7 +39,9 @@ impl Trace {
             let points = &mut points[first..];
             let changes = points.iter().map(|p| p.along * p.weight);
             let (values, end) = rules.integrate(before, panel.reversed, changes);
-            points.iter_mut().zip(values).for_each(|(point, value)| point.value = value);
+            for (point, value) in points.iter_mut().zip(values) {
+                point.value = value;
+            }
             before = if panel.contact { 0.0 } else { end };
             if panel.reversed {
                 points.reverse();
@@ -48,58 +50,64 @@ impl Trace {
         Self { panels: field.panels, rules: rules.clone(), ends, points, starts }
     }
 
-    /// True if its `i`-th point, counted around and around, is in contact.
+    /// True if the `i`-th point, counted around and around, is in contact.
     pub(super) fn in_contact(&self, i: usize) -> bool {
         self.panels[self.points[i % self.points.len()].panel].contact
     }
 
-    /// The multiplier by which the contact at the `i`-th point is judged: infinite so near to a corner that gaps are
-    /// left out, but for the last such point. Between it and the next a gap may end that is not left out.
-    fn judged(&self, i: usize) -> f64 {
-        let Point { place: BorderPlace { corner, t }, multiplier, .. } = self.points[i];
+    /// Multiplier by which the contact at the `i`-th point is judged. None so near to a corner that gaps are left out,
+    /// but for the last such point: between it and the next point a gap may end that is not left out.
+    fn judged(&self, i: usize) -> Option<f64> {
+        let Point { place: BoundaryPlace { corner, t }, multiplier, .. } = self.points[i];
         let many = self.points.len();
         let outwards = (if t > 0.0 { i + 1 } else { i + many - 1 }) % many;
         match [i, outwards].map(|i| self.points[i].place.t.abs() <= UNRESOLVED) {
-            [false, _] => multiplier,
-            [true, false] => self.at(BorderPlace { corner, t: UNRESOLVED.copysign(t) })[1],
-            [true, true] => f64::INFINITY,
+            [false, _] => Some(multiplier),
+            [true, false] => {
+                Some(self.at(BoundaryPlace { corner, t: UNRESOLVED.copysign(t) }).multiplier)
+            }
+            [true, true] => None,
         }
     }
 
-    /// Of each point what must not be negative: in contact (0) the multiplier over the largest, elsewhere (1) v over
-    /// its size, which is also that of psi: in a short gap v is far smaller than inside.
-    pub(super) fn signs(&self) -> Vec<(usize, f64)> {
+    /// Sign conditions at all points.
+    pub(super) fn signs(&self) -> Vec<Sign> {
         let largest = self.points.iter().map(|p| p.multiplier).fold(0.0, f64::max);
         let size = self.points.iter().map(|p| p.value.max(p.psi.abs())).fold(0.0, f64::max);
-        let sign = |(i, p): (usize, &Point)| match self.in_contact(i) {
-            true => (0, self.judged(i) / largest),
-            false => (1, p.value / size),
-        };
-        self.points.iter().enumerate().map(sign).collect()
+        let mut signs = Vec::with_capacity(self.points.len());
+        for (i, p) in self.points.iter().enumerate() {
+            let contact = self.in_contact(i);
+            let value = match contact {
+                true => self.judged(i).map(|multiplier| multiplier / largest),
+                false => Some(p.value / size),
+            };
+            signs.push(Sign { contact, value });
+        }
+        signs
     }
 
-    /// The harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
+    /// Harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
     /// are interpolated to parts that are no longer than their distance from `z`.
     pub(super) fn harmonic(&self, z: Complex) -> f64 {
         let (image, targets) = (to_disc(z), &self.rules.targets);
         let n = targets.len();
-        let harmonic = |p: &Point| p.value - p.psi;
         // Less a constant, so that errors of the quadrature are relative to what is left.
-        let mean = self.points.iter().map(harmonic).sum::<f64>() / self.points.len() as f64;
+        let mean = self.points.iter().map(Point::harmonic).sum::<f64>() / self.points.len() as f64;
         let mut sum = 0.0;
         for (panel, points) in self.panels.iter().zip(self.points.chunks_exact(n)) {
-            let mut values: Vec<f64> = points.iter().map(|p| harmonic(p) - mean).collect();
+            let mut values: Vec<f64> = points.iter().map(|p| p.harmonic() - mean).collect();
             if panel.reversed {
                 values.reverse();
             }
             let corner = Complex::unit(corner_angle(panel.corner));
             let power = panel.target_power();
-            let too_long = |part: [f64; 2]| {
-                let segment =
-                    part.map(|x| panel.place(panel.nodes(&[[x, 1.0]], power).t[0]).point());
+            let parts = halved([0.0, 1.0], |part| {
+                let segment = part.map(|x| {
+                    let rule = GradedRule { nodes: &[GaussNode { x, weight: 1.0 }], power };
+                    panel.place(panel.nodes(rule).t[0]).point()
+                });
                 (segment[1] - segment[0]).norm() > distance(segment, z).max(1e-12)
-            };
-            let parts = halved([0.0, 1.0], too_long);
+            });
             if parts.len() == 1 {
                 // The values are wanted where they are known.
                 for (k, h) in values.iter().enumerate() {
@@ -110,14 +118,12 @@ impl Trace {
                 }
                 continue;
             }
-            for [from, to] in parts {
-                let inside =
-                    targets.iter().map(|&[x, w]| [from + (to - from) * x, (to - from) * w]);
-                let inside: Vec<[f64; 2]> = inside.collect();
-                let places: Vec<f64> = inside.iter().map(|&[x, _]| x).collect();
+            for part in parts {
+                let inside: Vec<GaussNode> = targets.iter().map(|node| node.on(part)).collect();
+                let places: Vec<f64> = inside.iter().map(|node| node.x).collect();
                 let matrix = interpolation(targets, &places);
-                for (rule, rows) in inside.chunks(LANES).zip(matrix.chunks(LANES * n)) {
-                    let nodes = panel.nodes(rule, power);
+                for (nodes, rows) in inside.chunks(LANES).zip(matrix.chunks(LANES * n)) {
+                    let nodes = panel.nodes(GradedRule { nodes, power });
                     for (k, row) in rows.chunks_exact(n).enumerate() {
                         let h: f64 = row.iter().zip(&values).map(|(m, h)| m * h).sum();
                         let Angle { sin, cos, slope } = nodes.angle(k);
@@ -131,22 +137,12 @@ impl Trace {
         mean + sum * (1.0 - image.norm2()) / TAU
     }
 
-    /// v and dv/dn at a place on the border, interpolated between the points of its panel.
-    pub(super) fn at(&self, place: BorderPlace) -> [f64; 2] {
-        // As seen from the corner of a panel, at most two sides away.
-        let seen_from = |panel: &Panel| {
-            let corners = (place.corner - panel.corner + 1).rem_euclid(4) - 1;
-            place.t + f64::from(corners)
-        };
-        let outside = |panel: &Panel| {
-            let t = seen_from(panel);
-            (panel.from - t).max(t - panel.to)
-        };
-        let nearest =
-            |(_, a): &(usize, &Panel), (_, b): &(usize, &Panel)| outside(a).total_cmp(&outside(b));
-        let (p, panel) =
-            self.panels.iter().enumerate().min_by(nearest).expect("the border has panels");
-        let t = seen_from(panel).clamp(panel.from, panel.to);
+    /// v and dv/dn at a place on the boundary, interpolated between the points of its panel.
+    pub(super) fn at(&self, place: BoundaryPlace) -> BoundaryValues {
+        let panels = self.panels.iter().enumerate();
+        let nearest = panels.min_by(|a, b| a.1.distance(place).total_cmp(&b.1.distance(place)));
+        let (p, panel) = nearest.expect("the boundary has panels");
+        let t = panel.local(place).clamp(panel.from, panel.to);
         let offset = if panel.reversed { panel.to - t } else { t - panel.from };
         let scale = offset / (panel.to - panel.from);
         let x = match panel.target_power() {
@@ -155,49 +151,64 @@ impl Trace {
             _ => libm::cbrt(scale),
         };
         let n = self.rules.targets.len();
-        let point = |k: usize| {
-            let k = if panel.reversed { n - 1 - k } else { k };
-            let Point { value, multiplier, .. } = self.points[p * n + k];
-            [value, multiplier]
-        };
+        let mut points: Vec<&Point> = self.points[p * n..][..n].iter().collect();
+        if panel.reversed {
+            points.reverse();
+        }
         let row = interpolation(&self.rules.targets, &[x]);
-        let [value, multiplier] =
-            [0, 1].map(|which| row.iter().enumerate().map(|(k, m)| m * point(k)[which]).sum());
-        // Better known by integration.
-        let value = if place.t == 0.0 { self.corner_value(place.corner) } else { value };
-        [value, multiplier]
+        // In a corner v is more accurate by integration.
+        let value = match place.t == 0.0 {
+            true => self.corner_value(place.corner),
+            false => row.iter().zip(&points).map(|(m, point)| m * point.value).sum(),
+        };
+        let multiplier = row.iter().zip(&points).map(|(m, point)| m * point.multiplier).sum();
+        BoundaryValues { value, multiplier }
     }
 
-    /// The contact arcs with their forces; `total` is that on the whole border.
+    /// Contact arcs with their forces; `total` is the force on the whole boundary.
     pub(super) fn arcs(&self, total: f64) -> Vec<ContactArc> {
-        let point = |place: BorderPlace| {
-            let Complex { re, im } = place.point();
-            [re, im]
-        };
         if self.ends.places.is_empty() {
-            let corner = point(BorderPlace { corner: 3, t: 0.0 });
+            let corner = BoundaryPlace { corner: 3, t: 0.0 }.point().coordinates();
             return vec![ContactArc { from: corner, to: corner, force: total }];
         }
-        let force = |arc: usize| {
-            let own = |panel: &Panel| panel.contact && panel.arcs == arc;
-            let points = self.points.iter().filter(|p| own(&self.panels[p.panel]));
-            points.map(|p| p.weight * p.multiplier).sum()
-        };
-        let arc = |(k, pair): (usize, &[BorderPlace])| ContactArc {
-            from: point(pair[0]),
-            to: point(pair[1]),
-            force: force(k + 1),
-        };
-        self.ends.places.chunks_exact(2).enumerate().map(arc).collect()
+        let mut arcs = Vec::with_capacity(self.ends.arcs());
+        for (k, ends) in self.ends.places.chunks_exact(2).enumerate() {
+            let [from, to] = [ends[0], ends[1]].map(|place| place.point().coordinates());
+            arcs.push(ContactArc { from, to, force: self.force(k + 1) });
+        }
+        arcs
+    }
+
+    /// Force on an arc of contact.
+    fn force(&self, arc: usize) -> f64 {
+        let own = self.points.iter().filter(|point| {
+            let panel = &self.panels[point.panel];
+            panel.contact && panel.arcs == arc
+        });
+        own.map(|point| point.weight * point.multiplier).sum()
     }
 
     /// v in a corner.
     pub(super) fn corner_value(&self, corner: i32) -> f64 {
-        let begins = |panel: &Panel| {
+        let panel = self.panels.iter().position(|panel| {
             !panel.reversed
                 && panel.special == Some(Special::Corner)
                 && (panel.corner - corner).rem_euclid(4) == 0
-        };
-        self.panels.iter().position(begins).map_or(0.0, |p| self.starts[p])
+        });
+        panel.map_or(0.0, |p| self.starts[p])
     }
+}
+
+/// v and dv/dn at a point of the boundary.
+pub(super) struct BoundaryValues {
+    pub value: f64,
+    pub multiplier: f64,
+}
+
+/// Sign condition at a point of the boundary: in contact the multiplier, elsewhere v must not be negative.
+pub(super) struct Sign {
+    pub contact: bool,
+    /// Multiplier over the largest, or v over its size; none for a multiplier that is too near to a corner to be
+    /// judged. The size of v is also that of psi: in a short gap v is far smaller than inside.
+    pub value: Option<f64>,
 }

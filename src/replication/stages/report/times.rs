@@ -108,10 +108,10 @@ fn fit(timings: &Timings, goal: Goal, threads: usize) -> Option<Fit> {
     lines
         .retain(|line| line.goal == goal && line.threads == threads && line.unknowns() >= FIT_FROM);
     let points: Vec<_> = lines.iter().map(|l| (l.unknowns() as f64, l.seconds)).collect();
-    let exponent = exponent(&points);
+    let exponent = exponent(&points)?;
     let (from, to) = (lines.first()?.unknowns(), lines.last()?.unknowns());
     let ns = Range::of(lines.iter().map(|line| line.ns()))?;
-    exponent.is_finite().then_some(Fit { goal: goal.in_words(), threads, exponent, from, to, ns })
+    Some(Fit { goal: goal.in_words(), threads, exponent, from, to, ns })
 }
 
 /// Compares the times of all solvers to the discretisation error of one problem, grid by grid.

@@ -1,19 +1,24 @@
-//! Claims of the paper about its method's cost, as counts of sweeps and a verdict on each claim.
+//! Measurement of the paper's claims about the cost of its method: counts of sweeps, and a verdict on each claim.
 
 mod measure;
+mod ratios;
+mod runs;
+mod tally;
 mod verdict;
 
-pub use verdict::{ClaimTally, ClaimVerdict, Ratios, Spread, Verdicts};
+pub use ratios::Ratios;
+pub use tally::{ClaimTally, ClaimVerdict};
+pub use verdict::{Spread, Verdicts};
 
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::Problem;
 use crate::saddle::{Method, StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
-/// Everything the experiment depends on.
+/// Input of the experiment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimsPlan {
-    /// The paper's problems.
+    /// Problems of the paper.
     pub problems: Vec<Problem>,
     /// Least and greatest r of the sweep over r, as powers of ten.
     pub decades: (i32, i32),
@@ -33,7 +38,7 @@ pub struct ClaimsPlan {
 }
 
 impl ClaimsPlan {
-    /// The experiment on these problems.
+    /// Plan of the book for these problems.
     pub fn new(mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| problem.number);
         Self {
@@ -48,44 +53,45 @@ impl ClaimsPlan {
         }
     }
 
-    /// The values of the sweep over r.
+    /// Values of r of the sweep over r, ascending.
     pub fn r(&self) -> Vec<f64> {
         let (low, high) = self.decades;
-        let step = |k: i32| match k.rem_euclid(self.per_decade) {
+        let mut all = Vec::new();
+        for k in low * self.per_decade..=high * self.per_decade {
             // Powers of ten as the paper writes them, to the last bit.
-            0 => power_of_ten(k.div_euclid(self.per_decade)),
-            rest => {
-                let fraction = f64::from(rest) / f64::from(self.per_decade);
-                power_of_ten(k.div_euclid(self.per_decade)) * libm::exp10(fraction)
-            }
-        };
-        (low * self.per_decade..=high * self.per_decade).map(step).collect()
+            let power = power_of_ten(k.div_euclid(self.per_decade));
+            all.push(match k.rem_euclid(self.per_decade) {
+                0 => power,
+                rest => power * libm::exp10(f64::from(rest) / f64::from(self.per_decade)),
+            });
+        }
+        all
     }
 }
 
-/// Results.
+/// Result of the experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claims {
-    /// The values of the sweep over r, ascending.
+    /// Values of r of the sweep over r, ascending.
     pub r: Vec<f64>,
     /// KKT residuals to reach, each with the finest grid on which it was asked for.
     pub targets: Vec<(f64, usize)>,
-    /// Sweeps after which a run towards one has failed.
+    /// Sweeps on a grid after which a run towards a KKT residual has failed.
     pub cap: usize,
-    /// The counts.
+    /// Counts of each problem.
     pub problems: Vec<Measured>,
     /// Verdicts on the claims.
     pub verdicts: Verdicts,
 }
 
-/// The counts of a problem.
+/// Counts of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Number.
+    /// Number of the problem.
     pub number: u8,
     /// Sum of the load on the finest grid, under the paper's stopping rules and towards a KKT residual.
     pub sums: [f64; 2],
-    /// The sweep over r: a row per measure and grid.
+    /// Sweep over r: a row per measure and grid.
     pub rows: Vec<CountRow>,
     /// Tables 1 and 2 in full under each stopping rule.
     pub tables: Vec<ClaimTable>,
@@ -93,30 +99,30 @@ pub struct Measured {
     pub cells: Vec<UzawaCell>,
 }
 
-/// When a run over r ends.
+/// Measure of convergence by which a run over r ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimMeasure {
-    /// The paper's stopping rule on nested grids, with its tolerances and its load.
+    /// A stopping rule on nested grids, with the paper's tolerances and load.
     Rule(StopRule),
     /// A KKT residual, from the coarser grid's solution, with the load averaged around nodes.
     Kkt(f64),
 }
 
-/// Iterations on a grid for every r of the sweep.
+/// Iterations on a grid for each r of the sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CountRow {
-    /// When the runs end.
+    /// Measure by which the runs end.
     pub measure: ClaimMeasure,
     /// Cells per side.
     pub cells: usize,
     /// One count per r.
     pub counts: Vec<Count>,
-    /// The best r, if any reached the end.
+    /// Best r, if a run reached its end.
     pub best: Option<BestParameter>,
 }
 
-/// Iterations, and why they ended.
+/// Iterations, and the reason for which they ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Count {
     /// Iterations, or sweeps.
@@ -126,33 +132,33 @@ pub struct Count {
 }
 
 impl Count {
-    /// The count, if the run reached its end.
+    /// Number of iterations, if the run reached its end.
     pub fn reached(self) -> Option<usize> {
         (self.stop == StopReason::Converged).then_some(self.iterations)
     }
 }
 
-/// The least of the counts in a row.
+/// Least of the counts in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BestParameter {
-    /// The smallest r that attains it.
+    /// Smallest r with this count.
     pub r: f64,
-    /// The count.
+    /// Least count.
     pub iterations: usize,
-    /// From where to where, around the best r, no count is more than a tenth above it.
+    /// Interval of r around the best one in which no count is more than a tenth above the least.
     pub flat: (f64, f64),
 }
 
-/// A table as the paper prints it.
+/// Table as the paper prints it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClaimTable {
     /// Stopping rule.
     pub rule: StopRule,
-    /// A line per r, in the paper's order.
+    /// Lines, one per r, in the paper's order.
     pub lines: Vec<ClaimLine>,
 }
 
-/// A line of a [`ClaimTable`].
+/// Line of a [`ClaimTable`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClaimLine {
     /// Duality parameter.
@@ -163,13 +169,13 @@ pub struct ClaimLine {
     pub factor: f64,
     /// Last change of the multiplier on the finest grid.
     pub delta_a: f64,
-    /// Change of the multiplier in units of the tolerance.
+    /// Last change of the multiplier on the finest grid, in units of the tolerance.
     pub excess: f64,
     /// KKT residual on the finest grid over the largest component of F.
     pub kkt: f64,
 }
 
-/// Sweeps of all methods to equal KKT residual.
+/// Sweeps of all methods to equal KKT residual, on one grid with one r.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UzawaCell {
     /// Cells per side.
@@ -178,43 +184,48 @@ pub struct UzawaCell {
     pub target: f64,
     /// Duality parameter.
     pub r: f64,
-    /// Arrow-Hurwicz.
+    /// Sweeps of Arrow-Hurwicz.
     pub arrow_hurwicz: Count,
-    /// In the order of [`VARIANTS`].
+    /// Sweeps of the [`VARIANTS`] of Uzawa's algorithm.
     pub uzawa: [Count; 4],
 }
 
-/// A variant of Uzawa's algorithm.
+/// Variant of Uzawa's algorithm.
 #[derive(Clone, Copy, Debug)]
 pub struct UzawaVariant {
     /// Name in the book.
     pub name: &'static str,
+    /// True with the proximal term.
     proximal: bool,
+    /// True if each inner minimisation only goes to a tenth of the gradient before it.
     loose: bool,
 }
 
 impl UzawaVariant {
-    const fn new(name: &'static str, proximal: bool, loose: bool) -> Self {
-        Self { name, proximal, loose }
-    }
-
-    /// The method, with the weight of the proximal term and the bound on the inner gradient.
+    /// Method, with the weight of the proximal term and the bound on the inner gradient.
     fn method(self, weight: f64, inner: f64) -> Method {
         let weight = if self.proximal { weight } else { 0.0 };
         Method::Uzawa { weight, inner, loose: self.loose }
     }
 }
 
-/// Methods with which Arrow-Hurwicz is compared: plain or with the proximal term, each inner minimisation to the
+/// Variants that Arrow-Hurwicz is compared with: plain or with the proximal term, each inner minimisation to the
 /// end or only to a tenth of the gradient before it.
 pub const VARIANTS: [UzawaVariant; 4] = [
-    UzawaVariant::new("Uzawa, exact inside", false, false),
-    UzawaVariant::new("Uzawa, loose inside", false, true),
-    UzawaVariant::new("proximal, exact inside", true, false),
-    UzawaVariant::new("proximal, loose inside", true, true),
+    UzawaVariant { name: "Uzawa, exact inside", proximal: false, loose: false },
+    UzawaVariant { name: "Uzawa, loose inside", proximal: false, loose: true },
+    UzawaVariant { name: "proximal, exact inside", proximal: true, loose: false },
+    UzawaVariant { name: "proximal, loose inside", proximal: true, loose: true },
 ];
 
-/// Measures, in parallel over runs, and judges.
+/// Runs the experiment.
+///
+/// 1. Lists the runs, in batches that share a grid or a stopping rule.
+/// 2. Makes the batches in parallel, each in vector lanes.
+/// 3. Gathers the counts of each problem.
+/// 4. Judges each claim by the counts.
+///
+/// Easily broken: step 3 finds a run by its problem, end and r, so r must have the same bits wherever it is listed.
 ///
 /// # Errors
 /// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.

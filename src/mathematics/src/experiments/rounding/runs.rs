@@ -1,64 +1,76 @@
-//! The runs of a table with errors: at each update of a value, or once in the load.
+//! Runs of a table with errors: at each update of a value, or once in the load.
 
 use super::{RoundingCell, RoundingPlan, RoundingRow, RoundingTable};
 use crate::discrete::grid::Grid;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::{Discrete, Problem};
-use crate::saddle::batch::{
-    Arithmetic, AsDefined, End, Fused, LANES, Nested, Reversed, V, run_nested,
-};
+use crate::saddle::batch::{Arithmetic, AsDefined, Fused, LANES, Nested, Reversed, V, run_nested};
 use crate::saddle::{Iteration, Monitor, Params, StopRule, solve_nested, tolerance};
 use rayon::prelude::*;
 
-/// The undisturbed runs of a table.
+/// Undisturbed runs of a table.
 struct Undisturbed<'a> {
     problem: &'a Problem,
     grids: Vec<Grid>,
     loads: Vec<Vec<f64>>,
-    /// Per r, the counts.
+    /// Counts, per r and grid.
     counts: Vec<Vec<usize>>,
+    /// Distances of the residual from the tolerance, per r.
+    margins: Vec<Margins>,
 }
 
-/// A repetition of the run for one r, with errors of this size.
+/// Run for one r, with these loads.
+struct Repeated<'a> {
+    /// Index of r in the table.
+    row: usize,
+    loads: &'a [Vec<f64>],
+}
+
+/// Repetition of the run for one r, with errors of one size.
 #[derive(Clone, Copy)]
 struct Repetition {
-    /// Place of r in the table.
+    /// Index of r in the table.
     row: usize,
-    /// Place in the sizes of the plan.
+    /// Index of the size in the plan.
     size: usize,
     /// Number of the sequence of random numbers.
     stream: u64,
-    /// True if the load is disturbed, once; else each value whenever it is updated.
+    /// True if the load is disturbed, once; false if each value is, whenever it is updated.
     in_load: bool,
+}
+
+impl Repetition {
+    /// Largest relative error, and the random numbers.
+    fn noise(&self, plan: &RoundingPlan) -> Noise {
+        Noise { size: plan.sizes[self.size], random: RandomNumbers::new(plan.seed, self.stream) }
+    }
 }
 
 /// Repeats the runs of a table with errors of all sizes.
 pub(super) fn disturb(plan: &RoundingPlan, problem: &Problem) -> Result<RoundingTable, String> {
-    let Discrete { grids, loads, .. } = problem.discrete()?;
-    let count = |&r: &f64| {
-        let mut near = Margins::default();
-        let params = Params { r, rule: StopRule::Signed, ..Params::default() };
-        let (outcomes, _) = solve_nested(&grids, &loads, &params, problem.prolongation, &mut near);
-        (outcomes.iter().map(|outcome| outcome.iterations).collect(), near)
-    };
-    let (counts, near): (Vec<_>, Vec<_>) =
-        problem.r.par_iter().map(count).collect::<Vec<_>>().into_iter().unzip();
-    let table = Undisturbed { problem, grids, loads, counts };
-    let rows = table.rows(plan, &near)?;
-    let cells = || rows.iter().flat_map(|row: &RoundingRow| &row.cells);
-    let changed = plan
-        .sizes
-        .iter()
-        .map(|size| cells().filter(|cell| cell.flips_at.is_some_and(|at| at <= *size)).count())
-        .collect();
+    let rows = Undisturbed::new(problem)?.rows(plan)?;
+    let cells: Vec<_> = rows.iter().flat_map(|row| &row.cells).collect();
+    let mut changed = Vec::new();
+    for size in &plan.sizes {
+        let flips = cells.iter().filter(|cell| cell.flips_at.is_some_and(|at| at <= *size));
+        changed.push(flips.count());
+    }
     Ok(RoundingTable { number: problem.number, grids: problem.grids.clone(), rows, changed })
 }
 
-/// Distance of the residual from the tolerance on each grid.
+/// Distance of the residual from the tolerance, grid by grid.
 #[derive(Default)]
 struct Margins {
-    /// Per grid: least excess over the tolerance before the stop, and what is left of it at the stop.
-    levels: Vec<(Option<f64>, f64)>,
+    levels: Vec<Margin>,
+}
+
+/// Distance of the residual from the tolerance on one grid, relative to the tolerance.
+#[derive(Clone, Copy, Default)]
+struct Margin {
+    /// Least excess over the tolerance before the stop; none if the first iteration stopped.
+    above: Option<f64>,
+    /// Part of the tolerance that is left at the stop; none before the stop.
+    below: Option<f64>,
 }
 
 impl Monitor for Margins {
@@ -67,23 +79,30 @@ impl Monitor for Margins {
     }
 
     fn iteration(&mut self, level: usize, iteration: &Iteration) {
-        self.levels.resize(level, (None, f64::NAN));
-        let (above, below) = &mut self.levels[level - 1];
+        self.levels.resize(level, Margin::default());
+        let margin = &mut self.levels[level - 1];
         let excess = iteration.gradient_signed / tolerance(level) - 1.0;
         if excess > 0.0 {
-            *above = Some(above.map_or(excess, |least| least.min(excess)));
+            margin.above = Some(margin.above.map_or(excess, |least| least.min(excess)));
         } else {
-            *below = -excess;
+            margin.below = Some(-excess);
         }
     }
 }
 
-/// The value of each node off by a random relative error, whose largest size is a run's own.
+/// RandomNumbers relative errors of at most `size`.
+#[derive(Clone, Copy)]
+struct Noise {
+    size: f64,
+    random: RandomNumbers,
+}
+
+/// Arithmetic in which the value of each node is off by a random relative error, whose largest size belongs to the run.
 struct Noisy {
     size: [f64; LANES],
     random: [RandomNumbers; LANES],
-    /// Size and random numbers of the runs that are in no lane.
-    runs: Vec<(f64, RandomNumbers)>,
+    /// Errors of all runs; those of a run in a lane are out of date.
+    runs: Vec<Noise>,
 }
 
 /// `value`, off by a random relative error of at most `size`.
@@ -101,64 +120,96 @@ impl Arithmetic<f64> for Noisy {
         ))
     }
     fn enter(&mut self, lane: usize, run: usize) {
-        (self.size[lane], self.random[lane]) = self.runs[run];
+        let Noise { size, random } = self.runs[run];
+        (self.size[lane], self.random[lane]) = (size, random);
     }
     fn leave(&mut self, lane: usize, run: usize) {
-        self.runs[run].1 = self.random[lane];
+        self.runs[run].random = self.random[lane];
     }
 }
 
 /// One repetition of so many disturbs the load and not the iteration.
 const LOAD_EVERY: usize = 4;
 
-impl Undisturbed<'_> {
-    /// For runs of these rows with these loads, on which grids the count is another one.
-    fn changed(
-        &self,
-        runs: &[(usize, &[Vec<f64>])],
-        arithmetic: &mut impl Arithmetic<f64>,
-    ) -> Vec<Vec<bool>> {
-        // One more than the count would show a late stop; with the others a finer grid starts from about
-        // where a run without a cap would end.
-        let cap = |run: usize, k: usize| self.counts[runs[run].0][k] + 10;
-        let rule = StopRule::Signed;
-        let all: Vec<Nested> = runs
-            .iter()
-            .map(|&(row, loads)| Nested { loads, r: self.problem.r[row], rule })
+impl<'a> Undisturbed<'a> {
+    fn new(problem: &'a Problem) -> Result<Self, String> {
+        let Discrete { grids, loads, .. } = problem.discrete()?;
+        let runs: Vec<(Vec<usize>, Margins)> = problem
+            .r
+            .par_iter()
+            .map(|&r| {
+                let params = Params { r, rule: StopRule::Signed, ..Params::default() };
+                let mut margins = Margins::default();
+                let (outcomes, _) =
+                    solve_nested(&grids, &loads, &params, problem.prolongation, &mut margins);
+                (outcomes.iter().map(|outcome| outcome.iterations).collect(), margins)
+            })
             .collect();
-        let ends = run_nested(&self.grids, &all, self.problem.prolongation, cap, arithmetic);
-        let differs = |(ends, (row, _)): (Vec<End>, &(usize, _))| {
-            let pairs = ends.iter().zip(&self.counts[*row]);
-            pairs.map(|(end, want)| end.count() != Some(*want)).collect()
-        };
-        ends.into_iter().zip(runs).map(differs).collect()
+        let (counts, margins) = runs.into_iter().unzip();
+        Ok(Self { problem, grids, loads, counts, margins })
     }
 
-    /// Grids with another count for every row, undisturbed but for the arithmetic.
+    /// Makes the runs. Returns, per run and grid, true if the count is another one.
+    fn changed(&self, runs: &[Repeated], arithmetic: &mut impl Arithmetic<f64>) -> Vec<Vec<bool>> {
+        let mut nested = Vec::new();
+        for &Repeated { row, loads } in runs {
+            nested.push(Nested { loads, r: self.problem.r[row], rule: StopRule::Signed });
+        }
+        let ends = run_nested(
+            &self.grids,
+            &nested,
+            self.problem.prolongation,
+            // One more than the count would show a late stop; with the others a finer grid starts from about
+            // where a run without a limit would end.
+            |run, k| self.counts[runs[run].row][k] + 10,
+            arithmetic,
+        );
+        let mut changed = Vec::new();
+        for (ends, run) in ends.iter().zip(runs) {
+            let counts = ends.iter().zip(&self.counts[run.row]);
+            changed.push(counts.map(|(end, count)| end.count() != Some(*count)).collect());
+        }
+        changed
+    }
+
+    /// Makes the run of every row, undisturbed but for the arithmetic. Returns, per row and grid, true if the count is
+    /// another one.
     fn all_changed(&self, arithmetic: &mut impl Arithmetic<f64>) -> Vec<Vec<bool>> {
-        let runs: Vec<_> = (0..self.counts.len()).map(|row| (row, &self.loads[..])).collect();
+        let mut runs = Vec::new();
+        for row in 0..self.counts.len() {
+            runs.push(Repeated { row, loads: &self.loads });
+        }
         self.changed(&runs, arithmetic)
     }
 
-    /// Grids with another count for each repetition of a batch.
+    /// Makes the repetitions of a batch. Returns, per repetition and grid, true if the count is another one.
     fn disturbed(&self, plan: &RoundingPlan, batch: &[Repetition]) -> Vec<Vec<bool>> {
-        let source =
-            |of: &Repetition| (plan.sizes[of.size], RandomNumbers::new(plan.seed, of.stream));
-        if !batch[0].in_load {
-            let runs: Vec<_> = batch.iter().map(|of| (of.row, &self.loads[..])).collect();
-            let (size, random) = ([0.0; LANES], [RandomNumbers::new(0, 0); LANES]);
-            let mut noisy = Noisy { size, random, runs: batch.iter().map(source).collect() };
-            return self.changed(&runs, &mut noisy);
-        }
-        let disturb = |of: &Repetition| -> Vec<Vec<f64>> {
-            let (size, mut random) = source(of);
-            let mut noisy = |load: &Vec<f64>| {
-                load.iter().map(|&value| perturbed(value, size, &mut random)).collect()
-            };
-            self.loads.iter().map(&mut noisy).collect()
+        if batch[0].in_load { self.with_noisy_load(plan, batch) } else { self.noisy(plan, batch) }
+    }
+
+    fn noisy(&self, plan: &RoundingPlan, batch: &[Repetition]) -> Vec<Vec<bool>> {
+        let runs: Vec<_> =
+            batch.iter().map(|of| Repeated { row: of.row, loads: &self.loads }).collect();
+        let mut noisy = Noisy {
+            size: [0.0; LANES],
+            random: [RandomNumbers::new(0, 0); LANES],
+            runs: batch.iter().map(|of| of.noise(plan)).collect(),
         };
-        let loads: Vec<_> = batch.iter().map(disturb).collect();
-        let runs: Vec<_> = batch.iter().zip(&loads).map(|(of, load)| (of.row, &load[..])).collect();
+        self.changed(&runs, &mut noisy)
+    }
+
+    fn with_noisy_load(&self, plan: &RoundingPlan, batch: &[Repetition]) -> Vec<Vec<bool>> {
+        let mut all_loads = Vec::new();
+        for repetition in batch {
+            let Noise { size, mut random } = repetition.noise(plan);
+            let mut loads = self.loads.clone();
+            for value in loads.iter_mut().flatten() {
+                *value = perturbed(*value, size, &mut random);
+            }
+            all_loads.push(loads);
+        }
+        let pairs = batch.iter().zip(&all_loads);
+        let runs: Vec<_> = pairs.map(|(of, loads)| Repeated { row: of.row, loads }).collect();
         self.changed(&runs, &mut AsDefined)
     }
 
@@ -183,7 +234,8 @@ impl Undisturbed<'_> {
         batches
     }
 
-    fn rows(&self, plan: &RoundingPlan, near: &[Margins]) -> Result<Vec<RoundingRow>, String> {
+    /// Makes all repetitions, and compares the counts.
+    fn rows(&self, plan: &RoundingPlan) -> Result<Vec<RoundingRow>, String> {
         if self.all_changed(&mut AsDefined).iter().flatten().any(|changed| *changed) {
             return Err(format!("table {}: the lanes do not give the counts", self.problem.number));
         }
@@ -191,23 +243,27 @@ impl Undisturbed<'_> {
         let batches = self.batches(plan);
         let changed: Vec<_> = batches.par_iter().map(|batch| self.disturbed(plan, batch)).collect();
         let runs: Vec<_> = batches.iter().flatten().zip(changed.iter().flatten()).collect();
-        let cell = |row: usize, k: usize| {
-            let flipped = || runs.iter().filter(move |(of, changed)| of.row == row && changed[k]);
-            let (above, below) = near[row].levels[k];
-            RoundingCell {
-                count: self.counts[row][k],
-                below,
-                above,
-                margin: above.map_or(below, |above| above.min(below)),
-                flips: flipped().filter(|(of, _)| of.size == 0).count(),
-                flips_at: flipped().map(|(of, _)| plan.sizes[of.size]).min_by(f64::total_cmp),
-                reordered: orders.iter().any(|changed| changed[row][k]),
+        let mut rows = Vec::new();
+        for (row, &r) in self.problem.r.iter().enumerate() {
+            let mut cells = Vec::new();
+            for k in 0..self.grids.len() {
+                // Sizes with which a repetition gave another count.
+                let flips = runs.iter().filter(|(run, changed)| run.row == row && changed[k]);
+                let flips: Vec<usize> = flips.map(|(run, _)| run.size).collect();
+                let Margin { above, below } = self.margins[row].levels[k];
+                let below = below.expect("the lanes have reached the stop");
+                cells.push(RoundingCell {
+                    count: self.counts[row][k],
+                    below,
+                    above,
+                    margin: above.map_or(below, |above| above.min(below)),
+                    flips: flips.iter().filter(|size| **size == 0).count(),
+                    flips_at: flips.iter().map(|size| plan.sizes[*size]).min_by(f64::total_cmp),
+                    reordered: orders.iter().any(|changed| changed[row][k]),
+                });
             }
-        };
-        let row = |(row, &r)| {
-            let cells = (0..self.grids.len()).map(|k| cell(row, k)).collect();
-            RoundingRow { r, cells }
-        };
-        Ok(self.problem.r.iter().enumerate().map(row).collect())
+            rows.push(RoundingRow { r, cells });
+        }
+        Ok(rows)
     }
 }

@@ -1,123 +1,141 @@
-//! Numbers that the book quotes from the runs: least and greatest values, and where a solver gave up.
+//! Numbers that the book mentions: least and greatest values over the runs, and the cases in which a solver gave up.
 
 use super::{Range, Stress, StressCase};
 use crate::experiments::trial::Trial;
 use serde::{Deserialize, Serialize};
 
-/// Numbers on which the prose rests; `None` where no run was of the kind.
+/// Numbers that the book mentions; none if there is no such run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StressSummary {
     /// Values of r with which the strict rule was met for every problem.
     pub converging_r: Option<Range>,
-    /// Values of r with which it was not, for some problem.
+    /// Values of r with which the strict rule was not met for some problem.
     pub failing_r: Option<Range>,
-    /// KKT residual where the signed rule was met, over all r.
+    /// KKT residual of the runs that met the signed rule, over all r.
     pub signed_kkt: Option<Range>,
-    /// Tolerances at which the signed rule is met at one iteration.
+    /// Tolerances with which the signed rule is met at one and the same iteration.
     pub plateau: Option<Plateau>,
-    /// The least tolerance that multigrid reached.
+    /// Least tolerance that multigrid reached.
     pub multigrid_tolerance: Option<f64>,
-    /// Least and greatest exponent of f at which the paper's method with its tolerance multiplied gave the
-    /// same count and said that it was done.
+    /// Least and greatest exponent of f at which the paper's method with its tolerance multiplied converged with
+    /// the same count.
     pub scaled_same: Option<[i32; 2]>,
     /// Cycles of multigrid over all factors of f with which it came to the rounding floor.
     pub scaled_cycles: Option<Range>,
     /// Deficits at which multigrid gave up.
     pub stalled: Option<Range>,
-    /// Their number.
+    /// Number of runs in which multigrid gave up.
     pub stalled_runs: usize,
-    /// KKT residual that it was left with.
+    /// KKT residual of the runs in which multigrid gave up.
     pub stalled_kkt: Option<Range>,
-    /// Work at the others.
+    /// Work of multigrid over the other deficits.
     pub deficit_work: Option<Range>,
     /// Iterations of the paper's method over all deficits.
     pub deficit_steps: Option<Range>,
-    /// Residual that rounding leaves, in units of `EPSILON * max |y|`: multigrid.
+    /// Residual of multigrid at the rounding floor, in units of `EPSILON * max |y|`.
     pub multigrid_floor: Option<Range>,
-    /// Residual that rounding leaves of the paper's method.
+    /// Residual of the paper's method at the rounding floor, in units of `EPSILON * max |y|`.
     pub strict_floor: Option<Range>,
     /// Work of multigrid over all jumps and spikes.
     pub load_work: Option<Range>,
-    /// Relative KKT residual there.
+    /// Relative KKT residual of multigrid over all jumps and spikes.
     pub load_kkt: Option<Range>,
-    /// Counts that are others in single precision.
+    /// Number of counts that differ in single precision.
     pub single_changed: usize,
 }
 
-/// Tolerances at which the signed rule is met at one and the same iteration.
+/// Tolerances with which the signed rule is met at one and the same iteration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plateau {
     /// Name of the problem.
     pub problem: String,
-    /// The iteration.
+    /// Number of the iteration.
     pub steps: usize,
-    /// The tolerances, over the largest load.
+    /// Tolerances, over the largest load.
     pub tolerances: Range,
-    /// The KKT residual there.
+    /// KKT residual at this iteration.
     pub kkt: f64,
 }
 
 impl Plateau {
-    /// The one with most tolerances, if it has three.
+    /// Finds the plateau with most tolerances; none if there are fewer than three.
     fn of(stress: &Stress) -> Option<Self> {
-        let mut longest: (usize, Option<Self>) = (2, None);
+        let (mut most, mut plateau) = (2, None);
         for (problem, cases) in stress.plan.names().into_iter().zip(&stress.tolerances) {
             let met: Vec<_> = cases.iter().filter(|case| case["signed"].converged()).collect();
             for same in met.chunk_by(|a, b| a["signed"].steps == b["signed"].steps) {
                 let Trial { steps, kkt, .. } = same[0]["signed"];
                 let tolerances = Range::of(same.iter().map(|case| case.x));
                 let (Some(tolerances), Some(kkt)) = (tolerances, kkt) else { continue };
-                if same.len() > longest.0 {
-                    longest = (
-                        same.len(),
-                        Some(Self { problem: problem.clone(), steps, tolerances, kkt }),
-                    );
+                if same.len() > most {
+                    most = same.len();
+                    plateau = Some(Self { problem: problem.clone(), steps, tolerances, kkt });
                 }
             }
         }
-        longest.1
+        plateau
     }
+}
+
+/// True if multigrid reached its tolerance or the rounding floor.
+fn is_solved(trial: &Trial) -> bool {
+    trial.converged() || trial.stop == "rounding-floor"
+}
+
+/// Least and greatest exponent of f with which the paper's method converges with the count of f itself.
+fn scaled_same(scaling: &[StressCase<i32>]) -> Option<[i32; 2]> {
+    let unscaled = scaling.iter().find(|case| case.x == 0)?["scaled"].steps;
+    let mut exponents = Vec::new();
+    for case in scaling {
+        if case["scaled"].converged() && case["scaled"].steps == unscaled {
+            exponents.push(case.x);
+        }
+    }
+    Some([*exponents.iter().min()?, *exponents.iter().max()?])
 }
 
 impl StressSummary {
     pub(super) fn of(stress: &Stress) -> Self {
-        let duality = || stress.duality.iter().flatten();
-        let deficits = || stress.deficits.iter().flatten();
-        let loads = || stress.jumps.iter().chain(&stress.spikes);
-        let solved = |trial: &Trial| trial.converged() || trial.stop == "rounding-floor";
-        let stalled = |case: &StressCase<f64>| !solved(&case["multigrid"]);
-        let fails = |r: f64| duality().any(|case| case.x == r && !case["strict"].converged());
-        let scaled = stress.scaling.iter();
-        let unscaled = scaled.clone().find(|case| case.x == 0).map(|case| case["scaled"].steps);
-        let same = |case: &StressCase<i32>| {
-            case["scaled"].converged() && Some(case["scaled"].steps) == unscaled
-        };
-        let scaled_solved = scaled.clone().filter(|case| solved(&case["multigrid"]));
-        let scaled_same = scaled.filter(|case| same(case)).map(|case| f64::from(case.x));
-        let signed = duality().map(|case| &case["signed"]).filter(|trial| trial.converged());
-        let tolerances = stress.tolerances.iter().flatten();
-        let reached = tolerances.filter(|case| case["multigrid"].converged()).map(|case| case.x);
-        let gave_up = || deficits().filter(|case| stalled(case));
-        let done = deficits().filter(|case| !stalled(case));
-        let floors = || stress.floors.iter();
+        let duality: Vec<_> = stress.duality.iter().flatten().collect();
+        let (mut failing, mut signed_kkt) = (Vec::new(), Vec::new());
+        for case in &duality {
+            if !case["strict"].converged() {
+                failing.push(case.x);
+            }
+            if case["signed"].converged() {
+                signed_kkt.extend(case["signed"].kkt);
+            }
+        }
+        let converging = duality.iter().map(|case| case.x).filter(|r| !failing.contains(r));
+        let reached = stress.tolerances.iter().flatten();
+        let reached = reached.filter(|case| case["multigrid"].converged()).map(|case| case.x);
+        let scaled = stress.scaling.iter().map(|case| &case["multigrid"]);
+        let scaled = scaled.filter(|trial| is_solved(trial)).map(|trial| trial.steps as f64);
+        let deficits: Vec<_> = stress.deficits.iter().flatten().collect();
+        let (done, stalled): (Vec<_>, Vec<_>) =
+            deficits.iter().partition(|case| is_solved(&case["multigrid"]));
+        let strict_floors = stress.floors.iter().filter_map(|case| case.trials.get("strict"));
+        let loads = stress.jumps.iter().chain(&stress.spikes);
+        let loads: Vec<_> = loads.map(|case| &case["multigrid"]).collect();
         Self {
-            converging_r: Range::of(duality().map(|case| case.x).filter(|r| !fails(*r))),
-            failing_r: Range::of(duality().map(|case| case.x).filter(|r| fails(*r))),
-            signed_kkt: Range::of(signed.filter_map(|trial| trial.kkt)),
+            converging_r: Range::of(converging),
+            failing_r: Range::of(failing.iter().copied()),
+            signed_kkt: Range::of(signed_kkt),
             plateau: Plateau::of(stress),
             multigrid_tolerance: Range::of(reached).map(|range| range.least),
-            scaled_same: Range::of(scaled_same)
-                .map(|range| [range.least as i32, range.greatest as i32]),
-            scaled_cycles: Range::of(scaled_solved.map(|case| case["multigrid"].steps as f64)),
-            stalled: Range::of(gave_up().map(|case| case.x)),
-            stalled_runs: gave_up().count(),
-            stalled_kkt: Range::of(gave_up().filter_map(|case| case["multigrid"].kkt)),
-            deficit_work: Range::of(done.map(|case| case["multigrid"].work)),
-            deficit_steps: Range::of(deficits().map(|case| case["strict"].steps as f64)),
-            multigrid_floor: Range::of(floors().filter_map(|case| case["multigrid"].floor)),
-            strict_floor: Range::of(floors().filter_map(|case| case.trials.get("strict")?.floor)),
-            load_work: Range::of(loads().map(|case| case["multigrid"].work)),
-            load_kkt: Range::of(loads().filter_map(|case| case["multigrid"].kkt)),
+            scaled_same: scaled_same(&stress.scaling),
+            scaled_cycles: Range::of(scaled),
+            stalled: Range::of(stalled.iter().map(|case| case.x)),
+            stalled_runs: stalled.len(),
+            stalled_kkt: Range::of(stalled.iter().filter_map(|case| case["multigrid"].kkt)),
+            deficit_work: Range::of(done.iter().map(|case| case["multigrid"].work)),
+            deficit_steps: Range::of(deficits.iter().map(|case| case["strict"].steps as f64)),
+            multigrid_floor: Range::of(
+                stress.floors.iter().filter_map(|case| case["multigrid"].floor),
+            ),
+            strict_floor: Range::of(strict_floors.filter_map(|trial| trial.floor)),
+            load_work: Range::of(loads.iter().map(|trial| trial.work)),
+            load_kkt: Range::of(loads.iter().filter_map(|trial| trial.kkt)),
             single_changed: stress.single.iter().map(|table| table.changed.len()).sum(),
         }
     }
@@ -125,7 +143,7 @@ impl StressSummary {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Changed, Random, Series, Single, StressPlan, Tally};
+    use super::super::{Changed, RandomProblems, Series, Single, StressPlan, Tally};
     use super::*;
     use crate::discrete::load::LoadRule;
     use crate::discrete::transfer::Prolongation;
@@ -233,7 +251,7 @@ mod tests {
             )],
             jumps: of_load(30.0, 1e-9),
             spikes: of_load(40.0, 1e-12),
-            random: Random {
+            random: RandomProblems {
                 problems: 1,
                 coarsest: 2,
                 finest: 2,

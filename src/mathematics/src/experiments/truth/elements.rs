@@ -1,6 +1,6 @@
-//! Finite elements against a true solution: errors, ends of contact, and what the guaranteed bounds say.
+//! Finite elements against a true solution: errors, ends of contact, and guaranteed bounds.
 
-use crate::bounds::bounds;
+use crate::bounds::{Bounds, bounds};
 use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
@@ -19,8 +19,8 @@ pub struct Elements {
     pub f: String,
     /// Grid by grid.
     pub levels: Vec<ElementsLevel>,
-    /// Exponents of h: of the error in the energy norm and of the energy, fitted to the three finest grids, and
-    /// of the ends of contact, which jump from grid to grid, to all of them.
+    /// Exponents of h in the errors: in the energy norm and of the energy, fitted to the three finest grids, and of the
+    /// ends of contact, fitted to all grids since these errors jump from grid to grid.
     pub orders: [Option<f64>; 3],
 }
 
@@ -31,68 +31,90 @@ pub struct ElementsLevel {
     pub cells: usize,
     /// True error: L2 norm of `grad (v - v_h)`.
     pub error: f64,
-    /// The guaranteed bounds of it, over it: at most 1, and at least 1.
+    /// Guaranteed bounds of the error over the error: at most 1, and at least 1.
     pub effectivity: [f64; 2],
-    /// Bounds for the solution with the load against bilinear hats.
+    /// Guaranteed bounds over the error for the solution with the load against bilinear hats.
     pub bilinear: [f64; 2],
-    /// The energy of `v_h` less the true one, if that is known.
+    /// Energy of `v_h` less the true energy, if the latter is known.
     pub energy: Option<f64>,
     /// Width of the guaranteed bracket of the true energy.
     pub bracket: f64,
-    /// True if the true energy lies in it, if that is known.
+    /// True if the true energy lies in the guaranteed bracket; none if it is not known.
     pub holds: Option<bool>,
-    /// The largest distance between a true end of contact and the computed one, along the boundary, if there
-    /// are as many arcs.
+    /// Largest distance along the boundary between a true end of contact and the computed one; none if the numbers of
+    /// arcs differ.
     pub ends: Option<f64>,
 }
 
 impl Elements {
+    /// Solves a problem with known solution on grids with these cells per side.
     pub(super) fn against(known: &KnownSolution, cells: &[usize]) -> Result<Self, String> {
-        let level = |&cells: &usize| ElementsLevel::of(known, cells);
-        let levels = cells.iter().map(level).collect::<Result<Vec<_>, String>>()?;
-        let order = |finest: usize, of: &dyn Fn(&ElementsLevel) -> Option<f64>| {
-            let points: Vec<_> = levels
-                .iter()
-                .rev()
-                .take(finest)
-                .filter_map(|level| Some((1.0 / level.cells as f64, of(level)?)))
-                .collect();
-            Some(exponent(&points)).filter(|order| order.is_finite())
-        };
+        let mut levels = Vec::new();
+        for &cells in cells {
+            let level = ElementsLevel::of(known, cells);
+            levels.push(level.map_err(|e| format!("{}, h = 1/{cells}: {e}", known.name()))?);
+        }
+        let finest = &levels[levels.len().saturating_sub(3)..];
         let orders = [
-            order(3, &|level| Some(level.error)),
-            order(3, &|level| level.energy),
-            order(levels.len(), &|level| level.ends),
+            order(finest, |level| Some(level.error)),
+            order(finest, |level| level.energy),
+            order(&levels, |level| level.ends),
         ];
         Ok(Self { name: known.name().into(), f: known.f().to_string(), levels, orders })
     }
 }
 
+/// Exponent of h in an error, if it is known on two grids.
+fn order(levels: &[ElementsLevel], error: fn(&ElementsLevel) -> Option<f64>) -> Option<f64> {
+    let mut points = Vec::new();
+    for level in levels.iter().rev() {
+        if let Some(error) = error(level) {
+            points.push((1.0 / level.cells as f64, error));
+        }
+    }
+    exponent(&points)
+}
+
+/// Solution on one grid, its error in the energy norm, and the guaranteed bounds.
+struct Bounded {
+    y: Vec<f64>,
+    error: f64,
+    bounds: Bounds,
+}
+
+impl Bounded {
+    /// Solves with the load vector `load`; the error is measured with the load vector `exact` of the known solution.
+    fn solve(
+        known: &KnownSolution,
+        grid: Grid,
+        load: &[f64],
+        exact: &[f64],
+    ) -> Result<Self, String> {
+        let params = MultigridParams::default();
+        let (y, _) = multigrid::solve_square(grid.cells(), load, None, &params)
+            .map_err(|e| e.to_string())?;
+        let bounds = bounds(grid, &known.f(), &y).map_err(|e| e.to_string())?;
+        Ok(Self { error: known.h1_error(grid, &y, exact), y, bounds })
+    }
+}
+
 impl ElementsLevel {
     fn of(known: &KnownSolution, cells: usize) -> Result<Self, String> {
-        let failed = |e: &dyn std::fmt::Display| format!("{}, h = 1/{cells}: {e}", known.name());
-        let grid = Grid::new(cells).map_err(|e| failed(&e))?;
-        let (f, load) = (known.f(), known.load(grid));
-        // A solution, its error in the energy norm, and what is guaranteed of it.
-        let bounded = |its_load: &[f64]| {
-            let params = MultigridParams::default();
-            let (y, _) =
-                multigrid::solve_square(cells, its_load, None, &params).map_err(|e| failed(&e))?;
-            let bounds = bounds(grid, &f, &y).map_err(|e| failed(&e))?;
-            Ok::<_, String>((known.h1_error(grid, &y, &load), y, bounds))
-        };
-        let (error, y, bounds) = bounded(&load)?;
-        let (bilinear_error, _, closer) = bounded(&load::load(grid, &f, LoadRule::Bilinear {}))?;
+        let grid = Grid::new(cells).map_err(|e| e.to_string())?;
+        let load = known.load(grid);
+        let against_hats = load::load(grid, &known.f(), LoadRule::Bilinear {});
+        let Bounded { y, error, bounds } = Bounded::solve(known, grid, &load, &load)?;
+        let bilinear = Bounded::solve(known, grid, &against_hats, &load)?;
         let [low, high] = bounds.energy;
         let truth = known.solution();
         let judgement = judge(grid, &y, &load);
-        let (energy, contact) = (judgement.energy, arcs(grid, &y, &judgement));
+        let contact = arcs(grid, &y, &judgement);
         Ok(Self {
             cells,
             error,
             effectivity: bounds.error.map(|bound| bound / error),
-            bilinear: closer.error.map(|bound| bound / bilinear_error),
-            energy: truth.map(|truth| energy - truth.energy),
+            bilinear: bilinear.bounds.error.map(|bound| bound / bilinear.error),
+            energy: truth.map(|truth| judgement.energy - truth.energy),
             bracket: high - low,
             holds: truth.map(|truth| low <= truth.energy && truth.energy <= high),
             ends: truth.and_then(|truth| distance(&truth.contact, &contact)),
@@ -100,42 +122,53 @@ impl ElementsLevel {
     }
 }
 
-/// The arc length along the boundary from the lower left corner to a point, anticlockwise, in sides.
+/// Arc length along the boundary from the lower left corner to a point, anticlockwise, in sides.
 fn arc_length([x, y]: [f64; 2]) -> f64 {
     let (right, up) = (x + 0.5, y + 0.5);
-    match () {
-        () if y == -0.5 => right,
-        () if x == 0.5 => 1.0 + up,
-        () if y == 0.5 => 3.0 - right,
-        () => 4.0 - up,
+    if y == -0.5 {
+        right
+    } else if x == 0.5 {
+        1.0 + up
+    } else if y == 0.5 {
+        3.0 - right
+    } else {
+        4.0 - up
     }
 }
 
-/// The largest distance between ends of arcs, each found arc taken for the true one that begins next to it;
-/// none without ends, or if their numbers differ.
+/// Distance of two points of the boundary along the boundary.
+fn apart(p: [f64; 2], q: [f64; 2]) -> f64 {
+    let d = (arc_length(p) - arc_length(q)).rem_euclid(4.0);
+    d.min(4.0 - d)
+}
+
+/// Largest distance between ends of arcs, each true arc compared with the nearest found one; none without ends, or if
+/// the numbers of arcs differ.
 fn distance(truth: &[ContactArc], found: &[ContactArc]) -> Option<f64> {
     if truth.len() != found.len() || truth.iter().chain(found).any(|arc| arc.from == arc.to) {
         return None;
     }
-    let apart = |p: [f64; 2], q: [f64; 2]| {
-        let d = (arc_length(p) - arc_length(q)).rem_euclid(4.0);
-        d.min(4.0 - d)
-    };
-    let nearest = |arc: &ContactArc| {
-        let distances =
-            found.iter().map(|other| apart(arc.from, other.from).max(apart(arc.to, other.to)));
-        distances.fold(f64::INFINITY, f64::min)
-    };
-    truth.iter().map(nearest).reduce(f64::max)
+    let mut largest: Option<f64> = None;
+    for arc in truth {
+        let mut nearest = f64::INFINITY;
+        for other in found {
+            nearest = nearest.min(apart(arc.from, other.from).max(apart(arc.to, other.to)));
+        }
+        largest = Some(largest.map_or(nearest, |largest| largest.max(nearest)));
+    }
+    largest
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn arc(from: [f64; 2], to: [f64; 2]) -> ContactArc {
+        ContactArc { from, to, force: 1.0 }
+    }
+
     #[test]
     fn ends_are_compared_along_the_boundary() {
-        let arc = |from, to| ContactArc { from, to, force: 1.0 };
         let truth = [arc([0.5, 0.2], [0.2, 0.5]), arc([-0.5, -0.1], [-0.1, -0.5])];
         let found = [arc([-0.5, -0.2], [-0.1, -0.5]), arc([0.5, 0.2], [0.25, 0.5])];
         assert!((distance(&truth, &found).unwrap() - 0.1).abs() < 1e-15);

@@ -13,14 +13,15 @@ use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::spectral::{SpectralParams, spectral};
 use rayon::prelude::*;
+use reference::Resolutions;
 use serde::{Deserialize, Serialize};
 
-/// Plan of the computation.
+/// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TruthPlan {
     /// Names, and right-hand sides in the notation of scenes.
     pub problems: Vec<(String, String)>,
-    /// The two resolutions whose common digits are given, as nodes of a panel and levels of panels.
+    /// Two resolutions whose common digits are given, as nodes of a panel and levels of panels.
     pub resolutions: [(usize, u32); 2],
     /// Cells per side of the grids on which finite elements are measured.
     pub cells: Vec<usize>,
@@ -29,7 +30,7 @@ pub struct TruthPlan {
 }
 
 impl TruthPlan {
-    /// The paper's problems `first`, then others, with several arcs of contact and with discs.
+    /// Plan of the book: the paper's problems `first`, then others, with several arcs of contact and with discs.
     pub fn new(first: impl IntoIterator<Item = (String, String)>) -> Self {
         let [strong, two_arcs] = CONTACT;
         let others = [
@@ -39,9 +40,10 @@ impl TruthPlan {
             ("two-discs", "disc(0.1,-0.2,0.3)=3; disc(-0.1,0.1,0.25)=-4; else=-1"),
             ("corner-disc", "disc(0.5,0.5,0.3)=4; else=-1"),
         ];
-        let others = others.map(|(name, f)| (name.to_owned(), f.to_owned()));
+        let mut problems: Vec<_> = first.into_iter().collect();
+        problems.extend(others.map(|(name, f)| (name.to_owned(), f.to_owned())));
         Self {
-            problems: first.into_iter().chain(others).collect(),
+            problems,
             resolutions: [(20, 8), (24, 9)],
             cells: vec![16, 32, 64, 128, 256],
             sampled: 32,
@@ -49,10 +51,10 @@ impl TruthPlan {
     }
 }
 
-/// Results.
+/// Result of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Truth {
-    /// One per problem.
+    /// References, one per problem.
     pub references: Vec<Reference>,
     /// Finite elements on the same problems, then on those with solutions in closed form.
     pub elements: Vec<Elements>,
@@ -60,51 +62,50 @@ pub struct Truth {
     pub sampled: usize,
     /// v of the first two problems at the nodes, row by row from the lower left corner.
     pub samples: Vec<Vec<f64>>,
-    /// Numbers that the chapter quotes for all of them.
+    /// Numbers over all problems that the chapter mentions.
     pub summary: TruthSummary,
 }
 
-/// Accuracy with which identities and bounds hold.
+/// AccuracyFindings of identities and bounds over all problems.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TruthSummary {
-    /// The largest [`Reference::green`], its sign left out.
+    /// Largest absolute value of [`Reference::green`].
     pub green: f64,
-    /// Largest [`Reference::rellich`].
+    /// Largest absolute value of [`Reference::rellich`].
     pub rellich: f64,
-    /// Brackets of a true energy that is known.
+    /// Number of brackets of a true energy that is known.
     pub brackets: usize,
-    /// Those that hold it.
+    /// Number of brackets that hold the true energy.
     pub held: usize,
 }
 
 impl TruthSummary {
     fn of(references: &[Reference], elements: &[Elements]) -> Self {
-        let worst = |of: fn(&Reference) -> f64| worst(references.iter().map(of));
-        let held = || elements.iter().flat_map(|one| &one.levels).filter_map(|level| level.holds);
+        let levels = elements.iter().flat_map(|elements| &elements.levels);
+        let holds: Vec<bool> = levels.filter_map(|level| level.holds).collect();
         Self {
-            green: worst(|one| one.green),
-            rellich: worst(|one| one.rellich),
-            brackets: held().count(),
-            held: held().filter(|held| *held).count(),
+            green: worst(references.iter().map(|reference| reference.green)),
+            rellich: worst(references.iter().map(|reference| reference.rellich)),
+            brackets: holds.len(),
+            held: holds.iter().filter(|holds| **holds).count(),
         }
     }
 }
 
 /// Runs the experiment.
 ///
+/// 1. Solves each problem at two resolutions, and keeps the digits on which they agree.
+/// 2. Solves each problem, and those with a formula, with finite elements on all grids.
+/// 3. Measures errors and guaranteed bounds against the true solutions.
+///
 /// # Errors
 /// A sentence if a right-hand side cannot be read, or there is no solution.
 pub fn truth(plan: &TruthPlan) -> Result<Truth, String> {
-    let [rough, fine] = plan.resolutions.map(|(nodes, levels)| SpectralParams { nodes, levels });
-    let solved = |(name, text): &(String, String)| {
-        let f: Source = text.parse().map_err(|e| format!("{name}: {e}"))?;
-        let failed = |e| format!("{name}: {e}");
-        let rough = spectral(&f, rough).map_err(failed)?;
-        let fine = rough.at_resolution(fine).map_err(failed)?;
-        Ok((Reference::of(name, &f, &rough, &fine), KnownSolution::of(name, f, fine)))
-    };
-    let solved: Vec<(Reference, KnownSolution)> =
-        plan.problems.par_iter().map(solved).collect::<Result<_, String>>()?;
+    let solved: Vec<(Reference, KnownSolution)> = plan
+        .problems
+        .par_iter()
+        .map(|(name, f)| solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}")))
+        .collect::<Result<_, String>>()?;
     let (references, mut known): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
     let sampled = known.iter().take(2).filter_map(KnownSolution::solution);
     let samples = sampled.map(|solution| solution.at_nodes(plan.sampled)).collect();
@@ -115,4 +116,19 @@ pub fn truth(plan: &TruthPlan) -> Result<Truth, String> {
         .collect::<Result<Vec<_>, _>>()?;
     let summary = TruthSummary::of(&references, &elements);
     Ok(Truth { references, elements, sampled: plan.sampled, samples, summary })
+}
+
+/// Solves a problem with the spectral solver at two resolutions; the finer one is the known solution.
+fn solve(
+    name: &str,
+    text: &str,
+    resolutions: [(usize, u32); 2],
+) -> Result<(Reference, KnownSolution), String> {
+    let [rough, fine] = resolutions.map(|(nodes, levels)| SpectralParams { nodes, levels });
+    let f: Source = text.parse().map_err(|e| format!("{e}"))?;
+    let rough = spectral(&f, rough).map_err(|e| e.to_string())?;
+    let fine = rough.at_resolution(fine).map_err(|e| e.to_string())?;
+    let solutions = Resolutions { rough, fine };
+    let reference = Reference::of(name, &f, &solutions);
+    Ok((reference, KnownSolution::of(name, f, solutions.fine)))
 }

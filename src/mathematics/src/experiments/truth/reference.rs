@@ -1,23 +1,22 @@
 //! Values of a true solution, to as many digits as two resolutions agree on and rounding leaves.
 
-use crate::discrete::contact::ContactArc;
 use crate::problem::source::Source;
 use crate::spectral::{Checks, Solution};
 use serde::{Deserialize, Serialize};
 
-/// A problem and its solution in numbers for others to compare with.
+/// A problem and its solution in numbers, as a reference for other programs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reference {
-    /// Name.
+    /// Name of the problem.
     pub name: String,
     /// f in the notation of scenes.
     pub f: String,
-    /// The solution.
+    /// Solution.
     #[serde(flatten)]
     pub numbers: Numbers<ReferenceValue>,
-    /// The total force plus the integral of f, over the latter: zero but for errors.
+    /// Total force plus the integral of f, over the latter: zero but for errors.
     pub green: f64,
-    /// The energy by Rellich's identity less the energy, over the latter: zero but for errors.
+    /// Energy by Rellich's identity less the energy, over the latter: zero but for errors.
     pub rellich: f64,
 }
 
@@ -34,19 +33,19 @@ pub struct Numbers<V> {
     pub contact: Vec<ReferenceArc<V>>,
 }
 
-/// An arc of contact.
+/// Arc of contact.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ReferenceArc<V> {
-    /// First point.
+    /// Point at which the arc begins.
     pub from: [V; 2],
-    /// Last point; the same point as `from` if all of the boundary is in contact.
+    /// Point at which the arc ends; equal to `from` if all of the boundary is in contact.
     pub to: [V; 2],
-    /// Integral of the multiplier over it.
+    /// Integral of the multiplier over the arc.
     pub force: V,
 }
 
 impl<V> Numbers<V> {
-    /// All of them, in the order of the fields.
+    /// Iterates over all numbers, in the order of the fields.
     pub fn each(&mut self) -> impl Iterator<Item = &mut V> {
         let Self { energy, centre, corners, contact } = self;
         let arcs = contact
@@ -56,65 +55,81 @@ impl<V> Numbers<V> {
     }
 }
 
-/// Decimals that rounding leaves: beyond, both resolutions may make the same error.
+/// Number of decimals that rounding errors do not reach: beyond, both resolutions may have the same error.
 const DECIMALS: usize = 14;
 
-/// A number at the finer of two resolutions.
+/// Number at the finer of two resolutions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ReferenceValue {
-    /// As a double.
+    /// Number as a double.
     pub value: f64,
-    /// The decimals on which both resolutions agree, at most 14, rounded; or those of a better program.
+    /// Decimals on which both resolutions agree, at most 14, rounded; or those of a more accurate program.
     pub digits: String,
 }
 
 impl ReferenceValue {
     fn of([rough, fine]: [f64; 2]) -> Self {
-        let written = |x: f64, places: usize| {
-            let text = format!("{x:.places$}");
-            // Zero has no sign.
-            if text.trim_start_matches(['-', '0', '.']).is_empty() {
-                text.trim_start_matches('-').to_owned()
-            } else {
-                text
-            }
-        };
-        // Zero where contact is, and halves on the sides of the square, hold by construction.
+        // Zero on contact, and halves on the sides of the square, hold by construction.
         if fine == rough && (2.0 * fine).fract() == 0.0 {
             return Self { value: fine, digits: format!("{}", fine + 0.0) };
         }
-        let digits = (0..=DECIMALS)
-            .rev()
-            .map(|places| (written(rough, places), written(fine, places)))
-            .find(|(rough, fine)| rough == fine)
-            .map_or_else(String::new, |(_, fine)| fine);
+        let mut digits = String::new();
+        for places in (0..=DECIMALS).rev() {
+            let written = decimals(fine, places);
+            if written == decimals(rough, places) {
+                digits = written;
+                break;
+            }
+        }
         Self { value: fine, digits }
     }
 }
 
+/// Writes `x` with this number of decimals; zero has no sign.
+fn decimals(x: f64, places: usize) -> String {
+    let text = format!("{x:.places$}");
+    if text.trim_start_matches(['-', '0', '.']).is_empty() {
+        text.trim_start_matches('-').to_owned()
+    } else {
+        text
+    }
+}
+
 impl Reference {
-    /// The solution at two resolutions, the finer one last.
-    pub(super) fn of(name: &str, f: &Source, rough: &Solution, fine: &Solution) -> Self {
-        let value = |of: &dyn Fn(&Solution) -> f64| ReferenceValue::of([of(rough), of(fine)]);
+    /// Takes the solution of a problem at two resolutions.
+    pub(super) fn of(name: &str, f: &Source, solutions: &Resolutions) -> Self {
         // The solver counts from the lower right corner.
-        let corners = [3, 0, 1, 2].map(|k| value(&|s| s.corners()[k]));
-        let arc = |k: usize| {
-            let of = |of: &dyn Fn(&ContactArc) -> f64| value(&|s| of(&s.contact[k]));
-            ReferenceArc {
-                from: [0, 1].map(|d| of(&|arc| arc.from[d])),
-                to: [0, 1].map(|d| of(&|arc| arc.to[d])),
-                force: of(&|arc| arc.force),
-            }
-        };
-        let arcs = rough.contact.len().min(fine.contact.len());
+        let corners = [3, 0, 1, 2].map(|k| solutions.value(|s| s.corners()[k]));
+        let arcs = solutions.rough.contact.len().min(solutions.fine.contact.len());
         let numbers = Numbers {
-            energy: value(&|s| s.energy),
-            centre: value(&|s| s.value(0.0, 0.0)),
+            energy: solutions.value(|s| s.energy),
+            centre: solutions.value(|s| s.value(0.0, 0.0)),
             corners,
-            contact: (0..arcs).map(arc).collect(),
+            contact: (0..arcs).map(|k| solutions.arc(k)).collect(),
         };
-        let Checks { green, rellich, .. } = fine.checks;
+        let Checks { green, rellich, .. } = solutions.fine.checks;
         Self { name: name.into(), f: f.to_string(), numbers, green, rellich }
+    }
+}
+
+/// Solution of one problem at two resolutions.
+pub(super) struct Resolutions {
+    pub(super) rough: Solution,
+    pub(super) fine: Solution,
+}
+
+impl Resolutions {
+    fn value(&self, number: impl Fn(&Solution) -> f64) -> ReferenceValue {
+        ReferenceValue::of([number(&self.rough), number(&self.fine)])
+    }
+
+    /// The k-th arc of contact.
+    fn arc(&self, k: usize) -> ReferenceArc<ReferenceValue> {
+        ReferenceArc {
+            from: [0, 1].map(|axis| self.value(|s| s.contact[k].from[axis])),
+            to: [0, 1].map(|axis| self.value(|s| s.contact[k].to[axis])),
+            force: self.value(|s| s.contact[k].force),
+        }
     }
 }
 
@@ -122,9 +137,12 @@ impl Reference {
 mod tests {
     use super::*;
 
+    fn digits(rough: f64, fine: f64) -> String {
+        ReferenceValue::of([rough, fine]).digits
+    }
+
     #[test]
     fn digits_are_those_of_both_resolutions() {
-        let digits = |rough, fine| ReferenceValue::of([rough, fine]).digits;
         // 0.12345679 and 0.12345678 with a decimal more.
         assert_eq!(digits(0.123456789, 0.123456781), "0.1234568");
         assert_eq!(digits(-0.5, -0.5), "-0.5");

@@ -1,27 +1,30 @@
-//! psi on the border, interpolated: its gradient, a sum of logarithms, is wanted at thousands of points.
+//! psi on the boundary, interpolated: its gradient, a sum of logarithms, is wanted at thousands of points.
 
 use super::complex::{Complex, distance};
 use super::jumps::Jumps;
 use super::panels::LANES;
-use super::place::{BorderPlace, tangent};
+use super::place::{BoundaryPlace, tangent};
+use super::potential::Potential;
 use super::rule::halved;
 use std::f64::consts::PI;
 
-/// Terms of a series. No piece is longer than its distance from a singular point, so that the terms fall like
+/// Number of terms of a series. No piece is longer than its distance from a singular point, so that the terms fall like
 /// `(2 + sqrt 5)^-k` at least: to rounding.
 const TERMS: usize = 24;
 
-/// Chebyshev series on pieces of the sides between corners, jumps of f, and where singular points are near.
+/// Chebyshev series of psi and its gradient on pieces of the sides between corners, jumps of f, and where singular
+/// points are near.
 #[derive(Clone)]
-pub(super) struct SquareBorder {
-    /// Side by side, each in order.
-    sides: [Vec<Piece>; 4],
+pub(super) struct BoundaryPotential {
+    /// Pieces, side by side, each in order.
+    sides: [Vec<SeriesPiece>; 4],
 }
 
 #[derive(Clone)]
-struct Piece {
-    /// Ends as distances from the corner at which the side begins.
+struct SeriesPiece {
+    /// Start as a distance from the corner at which the side begins.
     from: f64,
+    /// End as a distance from that corner.
     to: f64,
     /// One over the length.
     scale: f64,
@@ -29,51 +32,34 @@ struct Piece {
     series: [[f64; 3]; TERMS],
 }
 
-impl SquareBorder {
+impl BoundaryPotential {
     pub(super) fn new(jumps: &Jumps) -> Self {
-        let psi = &jumps.psi;
-        // Of the Chebyshev polynomials at their nodes, node by node.
-        let circle: [f64; 4 * TERMS] =
-            std::array::from_fn(|k| libm::cos(k as f64 * PI / (2 * TERMS) as f64));
-        let cosines: [[f64; TERMS]; TERMS] = std::array::from_fn(|node| {
-            std::array::from_fn(|k| circle[k * (2 * node + 1) % (4 * TERMS)])
-        });
-        // psi at the start of the piece; along the border it is an integral of its gradient.
-        let mut before = 0.0;
+        let cosines = cosines();
+        // psi at the start of the piece; along the boundary it is an integral of its gradient.
+        let mut start = 0.0;
         let sides = [0, 1, 2, 3].map(|side| {
-            let point = |t: f64| BorderPlace { corner: side, t }.point();
-            let mut breaks: Vec<f64> = jumps.crossings_on(side).chain([0.0, 1.0]).collect();
-            breaks.sort_by(f64::total_cmp);
-            let too_long = |span @ [from, to]: [f64; 2]| {
-                let (length, middle) = (to - from, 0.5 * (from + to));
-                let segment = span.map(point);
-                let mut singular = psi.singular([from, middle, to].map(point));
-                length > SHORTEST && singular.any(|v| length > distance(segment, v))
-            };
-            let spans: Vec<[f64; 2]> = breaks
-                .windows(2)
-                .filter(|ends| ends[0] < ends[1])
-                .flat_map(|ends| halved([ends[0], ends[1]], too_long))
-                .collect();
-            let node = |[from, to]: [f64; 2], x: f64| point(0.5 * ((from + to) + (to - from) * x));
-            let nodes: Vec<Complex> = spans
-                .iter()
-                .flat_map(|&span| cosines.iter().map(move |cosines| node(span, cosines[1])))
-                .collect();
-            let gradients = psi.gradients(&nodes);
-            let piece = |(&span, gradients): (&[f64; 2], &[Complex])| {
-                let piece = Piece::new(side, span, &cosines, before, gradients);
+            let spans = spans(jumps, side);
+            let mut nodes = Vec::with_capacity(spans.len() * TERMS);
+            for [from, to] in &spans {
+                for cosines in &cosines {
+                    nodes.push(point(side, 0.5 * ((from + to) + (to - from) * cosines[1])));
+                }
+            }
+            let gradients = jumps.psi.gradients(&nodes);
+            let mut pieces = Vec::with_capacity(spans.len());
+            for (span, gradients) in spans.into_iter().zip(gradients.chunks_exact(TERMS)) {
+                let piece = SeriesPiece::new(side, span, &cosines, start, gradients);
                 // At 1 all polynomials are 1.
-                before = piece.series.iter().map(|c| c[0]).sum();
-                piece
-            };
-            spans.iter().zip(gradients.chunks_exact(TERMS)).map(piece).collect()
+                start = piece.series.iter().map(|c| c[0]).sum();
+                pieces.push(piece);
+            }
+            pieces
         });
         Self { sides }
     }
 
     /// psi at a place.
-    pub(super) fn value(&self, place: BorderPlace) -> f64 {
+    pub(super) fn value(&self, place: BoundaryPlace) -> f64 {
         let [psi] = self.at(place.corner, &[place.t; LANES], [0]);
         psi[0]
     }
@@ -88,10 +74,10 @@ impl SquareBorder {
     ) -> [[f64; LANES]; MANY] {
         let (mut found, mut known) = ([[0.0; LANES]; MANY], 0);
         while known < LANES {
-            let piece = self.piece(BorderPlace { corner, t: t[known] });
-            let x = t.map(|t| piece.local(BorderPlace { corner, t }));
+            let piece = self.piece(BoundaryPlace { corner, t: t[known] });
+            let x = t.map(|t| piece.local(BoundaryPlace { corner, t }));
             let sums = piece.sums(&x, wanted);
-            // Places of a panel are in the order of the border, or against it.
+            // Places of a panel are in the order of the boundary, or against it.
             let first = known;
             while known < LANES && (known == first || x[known].abs() <= 1.0) {
                 for (found, sums) in found.iter_mut().zip(&sums) {
@@ -103,8 +89,8 @@ impl SquareBorder {
         found
     }
 
-    /// The piece with a place.
-    fn piece(&self, place: BorderPlace) -> &Piece {
+    /// Piece that holds a place.
+    fn piece(&self, place: BoundaryPlace) -> &SeriesPiece {
         let (side, t) = place.on_side();
         let pieces = &self.sides[side as usize];
         &pieces[pieces.partition_point(|piece| piece.to < t).min(pieces.len() - 1)]
@@ -114,7 +100,40 @@ impl SquareBorder {
 /// Pieces shorter than this are not cut further.
 const SHORTEST: f64 = 1e-6;
 
-impl Piece {
+/// Chebyshev polynomials at the nodes of a series, node by node.
+fn cosines() -> [[f64; TERMS]; TERMS] {
+    let circle: [f64; 4 * TERMS] =
+        std::array::from_fn(|k| libm::cos(k as f64 * PI / (2 * TERMS) as f64));
+    std::array::from_fn(|node| std::array::from_fn(|k| circle[k * (2 * node + 1) % (4 * TERMS)]))
+}
+
+/// Point of a side, by its distance from the corner at which the side begins.
+fn point(side: i32, t: f64) -> Complex {
+    BoundaryPlace { corner: side, t }.point()
+}
+
+/// Ends of the pieces of a side, as distances from the corner at which it begins.
+fn spans(jumps: &Jumps, side: i32) -> Vec<[f64; 2]> {
+    let mut breaks: Vec<f64> = jumps.crossings_on(side).chain([0.0, 1.0]).collect();
+    breaks.sort_by(f64::total_cmp);
+    let mut spans = Vec::new();
+    for ends in breaks.windows(2) {
+        if ends[0] < ends[1] {
+            spans.extend(halved([ends[0], ends[1]], |span| is_too_long(&jumps.psi, side, span)));
+        }
+    }
+    spans
+}
+
+/// True if a piece of a side is longer than its distance from a singular point of psi.
+fn is_too_long(psi: &Potential, side: i32, [from, to]: [f64; 2]) -> bool {
+    let (length, middle) = (to - from, 0.5 * (from + to));
+    let along = [from, middle, to].map(|t| point(side, t));
+    let mut singular = psi.singular(along);
+    length > SHORTEST && singular.any(|v| length > distance([along[0], along[2]], v))
+}
+
+impl SeriesPiece {
     fn new(
         side: i32,
         [from, to]: [f64; 2],
@@ -133,14 +152,15 @@ impl Piece {
             let share = if k == 0 { 1.0 } else { 2.0 } / TERMS as f64;
             [0.0, share * x[k], share * y[k]]
         });
-        let slope = |k: usize| {
-            let [_, x, y] = series.get(k).copied().unwrap_or_default();
-            let along = tangent(side, 1.0).dot(Complex::new(x, y));
-            if k == 0 { 2.0 * along } else { along }
-        };
+        // Coefficients of the derivative along the side, the first one doubled.
+        let mut slopes = [0.0; TERMS + 1];
+        for (slope, [_, x, y]) in slopes.iter_mut().zip(series) {
+            *slope = tangent(side, 1.0).dot(Complex::new(x, y));
+        }
+        slopes[0] *= 2.0;
         let psi: [f64; TERMS] = std::array::from_fn(|k| match k {
             0 => before,
-            _ => (to - from) * (slope(k - 1) - slope(k + 1)) / (4 * k) as f64,
+            _ => (to - from) * (slopes[k - 1] - slopes[k + 1]) / (4 * k) as f64,
         });
         for (k, value) in psi.into_iter().enumerate() {
             series[k][0] += value;
@@ -154,12 +174,12 @@ impl Piece {
 
     /// Coordinate on the piece of a place on its side, from -1 to 1.
     #[inline(always)]
-    fn local(&self, place: BorderPlace) -> f64 {
+    fn local(&self, place: BoundaryPlace) -> f64 {
         let (_, t) = place.on_side();
         ((t - self.from) - (self.to - t)) * self.scale
     }
 
-    /// The sums of series, by Clenshaw's recurrence.
+    /// Sums of the series, by Clenshaw's recurrence.
     #[inline(always)]
     fn sums<const MANY: usize>(
         &self,
@@ -192,15 +212,15 @@ mod tests {
             "rect(-0.7,0.493,-0.2,0.1)=-5; disc(0.3,0.45,0.049)=4; halfplane(1,0.3,0.2)=2; else=-2",
             "disc(0.5,0.5,0.3)=4; disc(-0.1,0.4,0.099)=-3; else=-1",
         ] {
-            let SpectralProblem { jumps, border, .. } =
+            let SpectralProblem { jumps, boundary_psi, .. } =
                 SpectralProblem::new(&text.parse().unwrap());
-            let end = border.sides[3].last().unwrap();
+            let end = boundary_psi.sides[3].last().unwrap();
             let around: f64 = end.series.iter().map(|c| c[0]).sum();
-            assert!(around.abs() < 4e-15, "{text}: once around the border {around}");
-            let places = (0..4000)
-                .map(|k| BorderPlace::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5));
-            for place in places {
-                let [x, y] = border.at(place.corner, &[place.t; LANES], [1, 2]).map(|s| s[0]);
+            assert!(around.abs() < 4e-15, "{text}: once around the boundary {around}");
+            for k in 0..4000 {
+                let place =
+                    BoundaryPlace::new(k / 1000, 0.997 * f64::from(k % 1000) / 1000.0 - 0.5);
+                let [x, y] = boundary_psi.at(place.corner, &[place.t; LANES], [1, 2]).map(|s| s[0]);
                 let slope = jumps.psi.gradients(&[place.point()])[0];
                 let error = (Complex::new(x, y) - slope).norm();
                 assert!(error < 2e-14, "{text}, {place:?}: {error}");

@@ -1,0 +1,196 @@
+//! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
+
+use super::{ClaimsPlan, Count, VARIANTS};
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::kkt;
+use crate::discrete::load::{LoadRule, load};
+use crate::discrete::norms::largest;
+use crate::experiments::problems::{Discrete, Problem};
+use crate::saddle::batch::{AsDefined, End, Job, JobGoal, LANES, Nested, run, run_nested};
+use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use rayon::prelude::*;
+
+/// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
+/// fine grids, and has no solution to converge to.
+const SOLVABLE: LoadRule = LoadRule::LumpedAverage {};
+/// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
+const START: f64 = 1e-12;
+/// Stopping rules under which r is swept; the others take the paper's r only.
+pub(super) const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
+
+/// Runs in a batch: many, so that few lanes are idle when only the longest runs are left.
+const RUNS: usize = 12 * LANES;
+
+/// A problem on all its grids.
+pub(super) struct ClaimCase<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) grids: Vec<Grid>,
+    /// Load vectors under the published rule.
+    pub(super) published: Vec<Vec<f64>>,
+    /// Load vectors under [`SOLVABLE`].
+    pub(super) solvable: Vec<Vec<f64>>,
+    /// Solution on the coarser grid under [`SOLVABLE`], prolonged to each grid; zero on the coarsest grid.
+    pub(super) starts: Vec<Pair>,
+}
+
+/// A run for one r.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct ClaimRun {
+    /// Index of the problem in the plan.
+    pub(super) problem: usize,
+    pub(super) end: Until,
+    pub(super) r: f64,
+}
+
+/// Grids on which a run takes place, and the condition under which it ends.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Until {
+    /// All grids in turn, under a stopping rule.
+    Rule(StopRule),
+    /// One grid, to a KKT residual; a `variant` is an index of [`VARIANTS`], `None` stands for Arrow-Hurwicz.
+    Kkt { level: usize, target: f64, variant: Option<usize> },
+}
+
+/// Result of a run on one grid.
+#[derive(Clone, Copy)]
+pub(super) struct RunResult {
+    pub(super) count: Count,
+    pub(super) delta_a: f64,
+    /// KKT residual over the largest component of F.
+    pub(super) kkt: f64,
+}
+
+/// Makes all runs, in parallel. Returns each run with its results on the grids that it visits.
+pub(super) fn run_all(
+    plan: &ClaimsPlan,
+    problems: &[ClaimCase],
+) -> Vec<(ClaimRun, Vec<RunResult>)> {
+    let batches = batches(plan, problems);
+    let done: Vec<_> = batches
+        .par_iter()
+        .with_max_len(1)
+        .map(|batch| problems[batch[0].problem].run(plan, batch))
+        .collect();
+    batches.concat().into_iter().zip(done.into_iter().flatten()).collect()
+}
+
+/// All runs; those of a batch share the problem, and the stopping rule or the grid.
+fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimRun>> {
+    let swept = plan.r();
+    let mut batches = Vec::new();
+    for (index, problem) in problems.iter().enumerate() {
+        // The finest grids first: they take longest.
+        for (level, grid) in problem.grids.iter().enumerate().rev() {
+            let mut runs = Vec::new();
+            for &(target, finest) in plan.targets.iter().rev() {
+                if grid.cells() > finest {
+                    continue;
+                }
+                runs.extend(runs_over(&swept, index, Until::Kkt { level, target, variant: None }));
+                if grid.cells() >= plan.compared_from {
+                    for variant in (0..VARIANTS.len()).map(Some) {
+                        let end = Until::Kkt { level, target, variant };
+                        runs.extend(runs_over(&plan.compared_r, index, end));
+                    }
+                }
+            }
+            batches.extend(runs.chunks(RUNS).map(<[ClaimRun]>::to_vec));
+        }
+        let of_paper = &problem.problem.r;
+        for rule in StopRule::ALL {
+            let mut r = of_paper.clone();
+            if SWEPT.contains(&rule) {
+                r.extend(swept.iter().filter(|r| !of_paper.contains(r)));
+            }
+            r.sort_by(f64::total_cmp);
+            let runs = runs_over(&r, index, Until::Rule(rule));
+            batches.extend(runs.chunks(RUNS).map(<[ClaimRun]>::to_vec));
+        }
+    }
+    batches
+}
+
+/// One run for each r.
+fn runs_over(r: &[f64], problem: usize, end: Until) -> Vec<ClaimRun> {
+    r.iter().map(|&r| ClaimRun { problem, end, r }).collect()
+}
+
+impl<'a> ClaimCase<'a> {
+    pub(super) fn new(problem: &'a Problem) -> Result<Self, String> {
+        let Discrete { f, grids, loads: published } = problem.discrete()?;
+        let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
+        let mut starts = vec![Pair::zero(grids[0])];
+        for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {
+            let params = Params {
+                r: 100.0,
+                tolerance: START,
+                rule: StopRule::PrintedDual,
+                ..Params::default()
+            };
+            let mut pair = starts[k].clone();
+            let outcome = arrow_hurwicz(grid, &solvable[k], &params, &mut pair);
+            if outcome.stop != StopReason::Converged {
+                return Err(format!("no solution on grid 1/{}: {}", grid.cells(), outcome.stop));
+            }
+            starts.push(pair.prolonged(grid, problem.prolongation));
+        }
+        Ok(Self { problem, grids, published, solvable, starts })
+    }
+
+    /// Makes the runs of a batch. Returns, for each run, its results on the grids that it visits.
+    fn run(&self, plan: &ClaimsPlan, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
+        match batch[0].end {
+            Until::Rule(rule) => self.run_nested(rule, batch),
+            Until::Kkt { level, .. } => self.run_on_grid(plan, level, batch),
+        }
+    }
+
+    /// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r.
+    fn run_nested(&self, rule: StopRule, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
+        let loads = &self.published[..];
+        let runs: Vec<_> = batch.iter().map(|run| Nested { loads, r: run.r, rule }).collect();
+        let (limit, prolongation) = (self.problem.max_iterations, self.problem.prolongation);
+        let ends = run_nested(&self.grids, &runs, prolongation, |_, _| limit, &mut AsDefined);
+        let mut results = Vec::new();
+        for ends in &ends {
+            let on_grids = self.grids.iter().zip(loads).zip(ends);
+            results.push(on_grids.map(|((g, load), end)| RunResult::new(*g, load, end)).collect());
+        }
+        results
+    }
+
+    /// Makes runs on one grid towards a KKT residual.
+    fn run_on_grid(
+        &self,
+        plan: &ClaimsPlan,
+        level: usize,
+        batch: &[ClaimRun],
+    ) -> Vec<Vec<RunResult>> {
+        let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
+        let scale = largest(load);
+        let mut jobs = Vec::new();
+        for run in batch {
+            let Until::Kkt { target, variant, .. } = run.end else {
+                unreachable!("the runs of a batch are of one kind")
+            };
+            let method = match variant {
+                None => Method::ArrowHurwicz,
+                Some(k) => VARIANTS[k].method(plan.weight, 0.1 * target * scale),
+            };
+            let goal = JobGoal::Kkt(target);
+            jobs.push(Job { load, start, method, r: run.r, goal, cap: plan.cap });
+        }
+        let ends = run(grid, &jobs, &mut AsDefined);
+        ends.iter().map(|end| vec![RunResult::new(grid, load, end)]).collect()
+    }
+}
+
+impl RunResult {
+    fn new(grid: Grid, load: &[f64], end: &End) -> Self {
+        Self {
+            count: Count { iterations: end.sweeps, stop: end.stop },
+            delta_a: end.delta_a,
+            kkt: kkt(grid, &end.pair.y, load).relative,
+        }
+    }
+}
