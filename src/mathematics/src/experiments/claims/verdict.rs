@@ -260,7 +260,8 @@ mod tests {
         let medians = [3.0, 2.0, 5.0, 2.5, 1.5];
         assert_eq!(gains.collect::<Vec<_>>(), medians.map(|median| (Some(1e-3), None, median)));
         let at = verdicts.gains_at.iter().map(|pair| {
-            pair.each_ref().map(|of| (of.target, of.r.unwrap(), of.cheaper.cases, of.median.unwrap()))
+            pair.each_ref()
+                .map(|of| (of.target, of.r.unwrap(), of.cheaper.cases, of.median.unwrap()))
         });
         let expected = [
             [(None, 1.0, 1, 3.0), (None, 1.0, 1, 1.5)],

@@ -112,7 +112,7 @@ impl StressSummary {
         let scaled = stress.scaling.iter().map(|case| &case["multigrid"]);
         let scaled = scaled.filter(|trial| is_solved(trial)).map(|trial| trial.steps as f64);
         let deficits: Vec<_> = stress.deficits.iter().flatten().collect();
-        let (done, stalled): (Vec<_>, Vec<_>) =
+        let (done, stalled): (Vec<&StressCase<f64>>, Vec<&StressCase<f64>>) =
             deficits.iter().partition(|case| is_solved(&case["multigrid"]));
         let strict_floors = stress.floors.iter().filter_map(|case| case.trials.get("strict"));
         let loads = stress.jumps.iter().chain(&stress.spikes);
