@@ -1,23 +1,21 @@
-//! `certificate`: a CODECHECK bundle and a page on it, for a reviewer to attach to a review.
+//! `certificate`: a CODECHECK bundle, a page on it and an RO-Crate of the run, for a reviewer to attach to a review.
 
 mod checkout;
 mod contents;
 mod machine;
 
-use super::CacheArgs;
 use super::diff::comparisons;
 use super::output::{OutputFile, is_there, say, talk};
 use super::pipeline::{Scope, Workplace, outside_report};
+use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::{LockFile, Summary, hash};
 use crate::replication::comparison::TableComparison;
-use crate::replication::project::Project;
 use crate::replication::stages::report;
 use crate::timing::machine::COMPILER;
-use crate::timing::recorded;
 use checkout::Checkout;
 use clap::Args;
-use contents::{File, differing, files, reservations, sentences};
+use contents::{File, differing, files, inputs, reservations, sentences};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -26,6 +24,7 @@ use tera::{Context, Kwargs, State, Tera};
 const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
 const TITLE: &str = "The study semicoercive Signorini problem by Arrow-Hurwicz method \
     (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
+const DEVELOPERS: &str = "The signorini developers";
 const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
 
 /// Commands that make the files of the bundle, each with its effect in words.
@@ -39,13 +38,16 @@ const COMMANDS: [(&str, &str); 4] = [
     ("cargo test --release", "tests the program"),
 ];
 
+/// Name of a codechecker who gives none.
+const NOBODY: &str = "(name of the codechecker)";
+
 #[derive(Args)]
 pub(super) struct CertificateArgs {
     /// Folder for the bundle, which must exist [default: codecheck in the project]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Who checked
-    #[arg(long, value_name = "NAME", default_value = "(name of the codechecker)")]
+    #[arg(long, value_name = "NAME", default_value = NOBODY)]
     name: String,
     /// Their ORCID, such as 0000-0002-1825-0097
     #[arg(long, value_name = "ID")]
@@ -80,17 +82,27 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let count = files.len();
     let mut context = context(args, &workplace, &summary, &tables, &files)?;
     let project = &workplace.project;
-    let paths: Vec<&str> = inputs(project).map(|(path, _)| path.as_str()).collect();
+    let paths: Vec<&str> = project.files.keys().map(String::as_str).collect();
     let checkout = Checkout::of(&project.root, &paths, LOCK_FILE);
+    let inputs = inputs(project);
+    context.insert("input_files", &inputs);
+    files.extend(inputs);
     context.insert("checkout", &checkout.as_ref().ok());
     context.insert("no_checkout", &checkout.as_ref().err());
     let page = render(include_str!("certificate/certificate.md.tera"), &context);
-    context.insert("page_hash", &hash(page.as_bytes()));
+    files.push(File::new(PAGE, "what matched and how exactly, on one page", page.into_bytes()));
+    context.insert("page", &files.last());
+    context.insert("parts", &files);
+    let record = render(include_str!("certificate/ro-crate-metadata.json.tera"), &context);
+    files.push(File::new(RECORD, "", record.into_bytes()));
+    context.insert("record", &files.last());
     let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
-    files.push(File::new(PAGE, "", page.into_bytes()));
     files.push(File::new(MANIFEST, "", manifest.into_bytes()));
     write(&folder, &files)?;
-    say(&[PAGE, MANIFEST].map(|name| format!("{}\n", folder.join(name).display())).concat())?;
+    let here = current_folder()?;
+    let shown = folder.strip_prefix(&here).unwrap_or(&folder);
+    let written = [PAGE, MANIFEST, RECORD].map(|name| format!("{}\n", shown.join(name).display()));
+    say(&written.concat())?;
     talk(&format!("{count} files with their hashes"));
     for table in &tables {
         talk(&format!(
@@ -164,6 +176,7 @@ const LOCK_FILE: &str = "pipeline/lock.toml";
 
 const MANIFEST: &str = "codecheck.yml";
 const PAGE: &str = "certificate.md";
+const RECORD: &str = "ro-crate-metadata.json";
 
 /// Returns the verdicts on the whole project, if there is nothing to do and the lock file has these results.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
@@ -196,7 +209,7 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     )))
 }
 
-/// Returns the data of the two templates, but the hash of the page.
+/// Returns the data of the templates, but what is known of their files only after they are made.
 fn context(
     args: &CertificateArgs,
     workplace: &Workplace,
@@ -205,11 +218,13 @@ fn context(
     files: &[File],
 ) -> Result<Context> {
     let project = &workplace.project;
-    let inputs: Vec<_> = inputs(project).map(|(path, bytes)| (path, hash(bytes))).collect();
+    let inputs: Vec<_> = project.files.iter().map(|(path, bytes)| (path, hash(bytes))).collect();
+    let span = workplace.store.span(summary.manifests.keys())?;
     let lock = LockFile::path(&project.root);
     let lock_file = summary.lock_file();
     let context = Context::from_serialize(&serde_json::json!({
         "author": AUTHOR,
+        "developers": DEVELOPERS,
         "title": TITLE,
         "reference": REFERENCE,
         "version": env!("CARGO_PKG_VERSION"),
@@ -217,15 +232,23 @@ fn context(
         "program": env!("SIGNORINI_PROGRAM"),
         "commands": COMMANDS,
         "codechecker": args.name,
+        "is_named": args.name != NOBODY,
         "orcid": args.orcid,
         "repository": args.repository,
+        "is_published": args.repository.starts_with("http"),
         "time": machine::check_time()?,
+        "start": machine::utc(span.start),
+        "end": machine::utc(span.end),
         "machine": machine::description(),
         "libraries": report::versions(),
         "summary": sentences(tables),
         "tables": tables,
         "differing": tables.iter().flat_map(differing).collect::<Vec<_>>(),
         "reservations": reservations(project),
+        "name": format!("Replication of {AUTHOR}, {TITLE}"),
+        "description": format!("{} {}", sentences(tables), reservations(project).join(" ")),
+        "place": place(),
+        "build": format!("Built by {COMPILER} from sources with blake3 {}", env!("SIGNORINI_PROGRAM")),
         "files": files,
         "inputs": inputs,
         "tasks": summary.verdicts.len(),
@@ -235,9 +258,13 @@ fn context(
     Ok(context.expect("plain data"))
 }
 
-/// Files on which results depend.
-fn inputs(project: &Project) -> impl Iterator<Item = (&String, &Vec<u8>)> {
-    project.files.iter().filter(|(path, _)| *path != recorded::PATH)
+/// Returns the machine in one line.
+fn place() -> String {
+    let mut parts = Vec::new();
+    for (name, value) in machine::description() {
+        parts.push(format!("{name}: {value}"));
+    }
+    parts.join("; ")
 }
 
 fn render(template: &str, context: &Context) -> String {

@@ -115,7 +115,7 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Build the book, and open it with --open
     Report(report::ReportArgs),
-    /// Write what a reviewer attaches to a review: a CODECHECK bundle and a one-page certificate
+    /// Write what a reviewer attaches to a review: CODECHECK files and an RO-Crate
     #[command(after_help = "Only for a run that is up to date.\n\
         Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
         signorini certificate --output ../review")]

@@ -6,7 +6,7 @@ use super::manifest::{Manifest, is_stamp};
 use super::store::{LOCKS, OBJECTS, RUNS, STAMPS, Store, TASKS, believable};
 use crate::pipeline::error::Result;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -75,7 +75,12 @@ impl Store {
         if !dry {
             // Last: only now is there room for a new file on a disk that was full.
             for (file, Shortened { lines, .. }) in &shorter {
+                let ended = fs::metadata(file).and_then(|file| file.modified());
                 self.write(file, lines.as_bytes())?;
+                // The time of a record is the end of its task; not every file system can keep it.
+                if let (Ok(ended), Ok(file)) = (ended, File::options().append(true).open(file)) {
+                    let _ = file.set_modified(ended);
+                }
             }
         }
         Ok(garbage)

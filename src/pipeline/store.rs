@@ -68,13 +68,18 @@ impl Store {
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
     pub fn lock(&self) -> Result<Lock> {
-        Lock::take(&self.cache.join("lock"))
+        Lock::take(&self.lock_file())
+    }
+
+    /// Returns the path of the lock of the cache; the file is written whenever the lock is taken.
+    pub(super) fn lock_file(&self) -> PathBuf {
+        self.cache.join("lock")
     }
 
     /// Takes the shared lock with which several processes may write single tasks to the cache; `busy` is told the
     /// holder for whom it waits.
     pub(super) fn share(&self, busy: &dyn Fn(&str)) -> Result<Lock> {
-        Lock::share(&self.cache.join("lock"), busy)
+        Lock::share(&self.lock_file(), busy)
     }
 
     /// Takes the lock of one task, for a process that shares the lock of the cache; `busy` is told the holder for whom it

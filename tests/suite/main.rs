@@ -36,6 +36,7 @@ mod readme;
 mod records;
 mod reference;
 mod replication;
+mod ro_crate;
 mod shells;
 mod solvers;
 mod spectral;

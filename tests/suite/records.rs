@@ -38,6 +38,8 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     let lines = said.lines();
     assert!(lines[0].ends_with("codecheck/certificate.md"), "{said:?}");
     assert!(lines[1].ends_with("codecheck/codecheck.yml") && said.err.contains("2 of 4"));
+    let printed = said.out.lines().chain(said.err.lines());
+    printed.for_each(|line| assert!(line.chars().count() <= 80, "{line}"));
 
     let yaml = fs::read_to_string(project.path("codecheck/codecheck.yml")).unwrap();
     assert!(

@@ -85,5 +85,7 @@ fn git(project: &Path, args: &[&str]) -> Result<String, String> {
     }
     let text = String::from_utf8_lossy(&said.stderr);
     let why = text.lines().next().unwrap_or_default().trim_start_matches("fatal: ");
+    // Git also lists the folders in which it looked for a repository.
+    let why = why.split(" (or any ").next().unwrap_or_default();
     Err(format!("git refuses: {why}"))
 }

@@ -4,25 +4,99 @@ use crate::cli::pipeline::Workplace;
 use crate::pipeline::error::{IoContext, Result};
 use crate::pipeline::{Summary, hash};
 use crate::replication::comparison::TableComparison;
-use crate::replication::project::{IDENTIFIED, Project};
+use crate::replication::project::{IDENTIFIED, PAPER, Project, TRUTH};
 use crate::replication::stages::tabulate;
+use crate::timing::recorded;
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde::Serialize;
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 use signorini_mathematics::saddle::StopRule;
+use std::fmt::Write;
 use std::fs;
 
+/// A file of the bundle, with its description.
 #[derive(Serialize)]
 pub(super) struct File {
     pub(super) path: String,
+    /// Path as an address of an RO-Crate.
+    address: String,
     comment: String,
+    media_type: &'static str,
+    /// Number of bytes.
+    size: usize,
+    /// Hash in the cache, the lock file and the manifest: blake3.
     hash: String,
+    /// Hash in RO-Crates.
+    sha256: String,
     #[serde(skip)]
     pub(super) bytes: Vec<u8>,
 }
 
 impl File {
     pub(super) fn new(path: impl Into<String>, comment: impl Into<String>, bytes: Vec<u8>) -> Self {
-        Self { path: path.into(), comment: comment.into(), hash: hash(&bytes), bytes }
+        let path = path.into();
+        Self {
+            address: address(&path),
+            comment: comment.into(),
+            media_type: media_type(&path),
+            size: bytes.len(),
+            hash: hash(&bytes),
+            sha256: sha256(&bytes),
+            path,
+            bytes,
+        }
+    }
+}
+
+/// Returns the SHA-256 of some bytes in hexadecimal digits.
+fn sha256(bytes: &[u8]) -> String {
+    let mut digits = String::new();
+    for byte in Sha256::digest(bytes) {
+        write!(digits, "{byte:02x}").expect("a string takes every text");
+    }
+    digits
+}
+
+/// ASCII characters that a relative address cannot have as they are.
+const RESERVED: &AsciiSet = &CONTROLS
+    .add(b' ')
+    .add(b'"')
+    .add(b'#')
+    .add(b'%')
+    .add(b':')
+    .add(b'<')
+    .add(b'>')
+    .add(b'?')
+    .add(b'[')
+    .add(b'\\')
+    .add(b']')
+    .add(b'^')
+    .add(b'`')
+    .add(b'{')
+    .add(b'|')
+    .add(b'}');
+
+/// Returns the address of a file in the bundle. RO-Crate prefers letters beyond ASCII as they are.
+fn address(path: &str) -> String {
+    let mut address = String::new();
+    for c in path.chars() {
+        match c.is_ascii() {
+            true => address.extend(utf8_percent_encode(c.encode_utf8(&mut [0; 4]), RESERVED)),
+            false => address.push(c),
+        }
+    }
+    address
+}
+
+/// Returns the media type, as IANA registers it, of a file with this name.
+fn media_type(path: &str) -> &'static str {
+    match path.rsplit('.').next() {
+        Some("csv") => "text/csv",
+        Some("md") => "text/markdown",
+        Some("svg") => "image/svg+xml",
+        Some("toml") => "application/toml",
+        _ => "application/octet-stream",
     }
 }
 
@@ -99,6 +173,25 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
     }
     sentences
 }
+
+/// Returns the files under `pipeline/` that the run read, with the bytes that it read.
+pub(super) fn inputs(project: &Project) -> Vec<File> {
+    let mut files = Vec::new();
+    for (path, bytes) in &project.files {
+        let comment = match path.as_str() {
+            PAPER => "the published tables",
+            IDENTIFIED => "the record of the searches for f",
+            TRUTH => "digits of true solutions",
+            recorded::PATH => "recorded run times",
+            _ => "a scene: a problem, its grids, and the outputs wanted",
+        };
+        files.push(File::new(format!("{INPUTS}{path}"), comment, bytes.clone()));
+    }
+    files
+}
+
+/// Folder of the inputs in the bundle. Their paths in it are those in the project, so that the folder is a project.
+const INPUTS: &str = "inputs/";
 
 /// Returns both tables and all figures with their data, each with a comment on its contents.
 pub(super) fn files(
