@@ -105,7 +105,7 @@ fn ground(
     frame.label_below(picture, ticks.labelled().filter(|(x, _)| x.fract() == 0.0));
     let (x, y) = frame.middle();
     picture.text("iterations, all grids", (x, frame.down.1 + 31.0), plain(NORMAL));
-    picture.text("residual", (17.0, y), plain(NORMAL).transform(UPWARDS));
+    picture.text("gradient", (17.0, y), plain(NORMAL).transform(UPWARDS));
     // From the lowest upwards, so that no name covers the one below.
     let mut places: Vec<f64> = (1..=panel.grids.len()).map(|k| frame.up(-(k as f64))).collect();
     for k in (1..places.len()).rev() {

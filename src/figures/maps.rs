@@ -32,14 +32,7 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
     let limit = largest(&rasters.concat());
     let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
-    let layout = Panels {
-        count: panels.len(),
-        side: SIDE,
-        margin: 20.0,
-        left: 66.0,
-        around: (92.0, 94.0),
-        foot: 66.0,
-    };
+    let layout = layout(panels.len());
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
     for (k, ((text, f), values)) in panels.iter().zip(&rasters).enumerate() {
@@ -47,11 +40,21 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
         title(&mut picture, &frame, text);
         draw_map(&mut picture, f, values, &frame, colours);
     }
-    let middle = 0.5 * width + 10.0;
-    let top = layout.foot_top() + 12.0;
-    let half = 0.5 * (width - 160.0).min(420.0);
-    colour_bar(&mut picture, (middle - half, middle + half), top, colours, "f (x, y)");
+    let (across, top) = below(&layout, 420.0);
+    colour_bar(&mut picture, across, top, colours, "f (x, y)");
     picture
+}
+
+/// Returns the layout of maps of the square.
+pub(super) fn layout(count: usize) -> Panels {
+    Panels { count, side: SIDE, margin: 20.0, left: 66.0, around: (92.0, 94.0), foot: 66.0 }
+}
+
+/// Returns left and right end, and top, of a bar of this width below the maps.
+pub(super) fn below(layout: &Panels, width: f64) -> ((f64, f64), f64) {
+    let all = layout.size().0;
+    let (middle, half) = (0.5 * all + 10.0, 0.5 * (all - 160.0).min(width));
+    ((middle - half, middle + half), layout.foot_top() + 12.0)
 }
 
 /// Draws the map of f, whose raster is `values`.
@@ -88,6 +91,11 @@ fn draw_map(
             frame.raster(picture, RASTER, &shades);
         }
     }
+    draw_axes(picture, frame);
+}
+
+/// Draws outline and axes of a map of the square.
+pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     frame.outline(picture);
     frame.label_below(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
     frame.label_left(picture, Ticks::inside(-0.5, 0.5, 4).labelled());

@@ -7,6 +7,7 @@ mod axes;
 mod camera;
 mod chart;
 mod contact;
+mod gradient;
 mod history;
 mod identifiability;
 mod maps;
@@ -21,6 +22,7 @@ mod text;
 pub(crate) use camera::uphill;
 pub(crate) use chart::charts;
 pub(crate) use contact::contact;
+pub(crate) use gradient::gradients;
 pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
 pub(crate) use maps::maps_of_f;
@@ -80,6 +82,17 @@ pub(crate) struct ContactLine {
     pub(crate) label: String,
     /// Solution y, and the multiplier a or the flux dy/dn.
     pub(crate) pair: Pair,
+}
+
+/// One panel of [`gradients`].
+#[derive(Clone, Debug)]
+pub(crate) struct GradientPanel<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) grid: Grid,
+    /// Bound of the stopping rule for the components.
+    pub(crate) tolerance: f64,
+    /// Components of the gradient with respect to y, at the nodes.
+    pub(crate) gradient: Vec<f64>,
 }
 
 /// One panel of [`identifiability`].

@@ -1,7 +1,8 @@
 //! Tables of the data in pictures: CSV with a header line.
 
 use super::{
-    Chart, ContactLine, ContactPanel, HistoryPanel, HistoryRun, IdentifiabilityPanel, Stroke,
+    Chart, ContactLine, ContactPanel, GradientPanel, HistoryPanel, HistoryRun,
+    IdentifiabilityPanel, Stroke,
 };
 
 /// Quotes a cell of CSV if RFC 4180 asks for it.
@@ -54,6 +55,19 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
                 let (s, y) = (b as f64 * panel.grid.h(), pair.y[node]);
                 csv += &format!("{names},{s},{y},{a}\n");
             }
+        }
+    }
+    csv
+}
+
+/// Returns the components of the gradient, node by node.
+pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
+    let mut csv = "panel,x,y,gradient\n".to_owned();
+    for GradientPanel { title, grid, gradient, .. } in panels {
+        let (title, side) = (quoted(title), grid.side());
+        for (k, component) in gradient.iter().enumerate() {
+            let (x, y) = (grid.coordinate(k % side), grid.coordinate(k / side));
+            csv += &format!("{title},{x},{y},{component}\n");
         }
     }
     csv

@@ -1,7 +1,8 @@
 //! Build of the book from bytes to bytes, by mdBook in this process and in a temporary folder.
 
 use super::backend::Backend;
-use super::mathml::{Labels, collect_labels, convert};
+use super::labels::Labels;
+use super::mathml::convert;
 use super::{includes, links};
 use crate::pipeline::files::{read_tree, temporary_folder};
 use mdbook_driver::MDBook;
@@ -36,7 +37,6 @@ pub fn build(
     scratch: &Path,
 ) -> Result<BTreeMap<String, Vec<u8>>, String> {
     let mut pages = BTreeMap::new();
-    let mut labels = Labels::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
         if MADE_BY_MDBOOK.iter().any(|made| made.eq_ignore_ascii_case(name)) {
             return Err(format!(
@@ -45,9 +45,9 @@ pub fn build(
         }
         let text = std::str::from_utf8(bytes);
         let text = text.map_err(|_| format!("{name}: not UTF-8 text"))?;
-        collect_labels(name, text, &mut labels)?;
-        pages.insert(name, text);
+        pages.insert(name.as_str(), text);
     }
+    let labels = Labels::of(&pages)?;
     let mut config = match files.get("book.toml") {
         Some(bytes) => settings(bytes)?,
         None => {
@@ -67,7 +67,7 @@ pub fn build(
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
     let scratch = &scratch.path().join("report");
     for (name, bytes) in files {
-        match pages.get(name) {
+        match pages.get(name.as_str()) {
             Some(text) => write(&scratch.join(name), convert(name, text, &labels)?.as_bytes())?,
             None => write(&scratch.join(name), bytes)?,
         }

@@ -16,10 +16,9 @@ pub(super) struct Data(Arc<Mutex<BTreeMap<String, String>>>);
 
 impl Data {
     /// Registers the filter `data`: `{{ ROWS | data(name="NAME") }}` makes `data/NAME.csv` of the rows, objects
-    /// with equal fields, and shows a link to the file.
+    /// with equal fields, and returns the path of the file in the book.
     ///
-    /// `keys=["a", "b"]` keeps only these fields; `by="COMMAND"` names the command that made the numbers, if it is not
-    /// `signorini run`.
+    /// `keys=["a", "b"]` keeps only these fields.
     pub(super) fn register(&self, tera: &mut Tera) {
         let data = self.clone();
         tera.register_filter("data", move |rows: tera::Value, kwargs: Kwargs, _: &State| {
@@ -29,7 +28,6 @@ impl Data {
 
     fn add(&self, rows: &tera::Value, kwargs: &Kwargs) -> TeraResult<String> {
         let name = kwargs.must_get::<String>("name")?.replace(' ', "-");
-        let by = kwargs.get::<String>("by")?.unwrap_or("signorini run".into());
         let mut rows = serde_json::to_value(rows).map_err(tera::Error::message)?;
         if let Some(keys) = kwargs.get::<Vec<String>>("keys")? {
             keep(&mut rows, &keys);
@@ -40,10 +38,7 @@ impl Data {
             return Err(tera::Error::message(format!("two different data are named `{name}`")));
         }
         files.insert(name.clone(), csv);
-        let file = utf8_percent_encode(&name, RESERVED);
-        Ok(format!(
-            "<p class=\"data\"><a href=\"data/{file}.csv\">Data</a> | made by <code>{by}</code></p>"
-        ))
+        Ok(format!("data/{}.csv", utf8_percent_encode(&name, RESERVED)))
     }
 
     /// Returns the files so far, by their names with ending.
@@ -181,13 +176,11 @@ mod tests {
         let context = tera::Context::from_serialize(&json!({ "a": [{ "x": 1, "y": 2 }], "b": [] }));
         let context = context.unwrap();
         tera.add_raw_templates([
-            ("first", "{{ a | data(name=\"a b\", keys=[\"x\"], by=\"hand\") }}"),
+            ("first", "{{ a | data(name=\"a b\", keys=[\"x\"]) }}"),
             ("second", "{{ b | data(name=\"a b\") }}"),
         ])
         .unwrap();
-        let expected =
-            "<p class=\"data\"><a href=\"data/a-b.csv\">Data</a> | made by <code>hand</code></p>";
-        assert_eq!(tera.render("first", &context).unwrap(), expected);
+        assert_eq!(tera.render("first", &context).unwrap(), "data/a-b.csv");
         assert_eq!(data.files(), BTreeMap::from([("a-b.csv".into(), "x\n1\n".into())]));
         let error = tera.render("second", &context).unwrap_err().to_string();
         assert!(error.contains("two different data are named `a-b`"), "{error}");

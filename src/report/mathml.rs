@@ -1,33 +1,10 @@
-//! Formulas of the pages: LaTeX between dollars becomes MathML, and a link `eq:n` becomes one to its equation.
+//! Formulas of the pages: LaTeX between dollars becomes MathML, and links to labels get their texts and targets.
 
+use super::labels::Labels;
 use pulldown_cmark::{Event, Options, Parser, Tag};
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser as Latex, Storage, push_mathml};
-use std::collections::BTreeMap;
 use std::ops::Range;
-
-/// Equation numbers, each with the path of the chapter that has the equation.
-pub(super) type Labels = BTreeMap<String, String>;
-
-/// Adds the equations tagged in `markdown` to `labels`.
-pub(super) fn collect_labels(
-    chapter: &str,
-    markdown: &str,
-    labels: &mut Labels,
-) -> Result<(), String> {
-    for (event, range) in parse(markdown) {
-        if let Event::DisplayMath(latex) = event
-            && let (_, Some(label)) = split_tag(&latex)
-            && let Some(first) = labels.insert(label.into(), chapter.into())
-        {
-            let at = place(chapter, markdown, range.start);
-            return Err(format!(
-                "{at}: equation ({label}) is numbered already in {first}; tags must be unique"
-            ));
-        }
-    }
-    Ok(())
-}
 
 /// Replaces formulas by MathML and `[](eq:n)` by a link to equation (n); leaves code unchanged.
 ///
@@ -40,8 +17,8 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
         let rewritten = match event {
             Event::InlineMath(latex) => page.inline(range, &latex),
             Event::DisplayMath(latex) => page.displayed(range, &latex),
-            Event::Start(Tag::Link { dest_url, .. }) => match dest_url.strip_prefix("eq:") {
-                Some(label) => page.link(range, chapter, label, labels),
+            Event::Start(Tag::Link { dest_url, .. }) => match labels.link(chapter, &dest_url) {
+                Some(link) => link.map(|link| page.replace(range, &link)),
                 None => Ok(()),
             },
             Event::Text(_) => match bare_dollar(markdown, range) {
@@ -101,24 +78,6 @@ impl Rewritten<'_> {
         self.replace(range, &equation);
         Ok(())
     }
-
-    /// Replaces a link in a chapter by one to the equation with this label.
-    fn link(
-        &mut self,
-        range: Range<usize>,
-        chapter: &str,
-        label: &str,
-        labels: &Labels,
-    ) -> Result<(), String> {
-        let home = labels.get(label).ok_or_else(|| {
-            format!("no equation is tagged ({label}), but `eq:{label}` refers to it")
-        })?;
-        // Both paths begin with the folder of the pages.
-        let up = "../".repeat(chapter.matches('/').count().saturating_sub(1));
-        let file = home.strip_prefix("src/").unwrap_or(home);
-        self.replace(range, &format!("[({label})](<{up}{file}#eq-{label}>)"));
-        Ok(())
-    }
 }
 
 /// Parses as mdBook does, with formulas, and leaves out blocks of code.
@@ -148,7 +107,7 @@ pub(super) fn place(chapter: &str, markdown: &str, at: usize) -> String {
 }
 
 /// Returns the formula without its closing `\tag{n}`, and n.
-fn split_tag(latex: &str) -> (&str, Option<&str>) {
+pub(super) fn split_tag(latex: &str) -> (&str, Option<&str>) {
     let trimmed = latex.trim();
     trimmed
         .strip_suffix('}')
@@ -218,10 +177,10 @@ fn shield(mathml: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     fn converted(markdown: &str) -> Result<String, String> {
-        let mut labels = Labels::new();
-        collect_labels("src/a.md", markdown, &mut labels)?;
+        let labels = Labels::of(&BTreeMap::from([("src/a.md", markdown)]))?;
         convert("src/a.md", markdown, &labels)
     }
 
@@ -252,15 +211,14 @@ mod tests {
     }
 
     #[test]
-    fn equations_are_numbered_and_found_from_other_chapters() {
-        let mut labels = Labels::new();
-        collect_labels("src/b.md", "$$ x \\tag{7} $$", &mut labels).unwrap();
-        let home = convert("src/b.md", "$$ x \\tag{7} $$", &labels).unwrap();
-        assert!(home.contains(r#"id="eq-7""#) && home.contains("(7)</span>"));
-        let away = convert("src/a.md", "see [](eq:7).", &labels).unwrap();
-        assert_eq!(away, "see [(7)](<b.md#eq-7>).");
-        let below = convert("src/sub/a.md", "[](eq:7)", &labels).unwrap();
-        assert_eq!(below, "[(7)](<../b.md#eq-7>)");
+    fn equations_and_figures_are_numbered_and_linked() {
+        let equation = converted("$$ x \\tag{7} $$\n\nsee [](eq:7).").unwrap();
+        assert!(equation.contains(r#"id="eq-7""#) && equation.contains("(7)</span>"));
+        assert!(equation.ends_with("see [(7)](<a.md#eq-7>)."), "{equation}");
+        let page = "<figure id=\"figure-x\">\n\n**[](figure:x).** Text\n\n</figure>\n";
+        let pages = BTreeMap::from([("src/SUMMARY.md", "[A](a.md)"), ("src/a.md", page)]);
+        let shown = convert("src/a.md", page, &Labels::of(&pages).unwrap()).unwrap();
+        assert!(shown.contains("**[Figure 1](<a.md#figure-x>).** Text"), "{shown}");
     }
 
     fn message(markdown: &str) -> String {
@@ -276,7 +234,5 @@ mod tests {
         );
         assert!(message("\nlone $ sign").starts_with("src/a.md:2: unpaired `$`"));
         assert!(message("\n[](eq:99)").starts_with("src/a.md:2: no equation is tagged (99)"));
-        let twice = message("$$ a \\tag{1} $$\n\n$$ b \\tag{1} $$");
-        assert!(twice.contains("(1) is numbered already in src/a.md"), "{twice}");
     }
 }

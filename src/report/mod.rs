@@ -8,6 +8,7 @@ mod build;
 mod data;
 mod filters;
 mod includes;
+mod labels;
 mod links;
 mod mathml;
 mod pages;

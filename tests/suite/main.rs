@@ -5,6 +5,7 @@ mod answers;
 mod book;
 mod bounds;
 mod cache;
+mod captions;
 mod certificate;
 mod claims;
 mod cli;

@@ -194,3 +194,24 @@ fn further_outputs_of_the_book_lie_beside_its_pages_and_talk_on_standard_error()
     with("[output.mine]\ncommand = \"false\"");
     assert!(study.refusal(&page).contains("its program ended with exit status: 1"));
 }
+
+#[test]
+fn figures_and_tables_are_numbered_and_a_reference_to_none_is_refused() {
+    let study = Study::new();
+    let page = study.read(PAGE);
+    let figure = "<figure id=\"figure-mine\">\n\n**[](figure:mine).** Mine.\n\n</figure>\n";
+    study.write(PAGE, format!("{page}\n{figure}\nSee [](figure:mine).\n"));
+    study.run(&["run"]).lines();
+    let html = study.read("report/book/plate.html");
+    assert_eq!(html.matches("\">Figure 1</a>").count(), 2, "{html}");
+    let error = study.refusal(&format!("{page}\n[](table:none)\n"));
+    let lines = page.lines().count();
+    assert_eq!(
+        error,
+        format!(
+            "report/templates/plate.md:{}: no page in SUMMARY.md has \
+             `<figure id=\"table-none\">`, but `table:none` refers to it",
+            lines + 2
+        )
+    );
+}

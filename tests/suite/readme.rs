@@ -113,11 +113,11 @@ fn changes_are_explained(project: &Path) {
             is_hash(old) && is_hash(new) && old != new
         })
     };
-    edit("report/templates/verdict.md.tera", "# What", "# Just what");
+    edit("report/templates/tables.md.tera", "# Tables", "# The tables");
     let report = explained("report");
     assert!(report.starts_with("report/book: stale\n"), "{report}");
     assert!(
-        told(&report, "report/templates/verdict.md.tera") && report.lines().count() == 2,
+        told(&report, "report/templates/tables.md.tera") && report.lines().count() == 2,
         "{report}"
     );
     // Comments are not what is compared.
@@ -134,7 +134,7 @@ fn changes_are_explained(project: &Path) {
     let report = explained("report");
     assert!(report.starts_with("report/book: waits for "), "{report}");
     for file in
-        ["report/templates/verdict.md.tera", "pipeline/paper.toml", "pipeline/scenes/problem1.toml"]
+        ["report/templates/tables.md.tera", "pipeline/paper.toml", "pipeline/scenes/problem1.toml"]
     {
         assert!(told(&report, file), "{file}: {report}");
     }

@@ -1,17 +1,18 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
+mod book;
+
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
     ContactLine, ContactPanel, HistoryPanel, HistoryRun, IdentifiabilityPanel, Picture, Surface,
-    contact, histories, identifiability, maps_of_f, range_with_zero, surfaces, uphill,
+    contact, histories, identifiability, maps_of_f, surfaces, uphill,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Findings;
 
 use std::collections::BTreeMap;
@@ -33,7 +34,7 @@ pub(super) const KINDS: [Kind; 5] = [
     Kind {
         output: Output::History,
         shared_name: "histories",
-        caption: "Residuals against iterations",
+        caption: "Gradient against iterations",
     },
     Kind {
         output: Output::Contact,
@@ -66,65 +67,10 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         }
     }
     let shared = sharing(project, scenes, Output::Surface);
-    // Only the book shows this figure.
     if !shared.is_empty() && !project.templates.is_empty() {
-        tasks.push(stops(&shared));
+        tasks.extend([book::stops(&shared), book::gradients(&shared)]);
     }
     tasks
-}
-
-/// The task that draws, in a row per problem, the surface where the paper stopped, the solution, and the difference.
-fn stops(scenes: &[&Scene]) -> Task {
-    let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
-    let mut hashed = BTreeMap::new();
-    for Scene { name, title, f, .. } in &scenes {
-        hashed.insert(format!("{name}.title"), title.clone());
-        hashed.insert(format!("{name}.f"), f.to_string());
-    }
-    let needs = scenes.iter().map(surface).collect();
-    let title = "Where the paper stopped, where the solution is, and the difference";
-    let task = drawing("stops", title.into(), needs, move |inputs| {
-        let mut rows = Vec::new();
-        for scene in &scenes {
-            rows.push(StopsRow::of(inputs, scene)?);
-        }
-        let mut shown = Vec::new();
-        for StopsRow { grid, titles, heights, in_contact } in &rows {
-            let range = Some(range_with_zero(heights.iter().flatten().copied()));
-            let (grid, azimuth) = (*grid, uphill(*grid, &heights[1]));
-            for ((title, y), in_contact) in titles.iter().zip(heights).zip(in_contact) {
-                shown.push(Surface { title, grid, y, in_contact, azimuth, range });
-            }
-        }
-        Ok(surfaces(3, &shown))
-    });
-    Task { parameters: hashed, ..task }
-}
-
-/// Surfaces of one problem: where the paper stopped, the solution, and the difference.
-struct StopsRow {
-    grid: Grid,
-    titles: [String; 3],
-    heights: [Vec<f64>; 3],
-    in_contact: [Vec<bool>; 3],
-}
-
-impl StopsRow {
-    fn of(inputs: &Inputs, scene: &Scene) -> Result<Self, String> {
-        let grid = scene.finest();
-        let stop = solve::pair(inputs, scene, scene.stop[0])?;
-        let solution = solve::solution(scene)?;
-        let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
-        let names = ["where it stopped", "the solution", "the difference"];
-        let in_contact =
-            [stop.in_contact(grid), solution.in_contact(grid), vec![false; stop.a.len()]];
-        Ok(Self {
-            grid,
-            titles: names.map(|name| format!("{}: {name}", scene.title)),
-            heights: [stop.y, solution.y, difference],
-            in_contact,
-        })
-    }
 }
 
 /// The task that draws the figure `name` of `scenes`.

@@ -2,6 +2,7 @@
 
 mod chapters;
 mod digits;
+mod experiments;
 mod search;
 mod times;
 

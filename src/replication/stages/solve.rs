@@ -16,7 +16,7 @@ use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, Outcome, Pair, Params, StopReason, StopRule, solve_nested,
+    Iteration, Monitor, Outcome, Pair, Params, Plain, StopReason, StopRule, solve_nested,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -217,4 +217,13 @@ pub(super) fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pai
     }
     let (y, a) = values.split_at(grid.nodes());
     Ok(Pair { y: y.to_vec(), a: a.to_vec() })
+}
+
+/// Returns the components of the gradient (8) at the nodes of the finest grid where the first rule stops, with the r
+/// that is drawn.
+pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
+    let (grid, pair) = (scene.finest(), pair(inputs, scene, scene.stop[0])?);
+    let load = load(grid, &scene.f, scene.load);
+    let functional = Plain { grid, load: &load, r: scene.drawn_r() };
+    Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }

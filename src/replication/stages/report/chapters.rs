@@ -1,9 +1,9 @@
 //! Data for the templates of the chapters: computed numbers, not formatted.
 
 use super::digits::compared;
-use super::search::{fixed, searched};
+use super::experiments;
+use super::search::{self, fixed, searched};
 use super::times::times;
-use super::versions;
 use crate::pipeline::error::{Failure, from_toml};
 use crate::pipeline::{Inputs, hash};
 use crate::replication::comparison::TableComparison;
@@ -49,8 +49,18 @@ pub(super) fn context(
     let mut context = Context::new();
     context.insert("agreement", &results.agreement(&tables)?);
     let problems_and_tables = problems.iter().zip(&tables);
-    let shown = problems_and_tables.map(|(scene, table)| problem(inputs, &results, scene, table));
-    context.insert("problems", &shown.collect::<Result<Vec<_>, _>>()?);
+    let Truth { mut references, elements, .. } = bench::result(inputs, "truth")?;
+    let mut shown = Vec::new();
+    for (scene, table) in problems_and_tables {
+        let mut problem = problem(inputs, &results, scene, table)?;
+        problem.insert("error".into(), error(&elements, scene, table.table).into());
+        context.insert(format!("problem{}", table.table), &problem);
+        shown.push(problem);
+    }
+    for (name, list) in search::LISTS {
+        context.insert(name, &search::numbered(&shown, list));
+    }
+    context.insert("problems", &shown);
     let others = others.iter().map(|scene| other(inputs, scene));
     context.insert("scenes", &others.collect::<Result<Vec<_>, _>>()?);
     context.insert("r", &tables[0].rows.iter().map(|row| row.r).collect::<Vec<_>>());
@@ -61,10 +71,11 @@ pub(super) fn context(
     context.insert("searched", &searched(&record));
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
-    let Truth { mut references, elements, .. } = bench::result(inputs, "truth")?;
+    experiments::insert(&mut context, inputs)?;
     let text = inputs.files.get(TRUTH).ok_or("no true solutions")?;
     context.insert("digits", &compared(&mut references, text)?);
-    context.insert("references", &references);
+    context.insert("references", &experiments::references(&references));
+    context.insert("elements", &experiments::elements(&elements));
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs));
     let timings = bench::times(inputs)?;
@@ -72,6 +83,14 @@ pub(super) fn context(
     context.insert("timings", &timings);
     context.insert("effectivity", &effectivity(&elements));
     Ok(context)
+}
+
+/// Returns the error of the discrete solution of the paper's problem `number` on the finest grid of its scene, in the
+/// energy norm.
+fn error(elements: &[Elements], scene: &Scene, number: u8) -> Option<f64> {
+    let known = elements.iter().find(|one| one.name == format!("problem {number}"))?;
+    let mut levels = known.levels.iter();
+    levels.find(|level| level.cells == scene.finest().cells()).map(|level| level.error)
 }
 
 /// Returns the least and the greatest value, at the nodes of a grid, of the known solution that is lifted least.
@@ -141,13 +160,15 @@ fn problem(
         "boundary_nodes": stopped.a.len(),
         "stopped": shape(&stopped, scene),
         "solution": shape(&solve::solution(scene)?, scene),
+        "search": search::blind(&findings),
         "fixed": fixed(&findings),
         "findings": findings,
         "agreement": results.of_problem(&scene.name)?.agreement(std::slice::from_ref(table))?,
         // Of the load vector on each grid.
         "sums": signed[0].levels.iter().map(|outcome| outcome.sum_load).collect::<Vec<_>>(),
         // Part of the gradient that the largest published Delta a causes, h Delta a, and over the tolerance.
-        "gap": [gap, gap / bound],
+        "gap": { "gradient": gap, "tolerances": gap / bound },
+        "beyond": beyond(&solve::gradient(inputs, scene)?, bound),
         // A row per r.
         "finest": finest,
         // A column per r.
@@ -169,6 +190,15 @@ fn outcomes(
     ids.map(|id| from_json(inputs, &id, OUTCOMES)).collect()
 }
 
+/// Returns the numbers of nodes where a component of the gradient is beyond the tolerance, by its sign.
+fn beyond(gradient: &[f64], tolerance: f64) -> Value {
+    json!({
+        "negative": gradient.iter().filter(|&&component| component < -tolerance).count(),
+        "positive": gradient.iter().filter(|&&component| component > tolerance).count(),
+        "nodes": gradient.len(),
+    })
+}
+
 /// Returns a few numbers that describe a surface.
 fn shape(pair: &Pair, scene: &Scene) -> Value {
     let heights = Range::of(pair.y.iter().copied());
@@ -182,10 +212,14 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
     })
 }
 
-/// Returns the values of f on its pieces, the background last.
-fn values(f: &Source) -> Vec<f64> {
-    let Source::Pieces { background, pieces } = f else { return Vec::new() };
-    pieces.iter().map(|(_, value)| *value).chain([*background]).collect()
+/// Returns the value of f on its first piece, and elsewhere.
+fn values(f: &Source) -> Value {
+    match f {
+        Source::Pieces { background, pieces } => json!({
+            "piece": pieces.first().map(|(_, value)| *value), "elsewhere": background,
+        }),
+        Source::Exact(_) => Value::Null,
+    }
 }
 
 /// Returns the published values of Delta a whose digits do not come out, each with the values of Delta a in the last
@@ -196,7 +230,9 @@ fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec
         let id = solve::id(scene, scene.stop[0], row.r);
         let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
         let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
-        let last: Vec<_> = finest.iter().map(|step| (step.number, step.delta_a)).collect();
+        let last =
+            finest.iter().map(|step| json!({ "number": step.number, "delta_a": step.delta_a }));
+        let last: Vec<Value> = last.collect();
         misses.push(json!({ "r": row.r, "paper": row.delta_a_paper, "last": last }));
     }
     Ok(misses)
@@ -225,14 +261,14 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
 fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     let mut figures = BTreeMap::new();
     for (_, made) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
-        for (file, svg) in made {
+        for file in made.keys() {
             let Some(name) = file.strip_suffix(".svg") else { continue };
             let table = format!("{name}.csv");
             let data = match made.contains_key(&table) {
                 true => format!("figures/{table}"),
                 false => "data.html".into(),
             };
-            figures.insert(name, json!({ "file": file, "data": data, "hash": short_hash(svg) }));
+            figures.insert(name, json!({ "name": name, "file": file, "data": data }));
         }
     }
     figures
@@ -245,19 +281,22 @@ fn short_hash(bytes: &[u8]) -> String {
 
 /// Returns the provenance of the book's numbers: names and hashes of input files and of artifacts, and versions.
 fn provenance(inputs: &Inputs) -> Value {
-    let files: Vec<_> =
-        inputs.files.iter().map(|(name, bytes)| (name, short_hash(bytes))).collect();
-    let mut artifacts = Vec::new();
+    let (mut files, mut artifacts, mut versions) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, bytes) in inputs.files {
+        files.push(json!({ "name": name, "hash": short_hash(bytes) }));
+    }
     for (id, made) in inputs.artifacts.iter().filter(|(id, _)| !id.starts_with("solve/")) {
         for (name, bytes) in made {
-            artifacts.push((format!("{id}/{name}"), short_hash(bytes)));
+            artifacts.push(json!({ "name": format!("{id}/{name}"), "hash": short_hash(bytes) }));
         }
     }
+    for (name, version) in super::versions() {
+        versions.push(json!({ "name": name, "version": version }));
+    }
     json!({
-        "figures": figures(inputs).keys().collect::<Vec<_>>(),
         "inputs": files,
         "artifacts": artifacts,
-        "versions": versions(),
+        "versions": versions,
         // Of code and text, as an SPDX expression.
         "license": env!("CARGO_PKG_LICENSE"),
     })

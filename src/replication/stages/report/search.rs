@@ -6,8 +6,24 @@ use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::identify::{
     Breaks, COARSEST, Findings, Identifiability, Measure, Variant,
 };
+use std::collections::BTreeMap;
 
 const QUADRANTS: [&str; 4] = ["lower left", "lower right", "upper left", "upper right"];
+
+/// Returns the candidates that this run's search tried and that entered each grid, and its best f.
+pub(super) fn blind(findings: &Findings) -> Value {
+    let search = &findings.search;
+    let best = search.found.first().map(|best| {
+        json!({
+            "f": best.f,
+            "exact": best.score.exact,
+            "cells": best.score.cells,
+            "delta_a_exact": best.score.delta_a_exact,
+            "deltas": best.delta_a.len(),
+        })
+    });
+    json!({ "tried": search.tried, "entered": search.entered, "best": best })
+}
 
 /// Returns the range of f within which the counts of a table stay, and the counts that bound it.
 pub(super) fn fixed(findings: &Findings) -> Value {
@@ -33,16 +49,21 @@ pub(super) fn fixed(findings: &Findings) -> Value {
     })
 }
 
-/// Returns the quadrant whose value moves, with an empty name for the common factor, its range of values, and the
-/// (r, grid) of the count that changes first, below and above.
+/// Returns the quadrant whose value moves, with an empty name for the common factor, the moves down and up within which
+/// no count changes, and the r and grid of the count that changes first on either side.
 fn direction(findings: &Findings, breaks: &Breaks) -> Value {
     let (map, target) = (&findings.identifiability, &findings.target);
-    let first = breaks.first.map(|cell| cell.map(|(k, level)| (target.r[k], COARSEST << level)));
+    let [down, up] = breaks.range;
+    let [first_down, first_up] = breaks
+        .first
+        .map(|cell| cell.map(|(k, level)| json!({ "r": target.r[k], "cells": COARSEST << level })));
     json!({
         "name": breaks.piece.map_or("", |p| QUADRANTS[p]),
         "value": breaks.piece.map_or(1.0, |p| map.values[p]),
-        "range": breaks.range,
-        "first": first,
+        "down": down,
+        "up": up,
+        "first_down": first_down,
+        "first_up": first_up,
     })
 }
 
@@ -74,4 +95,25 @@ pub(super) fn searched(record: &Record) -> Value {
         "selected": variants.iter().find(|variant| variant.name == selected),
         "printed": variants.iter().find(|variant| variant.name == printed),
     })
+}
+
+/// Lists of all problems together: the name for the templates, and the place of the list in a problem.
+pub(super) const LISTS: [(&str, &str); 3] = [
+    ("directions", "/fixed/directions"),
+    ("holds", "/fixed/holds"),
+    ("alternatives", "/findings/alternatives"),
+];
+
+/// Joins the lists at this place in the problems; each element gets the number of its problem.
+pub(super) fn numbered(problems: &[BTreeMap<String, Value>], place: &str) -> Vec<Value> {
+    let mut joined = Vec::new();
+    for problem in problems {
+        let problem = json!(problem);
+        for element in problem.pointer(place).and_then(Value::as_array).into_iter().flatten() {
+            let mut element = element.clone();
+            element["problem"] = problem["number"].clone();
+            joined.push(element);
+        }
+    }
+    joined
 }

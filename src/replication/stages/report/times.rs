@@ -1,9 +1,7 @@
 //! Data of the chapter on cost, from recorded times: fits and crossovers.
 
 use crate::timing::measure::TIMED;
-use crate::timing::recorded::{
-    Goal, Reached, Scaling, Spectral, Sweep, Timings, to_discretisation,
-};
+use crate::timing::recorded::{Goal, Peer, Reached, Scaling, Spectral, Timings, to_discretisation};
 use crate::timing::solver::Solver;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -32,6 +30,7 @@ pub(super) fn times(timings: &Timings, accuracy: &AccuracyFindings) -> Value {
         "fits": fits(timings),
         "comparisons": comparisons,
         "noise": noise(timings),
+        "peers": peers(timings),
         "outdated": outdated(timings, accuracy),
         "spectral": spectral(timings),
     })
@@ -58,22 +57,22 @@ fn grids(timings: &Timings) -> Vec<usize> {
 
 /// Returns the times of multigrid on one grid: to the discretisation error, then to the rounding floor.
 fn grid(timings: &Timings, cells: usize) -> Option<Value> {
-    let goals = to_goals(timings, cells, 1)?;
+    let [near, floor] = to_goals(timings, cells, 1)?;
     Some(json!({
         "cells": cells,
-        "unknowns": goals[0].unknowns(),
-        "bytes": goals[1].bytes,
-        "goals": goals.map(|one_thread| times_to_goal(timings, one_thread)),
+        "unknowns": near.unknowns(),
+        "bytes": floor.bytes,
+        "discretisation": times_to_goal(timings, near),
+        "floor": times_to_goal(timings, floor),
     }))
 }
 
 /// Returns the times per unknown to one goal on one grid: of one thread, and of two if they were timed.
 fn times_to_goal(timings: &Timings, one_thread: &Scaling) -> Value {
     let two_threads = find(timings, one_thread.cells, 2, one_thread.goal);
-    let ns: Vec<_> =
-        [Some(one_thread), two_threads].into_iter().flatten().map(Scaling::ns).collect();
     json!({
-        "ns": ns,
+        "one_thread": one_thread.ns(),
+        "two_threads": two_threads.map(Scaling::ns),
         "per_unit": one_thread.ns() / one_thread.work_units,
         // Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
         "stream": one_thread.traffic / timings.bandwidth.update,
@@ -124,43 +123,31 @@ fn comparison(problem: &str, lines: &[Reached]) -> Value {
     let mut rows = Vec::new();
     for cells in grids {
         let seconds = times.each_ref().map(|by_grid| by_grid.get(cells).copied());
-        let mut best: Option<(Solver, f64)> = None;
-        for (solver, time) in Solver::ON_GRIDS.into_iter().zip(seconds) {
-            if let Some(time) = time.filter(|&time| best.is_none_or(|(_, least)| time < least)) {
-                best = Some((solver, time));
-            }
-        }
-        let best = best.map(|(solver, _)| solver);
-        rows.push(json!({ "cells": cells, "seconds": seconds, "best": best }));
+        rows.push(json!({ "cells": cells, "seconds": seconds }));
     }
     json!({ "problem": problem, "solvers": Solver::ON_GRIDS, "rows": rows })
 }
 
-/// Median with its name.
-struct Median {
-    name: String,
-    spread: f64,
+/// Returns the largest distance of the quartiles of a recorded time, over its median.
+fn noise(timings: &Timings) -> f64 {
+    let sweep = timings.sweep.iter().map(|line| line.spread);
+    let multigrid = timings.multigrid.iter().map(|line| line.spread);
+    let solvers = timings.solver.iter().map(|line| line.spread);
+    let spectral = timings.spectral.iter().map(|line| line.spread);
+    sweep.chain(multigrid).chain(solvers).chain(spectral).fold(0.0, f64::max)
 }
 
-/// Returns the two medians with the largest spread, the largest first.
-fn noise(timings: &Timings) -> Vec<Value> {
-    let mut medians = Vec::new();
-    if let Some(Sweep { cells, spread, .. }) = &timings.sweep {
-        medians.push(Median { name: format!("a sweep at 1/{cells}"), spread: *spread });
+/// Returns, for each f and grid on which other solvers were timed from f to the solution, the fastest of them.
+fn peers(timings: &Timings) -> Vec<&Peer> {
+    let mut fastest: Vec<&Peer> = Vec::new();
+    for peer in timings.peer.iter().filter(|peer| peer.whole) {
+        match fastest.iter_mut().find(|other| other.f == peer.f && other.cells == peer.cells) {
+            Some(other) if other.theirs <= peer.theirs => (),
+            Some(other) => *other = peer,
+            None => fastest.push(peer),
+        }
     }
-    for Scaling { cells, spread, .. } in &timings.multigrid {
-        medians.push(Median { name: format!("multigrid at 1/{cells}"), spread: *spread });
-    }
-    for Reached { solver, cells, spread, .. } in &timings.solver {
-        let name = format!("{} at 1/{cells}", solver.in_words());
-        medians.push(Median { name, spread: *spread });
-    }
-    for Spectral { nodes, spread, .. } in &timings.spectral {
-        medians.push(Median { name: format!("spectral with {nodes} nodes"), spread: *spread });
-    }
-    medians.sort_by(|a, b| b.spread.total_cmp(&a.spread));
-    medians.truncate(2);
-    medians.iter().map(|median| json!({ "of": median.name, "spread": median.spread })).collect()
+    fastest
 }
 
 /// Returns the work units to the rounding floor, recorded and today's, on the finest grid for which both exist, if

@@ -1,0 +1,95 @@
+//! Figures that only the book shows, of the paper's problems where the first rule stops.
+
+use super::{drawing, surface};
+use crate::figures::{
+    GradientPanel, Surface, gradients as draw_gradients, range_with_zero, surfaces, uphill,
+};
+use crate::pipeline::{Inputs, Task};
+use crate::replication::scene::Scene;
+use crate::replication::stages::solve;
+use serde_json::json;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::saddle::tolerance;
+use std::collections::BTreeMap;
+
+/// The task that draws, in a row per problem, the surface where the paper stopped, the solution, and the difference.
+pub(super) fn stops(scenes: &[&Scene]) -> Task {
+    let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
+    let mut hashed = BTreeMap::new();
+    for Scene { name, title, f, .. } in &scenes {
+        hashed.insert(format!("{name}.title"), title.clone());
+        hashed.insert(format!("{name}.f"), f.to_string());
+    }
+    let needs = scenes.iter().map(surface).collect();
+    let title = "Where the paper stopped, where the solution is, and the difference";
+    let task = drawing("stops", title.into(), needs, move |inputs| {
+        let mut rows = Vec::new();
+        for scene in &scenes {
+            rows.push(StopsRow::of(inputs, scene)?);
+        }
+        let mut shown = Vec::new();
+        for StopsRow { grid, titles, heights, in_contact } in &rows {
+            let range = Some(range_with_zero(heights.iter().flatten().copied()));
+            let (grid, azimuth) = (*grid, uphill(*grid, &heights[1]));
+            for ((title, y), in_contact) in titles.iter().zip(heights).zip(in_contact) {
+                shown.push(Surface { title, grid, y, in_contact, azimuth, range });
+            }
+        }
+        Ok(surfaces(3, &shown))
+    });
+    Task { parameters: hashed, ..task }
+}
+
+/// Surfaces of one problem: where the paper stopped, the solution, and the difference.
+struct StopsRow {
+    grid: Grid,
+    titles: [String; 3],
+    heights: [Vec<f64>; 3],
+    in_contact: [Vec<bool>; 3],
+}
+
+impl StopsRow {
+    fn of(inputs: &Inputs, scene: &Scene) -> Result<Self, String> {
+        let grid = scene.finest();
+        let stop = solve::pair(inputs, scene, scene.stop[0])?;
+        let solution = solve::solution(scene)?;
+        let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
+        let names = ["where it stopped", "the solution", "the difference"];
+        let in_contact =
+            [stop.in_contact(grid), solution.in_contact(grid), vec![false; stop.a.len()]];
+        Ok(Self {
+            grid,
+            titles: names.map(|name| format!("{}: {name}", scene.title)),
+            heights: [stop.y, solution.y, difference],
+            in_contact,
+        })
+    }
+}
+
+/// The task that draws the gradient where the paper stopped, a map per problem.
+pub(super) fn gradients(scenes: &[&Scene]) -> Task {
+    let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
+    let mut hashed = BTreeMap::new();
+    for scene in &scenes {
+        let read = json!({
+            "title": scene.title, "f": scene.f.to_string(), "load": scene.load,
+            "grids": scene.grids.len(), "r": scene.drawn_r(),
+        });
+        hashed.insert(scene.name.clone(), read.to_string());
+    }
+    let needs = scenes.iter().map(surface).collect();
+    let title = "Components of the gradient where the paper stopped, over the tolerance";
+    let task = drawing("gradient", title.into(), needs, move |inputs| {
+        let mut panels = Vec::new();
+        for scene in &scenes {
+            panels.push(GradientPanel {
+                title: &scene.title,
+                grid: scene.finest(),
+                tolerance: tolerance(scene.grids.len()),
+                gradient: solve::gradient(inputs, scene)?,
+            });
+        }
+        Ok(draw_gradients(&panels))
+    });
+    Task { parameters: hashed, ..task }
+}
