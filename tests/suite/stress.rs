@@ -70,7 +70,7 @@ fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
     let largest = load.iter().fold(0.0f64, |largest, entry| entry.abs().max(largest));
     let [before, after] = [plateau.steps - 1, plateau.steps].map(|max_iterations| {
         let (rule, tolerance) = (StopRule::Signed, f64::MIN_POSITIVE);
-        let params = Params { r: 10.0, tolerance, rule, max_iterations };
+        let params = Params { r: 10.0, tolerance, rule, max_iterations, ..Params::default() };
         arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid)).gradient_signed / largest
     });
     assert!(before > greatest && after <= least, "{before:e} {after:e} {plateau:?}");
@@ -202,7 +202,7 @@ proptest! {
         let largest = load.iter().fold(0.0f64, |largest, f| f.abs().max(largest));
         let r = 10f64.powf(r_exponent);
         let tolerance = 10f64.powf(relative_exponent) * largest;
-        let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000 };
+        let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000, ..Params::default() };
         let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero(grid) };
         let outcome = arrow_hurwicz(grid, &load, &params, &mut pair);
         let natural = kkt(grid, &pair.y, &load).natural;

@@ -64,9 +64,10 @@ impl Problem {
         let grids: Vec<_> = self.grids.iter().map(|&n| square(n)).collect();
         let (outcomes, pair) =
             on_nested(&grids, loads, self.prolongation, |level, grid, load, pair| {
-                let params = Params { tolerance: tolerance(level), ..self.params };
-                let method = self.solver.method(params.tolerance);
-                let run = saddle::solve(grid, load, method, &params, pair, None);
+                let tolerance = tolerance(level);
+                let method = self.solver.method(tolerance);
+                let params = Params { method, tolerance, ..self.params };
+                let run = saddle::solve(grid, load, &params, pair, None);
                 (run, run.outcome.stop)
             });
         if let Some(SaddleRun { outcome: end, .. }) =

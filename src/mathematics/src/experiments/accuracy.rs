@@ -33,7 +33,7 @@ pub struct AccuracyPlan {
 impl Default for AccuracyPlan {
     fn default() -> Self {
         Self {
-            cells: (3..=10).map(|level| 1 << level).collect(),
+            cells: (3..=9).map(|level| 1 << level).collect(),
             contact: (3..=9).map(|level| 1 << level).collect(),
             others: vec![64, 256],
             laws: vec![

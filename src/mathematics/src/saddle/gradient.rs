@@ -30,7 +30,7 @@ pub(super) struct Extrema {
 pub(super) struct Gradient {
     grid: Grid,
     r: f64,
-    /// Lumped mass of the proximal term, added to the diagonal as in [`super::sweep::sweep`].
+    /// Lumped mass of the proximal term, added to the diagonal as in [`super::sweep::GaussSeidel`].
     shift: f64,
     row: Vec<f64>,
     /// Row that failed the last comparison: the likeliest to fail the next.

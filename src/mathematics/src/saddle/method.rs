@@ -22,7 +22,7 @@
 use super::gradient::{Extrema, Gradient, dual_step};
 use super::outcome::LastStep;
 use super::stopping::{StopReason, StopRule};
-use super::sweep::sweep;
+use super::sweep::GaussSeidel;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::largest;
@@ -68,9 +68,11 @@ impl Method {
     }
 }
 
-/// Parameters of the iteration, besides grid, load vector and method.
+/// Parameters of the iteration, besides grid and load vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params {
+    /// Method.
+    pub method: Method,
     /// Duality parameter r > 0, the step of the multiplier.
     pub r: f64,
     /// Bound of the stopping rule, evaluated after each step of the multiplier; the paper takes 10^-N on grid N.
@@ -83,7 +85,13 @@ pub struct Params {
 
 impl Default for Params {
     fn default() -> Self {
-        Self { r: 1.0, tolerance: 1e-5, rule: StopRule::Signed, max_iterations: 1_000_000 }
+        Self {
+            method: Method::ArrowHurwicz,
+            r: 1.0,
+            tolerance: 1e-5,
+            rule: StopRule::Signed,
+            max_iterations: 1_000_000,
+        }
     }
 }
 
@@ -123,12 +131,11 @@ pub struct SaddleRun {
 pub fn solve(
     grid: Grid,
     load: &[f64],
-    method: Method,
     params: &Params,
     pair: &mut Pair,
     mut monitor: Option<OnIteration>,
 ) -> SaddleRun {
-    let mut steps = Steps::new(grid, load, method, params.r);
+    let mut steps = Steps::new(grid, load, params.method, params.r);
     let stop = loop {
         if let ControlFlow::Break(stop) = steps.step(pair, params.max_iterations) {
             break stop;
@@ -154,12 +161,12 @@ pub fn solve(
     SaddleRun { outcome: Outcome::judge(grid, load, pair, &last), sweeps: steps.sweeps }
 }
 
-/// Solves by the paper's method, without a monitor.
+/// Solves by the paper's method whatever `params.method` says, without a monitor.
 ///
 /// # Panics
 /// If a slice has the wrong length for `grid`, or `params.r` is not positive.
 pub fn arrow_hurwicz(grid: Grid, load: &[f64], params: &Params, pair: &mut Pair) -> Outcome {
-    solve(grid, load, Method::ArrowHurwicz, params, pair, None).outcome
+    solve(grid, load, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None).outcome
 }
 
 /// Iteration of a method on one grid, one step of the multiplier at a time, without a stopping rule.
@@ -233,7 +240,8 @@ impl<'a> Steps<'a> {
                 return ControlFlow::Break(StopReason::IterationLimit);
             }
             self.sweeps += 1;
-            sweep(self.grid, &self.target, self.shift, self.r, &mut pair.y, &pair.a);
+            GaussSeidel::new(self.grid, &self.target, self.shift, self.r, &pair.a)
+                .sweep(&mut pair.y);
             let Some(bound) = self.bound else { break };
             // A NaN spreads to the boundary within as many sweeps as there are rows.
             if !self.boundary.iter().all(|&node| pair.y[node].is_finite()) {

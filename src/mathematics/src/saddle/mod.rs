@@ -93,7 +93,7 @@ pub fn solve_nested(
         let watched = monitor.wants_iterations();
         let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
         let on_iteration = watched.then_some(&mut on_iteration as OnIteration);
-        let outcome = solve(grid, load, Method::ArrowHurwicz, &params, pair, on_iteration).outcome;
+        let outcome = solve(grid, load, &params, pair, on_iteration).outcome;
         monitor.level(grid, pair);
         (outcome, outcome.stop)
     })

@@ -7,28 +7,8 @@
 use crate::discrete::grid::Grid;
 use std::array::from_fn;
 
-/// Replaces `y` by the result of one sweep; `a` is the boundary vector of multipliers, r > 0.
-///
-/// `shift` is added to the diagonal of interior rows, half of it on edges and a quarter at corners:
-/// the lumped mass of a proximal term, whose other half belongs in `load`. The paper's sweep has none.
-pub(super) fn sweep(grid: Grid, load: &[f64], shift: f64, r: f64, y: &mut [f64], a: &[f64]) {
-    let n = grid.cells();
-    let data = SweepData::new(grid, load, shift, r, a);
-    data.relax_side_row(y, 0);
-    let mut j = 1;
-    while j < n {
-        j += match n - j {
-            1 => data.relax_band::<1>(y, j),
-            2 => data.relax_band::<2>(y, j),
-            3 => data.relax_band::<3>(y, j),
-            _ => data.relax_band::<4>(y, j),
-        };
-    }
-    data.relax_side_row(y, n);
-}
-
-/// Data of a sweep: the discrete problem, and the diagonals of its rows.
-struct SweepData<'a> {
+/// Sweep with given data: the discrete problem, the multiplier, and the diagonals of its rows.
+pub(super) struct GaussSeidel<'a> {
     grid: Grid,
     load: &'a [f64],
     a: &'a [f64],
@@ -60,15 +40,35 @@ impl SweepDiagonal {
 ///
 /// The order of summation is part of the definition: results are compared bit by bit.
 #[inline(always)]
-fn interior(inverse: f64, south: f64, north: f64, east: f64, load: f64, west: f64) -> f64 {
+fn interior(inverse: f64, [south, north, east, west]: [f64; 4], load: f64) -> f64 {
     inverse * (((south + north) + (east + load)) + west)
 }
 
-impl<'a> SweepData<'a> {
-    fn new(grid: Grid, load: &'a [f64], shift: f64, r: f64, a: &'a [f64]) -> Self {
+impl<'a> GaussSeidel<'a> {
+    /// Sweep for the load vector, the boundary vector `a` of multipliers, and r > 0.
+    ///
+    /// `shift` is added to the diagonal of interior rows, half of it on edges and a quarter at corners: the lumped mass
+    /// of a proximal term, whose other half belongs in `load`. The paper's sweep has none.
+    pub(super) fn new(grid: Grid, load: &'a [f64], shift: f64, r: f64, a: &'a [f64]) -> Self {
         let edge = SweepDiagonal::new(2.0 + 0.5 * shift);
         let corner = SweepDiagonal::new(1.0 + 0.25 * shift);
         Self { grid, load, a, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
+    }
+
+    /// Replaces `y` by the result of one sweep.
+    pub(super) fn sweep(&self, y: &mut [f64]) {
+        let n = self.grid.cells();
+        self.relax_side_row(y, 0);
+        let mut j = 1;
+        while j < n {
+            j += match n - j {
+                1 => self.relax_band::<1>(y, j),
+                2 => self.relax_band::<2>(y, j),
+                3 => self.relax_band::<3>(y, j),
+                _ => self.relax_band::<4>(y, j),
+            };
+        }
+        self.relax_side_row(y, n);
     }
 
     /// Relaxes the first row, `j = 0`, or the last one, `j = n`.
@@ -125,8 +125,8 @@ impl<'a> SweepData<'a> {
     fn relax_inside(&self, y: &mut [f64], i: usize, j: usize) {
         let side = self.grid.side();
         let node = j * side + i;
-        let (south, north) = (y[node - side], y[node + side]);
-        y[node] = interior(self.inside, south, north, y[node + 1], self.load[node], y[node - 1]);
+        let around = [y[node - side], y[node + side], y[node + 1], y[node - 1]];
+        y[node] = interior(self.inside, around, self.load[node]);
     }
 
     /// Relaxes `K` interior rows from the `first` on, each one column behind the row below, and returns `K`.
@@ -166,7 +166,8 @@ impl<'a> SweepData<'a> {
             let (mut south, mut east) = (below[t], rows[0][t + 2]);
             for k in 0..K {
                 let north = if k + 1 < K { rows[k + 1][t + 2] } else { above[t] };
-                let next = interior(self.inside, south, north, east, loads[k][t], west[k]);
+                let around = [south, north, east, west[k]];
+                let next = interior(self.inside, around, loads[k][t]);
                 (south, east, west[k]) = (west[k], north, next);
                 rows[k][t + 1] = next;
             }
@@ -198,19 +199,19 @@ mod tests {
             let definition = Plain { grid, load: &load, r };
             for _ in 0..3 {
                 definition.sweep(&mut defined, &a);
-                sweep(grid, &load, 0.0, r, &mut banded, &a);
+                GaussSeidel::new(grid, &load, 0.0, r, &a).sweep(&mut banded);
             }
             prop_assert_eq!(defined, banded);
             // With a proximal term, which the paper has not, row by row.
             let (mut plain, mut banded) = (start.clone(), start);
-            let data = SweepData::new(grid, &load, shift, r, &a);
+            let data = GaussSeidel::new(grid, &load, shift, r, &a);
             for _ in 0..3 {
                 data.relax_side_row(&mut plain, 0);
                 for j in 1..n {
                     data.relax_band::<1>(&mut plain, j);
                 }
                 data.relax_side_row(&mut plain, n);
-                sweep(grid, &load, shift, r, &mut banded, &a);
+                data.sweep(&mut banded);
             }
             prop_assert_eq!(plain, banded);
         }
@@ -219,7 +220,7 @@ mod tests {
     #[test]
     fn boundary_formula_is_continuous_where_it_switches() {
         let grid = Grid::new(4).unwrap();
-        let data = SweepData::new(grid, &[0.0; 25], 0.0, 2.0, &[0.3; 16]);
+        let data = GaussSeidel::new(grid, &[0.0; 25], 0.0, 2.0, &[0.3; 16]);
         // psi = a / r exactly, and a hair below.
         let at = data.boundary(1, data.edge, 0.3);
         let below = data.boundary(1, data.edge, 0.3 - 1e-12);

@@ -43,8 +43,8 @@ impl ClaimsPlan {
         problems.sort_by_key(|problem| problem.number);
         Self {
             problems,
-            decades: (-2, 6),
-            per_decade: 8,
+            decades: (-1, 6),
+            per_decade: 4,
             targets: vec![(1e-3, 64), (1e-6, 32)],
             cap: 50_000,
             compared_r: vec![0.1, 1.0, 10.0, 100.0, 1e4, 1e6],

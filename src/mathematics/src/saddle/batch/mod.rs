@@ -257,7 +257,8 @@ mod tests {
         };
         let ends = run(grid, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
         for ((r, rule), ours) in all().zip(ends) {
-            let params = Params { r, rule, tolerance: 1e-4, max_iterations: 1000 };
+            let params =
+                Params { r, rule, tolerance: 1e-4, max_iterations: 1000, ..Params::default() };
             let mut pair = start.clone();
             let theirs = arrow_hurwicz(grid, &load, &params, &mut pair);
             assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
@@ -296,10 +297,15 @@ mod tests {
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
         for (job, ours) in jobs.iter().zip(run(grid, &jobs, &mut AsDefined)) {
-            let params =
-                Params { r: job.r, tolerance: 1e-4, rule: StopRule::Printed, ..Params::default() };
+            let params = Params {
+                method: job.method,
+                r: job.r,
+                tolerance: 1e-4,
+                rule: StopRule::Printed,
+                ..Params::default()
+            };
             let mut pair = start.clone();
-            let run = solve(grid, &load, job.method, &params, &mut pair, None);
+            let run = solve(grid, &load, &params, &mut pair, None);
             assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
             assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
         }

@@ -23,7 +23,7 @@ fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, us
     [0.0, weight].map(|weight| {
         let mut pair = Pair::zero(grid);
         let SaddleRun { outcome: end, sweeps } =
-            solve(grid, load, uzawa(weight), params, &mut pair, None);
+            solve(grid, load, &Params { method: uzawa(weight), ..*params }, &mut pair, None);
         (end, sweeps, pair)
     })
 }
@@ -59,7 +59,8 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load) = setting(PROBLEMS[0]);
     let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
     let mut ours = Pair::zero(grid);
-    let SaddleRun { outcome: end, sweeps } = solve(grid, &load, once, &tight(3.0), &mut ours, None);
+    let SaddleRun { outcome: end, sweeps } =
+        solve(grid, &load, &Params { method: once, ..tight(3.0) }, &mut ours, None);
     let mut theirs = Pair::zero(grid);
     assert_eq!(end, arrow_hurwicz(grid, &load, &tight(3.0), &mut theirs));
     assert_eq!(sweeps, end.iterations);
@@ -82,12 +83,12 @@ fn a_nearly_empty_contact_set_is_no_obstacle() {
 #[test]
 fn without_a_minimum_both_end_at_a_cap() {
     let (grid, load) = setting("else=0.5");
-    let capped = Params { max_iterations: 3000, ..tight(1.0) };
+    let capped = Params { method: uzawa(0.0), max_iterations: 3000, ..tight(1.0) };
     let [(plain, sweeps, up), (proximal, ..)] = both(grid, &load, &capped, 100.0);
     assert_eq!((plain.stop, sweeps), (StopReason::IterationLimit, 3000));
     assert_eq!(plain.iterations, 0, "the inner problem has no minimum");
     let mut further = up.clone();
-    solve(grid, &load, uzawa(0.0), &capped, &mut further, None);
+    solve(grid, &load, &capped, &mut further, None);
     let drift = 3000.0 * 0.5 * grid.h() * grid.h() * load.iter().sum::<f64>();
     for (low, high) in up.y.iter().zip(&further.y) {
         assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
@@ -128,7 +129,8 @@ fn the_monitor_sees_each_step() {
     let mut seen = Vec::new();
     let mut record = |iteration: &Iteration| seen.push(*iteration);
     let mut pair = Pair::zero(grid);
-    let end = solve(grid, &load, uzawa(0.0), &tight(1.0), &mut pair, Some(&mut record)).outcome;
+    let params = Params { method: uzawa(0.0), ..tight(1.0) };
+    let end = solve(grid, &load, &params, &mut pair, Some(&mut record)).outcome;
     assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.iterations));
     let last = seen.last().unwrap();
     assert_eq!((last.gradient_abs, last.delta_a), (end.gradient_abs, end.delta_a));
