@@ -15,6 +15,7 @@ mod palette;
 mod panels;
 mod picture;
 mod regions;
+mod square;
 mod surface;
 pub(crate) mod table;
 mod text;
@@ -27,6 +28,7 @@ pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
 pub(crate) use maps::maps_of_f;
 pub(crate) use picture::Picture;
+pub(crate) use square::{grid, membrane};
 pub(crate) use surface::surfaces;
 
 use signorini_mathematics::discrete::grid::Grid;

@@ -1,8 +1,9 @@
-//! Figures that only the book shows, of the paper's problems where the first rule stops.
+//! Figures that only the book shows: the problem, the grid, and the paper's problems where the first rule stops.
 
 use super::{drawing, surface};
 use crate::figures::{
-    GradientPanel, Surface, gradients as draw_gradients, range_with_zero, surfaces, uphill,
+    GradientPanel, Surface, gradients as draw_gradients, grid, membrane, range_with_zero, surfaces,
+    uphill,
 };
 use crate::pipeline::{Inputs, Task};
 use crate::replication::scene::Scene;
@@ -64,6 +65,16 @@ impl StopsRow {
             in_contact,
         })
     }
+}
+
+/// The tasks that draw the problem and the grid; they read nothing.
+pub(super) fn drawings() -> [Task; 2] {
+    [
+        drawing("membrane", "The square and its membrane".into(), Vec::new(), |_| Ok(membrane())),
+        drawing("grid", "The coarsest grid, in the order of the sweep".into(), Vec::new(), |_| {
+            Ok(grid())
+        }),
+    ]
 }
 
 /// The task that draws the gradient where the paper stopped, a map per problem.
