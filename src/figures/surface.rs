@@ -8,7 +8,8 @@ use super::text::Ticks;
 use super::{Surface, range_with_zero};
 use signorini_mathematics::discrete::grid::Grid;
 
-/// Most cells per side that are drawn; finer grids are thinned, or the file would grow too large.
+/// Most cells per side that are drawn where two panels are in a row; finer grids are thinned, or the file would grow
+/// too large.
 const MOST_CELLS: usize = 32;
 /// Size of a panel in display pixels, where two are in a row.
 const PANEL: (f64, f64) = (390.0, 392.0);
@@ -28,7 +29,8 @@ const CEILING_GAP: f64 = 0.04;
 /// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
 ///
 /// Heights are shaded by Lambert's law and coloured by value; the parts of the boundary in contact
-/// are marked on the surface. Grids finer than 32 cells per side are thinned.
+/// are marked on the surface. Grids finer than 32 cells per side are thinned, in smaller
+/// panels more.
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let columns = columns.min(panels.len());
     let rows = panels.len().div_ceil(columns);
@@ -64,7 +66,8 @@ pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
         for (node, &in_contact) in panel.grid.boundary().zip(panel.in_contact) {
             touching[node] = in_contact;
         }
-        let drawn = Drawn { view: &view, panel, touching, colours };
+        let lines = thinned(panel.grid, (scale * MOST_CELLS as f64) as usize);
+        let drawn = Drawn { view: &view, panel, lines, touching, colours };
         picture.group(mesh, |picture| quads(picture, &drawn));
         picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &drawn));
         axes(&mut picture, &view, &ticks);
@@ -109,10 +112,10 @@ fn walls(picture: &mut Picture, view: &View, ticks: &Ticks) {
     }
 }
 
-/// Returns the grid lines that are drawn, equally spaced, and the last.
-fn thinned(grid: Grid) -> Vec<usize> {
+/// Returns the grid lines that are drawn, equally spaced and at most `most`, and the last.
+fn thinned(grid: Grid, most: usize) -> Vec<usize> {
     let n = grid.cells();
-    let mut lines: Vec<usize> = (0..n).step_by(n.div_ceil(MOST_CELLS)).collect();
+    let mut lines: Vec<usize> = (0..n).step_by(n.div_ceil(most)).collect();
     lines.push(n);
     lines
 }
@@ -121,6 +124,8 @@ fn thinned(grid: Grid) -> Vec<usize> {
 struct Drawn<'a> {
     view: &'a View,
     panel: &'a Surface<'a>,
+    /// Grid lines that are drawn, ascending.
+    lines: Vec<usize>,
     /// Per node, true if it is on the boundary and in contact.
     touching: Vec<bool>,
     colours: ColourScale,
@@ -149,8 +154,7 @@ impl Drawn<'_> {
 
 /// Draws the cells from the far corner to the near one.
 fn quads(picture: &mut Picture, drawn: &Drawn) {
-    let &Drawn { view, panel, colours, .. } = drawn;
-    let lines = thinned(panel.grid);
+    let Drawn { view, panel, lines, colours, .. } = drawn;
     for (i, j) in view.camera.far_to_near(lines.len() - 1) {
         let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(p, q)| (lines[i + p], lines[j + q]));
         let xyv = corners.map(|node| drawn.xyv(node));
@@ -170,8 +174,8 @@ fn quads(picture: &mut Picture, drawn: &Drawn) {
 /// Draws contact on the near sides, which nothing hides: last, so that the mesh does not cover half of the line.
 fn near_contact(picture: &mut Picture, drawn: &Drawn) {
     let grid = drawn.panel.grid;
-    let (lines, n) = (thinned(grid), grid.cells());
-    for pair in lines.windows(2) {
+    let n = grid.cells();
+    for pair in drawn.lines.windows(2) {
         let (p, q) = (pair[0], pair[1]);
         for edge in [[(p, 0), (q, 0)], [(n, p), (n, q)], [(p, n), (q, n)], [(0, p), (0, q)]] {
             if !is_far(drawn.view, grid, edge) {
@@ -285,6 +289,6 @@ mod tests {
     }
 
     fn lines(cells: usize) -> Vec<usize> {
-        thinned(Grid::new(cells).unwrap())
+        thinned(Grid::new(cells).unwrap(), MOST_CELLS)
     }
 }

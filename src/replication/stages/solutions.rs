@@ -11,7 +11,7 @@ use signorini_mathematics::saddle::{Fields, Pair};
 pub(super) struct Solutions {
     /// Name, title and grid of each, for the templates.
     pub(super) listed: Vec<Value>,
-    /// Files `.npz` and `.vti` of each, by name.
+    /// File `.npz` of each, by name.
     pub(super) files: Artifacts,
 }
 
@@ -41,7 +41,6 @@ impl Solutions {
         let name = format!("{}{ending}", scene.name);
         let what = format!("{}, {state}", scene.title);
         let fields = Fields::square(scene.finest(), &scene.f, pair);
-        self.files.insert(format!("{name}.vti"), fields.vti(&what));
         self.files.extend(fields.npz().map(|bytes| (format!("{name}.npz"), bytes)));
         self.listed.push(json!({ "name": name, "what": what, "cells": scene.finest().cells() }));
     }
