@@ -39,6 +39,7 @@ mod reference;
 mod replication;
 mod ro_crate;
 mod shells;
+mod single_precision;
 mod solvers;
 mod spectral;
 mod stress;

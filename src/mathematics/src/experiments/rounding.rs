@@ -1,10 +1,12 @@
 //! Dependence of the published counts on rounding: the runs of the tables repeated with disturbed arithmetic.
 
+mod disturbances;
 mod runs;
 
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::Problem;
-use runs::disturb;
+use rayon::prelude::*;
+use runs::{RandomErrors, Undisturbed};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
@@ -33,16 +35,12 @@ impl RoundingPlan {
 /// Result of the experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rounding {
-    /// Largest relative disturbances, as in the [`RoundingPlan`].
-    pub sizes: Vec<f64>,
+    /// Least of the largest relative disturbances in the [`RoundingPlan`].
+    pub size: f64,
     /// Repetitions for the least size, as in the [`RoundingPlan`].
     pub repetitions: usize,
     /// Repetitions for each other size, as in the [`RoundingPlan`].
     pub further: usize,
-    /// Tables, in the order of the plan.
-    pub tables: Vec<RoundingTable>,
-    /// Number of counts.
-    pub cells: usize,
     /// Counts that the least disturbance changes.
     pub fragile: usize,
     /// Counts that another order of operations changes.
@@ -51,62 +49,6 @@ pub struct Rounding {
     pub first_flip: Option<f64>,
     /// Count with the least margin.
     pub nearest: Nearest,
-}
-
-/// Counts of one table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RoundingTable {
-    /// Number of the table in the paper.
-    pub number: u8,
-    /// Cells per side, coarsest grid first.
-    pub grids: Vec<usize>,
-    /// Rows, one per r.
-    pub rows: Vec<RoundingRow>,
-    /// Number of changed counts for each of the sizes in the plan.
-    pub changed: Vec<usize>,
-}
-
-impl RoundingTable {
-    /// Margin of each count.
-    fn margins(&self) -> Vec<Nearest> {
-        let mut margins = Vec::new();
-        for row in &self.rows {
-            for (&cells, cell) in self.grids.iter().zip(&row.cells) {
-                let (table, r) = (self.number, row.r);
-                margins.push(Nearest { table, r, cells, margin: cell.margin });
-            }
-        }
-        margins
-    }
-}
-
-/// Counts for one r.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RoundingRow {
-    /// Duality parameter.
-    pub r: f64,
-    /// Counts, one per grid, coarsest first.
-    pub cells: Vec<RoundingCell>,
-}
-
-/// One count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RoundingCell {
-    /// Iterations.
-    pub count: usize,
-    /// `1 - max dM/dy / tolerance` at the stop.
-    pub below: f64,
-    /// Least `max dM/dy / tolerance - 1` over the iterations before the stop; none if the first iteration stopped.
-    pub above: Option<f64>,
-    /// Lesser of `below` and `above`: the relative change of the residual that would change the count.
-    pub margin: f64,
-    /// Number of repetitions with the least size that gave another count: values are disturbed at each update, or the
-    /// load is, once.
-    pub flips: usize,
-    /// Least size that gave another count.
-    pub flips_at: Option<f64>,
-    /// True if another order of operations gives another count.
-    pub reordered: bool,
 }
 
 /// Margin of one count, and its place in the tables.
@@ -118,7 +60,8 @@ pub struct Nearest {
     pub r: f64,
     /// Cells per side.
     pub cells: usize,
-    /// Margin.
+    /// Least distance of `max dM/dy` from the tolerance over all iterations, over the tolerance: the relative change of
+    /// the residual that would change the count.
     pub margin: f64,
 }
 
@@ -126,29 +69,41 @@ pub struct Nearest {
 ///
 /// 1. Makes the runs of each table, and records how near the residual comes to the tolerance.
 /// 2. Repeats them with sums in another order, and with fused operations.
-/// 3. Repeats them with random relative errors of each size, at each update of a value or once in the load.
-/// 4. Compares the counts.
+/// 3. Repeats them with random relative errors, at each update of a value or once in the load: of the least size, then
+///    of greater ones, until a count changes.
 ///
 /// # Errors
 /// If the plan is not one of tables: f cannot be read, grids do not nest, or the rule is not met.
 pub fn rounding(plan: &RoundingPlan) -> Result<Rounding, String> {
-    let mut tables = Vec::new();
+    let size = *plan.sizes.first().ok_or("no size of disturbances")?;
+    let (mut tables, mut reordered) = (Vec::new(), 0);
     for problem in &plan.tables {
-        tables.push(disturb(plan, problem)?);
+        let table = Undisturbed::new(problem)?;
+        reordered += table.reordered()?;
+        tables.push(table);
     }
-    let margins = tables.iter().flat_map(RoundingTable::margins);
+    let margins = tables.iter().flat_map(Undisturbed::margins);
     let nearest = margins.min_by(|a, b| a.margin.total_cmp(&b.margin));
-    let rows = tables.iter().flat_map(|table| &table.rows);
-    let cells: Vec<_> = rows.flat_map(|row| &row.cells).copied().collect();
+    let (mut fragile, mut first_flip) = (0, None);
+    for (k, &size) in plan.sizes.iter().enumerate() {
+        let repetitions = if k == 0 { plan.repetitions } else { plan.further };
+        let errors = RandomErrors { size, repetitions, seed: plan.seed };
+        let changed: usize = tables.par_iter().map(|table| table.changed_by(&errors)).sum();
+        if k == 0 {
+            fragile = changed;
+        }
+        if changed > 0 {
+            first_flip = Some(size);
+            break;
+        }
+    }
     Ok(Rounding {
-        sizes: plan.sizes.clone(),
+        size,
         repetitions: plan.repetitions,
         further: plan.further,
-        tables,
-        cells: cells.len(),
-        fragile: cells.iter().filter(|cell| cell.flips > 0).count(),
-        reordered: cells.iter().filter(|cell| cell.reordered).count(),
-        first_flip: cells.iter().filter_map(|cell| cell.flips_at).min_by(f64::total_cmp),
+        fragile,
+        reordered,
+        first_flip,
         nearest: nearest.ok_or("no table to disturb")?,
     })
 }

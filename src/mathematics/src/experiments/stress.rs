@@ -1,13 +1,11 @@
-//! Solvers under stress, and the values at which they fail: extreme parameters, data, tolerances, starts and precision.
+//! Solvers under stress, and the values at which they fail: extreme parameters, data, tolerances and starts.
 
 mod pending;
 mod random;
 mod runs;
-mod single;
 mod summary;
 
 pub use random::RandomProblems;
-pub use single::{Changed, Single};
 pub use summary::{Plateau, StressSummary};
 
 use super::Range;
@@ -15,7 +13,6 @@ use super::problems::{CONTACT, Problem};
 use super::trial::Trial;
 use runs::Runs;
 use serde::{Deserialize, Serialize};
-use single::single;
 use std::collections::BTreeMap;
 use std::ops::Index;
 
@@ -111,8 +108,6 @@ pub struct Stress {
     /// Series over the cells per side, to the rounding floor: `multigrid`, and on coarse grids `strict` after many
     /// iterations.
     pub floors: Series<f64>,
-    /// Series over the cells per side, to the rounding floor of single precision, judged in double: `single`.
-    pub single_floors: Series<f64>,
     /// Series of starts far from the solution, by their names: `strict`, `multigrid`.
     pub starts: Series<String>,
     /// Series over the size of a jump of f beside 1: `multigrid`.
@@ -121,8 +116,6 @@ pub struct Stress {
     pub spikes: Series<f64>,
     /// RandomNumbers problems.
     pub random: RandomProblems,
-    /// Counts of the tables in single precision.
-    pub single: Vec<Single>,
     /// All runs together.
     pub tally: Tally,
     /// Numbers that the book mentions.
@@ -147,7 +140,7 @@ pub struct Tally {
 }
 
 impl Stress {
-    /// Every run of a method in double precision but the random problems.
+    /// Every run but those of the random problems.
     pub fn trials(&self) -> impl Iterator<Item = &Trial> {
         let over_numbers = self.duality.iter().chain(&self.deficits).chain(&self.tolerances);
         trials_of(over_numbers.chain([&self.floors, &self.jumps, &self.spikes]))
@@ -179,7 +172,7 @@ fn trials_of<'a, X: 'a>(
 /// Runs the experiments.
 ///
 /// # Errors
-/// If f cannot be read, or grids do not nest.
+/// If f cannot be read, or a grid is too coarse.
 pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
     let runs = Runs::new(plan)?;
     let mut stress = Stress {
@@ -189,12 +182,10 @@ pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
         deficits: [1.0, -1.0].map(|odd| runs.deficits(odd)),
         tolerances: runs.loads.iter().map(|loads| runs.tolerances(loads)).collect(),
         floors: runs.floors(),
-        single_floors: runs.single_floors(),
         starts: runs.starts(),
         jumps: runs.jumps(),
         spikes: runs.spikes(),
         random: RandomProblems::of(plan.random),
-        single: plan.problems.iter().map(single).collect::<Result<_, _>>()?,
         tally: Tally::default(),
         summary: StressSummary::default(),
     };

@@ -19,8 +19,7 @@ pub struct Trial {
     pub work: f64,
     /// Natural residual over `|F|_inf`; none if it is not finite.
     pub kkt: Option<f64>,
-    /// Natural residual over `EPSILON * max |y|`, EPSILON that of the run's precision: about 1 to 10 if only rounding
-    /// errors are left.
+    /// Natural residual over `EPSILON * max |y|`: about 1 to 10 if only rounding errors are left.
     pub floor: Option<f64>,
     /// `max |y|`; none if it is not finite.
     pub size: Option<f64>,
@@ -56,8 +55,6 @@ struct Report<'a> {
     stop: String,
     steps: usize,
     work: f64,
-    /// EPSILON of the run's precision.
-    epsilon: f64,
     /// Bound of the natural residual, if the solver claims one.
     claim: Option<Claim>,
 }
@@ -69,7 +66,7 @@ impl Report<'_> {
         let mut largest = Largest::default();
         largest.see(1.0, self.y);
         let size = largest.value();
-        let slack = SLACK * self.epsilon * size;
+        let slack = SLACK * f64::EPSILON * size;
         let bound = self.claim.map(|claim| match claim {
             Claim::AtMost(bound) => bound,
             Claim::RoundingFloor => multigrid::ROUNDING_FLOOR * f64::EPSILON * size,
@@ -80,7 +77,7 @@ impl Report<'_> {
             steps: self.steps,
             work: self.work,
             kkt: finite(kkt.relative),
-            floor: finite(kkt.natural / (self.epsilon * size)),
+            floor: finite(kkt.natural / (f64::EPSILON * size)),
             size: finite(size),
             contact: contact.into_iter().filter(|&in_contact| in_contact).count(),
             holds: bound.map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
@@ -116,24 +113,9 @@ fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
         stop: stop.to_string(),
         steps: end.sweeps,
         work: end.sweeps as f64,
-        epsilon: f64::EPSILON,
         claim,
     };
     report.judged(grid, job.load)
-}
-
-/// Runs the paper's iteration in single precision, judged in double precision with the unrounded `load`.
-pub fn single_precision_trial(grid: Grid, load: &[f64], job: Job<f32>) -> Trial {
-    let end = run(grid, &[job], &mut AsDefined).remove(0);
-    let report = Report {
-        y: &end.pair.y,
-        stop: end.stop.to_string(),
-        steps: end.sweeps,
-        work: end.sweeps as f64,
-        epsilon: f32::EPSILON.into(),
-        claim: None,
-    };
-    report.judged(grid, load)
 }
 
 /// Runs multigrid, by nested iteration or from `start`.
@@ -152,7 +134,6 @@ pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64
         stop: outcome.stop.name().into(),
         steps: outcome.cycles,
         work: outcome.work_units,
-        epsilon: f64::EPSILON,
         claim,
     };
     report.judged(grid, load)

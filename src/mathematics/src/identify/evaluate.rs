@@ -62,7 +62,7 @@ pub struct Evaluator<'a> {
 /// A grid with the iterates on it.
 struct Level {
     grid: Grid,
-    lanes: Lanes<f64>,
+    lanes: Lanes,
     /// In each lane, the node that last failed the comparison: the likeliest to fail next.
     witness: [usize; LANES],
 }

@@ -1,7 +1,6 @@
 //! Runs of the experiments, one function per kind of stress.
 
 use super::pending::{CoarseRun, PendingCase, StressRun, make_all};
-use super::single::narrowed;
 use super::{Series, StressCase, StressPlan};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
@@ -9,7 +8,7 @@ use crate::discrete::norms::largest;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::nodal_load;
-use crate::experiments::trial::{multigrid_trial, saddle_trials, single_precision_trial};
+use crate::experiments::trial::{multigrid_trial, saddle_trials};
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
 use crate::saddle::batch::{Job, JobGoal};
@@ -162,7 +161,8 @@ impl<'a> Runs<'a> {
     }
 
     fn floor(&self, cells: usize) -> StressCase<f64> {
-        let FloorProblem { grid, load, limit } = self.floor_problem(cells);
+        let grid = Grid::new(cells).expect("not below the least");
+        let load = quadrants(grid, -1.0, self.plan.deficit);
         let floor = multigrid_trial(grid, &load, Goal::RoundingFloor, None);
         let mut trials = BTreeMap::from([("multigrid".to_owned(), floor)]);
         if cells <= FINEST_SADDLE {
@@ -172,38 +172,12 @@ impl<'a> Runs<'a> {
                 method: Method::ArrowHurwicz,
                 r: R,
                 goal: JobGoal::Rule(StopRule::PrintedDual, 0.0),
-                cap: limit,
+                // More iterations than the method needs.
+                cap: 60 * cells * cells,
             };
             trials.insert("strict".into(), saddle_trials(grid, &[job]).remove(0));
         }
         StressCase { x: cells as f64, trials }
-    }
-
-    /// Paper's iteration in single precision.
-    pub(super) fn single_floors(&self) -> Series<f64> {
-        let grids = GRIDS.par_iter().filter(|&&cells| cells <= FINEST_SADDLE);
-        grids.map(|&cells| self.single_floor(cells)).collect()
-    }
-
-    fn single_floor(&self, cells: usize) -> StressCase<f64> {
-        let FloorProblem { grid, load, limit } = self.floor_problem(cells);
-        let job = Job {
-            load: &narrowed(&load),
-            start: &Pair::zero(grid),
-            method: Method::ArrowHurwicz,
-            r: R,
-            // No gradient is below minus infinity: the rule is never met.
-            goal: JobGoal::Rule(StopRule::Signed, f64::NEG_INFINITY),
-            cap: limit,
-        };
-        let trial = single_precision_trial(grid, &load, job);
-        StressCase { x: cells as f64, trials: BTreeMap::from([("single".to_owned(), trial)]) }
-    }
-
-    fn floor_problem(&self, cells: usize) -> FloorProblem {
-        let grid = Grid::new(cells).expect("not below the least");
-        let load = quadrants(grid, -1.0, self.plan.deficit);
-        FloorProblem { grid, load, limit: 60 * cells * cells }
     }
 
     pub(super) fn starts(&self) -> Series<String> {
@@ -254,14 +228,6 @@ impl<'a> Runs<'a> {
             [("multigrid", self.multigrid(&load, None))]
         })
     }
-}
-
-/// A problem on which the paper's method reaches its rounding floor.
-struct FloorProblem {
-    grid: Grid,
-    load: Vec<f64>,
-    /// Limit of iterations: sixty times the square of the cells is more than the method needs.
-    limit: usize,
 }
 
 /// Value of a start at the node in a column and a row.

@@ -1,60 +1,15 @@
-//! Formats of numbers, and ways to round the operations of the iteration.
+//! Numbers of all lanes, and the operations of the iteration that may be rounded in other ways.
 
 use super::LANES;
 use std::array::from_fn;
-use std::ops::{Add, Div, Mul, Sub};
-
-/// A format of floating-point numbers.
-pub trait Number:
-    Copy
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-{
-    /// The nearest number of this format.
-    fn of(value: f64) -> Self;
-    /// This number in double precision.
-    fn wide(self) -> f64;
-    /// `x * y + z`, rounded once.
-    fn fused(x: Self, y: Self, z: Self) -> Self;
-}
-
-impl Number for f64 {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        self
-    }
-    fn fused(x: Self, y: Self, z: Self) -> Self {
-        libm::fma(x, y, z)
-    }
-}
-
-impl Number for f32 {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value as Self
-    }
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        f64::from(self)
-    }
-    fn fused(x: Self, y: Self, z: Self) -> Self {
-        libm::fmaf(x, y, z)
-    }
-}
+use std::ops::{Add, Mul, Sub};
 
 /// A number per lane.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 #[repr(align(64))]
-pub struct V<N>(pub [N; LANES]);
+pub struct V(pub [f64; LANES]);
 
-impl<N: Number> Add for V<N> {
+impl Add for V {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -62,7 +17,7 @@ impl<N: Number> Add for V<N> {
     }
 }
 
-impl<N: Number> Mul for V<N> {
+impl Mul for V {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -70,7 +25,7 @@ impl<N: Number> Mul for V<N> {
     }
 }
 
-impl<N: Number> Mul<f64> for V<N> {
+impl Mul<f64> for V {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: f64) -> Self {
@@ -78,13 +33,7 @@ impl<N: Number> Mul<f64> for V<N> {
     }
 }
 
-impl<N: Number> Default for V<N> {
-    fn default() -> Self {
-        Self::all(0.0)
-    }
-}
-
-impl<N: Number> Sub for V<N> {
+impl Sub for V {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -92,17 +41,16 @@ impl<N: Number> Sub for V<N> {
     }
 }
 
-impl<N: Number> V<N> {
+impl V {
     #[inline(always)]
     pub(super) fn all(value: f64) -> Self {
-        Self([N::of(value); LANES])
+        Self([value; LANES])
     }
 
     /// The absolute values.
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        let zero = N::of(0.0);
-        Self(self.0.map(|value| if value < zero { zero - value } else { value }))
+        Self(self.0.map(f64::abs))
     }
 
     /// In each lane, the greater of two numbers; the other one where this is NaN.
@@ -124,28 +72,29 @@ impl<N: Number> V<N> {
     }
 }
 
-/// The operations of the iteration that an arithmetic may round in its own way, in all lanes at once.
+/// Operations of the iteration, in all lanes at once, that an arithmetic may round in its own way; the defaults are those
+/// of [`Plain`](crate::saddle::Plain).
 ///
-/// All others are exact but for one rounding each: the mesh width and the diagonals are powers of two.
-pub trait Arithmetic<N: Number> {
+/// All other operations are exact but for one rounding each: the mesh width and the diagonals are powers of two.
+pub trait Arithmetic {
     /// `south + north + east + load + west`.
     #[inline(always)]
-    fn star(&mut self, [south, north, east, load, west]: [V<N>; 5]) -> V<N> {
+    fn star(&mut self, [south, north, east, load, west]: [V; 5]) -> V {
         ((south + north) + (east + load)) + west
     }
     /// `along + inward + load`: the neighbours on the edge, already halved, and the one inside.
     #[inline(always)]
-    fn edge(&mut self, [along, inward, load]: [V<N>; 3]) -> V<N> {
+    fn edge(&mut self, [along, inward, load]: [V; 3]) -> V {
         along + inward + load
     }
     /// `a - r y`.
     #[inline(always)]
-    fn step(&mut self, a: N, r: N, y: N) -> N {
+    fn step(&mut self, a: f64, r: f64, y: f64) -> f64 {
         a - r * y
     }
     /// The new values of a node.
     #[inline(always)]
-    fn node(&mut self, y: V<N>) -> V<N> {
+    fn node(&mut self, y: V) -> V {
         y
     }
     /// A run enters a lane.
@@ -158,30 +107,4 @@ pub trait Arithmetic<N: Number> {
 #[derive(Clone, Copy, Debug)]
 pub struct AsDefined;
 
-impl<N: Number> Arithmetic<N> for AsDefined {}
-
-/// All sums from the other end.
-#[derive(Clone, Copy, Debug)]
-pub struct Reversed;
-
-impl<N: Number> Arithmetic<N> for Reversed {
-    #[inline(always)]
-    fn star(&mut self, [south, north, east, load, west]: [V<N>; 5]) -> V<N> {
-        (((west + load) + east) + north) + south
-    }
-    #[inline(always)]
-    fn edge(&mut self, [along, inward, load]: [V<N>; 3]) -> V<N> {
-        load + inward + along
-    }
-}
-
-/// A product and the sum it enters rounded together, as compilers may.
-#[derive(Clone, Copy, Debug)]
-pub struct Fused;
-
-impl<N: Number> Arithmetic<N> for Fused {
-    #[inline(always)]
-    fn step(&mut self, a: N, r: N, y: N) -> N {
-        N::fused(N::of(-1.0) * r, y, a)
-    }
-}
+impl Arithmetic for AsDefined {}

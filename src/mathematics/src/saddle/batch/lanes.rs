@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{Arithmetic, Number, V};
+use super::arithmetic::{Arithmetic, V};
 use crate::discrete::grid::Grid;
 use crate::discrete::simd::vectorised;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -34,23 +34,23 @@ pub(super) struct LaneEdge {
 }
 
 /// The iterates of all lanes.
-pub struct Lanes<N> {
+pub struct Lanes {
     pub(super) grid: Grid,
     order: Order,
     /// Weight of the multiplier in (7), h, and its weight at the corners.
-    pub(super) weights: [N; 2],
-    pub(super) r: V<N>,
+    pub(super) weights: [f64; 2],
+    pub(super) r: V,
     /// The proximal term's share of an interior node.
-    pub(super) shift: V<N>,
+    pub(super) shift: V,
     /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
-    edge: [V<N>; 2],
-    corner: [V<N>; 2],
-    centre: V<N>,
-    pub(super) y: Vec<V<N>>,
-    pub(super) a: Vec<V<N>>,
+    edge: [V; 2],
+    corner: [V; 2],
+    centre: V,
+    pub(super) y: Vec<V>,
+    pub(super) a: Vec<V>,
     /// F, and with the proximal term.
-    pub(super) load: Vec<V<N>>,
-    pub(super) target: Vec<V<N>>,
+    pub(super) load: Vec<V>,
+    pub(super) target: Vec<V>,
     /// In the order of rows.
     pub(super) edges: Vec<LaneEdge>,
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
@@ -63,12 +63,12 @@ const INSIDE: u32 = u32::MAX;
 
 /// (9) at an interior node: `centre` times the sum of the terms.
 #[inline(always)]
-fn relaxed<N: Number>(centre: V<N>, terms: [V<N>; 5], arithmetic: &mut impl Arithmetic<N>) -> V<N> {
+fn relaxed(centre: V, terms: [V; 5], arithmetic: &mut impl Arithmetic) -> V {
     let sum = arithmetic.star(terms);
     arithmetic.node(centre * sum)
 }
 
-impl<N: Number> Lanes<N> {
+impl Lanes {
     /// All lanes at zero, swept in this order, with the multiplier's weight at corners in units of h.
     pub fn new(grid: Grid, order: Order, corner_weight: f64) -> Self {
         let n = grid.cells();
@@ -95,7 +95,7 @@ impl<N: Number> Lanes<N> {
         Self {
             grid,
             order,
-            weights: [1.0, corner_weight].map(|weight| N::of(grid.h() * weight)),
+            weights: [1.0, corner_weight].map(|weight| grid.h() * weight),
             r: V::all(1.0),
             shift: V::all(0.0),
             edge: [V::all(2.0), V::all(0.5)],
@@ -115,19 +115,19 @@ impl<N: Number> Lanes<N> {
     ///
     /// # Panics
     /// If a vector has the wrong length for the grid, or r is not positive.
-    pub fn enter(&mut self, lane: usize, r: f64, load: &[N], weight: f64, start: &Pair) {
+    pub fn enter(&mut self, lane: usize, r: f64, load: &[f64], weight: f64, start: &Pair) {
         assert!(load.len() == self.grid.nodes() && start.y.len() == self.grid.nodes());
         assert!(start.a.len() == self.a.len() && r > 0.0);
-        self.y.iter_mut().zip(&start.y).for_each(|(y, start)| y.0[lane] = N::of(*start));
-        self.a.iter_mut().zip(&start.a).for_each(|(a, start)| a.0[lane] = N::of(*start));
+        self.y.iter_mut().zip(&start.y).for_each(|(y, start)| y.0[lane] = *start);
+        self.a.iter_mut().zip(&start.a).for_each(|(a, start)| a.0[lane] = *start);
         self.load.iter_mut().zip(load).for_each(|(load, f)| load.0[lane] = *f);
-        self.r.0[lane] = N::of(r);
+        self.r.0[lane] = r;
         let shift = weight * self.grid.h() * self.grid.h();
-        self.shift.0[lane] = N::of(shift);
-        self.centre.0[lane] = N::of(1.0 / (4.0 + shift));
+        self.shift.0[lane] = shift;
+        self.centre.0[lane] = 1.0 / (4.0 + shift);
         for (k, value) in [2.0 + 0.5 * shift, 1.0 + 0.25 * shift].into_iter().enumerate() {
             let [diagonal, inverse] = if k == 0 { &mut self.edge } else { &mut self.corner };
-            (diagonal.0[lane], inverse.0[lane]) = (N::of(value), N::of(1.0 / value));
+            (diagonal.0[lane], inverse.0[lane]) = (value, 1.0 / value);
         }
         if weight > 0.0 && !self.regularised {
             self.regularised = true;
@@ -142,7 +142,7 @@ impl<N: Number> Lanes<N> {
     ///
     /// # Panics
     /// If r is not positive, or a run before had a proximal term.
-    pub fn enter_all(&mut self, r: f64) -> &mut [V<N>] {
+    pub fn enter_all(&mut self, r: f64) -> &mut [V] {
         assert!(r > 0.0 && !self.regularised);
         self.y.fill(V::all(0.0));
         self.a.fill(V::all(0.0));
@@ -164,8 +164,8 @@ impl<N: Number> Lanes<N> {
     /// Sets the proximal term, if there is one, to pull towards y as it is now.
     pub fn regularise(&mut self, lane: usize) {
         let (n, side, shift) = (self.grid.cells(), self.grid.side(), self.shift.0[lane]);
-        if shift > N::of(0.0) {
-            let half = |k: usize| N::of(if k == 0 || k == n { 0.5 } else { 1.0 });
+        if shift > 0.0 {
+            let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
             for j in 0..side {
                 for i in 0..side {
                     let k = j * side + i;
@@ -177,7 +177,7 @@ impl<N: Number> Lanes<N> {
     }
 
     /// (9)-(11) in every lane.
-    pub fn sweep(&mut self, arithmetic: &mut impl Arithmetic<N>) {
+    pub fn sweep(&mut self, arithmetic: &mut impl Arithmetic) {
         vectorised(
             #[inline(always)]
             || self.sweep_inline(arithmetic),
@@ -185,7 +185,7 @@ impl<N: Number> Lanes<N> {
     }
 
     #[inline(always)]
-    fn sweep_inline(&mut self, arithmetic: &mut impl Arithmetic<N>) {
+    fn sweep_inline(&mut self, arithmetic: &mut impl Arithmetic) {
         let (n, all) = (self.grid.cells(), self.edges.len());
         match self.order {
             Order::Lexicographic => {
@@ -221,7 +221,7 @@ impl<N: Number> Lanes<N> {
 
     /// (9) at the interior nodes of row `j`.
     #[inline(always)]
-    fn relax_row(&mut self, j: usize, arithmetic: &mut impl Arithmetic<N>) {
+    fn relax_row(&mut self, j: usize, arithmetic: &mut impl Arithmetic) {
         let side = self.grid.side();
         let load = if self.regularised { &self.target } else { &self.load };
         let (below, rest) = self.y.split_at_mut(j * side);
@@ -239,7 +239,7 @@ impl<N: Number> Lanes<N> {
     /// (9) at the interior nodes of rows `j` and `j + 1`, the upper one column behind the lower: neither waits for
     /// the other, and each node finds the values that it finds row by row.
     #[inline(always)]
-    fn relax_two_rows(&mut self, j: usize, arithmetic: &mut impl Arithmetic<N>) {
+    fn relax_two_rows(&mut self, j: usize, arithmetic: &mut impl Arithmetic) {
         let side = self.grid.side();
         let load = if self.regularised { &self.target } else { &self.load };
         let (below, rest) = self.y.split_at_mut(j * side);
@@ -269,7 +269,7 @@ impl<N: Number> Lanes<N> {
 
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
     #[inline(always)]
-    fn relax_boundary(&mut self, first: usize, count: usize, arithmetic: &mut impl Arithmetic<N>) {
+    fn relax_boundary(&mut self, first: usize, count: usize, arithmetic: &mut impl Arithmetic) {
         let load = if self.regularised { &self.target } else { &self.load };
         for edge in &self.edges[first..first + count] {
             let (node, y) = (edge.node as usize, &self.y);
@@ -297,11 +297,7 @@ impl<N: Number> Lanes<N> {
     }
 
     /// (12) in the lanes that step, and the largest change in each; NaN if a value is no longer finite.
-    pub fn step(
-        &mut self,
-        steps: [bool; LANES],
-        arithmetic: &mut impl Arithmetic<N>,
-    ) -> [f64; LANES] {
+    pub fn step(&mut self, steps: [bool; LANES], arithmetic: &mut impl Arithmetic) -> [f64; LANES] {
         vectorised(
             #[inline(always)]
             || self.step_inline(steps, arithmetic),
@@ -312,27 +308,26 @@ impl<N: Number> Lanes<N> {
     fn step_inline(
         &mut self,
         steps: [bool; LANES],
-        arithmetic: &mut impl Arithmetic<N>,
+        arithmetic: &mut impl Arithmetic,
     ) -> [f64; LANES] {
-        let (one, steps) = (N::of(1.0), V(steps.map(|steps| N::of(f64::from(u8::from(steps))))));
+        let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
         let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
         for edge in &self.edges {
             let (y, a) = (self.y[edge.node as usize], &mut self.a[edge.place as usize]);
             let next = V(from_fn(|l| arithmetic.step(a.0[l], self.r.0[l], y.0[l])));
-            let next = V(from_fn(|l| if steps.0[l] == one { next.0[l] } else { a.0[l] }));
+            let next = V(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);
             let next = next.positive();
             changes = (next - *a).abs().greatest(changes);
             *a = next;
         }
-        let changes = changes + not_finite;
-        changes.0.map(N::wide)
+        (changes + not_finite).0
     }
 
     /// The iterates of a lane.
     pub fn pair(&self, lane: usize) -> Pair {
-        let take = |from: &[V<N>]| from.iter().map(|v| v.0[lane].wide()).collect();
+        let take = |from: &[V]| from.iter().map(|v| v.0[lane]).collect();
         Pair { y: take(&self.y), a: take(&self.a) }
     }
 }

@@ -1,7 +1,7 @@
 //! Measures of the iterates, node by node in all lanes at once, and the largest of it in a lane.
 
 use super::LANES;
-use super::arithmetic::{Number, V};
+use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
 use crate::discrete::simd::vectorised;
 use std::array::from_fn;
@@ -19,7 +19,7 @@ pub enum GradientMeasure {
     Kkt,
 }
 
-impl<N: Number> Lanes<N> {
+impl Lanes {
     /// True if a measure is at most `bound` everywhere in a lane; NaN never is.
     ///
     /// The node `witness`, which broke the bound last, is tried first.
@@ -48,7 +48,7 @@ impl<N: Number> Lanes<N> {
             #[inline(always)]
             || {
                 let mut open = from_fn(|l| {
-                    let here = |bound| self.at_node(measure, witnesses[l]).0[l].wide() <= bound;
+                    let here = |bound| self.at_node(measure, witnesses[l]).0[l] <= bound;
                     bounds[l].is_some_and(here)
                 });
                 let side = self.grid.side();
@@ -56,20 +56,23 @@ impl<N: Number> Lanes<N> {
                 let (first, bounds) =
                     (witnesses[lane] / side, bounds.map(Option::unwrap_or_default));
                 for j in (first..side).chain(0..first) {
-                    let (one, mut above) = (N::of(1.0), V::all(0.0));
+                    let mut above = V::all(0.0);
                     self.in_row(
                         measure,
                         j,
                         #[inline(always)]
                         |value, _| {
                             // One comparison, which NaN fails, so that all lanes are compared at once.
-                            above = V(from_fn(|l| {
-                                if value.0[l].wide() <= bounds[l] { above.0[l] } else { one }
-                            }));
+                            above =
+                                V(from_fn(
+                                    |l| {
+                                        if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 }
+                                    },
+                                ));
                         },
                     );
                     for lane in 0..LANES {
-                        if open[lane] && above.0[lane] == one {
+                        if open[lane] && above.0[lane] == 1.0 {
                             open[lane] = false;
                             witnesses[lane] = self.largest_in_row(lane, measure, j);
                         }
@@ -85,7 +88,7 @@ impl<N: Number> Lanes<N> {
 
     /// The largest value of a measure over all nodes, in each lane; NaN if any is.
     pub fn worst(&self, measure: GradientMeasure) -> [f64; LANES] {
-        let all = vectorised(
+        vectorised(
             #[inline(always)]
             || {
                 let (mut worst, mut nan) = (V::all(f64::NEG_INFINITY), V::all(0.0));
@@ -94,18 +97,20 @@ impl<N: Number> Lanes<N> {
                         measure,
                         j,
                         #[inline(always)]
-                        |value: V<N>, _| {
+                        |value: V, _| {
                             worst = value.greatest(worst);
-                            nan = V(from_fn(|l| {
-                                if value.0[l].wide().is_nan() { value.0[l] } else { nan.0[l] }
-                            }));
+                            nan =
+                                V(from_fn(
+                                    |l| {
+                                        if value.0[l].is_nan() { value.0[l] } else { nan.0[l] }
+                                    },
+                                ));
                         },
                     );
                 }
-                worst + nan
+                (worst + nan).0
             },
-        );
-        all.0.map(N::wide)
+        )
     }
 
     /// Place at which the largest value of a measure in row `j` of a lane is, or one that is NaN.
@@ -116,7 +121,7 @@ impl<N: Number> Lanes<N> {
             j,
             #[inline(always)]
             |value, node| {
-                let value = value.0[lane].wide();
+                let value = value.0[lane];
                 if value > largest.0 || value.is_nan() {
                     largest = (value, node);
                 }
@@ -127,7 +132,7 @@ impl<N: Number> Lanes<N> {
 
     /// Notes a measure at all nodes of row `j`, those of the boundary first.
     #[inline(always)]
-    fn in_row(&self, measure: GradientMeasure, j: usize, mut note: impl FnMut(V<N>, usize)) {
+    fn in_row(&self, measure: GradientMeasure, j: usize, mut note: impl FnMut(V, usize)) {
         let (n, side) = (self.grid.cells(), self.grid.side());
         let edges = match j {
             0 => 0..n + 1,
@@ -152,7 +157,7 @@ impl<N: Number> Lanes<N> {
 
     /// The measure at a node, rounded as in [`Plain::gradient`](crate::saddle::Plain::gradient).
     #[inline(always)]
-    fn at_node(&self, measure: GradientMeasure, node: usize) -> V<N> {
+    fn at_node(&self, measure: GradientMeasure, node: usize) -> V {
         let (side, y) = (self.grid.side(), &self.y);
         match self.edges.get(self.edge_at[node] as usize) {
             Some(edge) => self.on_boundary(measure, edge),
@@ -165,7 +170,7 @@ impl<N: Number> Lanes<N> {
 
     /// F, or F with the proximal term where the measure has it.
     #[inline(always)]
-    fn load_of(&self, measure: GradientMeasure) -> &[V<N>] {
+    fn load_of(&self, measure: GradientMeasure) -> &[V] {
         let with_term = measure == GradientMeasure::Inner && self.regularised;
         if with_term { &self.target } else { &self.load }
     }
@@ -174,17 +179,17 @@ impl<N: Number> Lanes<N> {
     fn inside(
         &self,
         measure: GradientMeasure,
-        here: V<N>,
-        [south, north, west, east]: [V<N>; 4],
-        load: V<N>,
-    ) -> V<N> {
+        here: V,
+        [south, north, west, east]: [V; 4],
+        load: V,
+    ) -> V {
         let flux = V::all(4.0) * here - (south + north) - (west + east) - load;
         let flux = if measure == GradientMeasure::Inner { flux + self.shift * here } else { flux };
         if measure == GradientMeasure::Signed { flux } else { flux.abs() }
     }
 
     #[inline(always)]
-    fn on_boundary(&self, measure: GradientMeasure, edge: &LaneEdge) -> V<N> {
+    fn on_boundary(&self, measure: GradientMeasure, edge: &LaneEdge) -> V {
         let (node, half, y) = (edge.node as usize, V::all(0.5), &self.y);
         let (here, load) = (y[node], self.load_of(measure)[node]);
         let along = half * (y[edge.along[0] as usize] + y[edge.along[1] as usize]);
@@ -206,7 +211,7 @@ impl<N: Number> Lanes<N> {
             }
         }
         let pull = self.a[edge.place as usize] - self.r * here;
-        let h = V([self.weights[usize::from(edge.inward.is_none())]; LANES]);
+        let h = V::all(self.weights[usize::from(edge.inward.is_none())]);
         let value = flux - h * pull.positive();
         if measure == GradientMeasure::Signed { value } else { value.abs() }
     }

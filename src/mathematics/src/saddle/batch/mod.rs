@@ -10,7 +10,7 @@ mod arithmetic;
 mod lanes;
 mod measure;
 
-pub use arithmetic::{Arithmetic, AsDefined, Fused, Number, Reversed, V};
+pub use arithmetic::{Arithmetic, AsDefined, V};
 pub use lanes::{Lanes, Order};
 pub use measure::GradientMeasure;
 
@@ -35,9 +35,9 @@ pub enum JobGoal {
 
 /// A run to be done.
 #[derive(Clone, Copy, Debug)]
-pub struct Job<'a, N = f64> {
+pub struct Job<'a> {
     /// Load vector F.
-    pub load: &'a [N],
+    pub load: &'a [f64],
     /// Start of the run.
     pub start: &'a Pair,
     /// The method.
@@ -82,15 +82,11 @@ impl End {
 ///
 /// # Panics
 /// If a load vector or a start has the wrong length for `grid`.
-pub fn run<N: Number>(
-    grid: Grid,
-    jobs: &[Job<N>],
-    arithmetic: &mut impl Arithmetic<N>,
-) -> Vec<End> {
+pub fn run(grid: Grid, jobs: &[Job], arithmetic: &mut impl Arithmetic) -> Vec<End> {
     let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
     let mut waiting = jobs.iter().enumerate();
     let mut lanes = Lanes::new(grid, Order::Lexicographic, 1.0);
-    let mut runs: [Option<LaneRun<N>>; LANES] = [const { None }; LANES];
+    let mut runs: [Option<LaneRun>; LANES] = [const { None }; LANES];
     // Nodes that broke the bound on the inner gradient when last tried.
     let mut inner_witnesses = [0; LANES];
     loop {
@@ -132,9 +128,9 @@ pub fn run<N: Number>(
 }
 
 /// A job in a lane.
-struct LaneRun<'a, N> {
+struct LaneRun<'a> {
     number: usize,
-    job: &'a Job<'a, N>,
+    job: &'a Job<'a>,
     sweeps: usize,
     delta_a: f64,
     /// Bound on the inner gradient.
@@ -145,9 +141,9 @@ struct LaneRun<'a, N> {
     scale: f64,
 }
 
-impl<'a, N: Number> LaneRun<'a, N> {
-    fn new(number: usize, job: &'a Job<'a, N>) -> Self {
-        let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.wide().abs()));
+impl<'a> LaneRun<'a> {
+    fn new(number: usize, job: &'a Job<'a>) -> Self {
+        let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
         let inner = job.method.inner_bound(scale);
         Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, scale }
     }
@@ -158,7 +154,7 @@ impl<'a, N: Number> LaneRun<'a, N> {
     }
 
     /// Why the run ends after a sweep, if it does.
-    fn stop(&mut self, lanes: &Lanes<N>, lane: usize, stepped: bool) -> Option<StopReason> {
+    fn stop(&mut self, lanes: &Lanes, lane: usize, stepped: bool) -> Option<StopReason> {
         match stepped {
             true if self.delta_a.is_nan() => Some(StopReason::Diverged),
             true if self.met(lanes, lane) => Some(StopReason::Converged),
@@ -167,7 +163,7 @@ impl<'a, N: Number> LaneRun<'a, N> {
     }
 
     /// True if the goal is reached, after a step of the multiplier.
-    fn met(&mut self, lanes: &Lanes<N>, lane: usize) -> bool {
+    fn met(&mut self, lanes: &Lanes, lane: usize) -> bool {
         let (measure, bound, dual) = match self.job.goal {
             JobGoal::Kkt(target) => (GradientMeasure::Kkt, target * self.scale, false),
             JobGoal::Rule(rule, tolerance) => {
@@ -176,7 +172,7 @@ impl<'a, N: Number> LaneRun<'a, N> {
                 } else {
                     GradientMeasure::Signed
                 };
-                (measure, N::of(tolerance).wide(), rule.asks_dual())
+                (measure, tolerance, rule.asks_dual())
             }
         };
         (!dual || self.delta_a <= bound) && lanes.within(lane, measure, bound, &mut self.witness)
@@ -185,9 +181,9 @@ impl<'a, N: Number> LaneRun<'a, N> {
 
 /// A run of the paper's method over nested grids.
 #[derive(Clone, Copy, Debug)]
-pub struct Nested<'a, N = f64> {
+pub struct Nested<'a> {
     /// Load vectors, one per grid.
-    pub loads: &'a [Vec<N>],
+    pub loads: &'a [Vec<f64>],
     /// Duality parameter r > 0.
     pub r: f64,
     /// Stopping rule, with the paper's tolerances.
@@ -197,21 +193,19 @@ pub struct Nested<'a, N = f64> {
 /// Does all runs, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
 /// grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
 ///
-/// The prolongation is computed in double precision and rounded once.
-///
 /// # Panics
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load has the wrong length.
-pub fn run_nested<N: Number>(
+pub fn run_nested(
     grids: &[Grid],
-    runs: &[Nested<N>],
+    runs: &[Nested],
     prolongation: Prolongation,
     cap: impl Fn(usize, usize) -> usize,
-    arithmetic: &mut impl Arithmetic<N>,
+    arithmetic: &mut impl Arithmetic,
 ) -> Vec<Vec<End>> {
     let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
     let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
     for (k, &grid) in grids.iter().enumerate() {
-        let jobs: Vec<Job<N>> = runs
+        let jobs: Vec<Job> = runs
             .iter()
             .zip(&pairs)
             .enumerate()
