@@ -1,6 +1,6 @@
 //! Check of mdBook's directives in pages: the files that they include must be among those from which the book is made.
 
-use super::mathml::place;
+use super::markdown::place;
 use regex::{Captures, Regex};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

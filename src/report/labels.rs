@@ -3,7 +3,7 @@
 //! Equations carry their numbers themselves. Figures are elements `<figure id="figure-NAME">` and tables elements
 //! `<figure id="table-NAME">`; they are numbered in the order of the pages in `SUMMARY.md`.
 
-use super::mathml::{parse, place, split_tag};
+use super::markdown::{parse, place, split_tag};
 use pulldown_cmark::{Event, Tag};
 use regex::Regex;
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! Check of the links and pictures of a page: their targets must exist.
 
-use super::mathml::{parse, place};
+use super::markdown::{parse, place};
 use percent_encoding::percent_decode_str;
 use pulldown_cmark::{Event, LinkType, Tag};
 use regex::Regex;

@@ -10,6 +10,7 @@ mod filters;
 mod includes;
 mod labels;
 mod links;
+mod markdown;
 mod mathml;
 mod pages;
 

@@ -87,6 +87,12 @@ fn every_formula_is_set_and_every_figure_is_shown() {
 }
 
 #[test]
+fn the_book_has_at_most_six_megabytes() {
+    let size: usize = files().values().map(Vec::len).sum();
+    assert!(size <= 6_000_000, "{size} bytes");
+}
+
+#[test]
 fn twice_gives_the_same_bytes() {
     let once = files();
     let source = book().join("../src");

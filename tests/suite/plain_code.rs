@@ -5,14 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Named local closures, `let name = |..| ..`, per 100 lines.
-const CLOSURES_PER_100_LINES: f64 = 0.8;
+const CLOSURES_PER_100_LINES: f64 = 0.4;
 /// Type names that stand for more than one type of a package.
 const SHARED_TYPE_NAMES: usize = 5;
 /// Documentation lines that begin with one of [`INDIRECT`].
-const INDIRECT_DOCUMENTATION: usize = 60;
-/// Functions with more than [`ARGUMENTS`] arguments.
-const LONG_ARGUMENT_LISTS: usize = 8;
-/// Arguments of a function, `self` included.
+const INDIRECT_DOCUMENTATION: usize = 10;
+/// Most arguments of a function, `self` included.
 const ARGUMENTS: usize = 5;
 
 /// First words of documentation that hide the noun.
@@ -150,7 +148,7 @@ fn functions_take_few_arguments() {
         let long = arguments(&source.text).into_iter().filter(|(_, count)| *count > ARGUMENTS);
         found.extend(long.map(|(name, count)| format!("{}: {name} takes {count}", source.path)));
     }
-    assert!(found.len() <= LONG_ARGUMENT_LISTS, "{}: {found:#?}", found.len());
+    assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]

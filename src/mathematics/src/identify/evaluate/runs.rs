@@ -1,7 +1,7 @@
 //! Forced and free runs, grid by grid.
 
 use super::{Evaluator, Forced, Level, Table, grid};
-use crate::saddle::batch::LANES;
+use crate::saddle::batch::{LANES, LaneStart};
 use crate::saddle::{Pair, tolerance};
 use rayon::prelude::*;
 use std::array::from_fn;
@@ -35,7 +35,8 @@ impl Evaluator<'_> {
             self.entered[level] += 1;
             let load = self.load(geometry, level, values);
             for (row, (&r, start)) in self.target.r.iter().zip(&pairs).enumerate() {
-                self.levels[level].lanes.enter(row, r, &load, 0.0, start);
+                let run = LaneStart { r, load: &load, weight: 0.0, start };
+                self.levels[level].lanes.enter(row, &run);
             }
             let mut delta_a = vec![0.0; rows];
             let last = (0..rows).map(|row| self.last(row, level)).collect::<Vec<_>>();
@@ -184,7 +185,8 @@ impl Evaluator<'_> {
         for level in 0..self.target.levels() {
             for (lane, (&(values, row), start)) in runs.iter().zip(&pairs).enumerate() {
                 let load = self.load(geometry, level, values);
-                self.levels[level].lanes.enter(lane, self.target.r[row], &load, 0.0, start);
+                let run = LaneStart { r: self.target.r[row], load: &load, weight: 0.0, start };
+                self.levels[level].lanes.enter(lane, &run);
             }
             let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
             let tolerance = tolerance(level + 1);

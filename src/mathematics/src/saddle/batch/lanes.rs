@@ -58,6 +58,19 @@ pub struct Lanes {
     pub(super) regularised: bool,
 }
 
+/// Run that enters a lane.
+#[derive(Clone, Copy)]
+pub struct LaneStart<'a> {
+    /// Duality parameter r > 0.
+    pub r: f64,
+    /// Load vector F.
+    pub load: &'a [f64],
+    /// Weight of the proximal term; zero for none.
+    pub weight: f64,
+    /// Pair from which the run starts.
+    pub start: &'a Pair,
+}
+
 /// No boundary node.
 const INSIDE: u32 = u32::MAX;
 
@@ -111,11 +124,12 @@ impl Lanes {
         }
     }
 
-    /// Puts a run into a lane: its r, its load vector, its proximal weight and where it starts.
+    /// Puts a run into a lane.
     ///
     /// # Panics
     /// If a vector has the wrong length for the grid, or r is not positive.
-    pub fn enter(&mut self, lane: usize, r: f64, load: &[f64], weight: f64, start: &Pair) {
+    pub fn enter(&mut self, lane: usize, run: &LaneStart) {
+        let &LaneStart { r, load, weight, start } = run;
         assert!(load.len() == self.grid.nodes() && start.y.len() == self.grid.nodes());
         assert!(start.a.len() == self.a.len() && r > 0.0);
         self.y.iter_mut().zip(&start.y).for_each(|(y, start)| y.0[lane] = *start);

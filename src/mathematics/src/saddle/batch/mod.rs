@@ -11,7 +11,7 @@ mod lanes;
 mod measure;
 
 pub use arithmetic::{Arithmetic, AsDefined, V};
-pub use lanes::{Lanes, Order};
+pub use lanes::{LaneStart, Lanes, Order};
 pub use measure::GradientMeasure;
 
 use crate::discrete::grid::Grid;
@@ -92,7 +92,8 @@ pub fn run(grid: Grid, jobs: &[Job], arithmetic: &mut impl Arithmetic) -> Vec<En
     loop {
         for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
             if let Some((number, job)) = waiting.next() {
-                lanes.enter(lane, job.r, job.load, job.method.weight(), job.start);
+                let &Job { load, start, method, r, .. } = job;
+                lanes.enter(lane, &LaneStart { r, load, weight: method.weight(), start });
                 arithmetic.enter(lane, number);
                 *run = Some(LaneRun::new(number, job));
             }
