@@ -93,7 +93,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     files.push(File::new(PAGE, "what matched and how exactly, on one page", page.into_bytes()));
     context.insert("page", &files.last());
     context.insert("parts", &files);
-    let record = render(include_str!("certificate/ro-crate-metadata.json.tera"), &context);
+    let record = render(include_str!("certificate/ro_crate.json.tera"), &context);
     files.push(File::new(RECORD, "", record.into_bytes()));
     context.insert("record", &files.last());
     let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);

@@ -6,7 +6,8 @@ use crate::book::{attribute, files, html, tags};
 /// The text of each page of chapters between `<main>` and `</main>`, by name.
 fn pages() -> Vec<(String, String)> {
     let book = files();
-    let pages = html(&book).into_iter().filter(|(name, _)| *name != "print.html");
+    let pages =
+        html(&book).into_iter().filter(|(name, _)| !["print.html", "toc.html"].contains(name));
     pages.map(|(name, page)| (name.to_owned(), main_part(&page).to_owned())).collect()
 }
 
@@ -74,6 +75,10 @@ fn every_table_of_numbers_and_every_figure_leads_to_its_data() {
         for element in main.split("<figure id=\"").skip(1) {
             let element = element.split_once("</figure>").unwrap().0;
             let is_figure = element.starts_with("figure-");
+            // Drawings of the problem and of the grid show no result.
+            if ["figure-membrane\"", "figure-grid\""].iter().any(|id| element.starts_with(id)) {
+                continue;
+            }
             let has_numbers =
                 element.contains("text-align: right") || element.contains("text-align: center");
             // Numbers of the page on reliability are typed by hand, and held by the tests of faults.

@@ -224,7 +224,7 @@ fn a_planted_f_or_an_equivalent_one_is_recovered() {
 #[test]
 fn reports_do_not_depend_on_threads() {
     let target = coarse(published(2), 3);
-    // Several blocks of items.
+    // Several batches of items.
     for values in ["-8:4:0.02", "-8:4:0.1"] {
         let request = Request { exact_grids: 1, ..request(values) };
         let once = run_on(1, &request, &target);

@@ -80,7 +80,7 @@ pub fn findings(
         values: Lattice::parse_all(&questions.values)?,
         variant: *variant,
         negative_integral: true,
-        exact_grids: 2,
+        exact_grids: 3,
         top: questions.top,
     };
     let mut evaluator = Evaluator::new(target, variant, std::slice::from_ref(&quadrants))?;

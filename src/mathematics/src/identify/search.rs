@@ -5,8 +5,8 @@
 //! 3. The others make a forced run ([`Evaluator::forced`]), as far as the best candidates of earlier batches allow.
 //! 4. The best of all are run in full, and explained.
 //!
-//! An item knows only what earlier batches of its block found, and results are merged in an order of their own: what is
-//! found, and the number of runs, do not depend on the number of threads.
+//! An item knows only what earlier batches found, and results are merged in an order of their own: what is found, and the
+//! number of runs, do not depend on the number of threads.
 
 use super::evaluate::Evaluator;
 use super::rank::{Best, Found, Ranked, evaluate, explain};
@@ -22,8 +22,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const ITEM: u64 = 4096;
 /// Items in one batch.
 const BATCH: u64 = 8;
-/// Items in one block, a multiple of [`BATCH`].
-const BLOCK: u64 = 128;
 /// Largest number of candidates that is surely counted without rounding.
 const MOST: f64 = 9_007_199_254_740_992.0;
 
@@ -100,31 +98,27 @@ pub fn search(
         entered: vec![0; target.levels()],
         best: None,
     };
-    let (mut best, mut block) = (Best::new(request.top), Best::new(request.top));
+    let mut best = Best::new(request.top);
     while progress.done < items && !stop.load(Ordering::Relaxed) {
         let end = (progress.done + BATCH).min(items);
         let batch: Vec<u64> = (progress.done..end).collect();
         let ran: Vec<Item> = batch
             .into_par_iter()
             .with_max_len(1)
-            .map_init(|| evaluator.clone(), |evaluator, item| space.run(item, evaluator, &block))
+            .map_init(|| evaluator.clone(), |evaluator, item| space.run(item, evaluator, &best))
             .collect();
         for item in ran {
             progress.tried += item.tried;
             progress.entered.iter_mut().zip(&item.entered).for_each(|(sum, n)| *sum += n);
-            block.merge(item.best);
+            best.merge(item.best);
         }
         if stop.load(Ordering::Relaxed) {
             break;
         }
         progress.done = end;
-        if progress.done.is_multiple_of(BLOCK) {
-            best.merge(std::mem::replace(&mut block, Best::new(request.top)));
-        }
-        progress.best = [&best, &block].iter().filter_map(|best| best.objective()).reduce(f64::min);
+        progress.best = best.objective();
         observe(&progress);
     }
-    best.merge(block);
     // What was found is explained in any case.
     let mut evaluator = Evaluator::new(target, &request.variant, &space.geometries)?;
     let found = best.list().iter().map(|Ranked { candidate, .. }| {
@@ -184,10 +178,10 @@ impl<'a> CandidateSpace<'a> {
         self.per_geometry * self.geometries.len() as u64
     }
 
-    /// Runs the candidates of one item, in the light of what earlier batches of its block found.
-    fn run(&self, item: u64, evaluator: &mut Evaluator<'_>, block: &Best) -> Item {
+    /// Runs the candidates of one item, in the light of what earlier batches found.
+    fn run(&self, item: u64, evaluator: &mut Evaluator<'_>, earlier: &Best) -> Item {
         let before = evaluator.entered().to_vec();
-        let mut best = block.successor();
+        let mut best = earlier.successor();
         let mut tried = 0;
         let (mut next, end) = (item * ITEM, ((item + 1) * ITEM).min(self.count()));
         let mut passed = Vec::new();

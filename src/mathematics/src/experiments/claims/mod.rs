@@ -47,7 +47,7 @@ impl ClaimsPlan {
             per_decade: 4,
             targets: vec![(1e-3, 64), (1e-6, 32)],
             cap: 50_000,
-            compared_r: vec![0.1, 1.0, 10.0, 100.0, 1e4, 1e6],
+            compared_r: vec![1.0, 10.0, 100.0, 1e4, 1e6],
             compared_from: 16,
             weight: 1.0,
         }

@@ -135,7 +135,7 @@ impl Evaluator<'_> {
     /// Places of those among many f, given by their values on the pieces, that give all counts on so many coarse
     /// grids.
     ///
-    /// Grid by grid and row by row: nearly all fail soon.
+    /// Grid by grid and row by row from the last: nearly all fail soon.
     ///
     /// # Panics
     /// As [`Self::forced`].
@@ -148,7 +148,8 @@ impl Evaluator<'_> {
         let mut passed: Vec<usize> = (0..all.len()).collect();
         for level in 0..grids.min(self.target.levels()) {
             let entered = passed.len();
-            for row in 0..self.target.r.len() {
+            // The last row, of the smallest r, discards most.
+            for row in (0..self.target.r.len()).rev() {
                 let mut held = Vec::with_capacity(passed.len());
                 for some in passed.chunks(LANES) {
                     let values: Vec<_> = some.iter().map(|&k| &all[k]).collect();
