@@ -6,7 +6,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
-use crate::timing::recorded::{self, Peer, Timings};
+use crate::timing::recorded::{self, Peer, Reached, Timings};
 use crate::timing::solver::Solver;
 use clap::{Args, ValueEnum};
 
@@ -83,7 +83,7 @@ impl RecordFile {
 fn text(timings: &Timings) -> String {
     let Timings { machine, bandwidth, .. } = timings;
     let mut text = format!(
-        "{}, {} cores, {}\n{}, {}; load average {}\n",
+        "{}, {} cores, {}\n{}\n{}; load average {}\n",
         machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
     );
     text += "noise: distance of the quartiles of a time over its median\n";
@@ -103,13 +103,13 @@ fn text(timings: &Timings) -> String {
         text += &format!("\nmultigrid, {}\n{}", TIMED.name(), multigrid(timings));
     }
     if !timings.solver.is_empty() {
-        text += &format!("\n{}", solvers(timings));
+        text += &solvers(timings);
     }
     if !timings.spectral.is_empty() {
         text += "\nspectral: error of the energy against a finer resolution, relative\n";
         text += &spectral(timings);
     }
-    text
+    text + &summary(timings)
 }
 
 fn percent(share: f64) -> String {
@@ -121,7 +121,6 @@ fn multigrid(timings: &Timings) -> String {
         let ns = line.ns();
         vec![
             format!("1/{}", line.cells),
-            line.unknowns().to_string(),
             line.threads.to_string(),
             line.goal.in_words().to_owned(),
             format!("{:.1}", line.work_units),
@@ -132,28 +131,90 @@ fn multigrid(timings: &Timings) -> String {
             format!("{:.1}", line.traffic / timings.bandwidth.update),
         ]
     });
-    let head =
-        ["grid", "unknowns", "threads", "goal", "WU", "ns", "ns/WU", "noise", "bytes", "stream ns"];
-    columns(&head, &[3], rows.collect())
+    let head = ["grid", "threads", "goal", "WU", "ns", "ns/WU", "noise", "bytes", "stream"];
+    columns(&head, &[2], rows.collect())
 }
 
+/// Returns a table for each problem.
 fn solvers(timings: &Timings) -> String {
-    let rows = timings.solver.iter().map(|line| {
-        vec![
-            line.solver.to_string(),
-            line.problem.clone(),
-            format!("1/{}", line.cells),
-            line.goal.clone(),
-            format!("{:.2e}", line.error),
-            format!("{:.2e}", line.discretisation),
-            format!("{:.1e}", line.kkt),
-            format!("{:.6}", line.seconds),
-            percent(line.spread),
-        ]
-    });
-    let head =
-        ["solver", "problem", "grid", "goal", "error", "discr.", "rel. KKT", "seconds", "noise"];
-    columns(&head, &[0, 1, 3], rows.collect())
+    let mut text = String::new();
+    for problem in problems(timings) {
+        let mut rows = Vec::new();
+        for line in timings.solver.iter().filter(|line| line.problem == problem) {
+            rows.push(vec![
+                line.solver.to_string(),
+                format!("1/{}", line.cells),
+                line.goal.clone(),
+                format!("{:.2e}", line.error),
+                format!("{:.1e}", line.kkt),
+                format!("{:.6}", line.seconds),
+                percent(line.spread),
+            ]);
+        }
+        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
+        text += &format!("\n{problem}\n{}", columns(&head, &[0, 2], rows));
+    }
+    text
+}
+
+/// Returns the names of the problems that the solvers were timed on, in their order.
+fn problems(timings: &Timings) -> Vec<&str> {
+    let mut problems = Vec::new();
+    for line in &timings.solver {
+        if !problems.contains(&&*line.problem) {
+            problems.push(&*line.problem);
+        }
+    }
+    problems
+}
+
+/// Error over the error of the discrete solution up to which a run counts as solved.
+const SOLVED: f64 = 1.1;
+
+/// Returns for each problem the factors by which the fastest solver is faster than the others on the finest grid that
+/// all of them solved: each in its fastest run whose error is at most [`SOLVED`] times that of the discrete solution.
+fn summary(timings: &Timings) -> String {
+    let mut text = String::new();
+    for problem in problems(timings) {
+        let mut solved: Vec<&Reached> = timings.solver.iter().collect();
+        solved.retain(|line| line.problem == problem && line.error <= SOLVED * line.discretisation);
+        let Some(fastest) = fastest_on_common_grid(&solved) else { continue };
+        let [first, others @ ..] = &fastest[..] else { continue };
+        text += &format!(
+            "\n{problem}, 1/{}: {} took {:.6} s to the discretisation error\n",
+            first.cells, first.solver, first.seconds
+        );
+        for other in others {
+            let ratio = other.seconds / first.seconds;
+            // Quartiles of a quotient, as if both times were off by half the distance of their quartiles.
+            let spread = 0.5 * ratio * (first.spread + other.spread);
+            text += &format!("{ratio:8.1} +- {spread:.1} times faster than {}\n", other.solver);
+        }
+    }
+    text
+}
+
+/// Returns the fastest run of each solver on the finest grid that all solvers solved, fastest first; none without such a
+/// grid.
+fn fastest_on_common_grid<'a>(solved: &[&'a Reached]) -> Option<Vec<&'a Reached>> {
+    let mut names = Vec::new();
+    for line in solved {
+        if !names.contains(&line.solver) {
+            names.push(line.solver);
+        }
+    }
+    let mut grids: Vec<usize> = solved.iter().map(|line| line.cells).collect();
+    grids.sort_unstable();
+    let grid = grids.into_iter().rev().find(|&cells| {
+        names.iter().all(|name| solved.iter().any(|on| on.solver == *name && on.cells == cells))
+    })?;
+    let mut fastest = Vec::new();
+    for name in names {
+        let runs = solved.iter().filter(|line| line.solver == name && line.cells == grid);
+        fastest.extend(runs.copied().min_by(|a, b| a.seconds.total_cmp(&b.seconds)));
+    }
+    fastest.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    Some(fastest)
 }
 
 fn spectral(timings: &Timings) -> String {
@@ -184,6 +245,16 @@ mod tests {
         assert_eq!(heads(&timings), [false, false, true]);
         timings.spectral.clear();
         assert_eq!(heads(&timings), [false; 3]);
+    }
+
+    #[test]
+    fn the_summary_names_the_fastest_solver_of_each_problem_and_fits_the_terminal() {
+        let timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
+        let summary = summary(&timings);
+        assert!(summary.contains("multigrid took") && summary.contains(" times faster than "));
+        for line in text(&timings).lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
     }
 
     /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.

@@ -10,7 +10,9 @@ mod gc;
 mod identify;
 mod init;
 mod interrupt;
+mod list;
 mod man;
+mod order;
 mod output;
 mod pipeline;
 mod report;
@@ -42,11 +44,13 @@ const HELP_WIDTH: usize = 90;
     version,
     args_conflicts_with_subcommands = true,
     max_term_width = HELP_WIDTH,
-    after_help = "Examples:\n  \
+    after_help = "`--help` shows all options, examples and exit codes.",
+    after_long_help = "Examples:\n  \
         signorini                         the whole paper; then open report/book/index.html\n  \
         signorini diff                    our tables against the published ones\n  \
         signorini run problem1 -n         what a run of one scene would do\n  \
         signorini solve --f 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' --h 1/128\n\n\
+        Options may stand before the command as well: `signorini -v run` is `signorini run -v`.\n\
         Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a stage failed, 130 interrupted."
 )]
 struct Cli {
@@ -92,7 +96,11 @@ enum Command {
     )]
     Diff(diff::DiffArgs),
     /// Solve one problem once
-    #[command(after_help = "Examples:\n  signorini solve problem2 --json\n  \
+    #[command(
+        after_help = "Examples:\n  signorini solve problem2\n  \
+        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --accuracy 1e-3\n\
+        `--help` shows all options, and the regions on which f may be given.",
+        after_long_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
         signorini solve --cube 'ball(0,0,0,0.25)=2; else=-1' --h 1/128 --out v.vti\n\n\
@@ -101,7 +109,8 @@ enum Command {
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
         problem with known solution: full-contact, torsion, free-segment, free-corner.\n\n\
         The cube is [-0.5,0.5]^3; its regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
-        halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc.")]
+        halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc."
+    )]
     Solve(solve::SolveArgs),
     /// Search for the right-hand sides of Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]
@@ -120,6 +129,8 @@ enum Command {
         Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
         signorini certificate --output ../review")]
     Certificate(certificate::CertificateArgs),
+    /// List the scenes, the solvers, and the problems with known solutions
+    List(list::ListArgs),
     /// Begin a study of your own: one scene, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
     Init(init::InitArgs),
@@ -150,7 +161,8 @@ enum Command {
 
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let args = order::options_last(&Cli::command(), std::env::args_os().collect());
+    let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(e) => {
             if e.use_stderr() {
@@ -243,6 +255,7 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Bench(args) => bench::bench(&args),
         Command::Report(args) => report::report(&args),
         Command::Certificate(args) => certificate::certificate(&args),
+        Command::List(args) => list::list(&args),
         Command::Init(args) => init::init(&args),
         Command::Gc(args) => gc::gc(&args),
         Command::Completions { shell } => {
@@ -256,9 +269,6 @@ fn dispatch(cli: Cli) -> Result<u8> {
 
 /// Returns advice on a word that is no scene, in case that a command was meant.
 fn advice(word: &str) -> String {
-    if Cli::command().find_subcommand(word).is_some() {
-        return format!("; options come after the command: `signorini {word} --help`");
-    }
     similar(word).map_or(String::new(), |name| format!("; did you mean `signorini {name}`?"))
 }
 

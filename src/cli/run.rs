@@ -17,11 +17,11 @@ pub(super) struct RunArgs {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
     /// Only this stage, and what it needs
-    #[arg(long, value_name = "STAGE")]
+    #[arg(long, value_name = "STAGE", hide_short_help = true)]
     only: Option<Stage>,
     /// Only this task, for which all it needs must be there; writes to the cache alone, beside other
     /// processes that do the same. May be given several times
-    #[arg(long, value_name = "ID", conflicts_with_all = [
+    #[arg(long, value_name = "ID", hide_short_help = true, conflicts_with_all = [
         "scenes", "only", "dry_run", "force", "keep_going", "jobs", "locked",
     ])]
     task: Vec<String>,
@@ -32,13 +32,13 @@ pub(super) struct RunArgs {
     #[arg(short, long)]
     force: bool,
     /// After a failure, go on with what does not depend on it
-    #[arg(short, long)]
+    #[arg(short, long, hide_short_help = true)]
     keep_going: bool,
     /// Threads; 0 is one per core. Results do not depend on it
     #[arg(short, long, value_name = "N", default_value_t = 0)]
     jobs: usize,
     /// Fail if the results differ from pipeline/lock.toml, instead of updating it
-    #[arg(long, conflicts_with_all = ["scenes", "only", "dry_run"])]
+    #[arg(long, hide_short_help = true, conflicts_with_all = ["scenes", "only", "dry_run"])]
     locked: bool,
     /// A line for every task that runs, with the reason
     #[arg(short, long)]

@@ -27,7 +27,9 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(group = ArgGroup::new("problem").required(true).args(["scene", "f", "cube"]))]
 pub(super) struct SolveArgs {
-    /// A scene of the project; r is its `draw_r`, the stopping rule its first, all else as it says
+    /// A scene of the project
+    ///
+    /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says.
     scene: Option<String>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5'
     #[arg(long)]
@@ -36,47 +38,51 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "F",
         conflicts_with_all = ["load", "r", "stop", "max_iterations"])]
     cube: Option<String>,
-    /// Width of the finest grid, 1/256 or 0.00390625, or its cells per side, 256 [default: the scene's,
-    /// or 1/64]
+    /// Width of the finest grid, as 1/256 [default: the scene's, or 1/64]
+    ///
+    /// 0.00390625, and 256 cells per side, are the same width.
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     h: Option<String>,
-    /// Solver [default: multigrid; for a scene, or with --r, --stop or --max-iterations: arrow-hurwicz].
-    /// The cube has multigrid and active-set
+    /// Solver [default: multigrid; for a scene: arrow-hurwicz]
+    ///
+    /// With --r, --stop or --max-iterations the default is arrow-hurwicz too. The cube has multigrid and active-set.
     #[arg(long, value_enum)]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     load: Option<Rule>,
     /// Duality parameter [default: the scene's, or 10]
     #[arg(long, allow_negative_numbers = true)]
     r: Option<f64>,
     /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
     /// [default: the scene's, or printed]
-    #[arg(long, value_name = "RULE")]
+    #[arg(long, value_name = "RULE", hide_short_help = true)]
     stop: Option<String>,
     /// Cap on iterations per grid; for the Uzawa solvers, on sweeps [default: the scene's, or 1000000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u64).range(1..))]
     max_iterations: Option<u64>,
     /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
-    #[arg(long, value_name = "RESIDUAL", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RESIDUAL", hide_short_help = true, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Guaranteed relative error in the energy norm; chooses the grid by itself
     #[arg(long, value_name = "REL", allow_negative_numbers = true,
         conflicts_with_all = ["cube", "h", "tolerance"])]
     accuracy: Option<f64>,
     /// Guaranteed relative error of the energy; chooses the grid by itself
-    #[arg(long, value_name = "REL", allow_negative_numbers = true,
+    #[arg(long, value_name = "REL", hide_short_help = true, allow_negative_numbers = true,
         conflicts_with_all = ["accuracy", "cube", "h", "tolerance"])]
     accuracy_energy: Option<f64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write the solution: .vti for ParaView, .npz (v, multiplier, f) or .npy (v) for NumPy, .svg for a
-    /// picture; or vti, npz, npy, svg alone. The spectral solver's is written at the nodes of --h
+    /// Write the solution: .vti for ParaView, .npz or .npy for NumPy, .svg for a picture
+    ///
+    /// An .npz has v, multiplier and f, an .npy v alone. The ending alone, `vti`, names the file after the scene. The
+    /// spectral solver's solution is written at the nodes of --h.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
-    #[arg(long, conflicts_with = "cube")]
+    #[arg(long, hide_short_help = true, conflicts_with = "cube")]
     recover: bool,
 }
 

@@ -144,9 +144,10 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
         let tasks: BTreeMap<_, _> = asked.into_iter().map(|j| (&j.task, &j.verdict)).collect();
         return say_json(&serde_json::json!({ "schema": 1, "tasks": tasks }));
     }
-    let mut text = String::new();
+    let (mut text, mut fresh) = (String::new(), Vec::new());
     for judged in asked {
         match &judged.verdict {
+            Verdict::Fresh => fresh.push(&judged.task),
             Verdict::Stale(Reason::Changed(changes)) => {
                 text += &format!("{}: stale\n", judged.task);
                 for change in changes {
@@ -164,6 +165,11 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
                 text += &format!("  {change}\n");
             }
         }
+    }
+    match &fresh[..] {
+        [] => {}
+        [task] => text += &format!("{task}: up to date\n"),
+        tasks => text += &format!("{} tasks of {}: up to date\n", tasks.len(), args.stage),
     }
     say(&text)
 }
