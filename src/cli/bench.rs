@@ -1,14 +1,14 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
-use super::current_folder;
 use super::output::{OutputFile, columns, say, say_json, talk};
+use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
 use crate::timing::recorded::{self, Peer, Reached, Timings};
-use crate::timing::solver::Solver;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use signorini_mathematics::solvers::{SOLVERS, Solver};
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
@@ -25,7 +25,7 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
     /// Only these solvers [default: all]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = solver_parser())]
     solver: Vec<Solver>,
     /// Cells per side of the finest grid, a power of two [default: 4096, with --quick 128]
     #[arg(long, value_name = "N")]
@@ -46,8 +46,11 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
             "--finest {finest}: give a power of two from 16 to {FINEST}, such as 1024"
         )));
     }
-    let solvers = if args.solver.is_empty() { Solver::value_variants() } else { &args.solver };
-    let plan = TimingPlan { repeats, quick: args.quick, solvers: solvers.into(), finest };
+    let mut solvers = args.solver.clone();
+    if solvers.is_empty() {
+        solvers.extend(SOLVERS.map(|entry| entry.solver));
+    }
+    let plan = TimingPlan { repeats, quick: args.quick, solvers, finest };
     // Before the measurement, because an error after it would waste minutes.
     let record = args.record.then(RecordFile::open).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;

@@ -4,10 +4,10 @@ use super::current_folder;
 use super::output::{columns, say, say_json, talk};
 use crate::pipeline::error::Result;
 use crate::replication::project::Project;
-use crate::timing::solver::Solver;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::problem::{cube, exact};
+use signorini_mathematics::solvers::SOLVERS;
 
 #[derive(Args)]
 pub(super) struct ListArgs {
@@ -64,9 +64,8 @@ fn scenes() -> Vec<Named> {
 
 fn solvers() -> Vec<Named> {
     let mut named = Vec::new();
-    for value in Solver::value_variants().iter().filter_map(Solver::to_possible_value) {
-        let description = value.get_help().map_or(String::new(), ToString::to_string);
-        named.push(Named { name: value.get_name().into(), description });
+    for entry in &SOLVERS {
+        named.push(Named { name: entry.name.into(), description: entry.description.into() });
     }
     named
 }

@@ -22,11 +22,12 @@ mod status;
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
-use clap::builder::Resettable;
+use clap::builder::{PossibleValue, PossibleValuesParser, Resettable, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
+use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -157,6 +158,13 @@ enum Command {
         #[arg(short, long, value_name = "DIR")]
         output: Option<PathBuf>,
     },
+}
+
+/// Parser of the names of solvers, for `--solver`.
+fn solver_parser() -> impl TypedValueParser<Value = Solver> {
+    let names = SOLVERS.map(|entry| PossibleValue::new(entry.name).help(entry.description));
+    PossibleValuesParser::new(names)
+        .map(|name| Solver::named(&name).expect("the parser takes no other name"))
 }
 
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.

@@ -3,7 +3,7 @@
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
 pub(super) use crate::pipeline::talk;
-use clap::ValueEnum;
+use std::fmt::Display;
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) -> Vec<Str
 
 /// Refuses an option that has no use with the value `chosen` of the option `by`; `options` holds the name of each, true
 /// if it is given, and the values with which it has a use.
-pub(super) fn check_options<T: ValueEnum + PartialEq>(
+pub(super) fn check_options<T: Display + PartialEq>(
     by: &str,
     chosen: T,
     options: &[(&str, bool, &[T])],
@@ -50,16 +50,10 @@ pub(super) fn check_options<T: ValueEnum + PartialEq>(
     else {
         return Ok(());
     };
-    let takers = takers.iter().map(value_name).collect::<Vec<_>>().join(", ");
+    let takers = takers.iter().map(T::to_string).collect::<Vec<_>>().join(", ");
     Err(Error::input(format!(
-        "{option} is for {by} {takers}, not {}; leave it out, or change {by}",
-        value_name(&chosen)
+        "{option} is for {by} {takers}, not {chosen}; leave it out, or change {by}"
     )))
-}
-
-/// Returns the name of a value on the command line.
-fn value_name(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map_or(String::new(), |value| value.get_name().into())
 }
 
 pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {

@@ -12,8 +12,8 @@ mod solvers;
 mod spectral;
 
 use super::output::{OutputFile, say, say_json};
+use super::solver_parser;
 use crate::pipeline::error::{Error, Result};
-use crate::timing::solver::Solver;
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -21,7 +21,8 @@ use domain::{Format, square};
 use problem::Problem;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::problem::source::Tie;
-use signorini_mathematics::saddle::{Method, Pair};
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::solvers::Solver;
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -46,7 +47,7 @@ pub(super) struct SolveArgs {
     /// Solver [default: multigrid; for a scene: arrow-hurwicz]
     ///
     /// With --r, --stop or --max-iterations the default is arrow-hurwicz too. The cube has multigrid and active-set.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = solver_parser())]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]
     #[arg(long, value_enum, hide_short_help = true)]
@@ -133,33 +134,6 @@ impl SolveArgs {
             )),
             tolerance => Ok(tolerance),
         }
-    }
-}
-
-impl Solver {
-    /// Memory per node for all vectors and factors, rounded up from measured peaks.
-    fn bytes_per_node(self, dimension: u8, n: u64) -> u64 {
-        match (self, dimension) {
-            // Two banded matrices.
-            (Self::ActiveSet, 2) => 200 + 16 * (n + 2),
-            (Self::ActiveSet, _) => 200 + 16 * ((n + 1) * (n + 1) + 1),
-            _ => 48,
-        }
-    }
-
-    /// Returns the saddle-point method with its settings for this tolerance.
-    fn method(self, tolerance: f64) -> Method {
-        let weight = match self {
-            Self::Uzawa => 0.0,
-            Self::UzawaProximal => 1.0,
-            _ => return Method::ArrowHurwicz,
-        };
-        Method::Uzawa { weight, inner: 0.1 * tolerance, loose: false }
-    }
-
-    /// True if the solver is one of the saddle-point methods, which run over nested grids.
-    fn is_nested(self) -> bool {
-        Self::NESTED.contains(&self)
     }
 }
 

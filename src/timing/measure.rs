@@ -11,7 +11,6 @@ use super::bandwidth;
 use crate::timing::recorded::{
     Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
 };
-use crate::timing::solver::Solver;
 use goals::goals;
 use median::{MedianTime, time};
 use signorini_mathematics::discrete::grid::{Grid, nested};
@@ -25,6 +24,7 @@ use signorini_mathematics::multigrid::{Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::spectral::{self, spectral};
 
 /// Measurements to make.

@@ -4,7 +4,6 @@ mod bandwidth;
 pub mod machine;
 pub mod measure;
 pub mod recorded;
-pub mod solver;
 
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};

@@ -1,10 +1,10 @@
 //! `pipeline/timings.toml`: the times that `signorini bench --record` measured, with their noise, and the machine.
 
 use crate::pipeline::error::{Error, Result, from_toml};
-use crate::timing::solver::Solver;
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::multigrid;
+use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeMap;
 
 /// Path of the record in the project.

@@ -3,10 +3,10 @@
 use crate::common::{Project, TABLE};
 use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, on_threads};
 use signorini::timing::recorded::{Goal, PATH, PUBLISHED, Timings};
-use signorini::timing::solver::Solver;
 use signorini_mathematics::experiments::accuracy::{AccuracyFindings, AccuracyPlan, accuracy};
 use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::multigrid::MultigridStop;
+use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
 use std::sync::OnceLock;

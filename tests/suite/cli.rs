@@ -418,7 +418,7 @@ fn list_names_scenes_solvers_and_known_problems() {
     assert_eq!(listed["scenes"][0]["name"], "a");
     for solver in listed["solvers"].as_array().unwrap() {
         let name = solver["name"].as_str().unwrap();
-        let said = project.run(&["solve", "--f", "else=-1", "--h", "1/4", "--solver", name]);
+        let said = project.run(&["solve", "--f", "else=-1", "--solver", name]);
         // The paper's method may stop far from the solution, with exit code 3.
         assert!(said.code != Some(2) && said.out.lines().count() > 3, "{name}: {said:?}");
     }

@@ -8,11 +8,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 14] = [
+const ROOMS: [&str; 15] = [
     "problem",
     "discrete",
     "saddle",
     "multigrid",
+    "solvers",
     "spectral",
     "bounds",
     "identify",

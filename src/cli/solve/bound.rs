@@ -1,8 +1,8 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
-use crate::timing::solver::Solver;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::solvers::Solver;
 
 /// Returns the bounds as text. They contain a `smooth` f by quadrature, pieces exactly.
 pub(super) fn text(bound: &Result<Bounds, String>, smooth: bool) -> String {

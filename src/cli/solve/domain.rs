@@ -1,6 +1,5 @@
 //! Square and cube under one interface: load vector, judgement, errors, files.
 
-use super::Solver;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::{MAX_CELLS, solvable};
@@ -13,10 +12,10 @@ use signorini_mathematics::discrete::kkt::{Judgement, judge};
 use signorini_mathematics::discrete::load::{self, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
-use signorini_mathematics::multigrid::active_set::{MOST_ON_CUBE, MOST_ON_SQUARE};
 use signorini_mathematics::problem;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Fields, Pair};
+use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::path::Path;
 
 /// Square or cube, with f and its quadrature.
@@ -36,17 +35,18 @@ impl Domain {
     /// Largest number of cells per side for which the vectors and factors of the solver take about 1 GB; refuses a
     /// solver that the domain does not have.
     pub(super) fn most_cells(&self, solver: Solver) -> Result<usize> {
-        Ok(match (self, solver) {
-            (Self::Square { .. }, Solver::ActiveSet) => MOST_ON_SQUARE,
-            (Self::Square { .. }, _) => MAX_CELLS,
-            (Self::Cube { .. }, Solver::Multigrid) => 512,
-            (Self::Cube { .. }, Solver::ActiveSet) => MOST_ON_CUBE,
-            (Self::Cube { .. }, _) => {
-                return Err(Error::input(format!(
-                    "--solver {solver}: the cube has only multigrid and active-set"
-                )));
-            }
-        })
+        match self {
+            Self::Square { .. } => Ok(solver.entry().most_on_square.unwrap_or(MAX_CELLS)),
+            Self::Cube { .. } => solver.entry().most_on_cube.ok_or_else(|| {
+                let mut those = SOLVERS.iter().collect::<Vec<_>>();
+                those.retain(|entry| entry.most_on_cube.is_some());
+                let names: Vec<_> = those.iter().map(|entry| entry.name).rev().collect();
+                Error::input(format!(
+                    "--solver {solver}: the cube has only {}",
+                    names.join(" and ")
+                ))
+            }),
+        }
     }
 
     pub(super) fn dimension(&self) -> u8 {

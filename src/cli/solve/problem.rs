@@ -110,7 +110,8 @@ impl Problem {
     /// Memory for solving on a grid and writing the solution.
     fn bytes(&self, n: usize) -> u64 {
         let dimension = self.domain.dimension();
-        let per_node = self.solver.bytes_per_node(dimension, n as u64) + self.bytes_to_write;
+        let per_node =
+            (self.solver.entry().bytes_per_node)(dimension, n as u64) + self.bytes_to_write;
         (n as u64 + 1).pow(dimension.into()) * per_node
     }
 

@@ -1,6 +1,5 @@
 //! Calls of every solver, all with answers of one type.
 
-use super::Solver;
 use super::accuracy::{Accuracy, FIRST, TriedGrid};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
@@ -9,28 +8,29 @@ use crate::pipeline::error::{Error, Result};
 use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::{largest, sum};
 use signorini_mathematics::discrete::verdict::Verdict;
-use signorini_mathematics::multigrid::active_set::{ActiveSetOutcome, active_set};
-use signorini_mathematics::multigrid::cube::Cube;
-use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{
-    self, Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop,
-};
+use signorini_mathematics::multigrid::{Goal, InputError, MultigridStop};
 use signorini_mathematics::saddle::{
     self, Pair, Params, SaddleRun, StopReason, on_nested, tolerance,
 };
+use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, SolverRun};
 use std::time::Instant;
 
 impl Problem {
     pub(super) fn solve(&self) -> Result<Answer> {
         let start = Instant::now();
+        let run = self.solver.entry().run;
         let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };
         let loads: Vec<_> = grids.iter().map(|&n| self.domain.load(n)).collect();
         let setup = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let solved = if self.solver.is_nested() {
-            self.on_nested_grids(&loads)?
-        } else {
-            self.on_finest_grid(&loads[0])?
+        let solved = match (run, &self.domain) {
+            (SolverRun::Finest { square, .. }, Domain::Square { .. }) => {
+                self.on_finest_grid(square, &loads[0])?
+            }
+            (SolverRun::Finest { cube, .. }, Domain::Cube { .. }) => {
+                self.on_finest_grid(cube, &loads[0])?
+            }
+            _ => self.on_nested_grids(&loads)?,
         };
         let seconds = [setup, start.elapsed().as_secs_f64()];
         Ok(Answer::new(self, solved, &loads[loads.len() - 1], seconds))
@@ -65,7 +65,8 @@ impl Problem {
         let (outcomes, pair) =
             on_nested(&grids, loads, self.prolongation, |level, grid, load, pair| {
                 let tolerance = tolerance(level);
-                let method = self.solver.method(tolerance);
+                let method =
+                    self.solver.method(0.1 * tolerance, false).expect("a saddle-point method");
                 let params = Params { method, tolerance, ..self.params };
                 let run = saddle::solve(grid, load, &params, pair, None);
                 (run, run.outcome.stop)
@@ -87,7 +88,7 @@ impl Problem {
     }
 
     /// Runs a solver that works on the finest grid alone.
-    fn on_finest_grid(&self, load: &[f64]) -> Result<Solved> {
+    fn on_finest_grid(&self, solve: SolveOnGrid, load: &[f64]) -> Result<Solved> {
         let n = self.finest();
         let goal = match (self.accuracy, self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
@@ -95,19 +96,7 @@ impl Problem {
             // The bracket of the energy is much narrower than the error.
             _ => Goal::RoundingFloor,
         };
-        let params = MultigridParams { goal, ..MultigridParams::default() };
-        let solved = match (&self.domain, self.solver) {
-            (Domain::Square { .. }, Solver::Multigrid) => {
-                multigrid::solve_square(n, load, None, &params).map(FinestRun::of_multigrid)
-            }
-            (Domain::Cube { .. }, Solver::Multigrid) => {
-                multigrid::solve_cube(n, load, None, &params).map(FinestRun::of_multigrid)
-            }
-            (Domain::Square { .. }, _) => {
-                active_set::<Square>(n, load).map(FinestRun::of_active_set)
-            }
-            (Domain::Cube { .. }, _) => active_set::<Cube>(n, load).map(FinestRun::of_active_set),
-        };
+        let solved = solve(n, load, goal);
         let FinestRun { y, iterations, stop, work_units } = solved.map_err(|e| self.refused(&e))?;
         if stop == MultigridStop::Diverged {
             let name = self.name();
@@ -162,25 +151,5 @@ impl Problem {
             InputError::GridSize { .. } => Error::input(format!("--h: {e}")),
             _ => Error::input(format!("{place}: {e}; check f")),
         }
-    }
-}
-
-/// Run of a solver on the finest grid alone.
-struct FinestRun {
-    y: Vec<f64>,
-    iterations: usize,
-    stop: MultigridStop,
-    /// Cost in sweeps of the finest grid, if the solver counts it.
-    work_units: Option<f64>,
-}
-
-impl FinestRun {
-    fn of_multigrid((y, outcome): (Vec<f64>, MultigridOutcome)) -> Self {
-        let MultigridOutcome { cycles, stop, work_units, .. } = outcome;
-        Self { y, iterations: cycles, stop, work_units: Some(work_units) }
-    }
-
-    fn of_active_set((y, outcome): (Vec<f64>, ActiveSetOutcome)) -> Self {
-        Self { y, iterations: outcome.steps, stop: outcome.stop, work_units: None }
     }
 }

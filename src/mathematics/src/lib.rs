@@ -32,4 +32,5 @@ pub mod identify;
 pub mod multigrid;
 pub mod problem;
 pub mod saddle;
+pub mod solvers;
 pub mod spectral;

@@ -3,11 +3,11 @@
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::timing::recorded::{Goal, PUBLISHED, Reached, Timings};
-use crate::timing::solver::Solver;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::accuracy::{self, AccuracyFindings, KnownLevels};
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Truth};
 use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeSet;
 
 /// Law of an error over the cells per side n, drawn as a straight line beside curves: constant * n^`power`.
@@ -116,14 +116,14 @@ pub(super) fn race(timings: &Timings) -> Picture {
 fn race_of(timings: &Timings, problem: &str) -> Chart {
     let spectral = timings.spectral.iter().filter(|line| line.problem == problem);
     let spectral = spectral.map(|line| (line.seconds, line.error)).collect();
-    let mut curves = vec![Curve::new(Marked, Solver::Spectral.in_words(), front(spectral))];
+    let mut curves = vec![Curve::new(Marked, Solver::Spectral.entry().in_words, front(spectral))];
     let lines = timings.solver.iter().filter(|line| line.problem == problem);
     let (published, others): (Vec<&Reached>, Vec<&Reached>) =
         lines.partition(|line| line.goal == PUBLISHED);
     for solver in Solver::ON_GRIDS.into_iter().rev() {
         let points = others.iter().filter(|line| line.solver == solver);
         let points = points.map(|line| (line.seconds, line.error)).collect();
-        curves.push(Curve::new(Marked, solver.in_words(), front(points)));
+        curves.push(Curve::new(Marked, solver.entry().in_words, front(points)));
     }
     let points = published.iter().map(|line| (line.seconds, line.error));
     curves.push(Curve::new(Marked, "Arrow-Hurwicz, published stop", points));

@@ -1,15 +1,12 @@
 //! Goals to which each solver is timed.
 
 use crate::timing::recorded::Goal;
-use crate::timing::solver::Solver;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::saddle::{CheckInterval, CheckedRun, loose_uzawa};
 use signorini_mathematics::experiments::work::{OnGrid, R};
-use signorini_mathematics::multigrid::active_set::{MOST_ON_SQUARE, active_set};
-use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::saddle::{Method, Pair};
+use signorini_mathematics::solvers::{SolveOnGrid, Solver, SolverRun};
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -20,23 +17,24 @@ const CHECKS: CheckInterval = CheckInterval { share: 8, limit: 1_000_000_000 };
 pub(super) enum TimedGoal {
     /// A saddle-point method to this relative natural residual.
     Saddle(Method, f64),
-    /// The active-set method until its contact set does not change.
-    ActiveSet,
-    /// Multigrid.
-    Multigrid(Goal),
+    /// A solver on the finest grid, of at most so many cells per side, to a goal or until its contact set does not change.
+    Finest { solve: SolveOnGrid, most: Option<usize>, goal: Option<Goal> },
 }
 
 /// Returns the goals of a solver on grids.
 pub(super) fn goals(solver: Solver) -> Vec<TimedGoal> {
-    let method = match solver {
-        Solver::ArrowHurwicz => Method::ArrowHurwicz,
-        Solver::Uzawa => loose_uzawa(0.0),
-        Solver::UzawaProximal => loose_uzawa(1.0),
-        Solver::ActiveSet => return vec![TimedGoal::ActiveSet],
-        Solver::Multigrid => return Goal::ALL.map(TimedGoal::Multigrid).into(),
-        Solver::Spectral => return Vec::new(),
-    };
-    TARGETS.map(|target| TimedGoal::Saddle(method, target)).into()
+    match solver.entry().run {
+        SolverRun::Nested { weight } => {
+            let method = weight.map_or(Method::ArrowHurwicz, loose_uzawa);
+            TARGETS.map(|target| TimedGoal::Saddle(method, target)).into()
+        }
+        SolverRun::Finest { square: solve, takes_goal, .. } => {
+            let most = solver.entry().most_on_square;
+            let goals = if takes_goal { Goal::ALL.map(Some).to_vec() } else { vec![None] };
+            goals.into_iter().map(|goal| TimedGoal::Finest { solve, most, goal }).collect()
+        }
+        SolverRun::Spectral => Vec::new(),
+    }
 }
 
 impl TimedGoal {
@@ -44,16 +42,16 @@ impl TimedGoal {
     pub(super) fn in_words(&self) -> String {
         match self {
             Self::Saddle(_, target) => format!("relative KKT {target:e}"),
-            Self::ActiveSet => "contact set at rest".into(),
-            Self::Multigrid(goal) => goal.in_words().into(),
+            Self::Finest { goal: None, .. } => "contact set at rest".into(),
+            Self::Finest { goal: Some(goal), .. } => goal.in_words().into(),
         }
     }
 
     /// Growth of the time from one grid to the next, as expected.
     pub(super) fn growth(&self) -> f64 {
         match self {
-            Self::Saddle(..) | Self::ActiveSet => 16.0,
-            Self::Multigrid(_) => 4.0,
+            Self::Saddle(..) | Self::Finest { goal: None, .. } => 16.0,
+            Self::Finest { goal: Some(_), .. } => 4.0,
         }
     }
 
@@ -62,11 +60,10 @@ impl TimedGoal {
         let OnGrid { grid, load, .. } = levels.last()?;
         match *self {
             Self::Saddle(method, target) => over_grids(method, target, levels),
-            Self::ActiveSet if grid.cells() > MOST_ON_SQUARE => None,
-            Self::ActiveSet => Some(active_set::<Square>(grid.cells(), load).ok()?.0),
-            Self::Multigrid(goal) => {
-                let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
-                Some(multigrid::solve_square(grid.cells(), load, None, &params).ok()?.0)
+            Self::Finest { most, .. } if most.is_some_and(|most| grid.cells() > most) => None,
+            Self::Finest { solve, goal, .. } => {
+                let goal = goal.unwrap_or(Goal::Floor).asked();
+                Some(solve(grid.cells(), load, goal).ok()?.y)
             }
         }
     }

@@ -2,11 +2,11 @@
 
 use crate::timing::measure::TIMED;
 use crate::timing::recorded::{Goal, Peer, Reached, Scaling, Spectral, Timings, to_discretisation};
-use crate::timing::solver::Solver;
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::{Range, exponent};
+use signorini_mathematics::solvers::Solver;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Error of the energy, relative, at which the spectral solver and multigrid are compared.
