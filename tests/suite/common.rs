@@ -366,6 +366,7 @@ pub(crate) fn dom(browser: &Path, page: &Path, query: &str, budget: u32) -> Stri
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
         .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
         .args(["--hide-scrollbars", "--window-size=900,1600", "--dump-dom"])
+        .arg("--allow-file-access-from-files")
         .arg(format!("--virtual-time-budget={budget}"))
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .arg(format!("file://{}{query}", page.display()))

@@ -1,5 +1,6 @@
 //! The tests of the whole: one binary, a module per subject.
 
+mod access;
 mod accuracy;
 mod answers;
 mod book;
