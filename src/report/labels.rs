@@ -29,7 +29,7 @@ struct Label {
 /// Labels by the target of the links that lead to them: `eq:NUMBER`, `figure:NAME` or `table:NAME`.
 #[derive(Default)]
 pub(super) struct Labels {
-    labels: BTreeMap<String, Label>,
+    by_target: BTreeMap<String, Label>,
     figures: usize,
     tables: usize,
 }
@@ -59,7 +59,7 @@ impl Labels {
                     id: format!("eq-{number}"),
                     text: format!("({number})"),
                 };
-                if let Some(first) = self.labels.insert(format!("eq:{number}"), label) {
+                if let Some(first) = self.by_target.insert(format!("eq:{number}"), label) {
                     return Err(format!(
                         "{}: equation ({number}) is numbered already in {}; tags must be unique",
                         place(page, markdown, range.start),
@@ -87,7 +87,7 @@ impl Labels {
                     }
                 };
                 let label = Label { page: page.into(), id: format!("{kind}-{name}"), text };
-                if let Some(first) = self.labels.insert(format!("{kind}:{name}"), label) {
+                if let Some(first) = self.by_target.insert(format!("{kind}:{name}"), label) {
                     return Err(format!(
                         "{}: the {kind} `{name}` is in {} already; names must be unique",
                         place(page, markdown, range.start),
@@ -109,7 +109,7 @@ impl Labels {
             }
             _ => return None,
         };
-        let Some(Label { page: home, id, text }) = self.labels.get(target) else {
+        let Some(Label { page: home, id, text }) = self.by_target.get(target) else {
             return Some(Err(format!("{what}, but `{target}` refers to it")));
         };
         // Both paths begin with the folder of the pages.
