@@ -7,8 +7,8 @@
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
-use signorini_mathematics::discrete::memory::LargePages;
 use signorini_mathematics::experiments::problems;
+use signorini_mathematics::machine::memory::LargePages;
 use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridOutcome, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;

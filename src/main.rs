@@ -1,6 +1,6 @@
 //! The `signorini` command: everything happens in the library.
 
-use signorini_mathematics::discrete::memory::LargePages;
+use signorini_mathematics::machine::memory::LargePages;
 use std::io::Write;
 use std::process::{ExitCode, exit};
 

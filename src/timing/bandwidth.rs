@@ -1,7 +1,7 @@
 //! Memory bandwidth of the machine.
 
 use crate::timing::recorded::Bandwidth;
-use signorini_mathematics::discrete::streams;
+use signorini_mathematics::machine::streams;
 use std::hint::black_box;
 use std::time::Instant;
 

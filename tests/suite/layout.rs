@@ -8,10 +8,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 15] = [
+const ROOMS: [&str; 17] = [
+    "machine",
     "problem",
     "discrete",
     "saddle",
+    "formats",
     "multigrid",
     "solvers",
     "spectral",

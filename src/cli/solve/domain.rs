@@ -12,9 +12,10 @@ use signorini_mathematics::discrete::kkt::{Judgement, judge};
 use signorini_mathematics::discrete::load::{self, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
+use signorini_mathematics::formats::Fields;
 use signorini_mathematics::problem;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Fields, Pair};
+use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::path::Path;
 

@@ -28,7 +28,9 @@
 pub mod bounds;
 pub mod discrete;
 pub mod experiments;
+pub mod formats;
 pub mod identify;
+pub mod machine;
 pub mod multigrid;
 pub mod problem;
 pub mod saddle;

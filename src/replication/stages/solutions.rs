@@ -4,7 +4,8 @@ use super::solve;
 use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::scene::{Output, Scene};
 use serde_json::{Value, json};
-use signorini_mathematics::saddle::{Fields, Pair};
+use signorini_mathematics::formats::Fields;
+use signorini_mathematics::saddle::Pair;
 
 /// Solutions that the book offers for download.
 #[derive(Default)]

@@ -284,7 +284,7 @@ impl Batch {
 mod tests {
     use super::super::regular::Regular;
     use super::*;
-    use crate::discrete::simd::with_each;
+    use crate::machine::simd::with_each;
     use std::ops::Range;
 
     /// Number between -`size` and `size` that looks random.

@@ -10,7 +10,7 @@ use super::regular::Regular;
 use super::residual::Pyramid;
 use super::strip::FluxStrip;
 use crate::discrete::grid::Grid;
-use crate::discrete::simd::vectorised;
+use crate::machine::simd::vectorised;
 use crate::problem::source::Source;
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -226,7 +226,7 @@ impl<'a> CellSweep<'a> {
 
 /// Largest |v|, ignoring NaN, which makes the sums NaN.
 ///
-/// Values are compared as numbers: with integers, as in [`Largest`](crate::discrete::simd::Largest), the whole sweep
+/// Values are compared as numbers: with integers, as in [`Largest`](crate::machine::simd::Largest), the whole sweep
 /// takes a tenth longer.
 #[inline(always)]
 fn largest(v: &[f64]) -> f64 {

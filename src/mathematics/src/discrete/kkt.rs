@@ -1,8 +1,8 @@
 //! One measure for every solver: how far a nodal vector is from the Karush-Kuhn-Tucker conditions.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::simd::Largest;
 use crate::discrete::stiffness::{add_energy, residual_row};
+use crate::machine::simd::Largest;
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions `A y = F` inside and `y >= 0`, `A y - F >= 0`, complementary on the boundary.

@@ -4,7 +4,7 @@ mod exact;
 
 use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
-use super::threads::{TASK, in_tasks};
+use crate::machine::threads::{TASK, in_tasks};
 use crate::problem::exact::Exact;
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};

@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
-use crate::discrete::simd::{Largest, vectorised};
+use crate::machine::simd::{Largest, vectorised};
 use crate::problem::exact::{Exact, Sample};
 use rayon::prelude::*;
 use serde::Serialize;

@@ -3,8 +3,8 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::{self, multiplier_error};
-use crate::discrete::simd::Largest;
 use crate::discrete::stiffness::energy;
+use crate::machine::simd::Largest;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::spectral::{Solution, SpectralParams, spectral};

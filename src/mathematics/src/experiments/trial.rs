@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
-use crate::discrete::simd::Largest;
+use crate::machine::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams, MultigridStop};
 use crate::saddle::batch::{AsDefined, End, Job, JobGoal, run};
 use crate::saddle::{StopReason, StopRule};

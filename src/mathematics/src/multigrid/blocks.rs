@@ -7,8 +7,8 @@ use super::layout::{Dimension, Slab, boundary_before, nodes, places_per_slab};
 use super::rows::{Colour, ColourRows, MIN_PLACES};
 use super::stencil::{Boundary, ContactFlags, LevelEquation, ResidualReport, StencilRow, edges};
 use super::transfer::{CoarseLoad, Weighting};
-use crate::discrete::simd::Largest;
-use crate::discrete::threads::stays;
+use crate::machine::simd::Largest;
+use crate::machine::threads::stays;
 
 /// Least number of slabs per block: half of them must hold the slabs that the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;

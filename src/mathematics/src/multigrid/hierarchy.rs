@@ -14,7 +14,7 @@ use super::rows::Colour::{Black, Red};
 use super::stencil::{coupling, multiplications_per_visit};
 use super::stopping::{self, CyclePosition, CycledHierarchy, InitialState, IterationEnd};
 use super::{Goal, MultigridOutcome, MultigridParams};
-use crate::discrete::threads::among_threads;
+use crate::machine::threads::among_threads;
 
 /// Preallocated grids for problems with `n` cells per side.
 pub(super) struct Hierarchy<G: MultigridGeometry> {

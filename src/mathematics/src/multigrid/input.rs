@@ -1,6 +1,6 @@
 //! Validation of the input of a solver: lengths, finite numbers, a load with a negative sum.
 
-use crate::discrete::simd::LANES;
+use crate::machine::simd::LANES;
 
 /// Reason for which a solver rejects its input.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]

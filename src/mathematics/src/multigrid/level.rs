@@ -3,7 +3,7 @@
 use super::buffers::Buffers;
 use super::layout::{Dimension, boundary_nodes, nodes, places_per_slab};
 use super::rows::{Colour, ColourRows, stride};
-use crate::discrete::simd::{Largest, vectorised};
+use crate::machine::simd::{Largest, vectorised};
 
 /// Values and load on a grid with `n` cells per side.
 ///

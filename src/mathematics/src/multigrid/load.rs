@@ -8,8 +8,8 @@ use super::level::MultigridLevel;
 use super::rows::{ColourRows, LINE, MIN_PLACES, as_slices, deinterleave, long_and_short, worse};
 use super::stencil::coupling;
 use super::transfer::{FineLoad, Weighting};
-use crate::discrete::simd::{Largest, vectorised};
-use crate::discrete::threads::in_tasks;
+use crate::machine::simd::{Largest, vectorised};
+use crate::machine::threads::in_tasks;
 use std::ops::Range;
 
 /// Sets the load of a grid from `F` in natural order, divided by the couplings.

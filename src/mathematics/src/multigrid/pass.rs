@@ -22,8 +22,8 @@ use super::level::MultigridLevel;
 use super::rows::{self, CHUNK, Colour, worse};
 use super::stencil::{Boundary, LevelEquation, ResidualReport, StencilRow, diagonal, edges};
 use super::transfer::{CoarseCorrection, Weighting};
-use crate::discrete::simd::{Largest, vectorised};
-use crate::discrete::threads::in_tasks;
+use crate::machine::simd::{Largest, vectorised};
+use crate::machine::threads::in_tasks;
 
 /// One step of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -346,7 +346,7 @@ fn slab_residual<D: Dimension>(level: &MultigridLevel, s: usize, buffer: &mut [f
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::discrete::simd::with_each;
+    use crate::machine::simd::with_each;
 
     /// Fills a field with numbers of both signs that differ for each `k`.
     #[inline(always)]

@@ -4,8 +4,8 @@ use std::ops::{Deref, DerefMut};
 
 use rayon::prelude::*;
 
-use crate::discrete::simd::vectorised;
-use crate::discrete::threads::{TASK, in_tasks};
+use crate::machine::simd::vectorised;
+use crate::machine::threads::{TASK, in_tasks};
 
 /// Colour of a node: red if the sum of its indices is even, otherwise black.
 ///

@@ -2,7 +2,7 @@
 
 use super::layout::{At, Dimension, Slab, mirrored, row_from, rows_per_slab};
 use super::rows::{Colour, stride};
-use crate::discrete::simd::Largest;
+use crate::machine::simd::Largest;
 
 /// Boundary condition of a level.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@ use super::hierarchy::Hierarchy;
 use super::input::InputError;
 use super::square::Square;
 use super::{MultigridOutcome, MultigridParams};
-use crate::discrete::threads::among_threads;
+use crate::machine::threads::among_threads;
 
 /// Preallocated grids for problems with `n` cells per side.
 pub struct Multigrid {

@@ -1,7 +1,6 @@
 //! Saddle-point methods for the modified Lagrange functional (7), and their run over nested grids.
 
 pub mod batch;
-mod fields;
 mod gradient;
 mod method;
 mod outcome;
@@ -9,7 +8,6 @@ mod plain;
 mod stopping;
 mod sweep;
 
-pub use fields::Fields;
 pub use method::{Iteration, Method, OnIteration, Params, SaddleRun, Steps, arrow_hurwicz, solve};
 pub use outcome::Outcome;
 pub use plain::{Plain, PlainEnd};

@@ -9,7 +9,7 @@ use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::sources::{Point, SourceField, Sources};
 use crate::discrete::norms::largest;
-use crate::discrete::simd::vectorised;
+use crate::machine::simd::vectorised;
 
 /// Ends of contact after some Newton steps.
 pub(super) struct NewtonEnds {

@@ -3,7 +3,7 @@
 use super::complex::Complex;
 use super::curve::{Arc, Polar, SAME};
 use super::place::CORNERS;
-use crate::discrete::simd::vectorised;
+use crate::machine::simd::vectorised;
 use std::f64::consts::{PI, TAU};
 
 /// psi up to a harmonic polynomial of degree four, chosen so that its gradient vanishes in the corners.

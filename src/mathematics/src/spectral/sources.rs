@@ -7,7 +7,7 @@ use super::panels::{Ends, GradedRule, LANES, Panel, Special, panels};
 use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
-use crate::discrete::simd::vectorised;
+use crate::machine::simd::vectorised;
 use std::ops::Range;
 
 /// Sources on consecutive panels.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Grid;
 use crate::discrete::norms::Errors;
-use crate::discrete::simd::{Largest, vectorised};
+use crate::machine::simd::{Largest, vectorised};
 use crate::problem::cube::{Exact, Sample};
 use std::array::from_fn;
 

@@ -3,8 +3,8 @@
 use super::LANES;
 use super::arithmetic::{Arithmetic, V};
 use crate::discrete::grid::Grid;
-use crate::discrete::simd::vectorised;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
+use crate::machine::simd::vectorised;
 use crate::saddle::Pair;
 use std::array::from_fn;
 

@@ -3,7 +3,7 @@
 use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
-use crate::discrete::simd::vectorised;
+use crate::machine::simd::vectorised;
 use std::array::from_fn;
 
 /// Measure at a node.

@@ -1,8 +1,8 @@
 //! Solutions as files for other programs: NPY and NPZ for NumPy, VTK image data for ParaView.
 
-use super::Pair;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
+use crate::saddle::Pair;
 
 /// A solution on the square or the cube, x running fastest in every array.
 pub struct Fields<'a> {

@@ -6,7 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 /// fine grid takes as long as the solution.
 ///
 /// ```
-/// use signorini_mathematics::discrete::memory::LargePages;
+/// use signorini_mathematics::machine::memory::LargePages;
 ///
 /// #[global_allocator]
 /// static ALLOCATOR: LargePages = LargePages { refused: None };

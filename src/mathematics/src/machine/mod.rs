@@ -1,0 +1,6 @@
+//! The machine: vector instructions, threads, memory in large pages, and the loops that measure its bandwidth.
+
+pub mod memory;
+pub(crate) mod simd;
+pub mod streams;
+pub(crate) mod threads;
