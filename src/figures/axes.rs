@@ -146,8 +146,10 @@ fn every(labels: &[(f64, String)]) -> usize {
     labels.len().max(1)
 }
 
-/// Steps in which a colour bar is painted.
+/// Most steps in which a colour bar is painted.
 const SHADES: usize = 128;
+/// Least width of a step in display pixels.
+const SHADE_WIDTH: f64 = 3.0;
 
 /// Draws a horizontal colour bar with numbers below it and its name to the left.
 pub(super) fn colour_bar(
@@ -159,8 +161,9 @@ pub(super) fn colour_bar(
 ) {
     let range = colours.range();
     let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };
-    for k in 0..SHADES {
-        let [from, to] = [k, k + 1].map(|k| grid_line(k, SHADES, range));
+    let shades = (((across.1 - across.0) / SHADE_WIDTH) as usize).min(SHADES);
+    for k in 0..shades {
+        let [from, to] = [k, k + 1].map(|k| grid_line(k, shades, range));
         // Each shade reaches to the end: the next covers the rest, and no seam shows.
         frame.band(picture, (from, range.1), colours.color(0.5 * (from + to)));
     }

@@ -60,14 +60,13 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     csv
 }
 
-/// Returns the components of the gradient, node by node.
+/// Returns the components of the gradient, node by node; columns are counted from the left, rows from below.
 pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
-    let mut csv = "panel,x,y,gradient\n".to_owned();
+    let mut csv = "panel,column,row,gradient\n".to_owned();
     for GradientPanel { title, grid, gradient, .. } in panels {
         let (title, side) = (quoted(title), grid.side());
         for (k, component) in gradient.iter().enumerate() {
-            let (x, y) = (grid.coordinate(k % side), grid.coordinate(k / side));
-            csv += &format!("{title},{x},{y},{component}\n");
+            csv += &format!("{title},{},{},{component}\n", k % side, k / side);
         }
     }
     csv

@@ -101,11 +101,9 @@ fn twice_gives_the_same_bytes() {
         .map(|(name, bytes)| (format!("src/{name}"), bytes))
         .collect();
     let report = Path::new(env!("CARGO_MANIFEST_DIR")).join("report");
-    for name in ["book.toml", "theme/book.css"] {
-        sources.insert(name.into(), fs::read(report.join(name)).unwrap());
-    }
-    for name in ["theme/fonts/fonts.css", "theme/fonts/latinmodern-math.woff2"] {
-        sources.insert(name.into(), fs::read(report.join(name)).unwrap());
+    sources.insert("book.toml".into(), fs::read(report.join("book.toml")).unwrap());
+    for (name, bytes) in files_below(&report.join("theme")) {
+        sources.insert(format!("theme/{name}"), bytes);
     }
     let is_linked = |name: &str| name.starts_with("figures/") || name.starts_with("data/");
     let linked = once.iter().filter(|(name, _)| is_linked(name));

@@ -47,8 +47,9 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
 }
 
 /// The tasks that draw the pictures of the chapters on experiments.
-pub(super) fn pictures() -> Vec<Task> {
+pub(super) fn pictures(project: &Project) -> Vec<Task> {
     vec![
+        rules(project),
         picture::<AccuracyFindings>(
             "accuracy",
             "accuracy",
@@ -86,6 +87,17 @@ pub(super) fn pictures() -> Vec<Task> {
             tolerances,
         ),
     ]
+}
+
+/// The task that draws the counts of three rules on the finest grid beside the published ones.
+fn rules(project: &Project) -> Task {
+    let paper = project.paper.clone();
+    let published = serde_json::json!({ "published": paper });
+    let title = "Counts on the finest grid: printed rule, signed rule, published".to_owned();
+    let task = drawing("rules", title, vec![id("claims")], move |inputs| {
+        Ok(claims::rules(&result(inputs, "claims")?, &paper))
+    });
+    Task { parameters: parameters(&published), ..task }
 }
 
 /// The task that draws the findings of an `experiment`; the `title` is for readers who cannot see the picture.

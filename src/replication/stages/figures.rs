@@ -69,6 +69,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let shared = sharing(project, scenes, Output::Surface);
     if !shared.is_empty() && !project.templates.is_empty() {
         tasks.extend([book::stops(&shared), book::gradients(&shared)]);
+        tasks.extend(shared.last().map(|scene| book::iterates(scene)));
         tasks.extend(book::drawings());
     }
     tasks

@@ -86,6 +86,26 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     Ok(Pair { y, a })
 }
 
+/// Runs the first rule with the drawn r. Returns each grid with the pair where the rule stops there.
+pub(super) fn stops(scene: &Scene) -> Vec<(Grid, Pair)> {
+    let loads: Vec<_> = scene.grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
+    let (r, rule, max_iterations) = (scene.drawn_r(), scene.stop[0], scene.max_iterations);
+    let params = Params { r, rule, max_iterations, ..Params::default() };
+    let mut stops = Stops::default();
+    solve_nested(&scene.grids, &loads, &params, scene.prolongation, &mut stops);
+    stops.0
+}
+
+/// Monitor that keeps the last pair on each grid.
+#[derive(Default)]
+struct Stops(Vec<(Grid, Pair)>);
+
+impl Monitor for Stops {
+    fn level(&mut self, grid: Grid, pair: &Pair) {
+        self.0.push((grid, pair.clone()));
+    }
+}
+
 fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     let drawn_rule = stop == scene.stop[0];
     Cell {

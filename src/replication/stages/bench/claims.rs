@@ -2,6 +2,7 @@
 
 use crate::figures::Stroke::{Line, Marked};
 use crate::figures::{Chart, Curve, Picture, charts};
+use crate::replication::paper::Paper;
 use signorini_mathematics::experiments::claims::{
     ClaimMeasure, Claims, Count, UzawaCell, VARIANTS,
 };
@@ -26,6 +27,32 @@ pub(super) fn sweep(claims: &Claims) -> Picture {
             let title = format!("Problem {}, {name}", problem.number);
             panels.push(Chart::new(title, ["duality parameter r", "iterations"], curves));
         }
+    }
+    charts(true, &panels)
+}
+
+/// Draws the counts on the finest grid against r, a panel per problem: under the printed rule, under the signed rule, and
+/// in rings of their own the published ones.
+pub(super) fn rules(claims: &Claims, paper: &Paper) -> Picture {
+    let mut panels = Vec::new();
+    for problem in &claims.problems {
+        let mut curves = Vec::new();
+        for (rule, name) in [(StopRule::Printed, "printed rule"), (StopRule::Signed, "signed rule")]
+        {
+            for table in problem.tables.iter().filter(|table| table.rule == rule) {
+                let finest =
+                    table.lines.iter().filter_map(|line| Some((&line.r, line.counts.last()?)));
+                curves.push(Curve::new(Marked, name, reached(finest)));
+            }
+        }
+        for table in paper.table.iter().filter(|table| table.number == problem.number) {
+            for (r, counts) in paper.r.iter().zip(&table.counts) {
+                let point = counts.last().map(|&count| (*r, count as f64));
+                curves.push(Curve::new(Marked, "published", point));
+            }
+        }
+        let title = format!("Problem {}", problem.number);
+        panels.push(Chart::new(title, ["duality parameter r", "iterations"], curves));
     }
     charts(true, &panels)
 }

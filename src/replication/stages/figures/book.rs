@@ -67,6 +67,37 @@ impl StopsRow {
     }
 }
 
+/// The task that draws the surfaces where the paper stopped on each grid, and the solution.
+pub(super) fn iterates(scene: &Scene) -> Task {
+    let scene = scene.clone();
+    let read = json!({
+        "title": scene.title, "f": scene.f.to_string(), "load": scene.load,
+        "grids": scene.grids.iter().map(|grid| grid.cells()).collect::<Vec<_>>(),
+        "prolongation": scene.prolongation, "r": scene.drawn_r(), "stop": scene.stop[0].name(),
+        "max_iterations": scene.max_iterations,
+    });
+    let hashed = BTreeMap::from([(scene.name.clone(), read.to_string())]);
+    let title = format!("{}: where the paper stopped on each grid, and the solution", scene.title);
+    let task = drawing("iterates", title, Vec::new(), move |_| {
+        let mut states = solve::stops(&scene);
+        states.push((scene.finest(), solve::solution(&scene)?));
+        let heights = states.iter().flat_map(|(_, pair)| pair.y.iter().copied());
+        let range = Some(range_with_zero(heights));
+        let azimuth = uphill(scene.finest(), &states[states.len() - 1].1.y);
+        let mut titles: Vec<_> =
+            states.iter().map(|(g, _)| format!("h = 1/{}", g.cells())).collect();
+        titles[states.len() - 1] = "the solution".into();
+        let contact: Vec<_> = states.iter().map(|(grid, pair)| pair.in_contact(*grid)).collect();
+        let mut shown = Vec::new();
+        for (k, (grid, pair)) in states.iter().enumerate() {
+            let (title, y, in_contact) = (&*titles[k], &pair.y[..], &contact[k][..]);
+            shown.push(Surface { title, grid: *grid, y, in_contact, azimuth, range });
+        }
+        Ok(surfaces(3, &shown))
+    });
+    Task { parameters: hashed, ..task }
+}
+
 /// The tasks that draw the problem and the grid; they read nothing.
 pub(super) fn drawings() -> [Task; 2] {
     [
