@@ -91,6 +91,15 @@ pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> 
     text
 }
 
+/// Cuts a text to this number of columns; dots mark the cut.
+pub(super) fn cut(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(width.saturating_sub(3)).collect();
+    kept.trim_end().to_owned() + "..."
+}
+
 /// Quotes a path for a shell, to be copied into a command.
 pub(super) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();

@@ -1,7 +1,7 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::CacheArgs;
-use super::output::{say, talk, warn_of_outside};
+use super::output::{cut, say, talk, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited};
 use super::report::first_page;
 use crate::pipeline::error::{Error, Result};
@@ -184,6 +184,9 @@ fn left_out(project: &Project, plan: &Plan) -> String {
     })
 }
 
+/// Columns of the table of a run.
+const WIDTH: usize = 80;
+
 /// One line per stage that ran: number of tasks, time, reason; then the files that changed.
 fn what_ran(summary: &Summary) -> String {
     let mut text = String::new();
@@ -196,12 +199,11 @@ fn what_ran(summary: &Summary) -> String {
         }
         let time: Duration = ran.iter().map(|ran| ran.time).sum();
         let reasons: Vec<_> = ran.iter().map(|ran| &ran.reason).collect();
-        text += &format!(
-            "{stage:<9} {:>4} of {all:>4}  {:>9.3} s  {}\n",
-            ran.len(),
-            time.as_secs_f64(),
-            why(&reasons)
-        );
+        let (count, seconds) = (ran.len(), time.as_secs_f64());
+        let line =
+            format!("{stage:<9} {count:>4} of {all:>4}  {seconds:>9.3} s  {}", why(&reasons));
+        // `--verbose` and `explain` give reasons in full.
+        text += &(cut(&line, WIDTH) + "\n");
     }
     if !text.is_empty() {
         // Tasks run side by side: their times add up to more than the run took.

@@ -1,7 +1,7 @@
 //! `status` and `explain`: the stale tasks, and the reasons.
 
 use super::CacheArgs;
-use super::output::{columns, say, say_json, styled};
+use super::output::{columns, cut, say, say_json, styled};
 use super::pipeline::{Scope, Workplace};
 use super::run::exports;
 use crate::pipeline::error::{Error, Result};
@@ -111,15 +111,6 @@ fn totals(summary: &Summary) -> String {
         }
     }
     format!("{} tasks: {}\n", summary.verdicts.len(), counts.join(", "))
-}
-
-/// Cuts a text to this number of columns; dots mark the cut.
-fn cut(text: &str, width: usize) -> String {
-    if text.chars().count() <= width {
-        return text.to_owned();
-    }
-    let kept: String = text.chars().take(width.saturating_sub(3)).collect();
-    kept.trim_end().to_owned() + "..."
 }
 
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {

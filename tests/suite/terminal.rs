@@ -99,8 +99,35 @@ fn run_says_why_and_how_long_on_standard_error() {
     fs::remove_file(project.path(".signorini/v2/tasks/solve/a/signed/r=1.runs")).unwrap();
     let said = project.run(&["run"]);
     assert!(said.err.contains("(parameter f: else=-1 -> else=-2; 2 tasks for other reasons)"));
-    assert!(said.out.contains("  parameter f: else=-1 -> else=-2; one task for another reason\n"));
+    assert!(said.out.contains("  parameter f: else=-1 -> else=-2; "));
     let clock = said.err.lines().last().unwrap();
     assert!(clock.starts_with("took "), "{clock}");
     assert_eq!(project.run(&["run"]).err, "", "nothing to say of nothing");
+}
+
+#[test]
+fn data_on_standard_output_fit_eighty_columns() {
+    let project = Project::with(TABLE);
+    let f = ["--f", "disc(0,0,0.2)=3; else=-1"];
+    let cube = ["--cube", "ball(0,0,0,0.2)=3; else=-1", "--h", "1/8"];
+    let solve = |options: &[&'static str]| [&["solve"], options].concat();
+    let commands = [
+        vec!["run"],
+        vec!["run", "--force"],
+        vec!["status"],
+        vec!["explain", "solve"],
+        vec!["list"],
+        solve(&["a"]),
+        solve(&f),
+        solve(&[&f[..], &["--solver", "spectral"]].concat()),
+        solve(&[&f[..], &["--accuracy", "0.1"]].concat()),
+        solve(&cube),
+    ];
+    for command in commands {
+        let said = project.run(&command);
+        assert!(said.code != Some(2) && !said.out.is_empty(), "{said:?}");
+        for line in said.out.lines() {
+            assert!(line.chars().count() <= 80, "{command:?}: {line}");
+        }
+    }
 }

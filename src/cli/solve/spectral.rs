@@ -11,7 +11,7 @@ use crate::replication::scene::shown_integral;
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral};
+use signorini_mathematics::spectral::{Checks, Solution, SpectralError, SpectralParams, spectral};
 use std::time::{Duration, Instant};
 
 /// Solves, prints the answer, and returns the solution.
@@ -60,10 +60,8 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
     text += &table(&finer);
     text += &bound::force(force(&finer), -problem.integral, 16);
-    text += &format!(
-        "checks: {}\nsolved in {seconds:.4} s, {} Newton steps\n",
-        finer.checks, solution.steps
-    );
+    text += &checks(&finer.checks);
+    text += &format!("solved in {seconds:.4} s, {} Newton steps\n", solution.steps);
     say(&text)?;
     Ok(finer)
 }
@@ -98,6 +96,19 @@ fn table(solution: &Solution) -> String {
         text += &contact(arc, 16);
     }
     text + &format!("v(0,0) {:.15e}\n", solution.value(0.0, 0.0))
+}
+
+/// Returns the checks in two lines: the signs that hold, and the numbers that vanish.
+fn checks(checks: &Checks) -> String {
+    let &Checks { least_multiplier, least_value, green, rellich, moments, resolution } = checks;
+    let mut text = format!(
+        "checks: least multiplier {least_multiplier:.1e}, least value {least_value:.1e}\n  \
+        zero up to rounding: Green {green:.1e}, Rellich {rellich:.1e}, moments {moments:.1e}"
+    );
+    if let Some(resolution) = resolution {
+        text += &format!(",\n  two resolutions {resolution:.1e}");
+    }
+    text + "\n"
 }
 
 /// Returns the error of the program: an error of the input if f is unsuitable, a failure if no solution was found.

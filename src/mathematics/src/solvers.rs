@@ -90,7 +90,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         solver: Solver::Uzawa,
         name: "uzawa",
         in_words: "Uzawa",
-        description: "A full minimisation before each step of the multiplier, on nested grids",
+        description: "Uzawa's method on nested grids: a full minimisation before each step of the multiplier",
         run: SolverRun::Nested { weight: Some(0.0) },
         most_on_square: None,
         most_on_cube: None,

@@ -198,7 +198,7 @@ pub(super) fn no_solution(
 /// [End](Outcome::end) of an iteration with a solution.
 const CONVERGED: &str = "converged";
 
-/// Returns a line that lists the grids on which solves of a scene ended without a solution, if one of them is the
+/// Returns a line that counts the grids on which solves of a scene ended without a solution, if one of them is the
 /// finest; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is not concerned.
 pub(crate) fn without_solution(
     scene: &Scene,
@@ -220,8 +220,8 @@ pub(crate) fn without_solution(
     grids.remove(CONVERGED);
     let mut ends = Vec::new();
     for (end, cells) in grids {
-        let cells: Vec<_> = cells.iter().map(|n| format!("1/{n}")).collect();
-        ends.push(format!("{end} on {}", cells.join(", ")));
+        let plural = if cells.len() == 1 { "" } else { "s" };
+        ends.push(format!("{end} on {} grid{plural}", cells.len()));
     }
     let name = &scene.name;
     Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
