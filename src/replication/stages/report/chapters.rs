@@ -279,23 +279,17 @@ fn short_hash(bytes: &[u8]) -> String {
     hash(bytes)[..12].to_owned()
 }
 
-/// Returns the provenance of the book's numbers: names and hashes of input files and of artifacts, and versions.
+/// Returns the provenance of the book's numbers: names and hashes of input files, and versions.
 fn provenance(inputs: &Inputs) -> Value {
-    let (mut files, mut artifacts, mut versions) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut files, mut versions) = (Vec::new(), Vec::new());
     for (name, bytes) in inputs.files {
         files.push(json!({ "name": name, "hash": short_hash(bytes) }));
-    }
-    for (id, made) in inputs.artifacts.iter().filter(|(id, _)| !id.starts_with("solve/")) {
-        for (name, bytes) in made {
-            artifacts.push(json!({ "name": format!("{id}/{name}"), "hash": short_hash(bytes) }));
-        }
     }
     for (name, version) in super::versions() {
         versions.push(json!({ "name": name, "version": version }));
     }
     json!({
         "inputs": files,
-        "artifacts": artifacts,
         "versions": versions,
         // Of code and text, as an SPDX expression.
         "license": env!("CARGO_PKG_LICENSE"),
