@@ -6,7 +6,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
-use crate::timing::recorded::{self, Peer, Reached, Timings};
+use crate::timing::recorded::{self, Peer, Reached, Timings, to_discretisation};
 use clap::Args;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 
@@ -141,7 +141,7 @@ fn multigrid(timings: &Timings) -> String {
 /// Returns a table for each problem.
 fn solvers(timings: &Timings) -> String {
     let mut text = String::new();
-    for problem in problems(timings) {
+    for problem in timings.problems() {
         let mut rows = Vec::new();
         for line in timings.solver.iter().filter(|line| line.problem == problem) {
             rows.push(vec![
@@ -160,28 +160,12 @@ fn solvers(timings: &Timings) -> String {
     text
 }
 
-/// Returns the names of the problems that the solvers were timed on, in their order.
-fn problems(timings: &Timings) -> Vec<&str> {
-    let mut problems = Vec::new();
-    for line in &timings.solver {
-        if !problems.contains(&&*line.problem) {
-            problems.push(&*line.problem);
-        }
-    }
-    problems
-}
-
-/// Error over the error of the discrete solution up to which a run counts as solved.
-const SOLVED: f64 = 1.1;
-
 /// Returns for each problem the factors by which the fastest solver is faster than the others on the finest grid that
-/// all of them solved: each in its fastest run whose error is at most [`SOLVED`] times that of the discrete solution.
+/// all of them solved to the discretisation error: each in its fastest run.
 fn summary(timings: &Timings) -> String {
     let mut text = String::new();
-    for problem in problems(timings) {
-        let mut solved: Vec<&Reached> = timings.solver.iter().collect();
-        solved.retain(|line| line.problem == problem && line.error <= SOLVED * line.discretisation);
-        let Some(fastest) = fastest_on_common_grid(&solved) else { continue };
+    for problem in timings.problems() {
+        let Some(fastest) = fastest_on_common_grid(timings, problem) else { continue };
         let [first, others @ ..] = &fastest[..] else { continue };
         text += &format!(
             "\n{problem}, 1/{}: {} took {:.6} s to the discretisation error\n",
@@ -199,23 +183,18 @@ fn summary(timings: &Timings) -> String {
 
 /// Returns the fastest run of each solver on the finest grid that all solvers solved, fastest first; none without such a
 /// grid.
-fn fastest_on_common_grid<'a>(solved: &[&'a Reached]) -> Option<Vec<&'a Reached>> {
-    let mut names = Vec::new();
-    for line in solved {
-        if !names.contains(&line.solver) {
-            names.push(line.solver);
-        }
+fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a Reached>> {
+    let mut by_grid = Vec::new();
+    for solver in Solver::ON_GRIDS {
+        let lines = timings.solver.iter();
+        by_grid.push(to_discretisation(
+            lines.filter(|line| line.solver == solver && line.problem == problem),
+        ));
     }
-    let mut grids: Vec<usize> = solved.iter().map(|line| line.cells).collect();
-    grids.sort_unstable();
-    let grid = grids.into_iter().rev().find(|&cells| {
-        names.iter().all(|name| solved.iter().any(|on| on.solver == *name && on.cells == cells))
-    })?;
-    let mut fastest = Vec::new();
-    for name in names {
-        let runs = solved.iter().filter(|line| line.solver == name && line.cells == grid);
-        fastest.extend(runs.copied().min_by(|a, b| a.seconds.total_cmp(&b.seconds)));
-    }
+    by_grid.retain(|runs| !runs.is_empty());
+    let mut grids = by_grid.first()?.keys().rev();
+    let grid = grids.find(|&grid| by_grid.iter().all(|runs| runs.contains_key(grid)))?;
+    let mut fastest: Vec<_> = by_grid.iter().map(|runs| runs[grid]).collect();
     fastest.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     Some(fastest)
 }

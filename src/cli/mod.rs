@@ -24,7 +24,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
 use clap::builder::{PossibleValue, PossibleValuesParser, Resettable, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::{SOLVERS, Solver};
@@ -169,8 +169,11 @@ fn solver_parser() -> impl TypedValueParser<Value = Solver> {
 
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.
 pub fn main() -> ExitCode {
-    let args = order::options_last(&Cli::command(), std::env::args_os().collect());
-    let cli = match Cli::try_parse_from(args) {
+    let mut command = Cli::command();
+    let args = order::options_last(&command, std::env::args_os().collect());
+    let matches = command.try_get_matches_from_mut(args);
+    let parsed = matches.and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed.map_err(|e| e.format(&mut command)) {
         Ok(cli) => cli,
         Err(e) => {
             if e.use_stderr() {

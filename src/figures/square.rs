@@ -47,7 +47,7 @@ pub(crate) fn grid() -> Picture {
     let grid = Grid::new(CELLS).expect("fine enough");
     let (mut picture, frame) = square();
     title(&mut picture, &frame, "h = 1/4");
-    let at = |k: usize| -0.5 + k as f64 * grid.h();
+    let at = |k: usize| grid.coordinate(k);
     for k in 0..=CELLS {
         picture.path([frame.at(at(k), -0.5), frame.at(at(k), 0.5)], INK, 0.6);
         picture.path([frame.at(-0.5, at(k)), frame.at(0.5, at(k))], INK, 0.6);

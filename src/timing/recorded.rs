@@ -242,14 +242,18 @@ pub struct Peer {
 /// Goal of a run under the stopping rule of the published tables.
 pub const PUBLISHED: &str = "published stop";
 
-/// Returns, per grid, the least time in which the error came down to that of the discretisation.
-pub fn to_discretisation(lines: &[&Reached]) -> BTreeMap<usize, f64> {
-    let mut least = BTreeMap::new();
-    for line in lines.iter().filter(|line| line.error <= REACHED * line.discretisation) {
-        let seconds = least.entry(line.cells).or_insert(line.seconds);
-        *seconds = seconds.min(line.seconds);
+/// Returns, per grid, the fastest run whose error came down to that of the discretisation.
+pub fn to_discretisation<'a>(
+    lines: impl IntoIterator<Item = &'a Reached>,
+) -> BTreeMap<usize, &'a Reached> {
+    let mut fastest = BTreeMap::new();
+    for line in lines.into_iter().filter(|line| line.error <= REACHED * line.discretisation) {
+        let known = fastest.entry(line.cells).or_insert(line);
+        if line.seconds < known.seconds {
+            *known = line;
+        }
     }
-    least
+    fastest
 }
 
 /// Reads a positive number, as medians and norms are.
@@ -265,6 +269,17 @@ const HEADER: &str = "# Written by `signorini bench --record`; do not edit what 
     # [[peer]] sections are entered by hand from benches/peers, and kept.\n\n";
 
 impl Timings {
+    /// Returns the names of the problems on which solvers were timed, in their order.
+    pub fn problems(&self) -> Vec<&str> {
+        let mut problems = Vec::new();
+        for line in &self.solver {
+            if !problems.contains(&&*line.problem) {
+                problems.push(&*line.problem);
+            }
+        }
+        problems
+    }
+
     /// Parses the record.
     ///
     /// # Errors

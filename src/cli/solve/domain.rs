@@ -39,9 +39,8 @@ impl Domain {
         match self {
             Self::Square { .. } => Ok(solver.entry().most_on_square.unwrap_or(MAX_CELLS)),
             Self::Cube { .. } => solver.entry().most_on_cube.ok_or_else(|| {
-                let mut those = SOLVERS.iter().collect::<Vec<_>>();
-                those.retain(|entry| entry.most_on_cube.is_some());
-                let names: Vec<_> = those.iter().map(|entry| entry.name).rev().collect();
+                let on_cube = SOLVERS.iter().rev().filter(|entry| entry.most_on_cube.is_some());
+                let names: Vec<_> = on_cube.map(|entry| entry.name).collect();
                 Error::input(format!(
                     "--solver {solver}: the cube has only {}",
                     names.join(" and ")

@@ -87,13 +87,15 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
 }
 
 /// Runs the first rule with the drawn r. Returns each grid with the pair where the rule stops there.
-pub(super) fn stops(scene: &Scene) -> Vec<(Grid, Pair)> {
-    let loads: Vec<_> = scene.grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
-    let (r, rule, max_iterations) = (scene.drawn_r(), scene.stop[0], scene.max_iterations);
-    let params = Params { r, rule, max_iterations, ..Params::default() };
+pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let mut stops = Stops::default();
-    solve_nested(&scene.grids, &loads, &params, scene.prolongation, &mut stops);
-    stops.0
+    run(&drawn(scene), &mut stops)?;
+    Ok(stops.0)
+}
+
+/// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
+pub(super) fn drawn(scene: &Scene) -> Cell {
+    cell(scene, scene.stop[0], scene.drawn_r())
 }
 
 /// Monitor that keeps the last pair on each grid.
@@ -127,7 +129,8 @@ fn task(scene: &Scene, cell: Cell) -> Task {
     Task::new(id, parameters(&cell), Vec::new(), move |_| solve(&cell))
 }
 
-fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
+/// Runs the paper's method for a cell. Returns the outcome on each grid, and the last pair.
+fn run(cell: &Cell, monitor: &mut impl Monitor) -> Result<(Vec<Outcome>, Pair), Failure> {
     let grids = nested(&cell.grids)?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &cell.f, cell.load)).collect();
     let params = Params {
@@ -136,9 +139,13 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
+    Ok(solve_nested(&grids, &loads, &params, cell.prolongation, monitor))
+}
+
+fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
     let mut recorder =
         Recorder { keep_history: cell.keep_history, exact: cell.f.exact(), ..Recorder::default() };
-    let (levels, pair) = solve_nested(&grids, &loads, &params, cell.prolongation, &mut recorder);
+    let (levels, pair) = run(cell, &mut recorder)?;
     if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
         return Err(format!(
             "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",

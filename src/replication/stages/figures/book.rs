@@ -5,7 +5,7 @@ use crate::figures::{
     GradientPanel, Surface, gradients as draw_gradients, grid, membrane, range_with_zero, surfaces,
     uphill,
 };
-use crate::pipeline::{Inputs, Task};
+use crate::pipeline::{Inputs, Task, parameters};
 use crate::replication::scene::Scene;
 use crate::replication::stages::solve;
 use serde_json::json;
@@ -70,16 +70,10 @@ impl StopsRow {
 /// The task that draws the surfaces where the paper stopped on each grid, and the solution.
 pub(super) fn iterates(scene: &Scene) -> Task {
     let scene = scene.clone();
-    let read = json!({
-        "title": scene.title, "f": scene.f.to_string(), "load": scene.load,
-        "grids": scene.grids.iter().map(|grid| grid.cells()).collect::<Vec<_>>(),
-        "prolongation": scene.prolongation, "r": scene.drawn_r(), "stop": scene.stop[0].name(),
-        "max_iterations": scene.max_iterations,
-    });
-    let hashed = BTreeMap::from([(scene.name.clone(), read.to_string())]);
     let title = format!("{}: where the paper stopped on each grid, and the solution", scene.title);
+    let hashed = parameters(&json!({ "title": scene.title, "cell": solve::drawn(&scene) }));
     let task = drawing("iterates", title, Vec::new(), move |_| {
-        let mut states = solve::stops(&scene);
+        let mut states = solve::stops(&scene)?;
         states.push((scene.finest(), solve::solution(&scene)?));
         let heights = states.iter().flat_map(|(_, pair)| pair.y.iter().copied());
         let range = Some(range_with_zero(heights));

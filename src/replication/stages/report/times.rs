@@ -18,8 +18,7 @@ const FIT_FROM: usize = 100_000;
 
 /// Returns the recorded times in the form that the templates take.
 pub(super) fn times(timings: &Timings, accuracy: &AccuracyFindings) -> Value {
-    let mut problems: Vec<&str> = timings.solver.iter().map(|line| &*line.problem).collect();
-    problems.dedup();
+    let problems = timings.problems();
     let comparisons: Vec<_> =
         problems.into_iter().map(|problem| comparison(problem, &timings.solver)).collect();
     let grids = grids(timings);
@@ -117,12 +116,12 @@ fn fit(timings: &Timings, goal: Goal, threads: usize) -> Option<Fit> {
 fn comparison(problem: &str, lines: &[Reached]) -> Value {
     let times = Solver::ON_GRIDS.map(|solver| {
         let mine = lines.iter().filter(|line| line.solver == solver && line.problem == problem);
-        to_discretisation(&mine.collect::<Vec<_>>())
+        to_discretisation(mine)
     });
     let grids: BTreeSet<_> = times.iter().flat_map(BTreeMap::keys).collect();
     let mut rows = Vec::new();
     for cells in grids {
-        let seconds = times.each_ref().map(|by_grid| by_grid.get(cells).copied());
+        let seconds = times.each_ref().map(|by_grid| by_grid.get(cells).map(|run| run.seconds));
         rows.push(json!({ "cells": cells, "seconds": seconds }));
     }
     json!({ "problem": problem, "solvers": Solver::ON_GRIDS, "rows": rows })
