@@ -31,6 +31,7 @@ pub mod experiments;
 pub mod formats;
 pub mod identify;
 pub mod machine;
+pub mod mesh;
 pub mod multigrid;
 pub mod problem;
 pub mod saddle;

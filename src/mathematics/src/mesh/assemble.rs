@@ -1,0 +1,79 @@
+//! The discrete problem of a triangulation: stiffness matrix (5) as couplings, load vector (6), parts of the boundary.
+
+use super::geometry::measure;
+use super::{Condition, Edges, Element, Mesh};
+use crate::discrete::network::{ContactNode, Coupling, Network};
+
+/// Coupling over the least diagonal of its nodes below which it is the rounding error of a right angle.
+const RIGHT_ANGLE: f64 = 1e-14;
+
+/// Returns the discrete problem for linear elements. Contact nodes are in the order of their numbers; a node where parts
+/// meet is fixed if one of them is, else in contact if one of them is.
+///
+/// # Panics
+/// If there are more couplings than 32 bits number.
+pub fn assemble<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Network {
+    let nodes = mesh.points.len();
+    let edges = Edges::new(nodes, &mesh.cells);
+    let (mut weights, mut masses) = (vec![0.0; edges.len()], vec![0.0; nodes]);
+    for cell in &mesh.cells {
+        let element = Element::new(mesh.vertices(cell));
+        for i in 0..V {
+            masses[cell[i] as usize] += element.volume / V as f64;
+            for j in 0..i {
+                weights[edges.between(cell[i], cell[j])] -= element.stiffness(i, j);
+            }
+        }
+    }
+    let ends = edges.ends();
+    let mut diagonal = vec![0.0f64; nodes];
+    for (nodes, weight) in ends.iter().zip(&weights) {
+        nodes.iter().for_each(|&node| diagonal[node as usize] += weight.abs());
+    }
+    let mut couplings = Vec::with_capacity(ends.len());
+    for (nodes, weight) in ends.into_iter().zip(weights) {
+        let least = nodes.map(|node| diagonal[node as usize]).into_iter().fold(f64::MAX, f64::min);
+        if weight.abs() > RIGHT_ANGLE * least {
+            couplings.push(Coupling { nodes, weight });
+        }
+    }
+    let (contact, fixed) = boundary_nodes(mesh);
+    Network::new(&couplings, contact, fixed, masses)
+}
+
+/// Returns the nodes in contact with their measures, and the fixed nodes.
+fn boundary_nodes<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+) -> (Vec<ContactNode>, Vec<u32>) {
+    let mut measures = vec![0.0; mesh.points.len()];
+    let mut is_fixed = vec![false; mesh.points.len()];
+    for facet in &mesh.facets {
+        match mesh.condition(facet) {
+            Condition::Free => (),
+            Condition::Fixed => facet.nodes.iter().for_each(|&node| is_fixed[node as usize] = true),
+            Condition::Contact => {
+                let share = measure(mesh.corners(facet)) / D as f64;
+                facet.nodes.iter().for_each(|&node| measures[node as usize] += share);
+            }
+        }
+    }
+    let (mut contact, mut fixed) = (Vec::new(), Vec::new());
+    for (node, measure) in measures.into_iter().enumerate() {
+        if is_fixed[node] {
+            fixed.push(node as u32);
+        } else if measure > 0.0 {
+            contact.push(ContactNode { node: node as u32, measure });
+        }
+    }
+    (contact, fixed)
+}
+
+/// Returns the load vector (6) of an f that is constant on each cell, exactly.
+pub fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -> Vec<f64> {
+    let mut load = vec![0.0; mesh.points.len()];
+    for (cell, f) in mesh.cells.iter().zip(f) {
+        let share = f * Element::new(mesh.vertices(cell)).volume / V as f64;
+        cell.iter().for_each(|&node| load[node as usize] += share);
+    }
+    load
+}

@@ -1,0 +1,104 @@
+//! Edges of a triangulation, in the order in which refinement numbers their midpoints.
+
+/// Edges, by their node with the lower number, then by the other one.
+pub struct Edges {
+    /// Position of the first edge of each node, and the number of edges.
+    starts: Vec<u32>,
+    /// Node with the higher number of each edge.
+    higher: Vec<u32>,
+}
+
+impl Edges {
+    /// Edges of cells on this number of nodes.
+    ///
+    /// # Panics
+    /// If there are more edges than 32 bits number.
+    pub fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
+        let mut starts = vec![0u32; nodes + 1];
+        for_each_pair(cells, |lower, _| starts[lower as usize + 1] += 1);
+        let mut total = 0u32;
+        for start in &mut starts {
+            total = total.checked_add(*start).expect("more edges than 32 bits number");
+            *start = total;
+        }
+        let mut next = starts.clone();
+        let mut higher = vec![0; total as usize];
+        for_each_pair(cells, |lower, other| {
+            let place = &mut next[lower as usize];
+            higher[*place as usize] = other;
+            *place += 1;
+        });
+        // Each edge stands there once for each of its cells.
+        let mut kept = 0;
+        for node in 0..nodes {
+            let (from, to) = (starts[node] as usize, starts[node + 1] as usize);
+            higher[from..to].sort_unstable();
+            starts[node] = kept as u32;
+            for k in from..to {
+                if k == from || higher[k] != higher[k - 1] {
+                    higher[kept] = higher[k];
+                    kept += 1;
+                }
+            }
+        }
+        starts[nodes] = kept as u32;
+        higher.truncate(kept);
+        higher.shrink_to_fit();
+        Self { starts, higher }
+    }
+
+    /// Number of edges.
+    pub fn len(&self) -> usize {
+        self.higher.len()
+    }
+
+    /// True if there are no edges.
+    pub fn is_empty(&self) -> bool {
+        self.higher.is_empty()
+    }
+
+    /// Number of the edge between two nodes.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[inline]
+    pub fn between(&self, one: u32, two: u32) -> usize {
+        let (lower, other) = (one.min(two) as usize, one.max(two));
+        let (from, to) = (self.starts[lower] as usize, self.starts[lower + 1] as usize);
+        let found = self.higher[from..to].iter().position(|&node| node == other);
+        from + found.expect("the nodes are those of an edge")
+    }
+
+    /// Nodes of all edges, the lower number first.
+    pub fn ends(&self) -> Vec<[u32; 2]> {
+        let mut ends = Vec::with_capacity(self.len());
+        for node in 0..self.starts.len() - 1 {
+            let range = self.starts[node] as usize..self.starts[node + 1] as usize;
+            ends.extend(self.higher[range].iter().map(|&other| [node as u32, other]));
+        }
+        ends
+    }
+}
+
+/// Calls `visit` with the nodes of each pair of vertices of each cell, the lower number first.
+fn for_each_pair<const V: usize>(cells: &[[u32; V]], mut visit: impl FnMut(u32, u32)) {
+    for cell in cells {
+        for i in 0..V {
+            for j in 0..i {
+                visit(cell[i].min(cell[j]), cell[i].max(cell[j]));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_in_the_order_of_their_nodes() {
+        let edges = Edges::new(4, &[[2, 0, 1], [1, 2, 3]]);
+        assert_eq!(edges.ends(), [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]);
+        assert_eq!(edges.between(3, 1), 3);
+    }
+}

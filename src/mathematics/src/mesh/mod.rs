@@ -1,0 +1,158 @@
+//! Triangulations of domains in the plane and in space: the paper's F_h, with named regions and boundary parts.
+//!
+//! D is the dimension; a cell, a triangle or tetrahedron, has V = D + 1 vertices, a facet, an edge or triangle, has D.
+
+mod assemble;
+mod builtin;
+mod check;
+mod curve;
+mod edges;
+mod geometry;
+mod refine;
+
+pub use assemble::{assemble, load_of_cells};
+pub use builtin::{BUILT_IN, BuiltIn};
+pub use check::MeshError;
+pub use curve::Round;
+pub use edges::Edges;
+pub use geometry::{Element, centroid, size};
+pub use refine::{Refined, refine};
+
+/// Condition on a part of the boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Condition {
+    /// The Signorini condition: v >= 0, dv/dn >= 0, v dv/dn = 0.
+    #[default]
+    Contact,
+    /// dv/dn = 0.
+    Free,
+    /// v = 0.
+    Fixed,
+}
+
+/// Named part of the boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part<const D: usize> {
+    /// Name.
+    pub name: String,
+    /// Condition there.
+    pub condition: Condition,
+    /// Surface on which the part lies, unless it is the polygon or polyhedron itself.
+    pub curve: Option<Round<D>>,
+}
+
+/// Edge or triangle of the boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facet<const D: usize> {
+    /// Numbers of its nodes.
+    pub nodes: [u32; D],
+    /// Position of its part in [`Mesh::parts`].
+    pub part: u16,
+}
+
+/// Triangulation without hanging nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh<const D: usize, const V: usize> {
+    /// Coordinates of the nodes.
+    pub(crate) points: Vec<[f64; D]>,
+    /// Numbers of the vertices of each cell.
+    pub(crate) cells: Vec<[u32; V]>,
+    /// Position of the region of each cell in `region_names`.
+    pub(crate) regions: Vec<u16>,
+    /// Names of the regions.
+    pub(crate) region_names: Vec<String>,
+    /// Facets of the boundary.
+    pub(crate) facets: Vec<Facet<D>>,
+    /// Parts of the boundary.
+    pub(crate) parts: Vec<Part<D>>,
+}
+
+/// Triangulation in the plane.
+pub type PlaneMesh = Mesh<2, 3>;
+/// Triangulation in space.
+pub type SpaceMesh = Mesh<3, 4>;
+
+/// What a mesh is made from: data of a file or a program, not yet checked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshData<const D: usize, const V: usize> {
+    /// Coordinates of the nodes.
+    pub points: Vec<[f64; D]>,
+    /// Numbers of the vertices of each cell.
+    pub cells: Vec<[u32; V]>,
+    /// Position of the region of each cell in `region_names`; empty if there are no regions.
+    pub regions: Vec<u16>,
+    /// Names of the regions.
+    pub region_names: Vec<String>,
+    /// Facets with named parts; a facet of the boundary that is not here belongs to a part named `boundary`.
+    pub facets: Vec<Facet<D>>,
+    /// Parts of the boundary.
+    pub parts: Vec<Part<D>>,
+    /// Names of nodes and cells in messages, if they are not their numbers from 0 on.
+    pub tags: Tags,
+}
+
+/// Numbers by which a file names its nodes and cells.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tags {
+    /// Number of each node; empty if it is its position.
+    pub nodes: Vec<u64>,
+    /// Number of each cell; empty if it is its position.
+    pub cells: Vec<u64>,
+}
+
+impl<const D: usize, const V: usize> Mesh<D, V> {
+    /// Coordinates of the nodes.
+    pub fn points(&self) -> &[[f64; D]] {
+        &self.points
+    }
+
+    /// Numbers of the vertices of each cell.
+    pub fn cells(&self) -> &[[u32; V]] {
+        &self.cells
+    }
+
+    /// Position of the region of each cell in [`Mesh::region_names`].
+    pub fn regions(&self) -> &[u16] {
+        &self.regions
+    }
+
+    /// Names of the regions.
+    pub fn region_names(&self) -> &[String] {
+        &self.region_names
+    }
+
+    /// Facets of the boundary.
+    pub fn facets(&self) -> &[Facet<D>] {
+        &self.facets
+    }
+
+    /// Parts of the boundary.
+    pub fn parts(&self) -> &[Part<D>] {
+        &self.parts
+    }
+
+    /// Parts of the boundary, whose conditions and curves may be changed.
+    pub fn parts_mut(&mut self) -> &mut [Part<D>] {
+        &mut self.parts
+    }
+
+    /// Condition on a facet.
+    pub fn condition(&self, facet: &Facet<D>) -> Condition {
+        self.parts[facet.part as usize].condition
+    }
+
+    /// Vertices of a cell.
+    pub fn vertices(&self, cell: &[u32; V]) -> [[f64; D]; V] {
+        cell.map(|node| self.points[node as usize])
+    }
+
+    /// Vertices of a facet.
+    pub fn corners(&self, facet: &Facet<D>) -> [[f64; D]; D] {
+        facet.nodes.map(|node| self.points[node as usize])
+    }
+
+    /// Length, area or volume of the domain.
+    pub fn volume(&self) -> f64 {
+        self.cells.iter().map(|cell| Element::new(self.vertices(cell)).volume).sum()
+    }
+}

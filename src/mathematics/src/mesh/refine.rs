@@ -1,0 +1,194 @@
+//! Uniform refinement: each triangle into four, each tetrahedron into eight (Bey 1995).
+//!
+//! New nodes are numbered after the old ones in the order of the [edges](super::Edges) that they halve, and lie on the
+//! curve of their boundary part.
+
+use super::check::{MeshError, flat};
+use super::{Edges, Element, Facet, Mesh};
+
+/// Refined mesh, and the edges of the coarse one.
+pub struct Refined<const D: usize, const V: usize> {
+    /// Refined mesh; its first nodes are those of the coarse one.
+    pub mesh: Mesh<D, V>,
+    /// Nodes of the coarse mesh between which each new node lies, in the order of the new nodes.
+    pub parents: Vec<[u32; 2]>,
+}
+
+/// Vertex of a child: that of the parent if both are the same, else the midpoint of the edge between them.
+type Vertex = [usize; 2];
+
+const TRIANGLES: [[Vertex; 3]; 4] = [
+    [[0, 0], [0, 1], [0, 2]],
+    [[0, 1], [1, 1], [1, 2]],
+    [[0, 2], [1, 2], [2, 2]],
+    [[0, 1], [1, 2], [0, 2]],
+];
+
+/// Children in the order of vertices that keeps all refinements within three shapes (J. Bey, Computing 55, 1995).
+const TETRAHEDRA: [[Vertex; 4]; 8] = [
+    [[0, 0], [0, 1], [0, 2], [0, 3]],
+    [[0, 1], [1, 1], [1, 2], [1, 3]],
+    [[0, 2], [1, 2], [2, 2], [2, 3]],
+    [[0, 3], [1, 3], [2, 3], [3, 3]],
+    [[0, 1], [0, 2], [0, 3], [1, 3]],
+    [[0, 1], [0, 2], [1, 2], [1, 3]],
+    [[0, 2], [0, 3], [1, 3], [2, 3]],
+    [[0, 2], [1, 2], [1, 3], [2, 3]],
+];
+
+/// Children of an edge.
+const EDGES: [[Vertex; 2]; 2] = [[[0, 0], [0, 1]], [[0, 1], [1, 1]]];
+
+/// Numbers of the nodes of the refined mesh.
+struct Numbers<'a> {
+    old: usize,
+    edges: &'a Edges,
+}
+
+impl Numbers<'_> {
+    /// Adds the children of a simplex to `out`.
+    fn split<const K: usize>(&self, nodes: [u32; K], out: &mut Vec<[u32; K]>) {
+        let number = |[a, b]: Vertex| match a == b {
+            true => nodes[a],
+            false => (self.old + self.edges.between(nodes[a], nodes[b])) as u32,
+        };
+        match K {
+            2 => out.extend(EDGES.iter().map(|child| std::array::from_fn(|k| number(child[k])))),
+            3 => {
+                out.extend(TRIANGLES.iter().map(|child| std::array::from_fn(|k| number(child[k]))));
+            }
+            _ => {
+                out.extend(TETRAHEDRA.iter().map(|child| std::array::from_fn(|k| number(child[k]))))
+            }
+        }
+    }
+}
+
+/// Refines all cells.
+///
+/// # Errors
+/// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that an element turns inside
+/// out.
+pub fn refine<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+) -> Result<Refined<D, V>, MeshError> {
+    let children = 1 << D;
+    let entries = mesh.cells.len() * V * (V - 1) / 2;
+    if mesh.points.len() + entries > u32::MAX as usize / 2 {
+        return Err(MeshError::TooManyNodes { cells: children * mesh.cells.len() });
+    }
+    let edges = Edges::new(mesh.points.len(), &mesh.cells);
+    let (old, parents) = (mesh.points.len(), edges.ends());
+    let numbers = Numbers { old, edges: &edges };
+    let mut points = Vec::with_capacity(old + parents.len());
+    points.extend_from_slice(&mesh.points);
+    points.extend(parents.iter().map(|&[a, b]| {
+        let [a, b] = [mesh.points[a as usize], mesh.points[b as usize]];
+        std::array::from_fn(|d| 0.5 * (a[d] + b[d]))
+    }));
+    let is_curved = mesh.put_on_curves(&numbers, &mut points);
+    let (mut cells, mut regions) = (Vec::with_capacity(children * mesh.cells.len()), Vec::new());
+    for (cell, &region) in mesh.cells.iter().zip(&mesh.regions) {
+        numbers.split(*cell, &mut cells);
+        regions.resize(cells.len(), region);
+    }
+    if is_curved {
+        check_orientation(mesh, &points, &cells)?;
+    }
+    let mut facets = Vec::with_capacity((children / 2) * mesh.facets.len());
+    let mut pieces = Vec::new();
+    for facet in &mesh.facets {
+        pieces.clear();
+        numbers.split(facet.nodes, &mut pieces);
+        facets.extend(pieces.iter().map(|&nodes| Facet { nodes, part: facet.part }));
+    }
+    let refined = Mesh {
+        points,
+        cells,
+        regions,
+        region_names: mesh.region_names.clone(),
+        facets,
+        parts: mesh.parts.clone(),
+    };
+    Ok(Refined { mesh: refined, parents })
+}
+
+impl<const D: usize, const V: usize> Mesh<D, V> {
+    /// Moves the midpoints of edges of curved parts onto the curves; true if there are any.
+    fn put_on_curves(&self, numbers: &Numbers<'_>, points: &mut [[f64; D]]) -> bool {
+        let mut moved = false;
+        for facet in &self.facets {
+            let Some(curve) = self.parts[facet.part as usize].curve else { continue };
+            for i in 0..D {
+                for j in 0..i {
+                    let edge = numbers.edges.between(facet.nodes[i], facet.nodes[j]);
+                    let point = &mut points[numbers.old + edge];
+                    *point = curve.nearest(*point);
+                    moved = true;
+                }
+            }
+        }
+        moved
+    }
+}
+
+/// Checks that each child has the orientation that it would have without curves, and a volume.
+fn check_orientation<const D: usize, const V: usize>(
+    coarse: &Mesh<D, V>,
+    points: &[[f64; D]],
+    cells: &[[u32; V]],
+) -> Result<(), MeshError> {
+    let children = 1 << D;
+    for (k, (parent, children)) in coarse.cells.iter().zip(cells.chunks(children)).enumerate() {
+        let vertices = coarse.vertices(parent);
+        let parent = Element::new(vertices);
+        for (child, nodes) in children.iter().enumerate() {
+            let expected = parent.is_mirrored != is_mirrored_child(V, child);
+            let vertices = nodes.map(|node| points[node as usize]);
+            let element = Element::<D, V>::new(vertices);
+            if element.is_mirrored != expected || flat(&element, vertices) {
+                return Err(MeshError::Folded { cell: k });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// True if the vertices of a child are numbered in the other sense than those of its parent.
+fn is_mirrored_child(vertices: usize, child: usize) -> bool {
+    vertices == 4 && [5, 7].contains(&child)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::BuiltIn;
+
+    #[test]
+    fn children_fill_their_parent_and_have_the_expected_orientation() {
+        let coarse = Element::<3, 4>::new(TETRAHEDRON);
+        for (k, child) in TETRAHEDRA.iter().enumerate() {
+            let vertices = child.map(|[a, b]| {
+                std::array::from_fn(|d| 0.5 * (TETRAHEDRON[a][d] + TETRAHEDRON[b][d]))
+            });
+            let child = Element::<3, 4>::new(vertices);
+            assert!((child.volume - coarse.volume / 8.0).abs() < 1e-15);
+            assert_eq!(child.is_mirrored, is_mirrored_child(4, k) != coarse.is_mirrored, "{k}");
+        }
+    }
+
+    const TETRAHEDRON: [[f64; 3]; 4] =
+        [[0.0, 0.1, 0.0], [1.0, 0.0, 0.2], [0.1, 1.0, 0.0], [0.0, 0.3, 1.0]];
+
+    #[test]
+    fn the_disc_and_the_ball_fill_up() {
+        let mut disc = BuiltIn::Disc.plane().unwrap();
+        let mut ball = BuiltIn::Ball.space().unwrap();
+        for _ in 0..4 {
+            disc = refine(&disc).unwrap().mesh;
+            ball = refine(&ball).unwrap().mesh;
+        }
+        assert!((disc.volume() / std::f64::consts::PI - 1.0).abs() < 2e-3);
+        assert!((ball.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 6e-3);
+    }
+}
