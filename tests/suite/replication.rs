@@ -6,6 +6,7 @@ use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::load;
+use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::saddle::{
     Monitor, Pair, Params, Plain, PlainEnd, StopReason, StopRule, arrow_hurwicz, on_nested,
@@ -58,8 +59,8 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let (made, made_pair) = solve_nested(grids, &loads, &params, scene.prolongation, &mut ());
         let (defined, pair) =
             on_nested(grids, &loads, scene.prolongation, |level, grid, load, pair| {
-                let end = Plain { grid, load, r }.iterate(rule, tolerance(level), CAP, pair);
-                (end, StopReason::Converged)
+                let definition = Plain { network: &Network::of_square(grid), load, r };
+                (definition.iterate(rule, tolerance(level), CAP, pair), StopReason::Converged)
             });
         let made: Vec<_> = made
             .iter()

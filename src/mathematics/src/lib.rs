@@ -33,6 +33,7 @@ pub mod identify;
 pub mod machine;
 pub mod mesh;
 pub mod multigrid;
+pub mod multilevel;
 pub mod problem;
 pub mod saddle;
 pub mod solvers;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::multigrid::{self, MultigridParams};
@@ -251,6 +252,7 @@ pub(super) fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pai
 pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
     let (grid, pair) = (scene.finest(), pair(inputs, scene, scene.stop[0])?);
     let load = load(grid, &scene.f, scene.load);
-    let functional = Plain { grid, load: &load, r: scene.drawn_r() };
+    let network = Network::of_square(grid);
+    let functional = Plain { network: &network, load: &load, r: scene.drawn_r() };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }

@@ -16,6 +16,17 @@ pub struct ContactNode {
     pub measure: f64,
 }
 
+/// Condition on y at a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeCondition {
+    /// None: the node lies inside, or on a part of the boundary where dv/dn = 0.
+    Inner,
+    /// y = 0.
+    Fixed,
+    /// y >= 0; the position of the node in [`Network::contact`].
+    Contact(usize),
+}
+
 /// Coupling of two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
@@ -33,6 +44,8 @@ pub struct Network {
     /// Coupled nodes, for each node in cyclic order from itself on: first those with higher numbers, then those with
     /// lower ones, both increasing. The order of additions is part of the method.
     others: Vec<u32>,
+    /// Position of the first coupling of each node to one with a lower number.
+    middles: Vec<u32>,
     /// Weights of the couplings.
     weights: Vec<f64>,
     /// Diagonal of the stiffness matrix.
@@ -41,9 +54,16 @@ pub struct Network {
     contact: Vec<ContactNode>,
     /// Nodes at which y = 0.
     fixed: Vec<u32>,
+    /// Position in `contact` of each node, or [`INNER`] or [`FIXED`].
+    places: Vec<u32>,
     /// Integrals of the hat functions over the domain, the lumped mass matrix.
     masses: Vec<f64>,
 }
+
+/// Place of a node without a condition.
+const INNER: u32 = u32::MAX;
+/// Place of a node at which y = 0.
+const FIXED: u32 = u32::MAX - 1;
 
 /// Row of the stiffness matrix without its diagonal.
 #[derive(Clone, Copy)]
@@ -95,52 +115,88 @@ impl Network {
                 *place += 1;
             }
         }
-        let mut diagonal = vec![0.0; nodes];
+        let (mut diagonal, mut middles) = (vec![0.0; nodes], vec![0; nodes]);
         for node in 0..nodes {
             let row = &mut entries[starts[node] as usize..starts[node + 1] as usize];
             row.sort_unstable_by_key(|&(other, _)| (other < node as u32, other));
             diagonal[node] = row.iter().map(|(_, weight)| weight).sum();
+            let later = row.iter().take_while(|(other, _)| *other > node as u32).count();
+            middles[node] = starts[node] + later as u32;
         }
         let (others, weights) = entries.into_iter().unzip();
-        Self { starts, others, weights, diagonal, contact, fixed, masses }
+        let mut network = Self {
+            starts,
+            others,
+            middles,
+            weights,
+            diagonal,
+            contact: Vec::new(),
+            fixed,
+            places: vec![INNER; nodes],
+            masses,
+        };
+        network.set_contact(contact);
+        network
+    }
+
+    /// Replaces the nodes in contact.
+    fn set_contact(&mut self, contact: Vec<ContactNode>) {
+        self.places.fill(INNER);
+        for (place, contact) in contact.iter().enumerate() {
+            self.places[contact.node as usize] = place as u32;
+        }
+        self.fixed.iter().for_each(|&node| self.places[node as usize] = FIXED);
+        self.contact = contact;
     }
 
     /// Network of the five-point matrix of the square: the paper's triangulation, with nodes and boundary nodes in the
     /// order of [`Grid`].
     pub fn of_square(grid: Grid) -> Self {
-        let (side, h) = (grid.side(), grid.h());
-        let share = |i: usize| if i == 0 || i == grid.cells() { 0.5 } else { 1.0 };
-        let (mut couplings, mut masses) = (Vec::new(), Vec::new());
-        for (j, i) in (0..side).flat_map(|j| (0..side).map(move |i| (j, i))) {
-            let node = grid.index(i, j) as u32;
-            masses.push(share(i) * share(j) * h * h);
-            if i + 1 < side {
-                couplings.push(Coupling { nodes: [node, node + 1], weight: share(j) });
-            }
-            if j + 1 < side {
-                couplings.push(Coupling { nodes: [node, node + side as u32], weight: share(i) });
-            }
-        }
-        let contact = grid.boundary().map(|node| ContactNode { node: node as u32, measure: h });
-        Self::new(&couplings, contact.collect(), Vec::new(), masses)
+        let node = |node| ContactNode { node: node as u32, measure: grid.h() };
+        Self::uniform(2, grid.cells(), 1.0, grid.boundary().map(node).collect())
     }
 
     /// Network of the seven-point matrix of the cube, with nodes and boundary nodes in the order of [`cube::Grid`].
     pub fn of_cube(grid: cube::Grid) -> Self {
-        let (side, h) = (grid.cells() + 1, grid.h());
-        let share = |i: usize| if i == 0 || i == grid.cells() { 0.5 } else { 1.0 };
-        let steps = [1, side, side * side];
+        let node = |(node, measure)| ContactNode { node: node as u32, measure };
+        Self::uniform(3, grid.cells(), grid.h(), grid.boundary_shares().map(node).collect())
+    }
+
+    /// Network of the stencil on two or three axes with `n` cells each, whose couplings inside are 1, with all boundary
+    /// nodes in contact.
+    pub(crate) fn of_stencil(axes: usize, n: usize) -> Self {
+        let mut network = Self::uniform(axes, n, 1.0, Vec::new());
+        let inside = 2.0 * axes as f64;
+        let on_boundary = network.diagonal.iter().enumerate().filter(|(_, entry)| **entry < inside);
+        let node = |(node, _)| ContactNode { node: node as u32, measure: 1.0 };
+        let contact = on_boundary.map(node).collect();
+        network.set_contact(contact);
+        network
+    }
+
+    /// Network of the five- or seven-point stencil on two or three axes with `n` cells each, x fastest.
+    ///
+    /// Neighbours inside are coupled by `weight`, neighbours on the boundary by the part of `weight` that is the part
+    /// of their cells inside.
+    fn uniform(axes: usize, n: usize, weight: f64, contact: Vec<ContactNode>) -> Self {
+        let side = [n + 1, n + 1, if axes == 3 { n + 1 } else { 1 }];
+        let steps = [1, side[0], side[0] * side[1]];
+        let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
+        let volume = 1.0 / n.pow(axes as u32) as f64;
         let (mut couplings, mut masses) = (Vec::new(), Vec::new());
-        for (node, at) in grid.indices().enumerate() {
-            masses.push(grid.share(at) * h.powi(3));
-            for axis in (0..3).filter(|&axis| at[axis] + 1 < side) {
-                let across = share(at[(axis + 1) % 3]) * share(at[(axis + 2) % 3]);
+        for node in 0..side.iter().product() {
+            let at: [usize; 3] = std::array::from_fn(|axis| node / steps[axis] % side[axis]);
+            masses.push(at[..axes].iter().map(|&i| share(i)).product::<f64>() * volume);
+            for axis in (0..axes).filter(|&axis| at[axis] < n) {
+                let across: f64 = (0..axes)
+                    .filter(|&other| other != axis)
+                    .map(|other| share(at[other]))
+                    .product();
                 let nodes = [node as u32, (node + steps[axis]) as u32];
-                couplings.push(Coupling { nodes, weight: h * across });
+                couplings.push(Coupling { nodes, weight: weight * across });
             }
         }
-        let node = |(node, measure)| ContactNode { node: node as u32, measure };
-        Self::new(&couplings, grid.boundary_shares().map(node).collect(), Vec::new(), masses)
+        Self::new(&couplings, contact, Vec::new(), masses)
     }
 
     /// Number of nodes, the length of a nodal vector.
@@ -153,6 +209,34 @@ impl Network {
         self.others.len() / 2
     }
 
+    /// Mean number of entries in a row of the stiffness matrix: the multiplications of a visit.
+    pub fn row_length(&self) -> f64 {
+        1.0 + self.others.len() as f64 / self.nodes() as f64
+    }
+
+    /// Number of the connected component of each node, from 0 on.
+    pub fn components(&self) -> Vec<u32> {
+        let mut components = vec![u32::MAX; self.nodes()];
+        let (mut count, mut next) = (0, Vec::new());
+        for start in 0..self.nodes() {
+            if components[start] < u32::MAX {
+                continue;
+            }
+            components[start] = count;
+            next.push(start);
+            while let Some(node) = next.pop() {
+                for &other in self.row(node).others {
+                    if components[other as usize] == u32::MAX {
+                        components[other as usize] = count;
+                        next.push(other as usize);
+                    }
+                }
+            }
+            count += 1;
+        }
+        components
+    }
+
     /// Nodes in contact, in the order of a boundary vector.
     pub fn contact(&self) -> &[ContactNode] {
         &self.contact
@@ -161,6 +245,16 @@ impl Network {
     /// Nodes at which y = 0.
     pub fn fixed(&self) -> &[u32] {
         &self.fixed
+    }
+
+    /// Condition at a node.
+    #[inline(always)]
+    pub fn condition(&self, node: usize) -> NodeCondition {
+        match self.places[node] {
+            INNER => NodeCondition::Inner,
+            FIXED => NodeCondition::Fixed,
+            place => NodeCondition::Contact(place as usize),
+        }
     }
 
     /// Diagonal of the stiffness matrix.
@@ -176,15 +270,38 @@ impl Network {
     /// Row of a node.
     #[inline(always)]
     pub fn row(&self, node: usize) -> Row<'_> {
-        let range = self.starts[node] as usize..self.starts[node + 1] as usize;
+        self.part(self.starts[node], self.starts[node + 1])
+    }
+
+    /// Part of the row of a node with the nodes of higher numbers, which a sweep visits later.
+    #[inline(always)]
+    pub fn later(&self, node: usize) -> Row<'_> {
+        self.part(self.starts[node], self.middles[node])
+    }
+
+    /// Part of the row of a node with the nodes of lower numbers.
+    #[inline(always)]
+    pub fn earlier(&self, node: usize) -> Row<'_> {
+        self.part(self.middles[node], self.starts[node + 1])
+    }
+
+    #[inline(always)]
+    fn part(&self, from: u32, to: u32) -> Row<'_> {
+        let range = from as usize..to as usize;
         Row { others: &self.others[range.clone()], weights: &self.weights[range] }
     }
 
     /// Writes the gradient `A y - F` of the energy to `out`, all three nodal vectors.
     pub fn gradient(&self, y: &[f64], load: &[f64], out: &mut [f64]) {
         for (node, out) in out.iter_mut().enumerate() {
-            *out = self.diagonal[node] * y[node] - self.row(node).add_to(load[node], y);
+            *out = self.gradient_at(node, y, load);
         }
+    }
+
+    /// Component of the gradient at a node.
+    #[inline(always)]
+    pub fn gradient_at(&self, node: usize, y: &[f64], load: &[f64]) -> f64 {
+        self.diagonal[node] * y[node] - self.row(node).add_to(load[node], y)
     }
 
     /// Energy `1/2 <A y, y> - <F, y>`.

@@ -14,22 +14,25 @@ use crate::discrete::grid::Grid;
 pub fn residual_row(grid: Grid, j: usize, y: &[f64], load: &[f64], out: &mut [f64]) {
     let (n, side) = (grid.cells(), grid.side());
     let row = |v: usize| v * side..(v + 1) * side;
-    // Slices of one known length let the compiler drop the bounds checks and vectorise.
+    // Slices of one known length let the compiler drop the bounds checks and vectorise. Additions are in the order of
+    // [`Network`](crate::discrete::network::Network).
     let (here, f, out) = (&y[row(j)], &load[row(j)], &mut out[..side]);
     if j == 0 || j == n {
         let inward = &y[row(if j == 0 { 1 } else { n - 1 })];
-        out[0] = here[0] - 0.5 * (here[1] + inward[0]) - f[0];
+        out[0] = here[0] - ((f[0] + 0.5 * here[1]) + 0.5 * inward[0]);
         for i in 1..n {
-            out[i] = 2.0 * here[i] - 0.5 * (here[i - 1] + here[i + 1]) - inward[i] - f[i];
+            let sum = ((f[i] + 0.5 * here[i + 1]) + inward[i]) + 0.5 * here[i - 1];
+            out[i] = 2.0 * here[i] - sum;
         }
-        out[n] = here[n] - 0.5 * (here[n - 1] + inward[n]) - f[n];
+        out[n] = here[n] - ((f[n] + 0.5 * inward[n]) + 0.5 * here[n - 1]);
     } else {
         let (below, above) = (&y[row(j - 1)], &y[row(j + 1)]);
-        out[0] = 2.0 * here[0] - 0.5 * (below[0] + above[0]) - here[1] - f[0];
+        out[0] = 2.0 * here[0] - (((f[0] + here[1]) + 0.5 * above[0]) + 0.5 * below[0]);
         for i in 1..n {
-            out[i] = 4.0 * here[i] - (below[i] + above[i]) - (here[i - 1] + here[i + 1]) - f[i];
+            let sum = (((f[i] + here[i + 1]) + above[i]) + below[i]) + here[i - 1];
+            out[i] = 4.0 * here[i] - sum;
         }
-        out[n] = 2.0 * here[n] - 0.5 * (below[n] + above[n]) - here[n - 1] - f[n];
+        out[n] = 2.0 * here[n] - (((f[n] + 0.5 * above[n]) + 0.5 * below[n]) + here[n - 1]);
     }
 }
 

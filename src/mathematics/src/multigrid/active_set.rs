@@ -18,11 +18,12 @@
 //! and `O(n^5)` on the cube.
 
 use super::MultigridStop;
-use super::banded::Banded;
-use super::input::{InputError, LoadStats, check_length};
+use super::direct::{BandOrder, Direct};
+use super::input::{InputError, check_components, check_length};
 use super::layout::Dimension;
-use super::network::{Network, band};
-use super::stencil::coupling;
+use crate::discrete::cube;
+use crate::discrete::grid::Grid;
+use crate::discrete::network::Network;
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_ON_SQUARE: usize = 256;
@@ -40,6 +41,8 @@ pub struct ActiveSetOutcome {
     pub stop: MultigridStop,
     /// Number of linear systems solved.
     pub steps: usize,
+    /// Number of multiplications of the factorisations and solutions.
+    pub work: f64,
 }
 
 /// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see [`solve_square`](super::solve_square) for `A` and the layout of
@@ -54,18 +57,38 @@ pub fn active_set<D: Dimension>(
     if n < 2 {
         return Err(InputError::GridSize { cells: n, rule: "at least 2", nearest: vec![2] });
     }
-    on_network(&Network::new(D::AXES, n, coupling::<D>(n)), band::<D>(n), load)
+    let fits = "the number of cells is at least 2";
+    let network = match D::AXES {
+        2 => Network::of_square(Grid::new(n).expect(fits)),
+        _ => Network::of_cube(cube::Grid::new(n).expect(fits)),
+    };
+    on_network(&network, BandOrder::Natural, load)
+}
+
+/// Minimises `1/2 y'Ay - F'y` on any network, over `y >= 0` at its contact nodes and `y = 0` at its fixed nodes. Starts
+/// from contact everywhere.
+///
+/// # Errors
+/// If the length is wrong, a number is not finite, or without fixed nodes the sum of the load is not negative.
+pub fn active_set_on(
+    network: &Network,
+    load: &[f64],
+) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
+    on_network(network, BandOrder::Reordered, load)
 }
 
 fn on_network(
     network: &Network,
-    band: usize,
+    order: BandOrder,
     load: &[f64],
 ) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     check_length(network.nodes(), load)?;
-    LoadStats::measure(load).check()?;
-    let (matrix, mut factor) = (network.matrix(band), Banded::zeros(network.nodes(), band));
-    let mut active: Vec<_> = (0..load.len()).map(|k| network.is_constrained(k)).collect();
+    let components = network.components();
+    check_components(network, &components, load)?;
+    let mut direct = Direct::new(network, order);
+    let mut active = vec![false; load.len()];
+    let held = network.contact().iter().map(|contact| contact.node).chain(network.fixed().to_vec());
+    held.for_each(|node| active[node as usize] = true);
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
     let mut steps = 0;
@@ -73,12 +96,12 @@ fn on_network(
         if steps == MAX_STEPS {
             break MultigridStop::CycleLimit;
         }
-        y = solve(network, &matrix, &mut factor, load, &active);
+        solve(network, &mut direct, load, &active, &mut y);
         steps += 1;
         if !y.iter().all(|value| value.is_finite()) {
             break MultigridStop::Diverged;
         }
-        let next = network.next_contact(&active, &y, load);
+        let next = next_contact(network, &components, &active, &y, load);
         if next == active {
             break MultigridStop::Converged;
         }
@@ -87,35 +110,65 @@ fn on_network(
         }
         seen.push(std::mem::replace(&mut active, next));
     };
-    for (k, value) in y.iter_mut().enumerate() {
-        if network.is_constrained(k) {
-            *value = value.max(0.0);
-        }
+    for contact in network.contact() {
+        let value = &mut y[contact.node as usize];
+        *value = value.max(0.0);
     }
-    Ok((y, ActiveSetOutcome { stop, steps }))
+    let work = steps as f64 * (direct.factor_work() + 2.0 * direct.solve_work());
+    Ok((y, ActiveSetOutcome { stop, steps, work }))
 }
 
-/// Solves `A y = F` with `y = 0` where `active`, with one step of iterative refinement.
-///
-/// `factor` is a buffer for the factors of the matrix without the rows of active nodes.
-fn solve(
-    network: &Network,
-    matrix: &Banded,
-    factor: &mut Banded,
-    load: &[f64],
-    active: &[bool],
-) -> Vec<f64> {
-    factor.copy_from(matrix);
-    (0..active.len()).filter(|&node| active[node]).for_each(|node| factor.fix(node));
-    factor.factor();
-    let mut y = vec![0.0; active.len()];
+/// Replaces `y` by the solution of `A y = F` with `y = 0` where `active`, with one step of iterative refinement.
+fn solve(network: &Network, direct: &mut Direct, load: &[f64], active: &[bool], y: &mut [f64]) {
+    let diagonal = network.diagonal().iter().zip(active);
+    direct.factor(diagonal.map(|(entry, active)| if *active { f64::INFINITY } else { *entry }));
+    y.fill(0.0);
+    let mut correction = vec![0.0; y.len()];
     for _ in 0..2 {
-        let mut correction = network.gradient(&y, load);
+        network.gradient(y, load, &mut correction);
         for (value, active) in correction.iter_mut().zip(active) {
             *value = if *active { 0.0 } else { -*value };
         }
-        factor.solve(&mut correction);
+        direct.solve(&mut correction);
         y.iter_mut().zip(&correction).for_each(|(value, correction)| *value += correction);
     }
-    y
+}
+
+/// Returns the contact set of the next step of the primal-dual active set method, where `y` is the solution with contact
+/// at the `active` nodes: active nodes whose multiplier is not negative, and other nodes whose value is negative. Fixed
+/// nodes stay active.
+///
+/// If there are none in a connected component, the active node with the largest multiplier, so that no system is singular;
+/// `components` has the component of each node.
+pub(crate) fn next_contact(
+    network: &Network,
+    components: &[u32],
+    active: &[bool],
+    y: &[f64],
+    load: &[f64],
+) -> Vec<bool> {
+    let mut next = vec![false; active.len()];
+    let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut largest = vec![(f64::NEG_INFINITY, None); count];
+    let mut is_held = vec![false; count];
+    for &node in network.fixed() {
+        next[node as usize] = true;
+        is_held[components[node as usize] as usize] = true;
+    }
+    for contact in network.contact() {
+        let node = contact.node as usize;
+        let component = components[node] as usize;
+        let gradient = network.gradient_at(node, y, load);
+        next[node] = if active[node] { gradient >= 0.0 } else { y[node] < 0.0 };
+        is_held[component] |= next[node];
+        if active[node] && gradient > largest[component].0 {
+            largest[component] = (gradient, Some(node));
+        }
+    }
+    for ((_, keep), is_held) in largest.into_iter().zip(is_held) {
+        if let (Some(node), false) = (keep, is_held) {
+            next[node] = true;
+        }
+    }
+    next
 }

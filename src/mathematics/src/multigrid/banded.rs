@@ -4,7 +4,7 @@
 ///
 /// Row `k` of a matrix holds the entries `(k, k - band ..= k)` of the lower triangle. Row `k` of the factors holds the
 /// entries of `L`, and the inverse of the entry of `D` in place of the diagonal of `L`, which is 1.
-pub(super) struct Banded {
+pub(crate) struct Banded {
     size: usize,
     band: usize,
     lower: Vec<f64>,
@@ -14,12 +14,12 @@ pub(super) struct Banded {
 
 impl Banded {
     /// Zero matrix.
-    pub(super) fn zeros(size: usize, band: usize) -> Self {
+    pub(crate) fn zeros(size: usize, band: usize) -> Self {
         Self { size, band, lower: vec![0.0; size * (band + 1)], column: vec![0.0; band] }
     }
 
     /// Replaces all entries by those of another matrix of this size.
-    pub(super) fn copy_from(&mut self, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         self.lower.copy_from_slice(&other.lower);
     }
 
@@ -28,18 +28,18 @@ impl Banded {
     }
 
     /// Entry of the lower triangle, `column <= row <= column + band`.
-    pub(super) fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
+    pub(crate) fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
         let place = self.place(row, column);
         &mut self.lower[place]
     }
 
     /// Number of multiplications of the factorisation.
-    pub(super) fn factor_work(&self) -> f64 {
+    pub(crate) fn factor_work(&self) -> f64 {
         self.columns().map(|below| below * (below + 3) / 2).sum::<usize>() as f64
     }
 
     /// Number of multiplications of one solution.
-    pub(super) fn solve_work(&self) -> f64 {
+    pub(crate) fn solve_work(&self) -> f64 {
         self.columns().map(|below| 2 * below + 1).sum::<usize>() as f64
     }
 
@@ -49,12 +49,12 @@ impl Banded {
     }
 
     /// Number of stored numbers.
-    pub(super) fn entries(&self) -> usize {
+    pub(crate) fn entries(&self) -> usize {
         self.lower.len() + self.band
     }
 
     /// Replaces row and column `k` by those of the unit matrix.
-    pub(super) fn fix(&mut self, k: usize) {
+    pub(crate) fn fix(&mut self, k: usize) {
         self.lower[k * (self.band + 1)..(k + 1) * (self.band + 1)].fill(0.0);
         *self.entry(k, k) = 1.0;
         for row in k + 1..self.size.min(k + self.band + 1) {
@@ -63,7 +63,7 @@ impl Banded {
     }
 
     /// Replaces the entries by those of the factors.
-    pub(super) fn factor(&mut self) {
+    pub(crate) fn factor(&mut self) {
         let band = self.band;
         for k in 0..self.size {
             let pivot = self.entry(k, k);
@@ -84,7 +84,7 @@ impl Banded {
     }
 
     /// Solves `L D L' x = b`; `x` is `b` at first.
-    pub(super) fn solve(&self, x: &mut [f64]) {
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         let (band, rows) = (self.band, self.lower.chunks_exact(self.band + 1));
         for (row, entries) in rows.clone().enumerate() {
             let (solved, rest) = x.split_at_mut(row);

@@ -1,10 +1,11 @@
 //! Direct solution on the coarsest grid, of at most a few hundred nodes.
 
-use super::banded::Banded;
+use super::active_set::next_contact;
+use super::direct::{BandOrder, Direct};
 use super::layout::{Dimension, boundary_number};
 use super::level::{Location, MultigridLevel};
-use super::network::{Network, band};
 use super::stencil::{diagonal, inverse, multiplications_per_visit};
+use crate::discrete::network::Network;
 
 /// Limit on the number of active-set steps. There are at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
@@ -12,6 +13,8 @@ const MAX_STEPS: usize = 60;
 /// The matrix of the coarsest grid and its factors for one set of springs.
 pub(super) struct Coarsest {
     network: Network,
+    /// Connected component of each node: all are in the first.
+    components: Vec<u32>,
     nodes: Vec<CoarsestNode>,
     /// One over the diagonal inside.
     inverse: f64,
@@ -19,9 +22,8 @@ pub(super) struct Coarsest {
     factor_work: f64,
     /// Work of one solution with the factors, in visits of unknowns.
     solve_work: f64,
-    /// Matrix without springs.
-    matrix: Banded,
-    factor: Banded,
+    /// Matrix without springs, and factors with them.
+    direct: Direct,
     /// Solution in natural order.
     x: Vec<f64>,
 }
@@ -57,12 +59,12 @@ fn indices(n: usize, k: usize) -> [usize; 3] {
 
 impl Coarsest {
     pub(super) fn new<D: Dimension>(n: usize) -> Self {
-        let network = Network::new(D::AXES, n, 1.0);
-        let (diagonal, full) = (network.diagonal(), diagonal::<D>());
-        let matrix = network.matrix(band::<D>(n));
+        let network = Network::of_stencil(D::AXES, n);
+        let full = diagonal::<D>();
+        let direct = Direct::new(&network, BandOrder::Natural);
         let mut nodes = Vec::with_capacity(network.nodes());
-        for (k, entry) in diagonal.into_iter().enumerate() {
-            let on_boundary = network.is_constrained(k);
+        for (k, &entry) in network.diagonal().iter().enumerate() {
+            let on_boundary = entry < full;
             nodes.push(CoarsestNode {
                 location: Location::of_node(n, k),
                 boundary: on_boundary.then(|| boundary_number::<D>(n, &indices(n, k)[..D::AXES])),
@@ -72,32 +74,29 @@ impl Coarsest {
         Self {
             nodes,
             inverse: inverse::<D>(),
-            factor_work: matrix.factor_work() / multiplications_per_visit::<D>(),
-            solve_work: matrix.solve_work() / multiplications_per_visit::<D>(),
-            factor: Banded::zeros(network.nodes(), band::<D>(n)),
+            factor_work: direct.factor_work() / multiplications_per_visit::<D>(),
+            solve_work: direct.solve_work() / multiplications_per_visit::<D>(),
             x: vec![0.0; network.nodes()],
-            matrix,
+            components: vec![0; network.nodes()],
+            direct,
             network,
         }
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of::<f64>() * (2 * self.factor.entries() + self.x.len())
+        self.direct.bytes() + size_of::<f64>() * self.x.len()
     }
 
     /// Factors the matrix with the springs of the level, made symmetric by the shares of the nodes. Returns the work in
     /// visits of unknowns.
     pub(super) fn factor(&mut self, level: &MultigridLevel) -> f64 {
-        let Self { nodes, matrix, factor, .. } = self;
-        factor.copy_from(matrix);
-        for (k, node) in nodes.iter().enumerate() {
-            let Some(edge) = node.boundary else { continue };
-            match level.inverse_diagonal[edge] {
-                0.0 => factor.fix(k),
-                inverse => *factor.entry(k, k) = node.share / inverse,
+        let entries = self.nodes.iter().zip(self.network.diagonal()).map(|(node, diagonal)| {
+            match node.boundary {
+                Some(edge) => node.share / level.inverse_diagonal[edge],
+                None => *diagonal,
             }
-        }
-        factor.factor();
+        });
+        self.direct.factor(entries);
         self.factor_work
     }
 
@@ -108,7 +107,7 @@ impl Coarsest {
             let fixed = node.boundary.is_some_and(|edge| level.inverse_diagonal[edge] == 0.0);
             *x = if fixed { 0.0 } else { node.load(level) };
         }
-        self.factor.solve(x);
+        self.direct.solve(x);
         for (&x, node) in x.iter().zip(&*nodes) {
             *node.value(level) = x;
         }
@@ -125,7 +124,7 @@ impl Coarsest {
         for _ in 0..MAX_STEPS {
             self.put_contact(&active, level);
             work += self.factor(level) + self.solve_linear(level);
-            let next = self.network.next_contact(&active, &self.x, &load);
+            let next = next_contact(&self.network, &self.components, &active, &self.x, &load);
             if next == active {
                 break;
             }

@@ -1,5 +1,6 @@
 //! Validation of the input of a solver: lengths, finite numbers, a load with a negative sum.
 
+use crate::discrete::network::Network;
 use crate::machine::simd::LANES;
 
 /// Reason for which a solver rejects its input.
@@ -46,7 +47,7 @@ pub(super) fn nearest_sizes(n: usize, can_be_used: impl Fn(usize) -> bool) -> Ve
 }
 
 /// Checks that a field has one number for each node.
-pub(super) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputError> {
+pub(crate) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputError> {
     let found = field.len();
     if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
 }
@@ -58,11 +59,46 @@ pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<
     if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
 }
 
+/// Checks that a load is finite, and that its sum is negative over each connected component without fixed nodes: the
+/// condition (2). `components` has the number of each node's component. Returns for each component whether it has a fixed
+/// node.
+///
+/// # Errors
+/// [`InputError::NotFinite`] and [`InputError::NotCoercive`].
+pub(crate) fn check_components(
+    network: &Network,
+    components: &[u32],
+    load: &[f64],
+) -> Result<Vec<bool>, InputError> {
+    let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut has_fixed = vec![false; count];
+    for &node in network.fixed() {
+        has_fixed[components[node as usize] as usize] = true;
+    }
+    if !load.iter().sum::<f64>().is_finite() {
+        return Err(InputError::NotFinite("load"));
+    }
+    if count == 1 && !has_fixed[0] {
+        LoadStats::measure(load).check()?;
+        return Ok(has_fixed);
+    }
+    let mut loads = vec![Vec::new(); count];
+    for (&component, value) in components.iter().zip(load) {
+        loads[component as usize].push(*value);
+    }
+    for (load, has_fixed) in loads.iter().zip(&has_fixed) {
+        if !has_fixed {
+            LoadStats::measure(load).check()?;
+        }
+    }
+    Ok(has_fixed)
+}
+
 /// Range of the largest entry for which a load is not rescaled.
 const NOT_RESCALED: std::ops::Range<f64> = 1e-100..1e100;
 
 /// Largest entry and sum of a load, from which its scale and its validity follow.
-pub(super) struct LoadStats {
+pub(crate) struct LoadStats {
     /// Largest absolute value.
     pub(super) largest: f64,
     /// Rounded sum of the entries; not finite if an entry is not.
@@ -77,7 +113,7 @@ impl LoadStats {
     /// Sums of four entries are rounded, all other additions are compensated. That is enough to find the sign of a
     /// sum that is 1e-15 times the sum of the absolute values.
     #[inline(always)]
-    pub(super) fn measure(values: &[f64]) -> Self {
+    pub(crate) fn measure(values: &[f64]) -> Self {
         let mut lanes = LaneStats::default();
         let (blocks, rest) = values.as_chunks::<{ 4 * LANES }>();
         for block in blocks {
@@ -109,12 +145,12 @@ impl LoadStats {
 
     /// Power of two by which to divide the load, so that squares and ratios of its entries neither overflow nor
     /// underflow; 1 if they do not do so anyway.
-    pub(super) fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         if NOT_RESCALED.contains(&self.largest) { 1.0 } else { power_of_two_near(self.largest) }
     }
 
     /// Checks that all entries are finite and that their sum is negative.
-    pub(super) fn check(&self) -> Result<(), InputError> {
+    pub(crate) fn check(&self) -> Result<(), InputError> {
         let sum = self.sum + self.lost;
         if !sum.is_finite() {
             return Err(InputError::NotFinite("load"));

@@ -36,12 +36,12 @@ impl SweepDiagonal {
     }
 }
 
-/// Returns `1/A_ii` times the sum of the neighbours and the load: (9) for an interior node.
+/// Returns `1/A_ii` times the sum of the load and the neighbours: (9) for an interior node.
 ///
 /// The order of summation is part of the definition: results are compared bit by bit.
 #[inline(always)]
-fn interior(inverse: f64, [south, north, east, west]: [f64; 4], load: f64) -> f64 {
-    inverse * (((south + north) + (east + load)) + west)
+fn interior(inverse: f64, load: f64, [east, north, south, west]: [f64; 4]) -> f64 {
+    inverse * ((((load + east) + north) + south) + west)
 }
 
 impl<'a> GaussSeidel<'a> {
@@ -80,14 +80,14 @@ impl<'a> GaussSeidel<'a> {
         y[first] = self.at_corner(0, j, [y[first + 1], y[inside]]);
         for i in 1..n {
             let (node, b) = (first + i, self.grid.boundary_index(i, j));
-            y[node] = self.on_edge(b, node, [y[node - 1], y[node + 1]], y[inside + i]);
+            y[node] = self.on_edge(b, node, [0.5 * y[node + 1], y[inside + i], 0.5 * y[node - 1]]);
         }
-        y[first + n] = self.at_corner(n, j, [y[first + n - 1], y[inside + n]]);
+        y[first + n] = self.at_corner(n, j, [y[inside + n], y[first + n - 1]]);
     }
 
     /// Returns the new value of the corner in column `i` and row `j`, from its two neighbours.
-    fn at_corner(&self, i: usize, j: usize, [beside, across]: [f64; 2]) -> f64 {
-        let sum = 0.5 * (beside + across) + self.load[self.grid.index(i, j)];
+    fn at_corner(&self, i: usize, j: usize, [first, second]: [f64; 2]) -> f64 {
+        let sum = (self.load[self.grid.index(i, j)] + 0.5 * first) + 0.5 * second;
         self.boundary(self.grid.boundary_index(i, j), self.corner, sum)
     }
 
@@ -96,16 +96,18 @@ impl<'a> GaussSeidel<'a> {
         let side = self.grid.side();
         for j in first..first + rows {
             let node = j * side + i;
-            let inward = if i == 0 { node + 1 } else { node - 1 };
             let b = self.grid.boundary_index(i, j);
-            y[node] = self.on_edge(b, node, [y[node - side], y[node + side]], y[inward]);
+            let [north, south] = [0.5 * y[node + side], 0.5 * y[node - side]];
+            let terms =
+                if i == 0 { [y[node + 1], north, south] } else { [north, south, y[node - 1]] };
+            y[node] = self.on_edge(b, node, terms);
         }
     }
 
-    /// Returns the new value of edge node `b`, from its neighbours along the edge and inside.
+    /// Returns the new value of edge node `b`, from its neighbours times their weights.
     #[inline(always)]
-    fn on_edge(&self, b: usize, node: usize, [before, after]: [f64; 2], inward: f64) -> f64 {
-        self.boundary(b, self.edge, 0.5 * (before + after) + inward + self.load[node])
+    fn on_edge(&self, b: usize, node: usize, [first, second, third]: [f64; 3]) -> f64 {
+        self.boundary(b, self.edge, ((self.load[node] + first) + second) + third)
     }
 
     /// Returns the minimiser (10), (11) at boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
@@ -125,8 +127,8 @@ impl<'a> GaussSeidel<'a> {
     fn relax_inside(&self, y: &mut [f64], i: usize, j: usize) {
         let side = self.grid.side();
         let node = j * side + i;
-        let around = [y[node - side], y[node + side], y[node + 1], y[node - 1]];
-        y[node] = interior(self.inside, around, self.load[node]);
+        let around = [y[node + 1], y[node + side], y[node - side], y[node - 1]];
+        y[node] = interior(self.inside, self.load[node], around);
     }
 
     /// Relaxes `K` interior rows from the `first` on, each one column behind the row below, and returns `K`.
@@ -166,8 +168,7 @@ impl<'a> GaussSeidel<'a> {
             let (mut south, mut east) = (below[t], rows[0][t + 2]);
             for k in 0..K {
                 let north = if k + 1 < K { rows[k + 1][t + 2] } else { above[t] };
-                let around = [south, north, east, west[k]];
-                let next = interior(self.inside, around, loads[k][t]);
+                let next = interior(self.inside, loads[k][t], [east, north, south, west[k]]);
                 (south, east, west[k]) = (west[k], north, next);
                 rows[k][t + 1] = next;
             }
@@ -178,7 +179,8 @@ impl<'a> GaussSeidel<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::saddle::Plain;
+    use crate::discrete::network::Network;
+    use crate::saddle::{Pair, Plain};
     use proptest::prelude::*;
 
     proptest! {
@@ -195,13 +197,15 @@ mod tests {
             let load: Vec<f64> = (0..grid.nodes()).map(|_| random()).collect();
             let a: Vec<f64> = (0..grid.boundary_nodes()).map(|_| random().max(0.0)).collect();
             let start: Vec<f64> = (0..grid.nodes()).map(|_| random()).collect();
-            let (mut defined, mut banded) = (start.clone(), start.clone());
-            let definition = Plain { grid, load: &load, r };
+            let mut defined = Pair { y: start.clone(), a: a.clone() };
+            let mut banded = start.clone();
+            let network = Network::of_square(grid);
+            let definition = Plain { network: &network, load: &load, r };
             for _ in 0..3 {
-                definition.sweep(&mut defined, &a);
+                definition.sweep(&mut defined);
                 GaussSeidel::new(grid, &load, 0.0, r, &a).sweep(&mut banded);
             }
-            prop_assert_eq!(defined, banded);
+            prop_assert_eq!(defined.y, banded);
             // With a proximal term, which the paper has not, row by row.
             let (mut plain, mut banded) = (start.clone(), start);
             let data = GaussSeidel::new(grid, &load, shift, r, &a);

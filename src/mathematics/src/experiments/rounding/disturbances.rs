@@ -9,12 +9,12 @@ pub(super) struct Reversed;
 
 impl Arithmetic for Reversed {
     #[inline(always)]
-    fn star(&mut self, [south, north, east, load, west]: [V; 5]) -> V {
-        (((west + load) + east) + north) + south
+    fn star(&mut self, [load, east, north, south, west]: [V; 5]) -> V {
+        (((west + south) + north) + east) + load
     }
     #[inline(always)]
-    fn edge(&mut self, [along, inward, load]: [V; 3]) -> V {
-        load + inward + along
+    fn edge(&mut self, [load, first, second, third]: [V; 4]) -> V {
+        ((third + second) + first) + load
     }
 }
 

@@ -77,15 +77,15 @@ impl V {
 ///
 /// All other operations are exact but for one rounding each: the mesh width and the diagonals are powers of two.
 pub trait Arithmetic {
-    /// `south + north + east + load + west`.
+    /// `load + east + north + south + west`.
     #[inline(always)]
-    fn star(&mut self, [south, north, east, load, west]: [V; 5]) -> V {
-        ((south + north) + (east + load)) + west
+    fn star(&mut self, [load, east, north, south, west]: [V; 5]) -> V {
+        (((load + east) + north) + south) + west
     }
-    /// `along + inward + load`: the neighbours on the edge, already halved, and the one inside.
+    /// `load + first + second + third`: the neighbours of a boundary node times their weights.
     #[inline(always)]
-    fn edge(&mut self, [along, inward, load]: [V; 3]) -> V {
-        along + inward + load
+    fn edge(&mut self, [load, first, second, third]: [V; 4]) -> V {
+        ((load + first) + second) + third
     }
     /// `a - r y`.
     #[inline(always)]

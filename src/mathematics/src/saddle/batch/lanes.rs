@@ -3,6 +3,7 @@
 use super::LANES;
 use super::arithmetic::{Arithmetic, V};
 use crate::discrete::grid::Grid;
+use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::machine::simd::vectorised;
 use crate::saddle::Pair;
@@ -27,10 +28,19 @@ pub(super) struct LaneEdge {
     pub(super) node: u32,
     /// Place in a boundary vector.
     pub(super) place: u32,
-    /// The two neighbours along the boundary, each with the entry -1/2.
-    pub(super) along: [u32; 2],
-    /// The neighbour inside with the entry -1, none at a corner.
-    pub(super) inward: Option<u32>,
+    /// Neighbours in the order of [`Network`], with the weights of their couplings; a corner has two, and itself with the
+    /// weight zero.
+    pub(super) around: [u32; 3],
+    pub(super) weights: [f64; 3],
+    pub(super) is_corner: bool,
+}
+
+impl LaneEdge {
+    /// Values of the neighbours times their weights.
+    #[inline(always)]
+    pub(super) fn terms(&self, y: &[V]) -> [V; 3] {
+        from_fn(|k| y[self.around[k] as usize] * self.weights[k])
+    }
 }
 
 /// The iterates of all lanes.
@@ -85,22 +95,16 @@ impl Lanes {
     /// All lanes at zero, swept in this order, with the multiplier's weight at corners in units of h.
     pub fn new(grid: Grid, order: Order, corner_weight: f64) -> Self {
         let n = grid.cells();
-        let node = |b: usize| {
-            let (i, j) = grid.boundary_node(b % (4 * n));
-            grid.index(i, j) as u32
+        let network = Network::of_square(grid);
+        let edge = |(b, node): (usize, usize)| {
+            let row = network.row(node);
+            let (mut around, mut weights) = ([node as u32; 3], [0.0; 3]);
+            around[..row.others.len()].copy_from_slice(row.others);
+            weights[..row.others.len()].copy_from_slice(row.weights);
+            let is_corner = grid.is_corner(b);
+            LaneEdge { node: node as u32, place: b as u32, around, weights, is_corner }
         };
-        let edge = |b: usize| {
-            let inward = match grid.boundary_node(b) {
-                _ if grid.is_corner(b) => None,
-                (i, 0) => Some(grid.index(i, 1)),
-                (0, j) => Some(grid.index(1, j)),
-                (i, j) if i == n => Some(grid.index(n - 1, j)),
-                (i, _) => Some(grid.index(i, n - 1)),
-            };
-            let along = [node(b + 4 * n - 1), node(b + 1)];
-            LaneEdge { node: node(b), place: b as u32, along, inward: inward.map(|k| k as u32) }
-        };
-        let mut edges: Vec<LaneEdge> = (0..4 * n).map(edge).collect();
+        let mut edges: Vec<LaneEdge> = grid.boundary().enumerate().map(edge).collect();
         edges.sort_by_key(|edge| edge.node);
         let mut edge_at = vec![INSIDE; grid.nodes()];
         edges.iter().enumerate().for_each(|(k, edge)| edge_at[edge.node as usize] = k as u32);
@@ -245,7 +249,7 @@ impl Lanes {
         let mut west = row[0];
         for i in 1..side - 1 {
             west =
-                relaxed(self.centre, [south[i], north[i], row[i + 1], load[i], west], arithmetic);
+                relaxed(self.centre, [load[i], row[i + 1], north[i], south[i], west], arithmetic);
             row[i] = west;
         }
     }
@@ -263,22 +267,22 @@ impl Lanes {
         let [lower_load, upper_load] = [j, j + 1].map(|j| &load[j * side..][..side]);
         let centre = self.centre;
         lower[1] =
-            relaxed(centre, [south[1], upper[1], lower[2], lower_load[1], lower[0]], arithmetic);
+            relaxed(centre, [lower_load[1], lower[2], upper[1], south[1], lower[0]], arithmetic);
         let [mut west, mut west_above] = [lower[1], upper[0]];
         for i in 2..side - 1 {
             let (before, beside) = (west, upper[i]);
             west =
-                relaxed(centre, [south[i], beside, lower[i + 1], lower_load[i], west], arithmetic);
+                relaxed(centre, [lower_load[i], lower[i + 1], beside, south[i], west], arithmetic);
             west_above = relaxed(
                 centre,
-                [before, north[i - 1], beside, upper_load[i - 1], west_above],
+                [upper_load[i - 1], beside, north[i - 1], before, west_above],
                 arithmetic,
             );
             (lower[i], upper[i - 1]) = (west, west_above);
         }
         let i = side - 2;
         upper[i] =
-            relaxed(centre, [west, north[i], upper[i + 1], upper_load[i], west_above], arithmetic);
+            relaxed(centre, [upper_load[i], upper[i + 1], north[i], west, west_above], arithmetic);
     }
 
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
@@ -286,14 +290,12 @@ impl Lanes {
     fn relax_boundary(&mut self, first: usize, count: usize, arithmetic: &mut impl Arithmetic) {
         let load = if self.regularised { &self.target } else { &self.load };
         for edge in &self.edges[first..first + count] {
-            let (node, y) = (edge.node as usize, &self.y);
-            let along = V::all(0.5) * (y[edge.along[0] as usize] + y[edge.along[1] as usize]);
-            let (sum, [diagonal, inverse], h) = match edge.inward {
-                Some(inner) => {
-                    let sum = arithmetic.edge([along, y[inner as usize], load[node]]);
-                    (sum, &self.edge, self.weights[0])
-                }
-                None => (along + load[node], &self.corner, self.weights[1]),
+            let node = edge.node as usize;
+            let [first, second, third] = edge.terms(&self.y);
+            let sum = arithmetic.edge([load[node], first, second, third]);
+            let ([diagonal, inverse], h) = match edge.is_corner {
+                false => (&self.edge, self.weights[0]),
+                true => (&self.corner, self.weights[1]),
             };
             let (a, r) = (&self.a[edge.place as usize], &self.r);
             let psi = *inverse * sum;

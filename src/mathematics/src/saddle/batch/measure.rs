@@ -183,7 +183,8 @@ impl Lanes {
         [south, north, west, east]: [V; 4],
         load: V,
     ) -> V {
-        let flux = V::all(4.0) * here - (south + north) - (west + east) - load;
+        let sum = (((load + east) + north) + south) + west;
+        let flux = V::all(4.0) * here - sum;
         let flux = if measure == GradientMeasure::Inner { flux + self.shift * here } else { flux };
         if measure == GradientMeasure::Signed { flux } else { flux.abs() }
     }
@@ -192,11 +193,9 @@ impl Lanes {
     fn on_boundary(&self, measure: GradientMeasure, edge: &LaneEdge) -> V {
         let (node, half, y) = (edge.node as usize, V::all(0.5), &self.y);
         let (here, load) = (y[node], self.load_of(measure)[node]);
-        let along = half * (y[edge.along[0] as usize] + y[edge.along[1] as usize]);
-        let mut flux = match edge.inward {
-            Some(inner) => V::all(2.0) * here - along - y[inner as usize] - load,
-            None => here - along - load,
-        };
+        let [first, second, third] = edge.terms(y);
+        let diagonal = if edge.is_corner { 1.0 } else { 2.0 };
+        let mut flux = here * diagonal - (((load + first) + second) + third);
         if measure == GradientMeasure::Kkt {
             return here.least(flux).abs();
         }
@@ -211,7 +210,7 @@ impl Lanes {
             }
         }
         let pull = self.a[edge.place as usize] - self.r * here;
-        let h = V::all(self.weights[usize::from(edge.inward.is_none())]);
+        let h = V::all(self.weights[usize::from(edge.is_corner)]);
         let value = flux - h * pull.positive();
         if measure == GradientMeasure::Signed { value } else { value.abs() }
     }

@@ -1,0 +1,181 @@
+//! Nested iteration and the stopping test.
+
+use super::NestedNetwork;
+use super::cycle::Cycle;
+use super::iterate::{Bounded, Iterate};
+use crate::discrete::kkt::judge_network;
+use crate::discrete::network::Network;
+use crate::multigrid::active_set::active_set_on;
+use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
+use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, MultigridStop, ROUNDING_FLOOR};
+
+/// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error is
+/// the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the discretisation
+/// error, a tenth in the energy norm, is left.
+const LAST_STEP: f64 = 0.1;
+/// Multiple of the rounding floor up to which a residual that no longer falls is one of rounding errors.
+const NEAR_FLOOR: f64 = 1e3;
+/// Reduction of the residual in the time of a restart from which on it no longer falls.
+const STAGNATION: f64 = 0.5;
+
+/// Minimises `1/2 y'Ay - F'y` on the last of nested networks over `y >= 0` at its contact nodes and `y = 0` at its fixed
+/// nodes. `load` is the load vector F there. Returns the nodal vector, and the outcome without it.
+///
+/// # Errors
+/// If the length of `load` is wrong, a number is not finite, or the sum of the load over a connected component without
+/// fixed nodes is not negative.
+///
+/// # Panics
+/// If there are no levels.
+pub fn solve_nested_networks(
+    levels: &[NestedNetwork],
+    load: &[f64],
+    params: &MultigridParams,
+) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+    let finest = levels.len() - 1;
+    let network = &levels[finest].network;
+    check_length(network.nodes(), load)?;
+    let components = Components::of(levels, load)?;
+    let scale = LoadStats::measure(load).scale();
+    let loads = restricted(levels, load, scale);
+    let (mut y, direct) = active_set_on(&levels[0].network, &loads[0])?;
+    let mut progress = Progress {
+        stop: direct.stop,
+        cycles: 0,
+        residual: 0.0,
+        coarse_energy: levels[0].network.energy(&y, &loads[0]),
+        work: direct.work / network.row_length(),
+    };
+    if finest == 0 {
+        progress.residual = judge_network(network, &y, &loads[0]).kkt.natural;
+    }
+    let mut cycle = Cycle::new(levels);
+    for level in 1..levels.len() {
+        y = levels[level].interpolate(&y);
+        let problem = components.bounded(&levels[level].network, level);
+        let mut iterate = Iterate::new(&problem, &loads[level], y);
+        if level < finest {
+            iterate.step(&mut cycle, level);
+            progress.coarse_energy = iterate.energy();
+        } else {
+            progress.run(&mut iterate, &mut cycle, &Target { level, scale, params });
+        }
+        progress.work += iterate.work;
+        y = iterate.y;
+    }
+    y.iter_mut().for_each(|value| *value *= scale);
+    let outcome = MultigridOutcome {
+        stop: progress.stop,
+        cycles: progress.cycles,
+        kkt: progress.residual * scale,
+        work_units: progress.work / network.nodes() as f64,
+    };
+    Ok((y, outcome))
+}
+
+/// Loads of all levels, over `scale`, coarsest first.
+fn restricted(levels: &[NestedNetwork], load: &[f64], scale: f64) -> Vec<Vec<f64>> {
+    let mut loads = vec![load.iter().map(|value| value / scale).collect::<Vec<_>>()];
+    for level in levels[1..].iter().rev() {
+        loads.push(level.restrict(&loads[loads.len() - 1]));
+    }
+    loads.reverse();
+    loads
+}
+
+/// Connected components of nested networks.
+struct Components {
+    /// True for each component that has a fixed node.
+    has_fixed: Vec<bool>,
+    /// Component of each contact node, for each level.
+    of_contact: Vec<Vec<u32>>,
+}
+
+impl Components {
+    /// Finds the components, and checks the load on the finest level.
+    fn of(levels: &[NestedNetwork], load: &[f64]) -> Result<Self, InputError> {
+        let mut of_nodes = levels[0].network.components();
+        let mut of_contact = Vec::new();
+        for level in levels {
+            let of_parent = |&[parent, _]: &[u32; 2]| of_nodes[parent as usize];
+            let new: Vec<u32> = level.parents.iter().map(of_parent).collect();
+            of_nodes.extend(new);
+            let contact = level.network.contact().iter();
+            of_contact.push(contact.map(|contact| of_nodes[contact.node as usize]).collect());
+        }
+        let has_fixed = check_components(&levels[levels.len() - 1].network, &of_nodes, load)?;
+        Ok(Self { has_fixed, of_contact })
+    }
+
+    fn bounded<'a>(&'a self, network: &'a Network, level: usize) -> Bounded<'a> {
+        Bounded { network, components: &self.of_contact[level], has_fixed: &self.has_fixed }
+    }
+}
+
+/// What the iteration on the finest level is for.
+struct Target<'a> {
+    level: usize,
+    /// Factor by which the load was divided.
+    scale: f64,
+    params: &'a MultigridParams,
+}
+
+/// Iteration on the finest level.
+struct Progress {
+    stop: MultigridStop,
+    cycles: usize,
+    /// Natural residual of the scaled load.
+    residual: f64,
+    /// Energy on the level before.
+    coarse_energy: f64,
+    /// Visits of unknowns.
+    work: f64,
+}
+
+impl Progress {
+    /// Applies steps until the goal is reached.
+    fn run(&mut self, iterate: &mut Iterate<'_>, cycle: &mut Cycle<'_>, target: &Target<'_>) {
+        let Target { level, scale, params } = *target;
+        let mut renewed = f64::INFINITY;
+        self.residual = iterate.natural_residual();
+        self.stop = loop {
+            if self.cycles == params.max_cycles {
+                break MultigridStop::CycleLimit;
+            }
+            let lowered = iterate.step(cycle, level);
+            self.cycles += 1;
+            self.residual = iterate.natural_residual();
+            if !self.residual.is_finite() {
+                break MultigridStop::Diverged;
+            }
+            match params.goal {
+                Goal::DiscretisationError => {
+                    let discretisation = (self.coarse_energy - iterate.energy()) / 3.0;
+                    if lowered <= LAST_STEP * discretisation {
+                        break MultigridStop::Converged;
+                    }
+                }
+                Goal::Kkt(tolerance) if self.residual * scale <= tolerance => {
+                    iterate.renew_residual();
+                    self.residual = iterate.natural_residual();
+                    if self.residual * scale <= tolerance {
+                        break MultigridStop::Converged;
+                    }
+                }
+                Goal::Kkt(_) | Goal::RoundingFloor => {}
+            }
+            let floor = ROUNDING_FLOOR * iterate.rounding();
+            if self.residual <= floor {
+                // The residual of the recurrence goes on falling below that of the nodal vector.
+                iterate.renew_residual();
+                self.residual = iterate.natural_residual();
+                let no_longer_falls =
+                    self.residual >= STAGNATION * renewed && self.residual <= NEAR_FLOOR * floor;
+                if self.residual <= floor || no_longer_falls {
+                    break MultigridStop::RoundingFloor;
+                }
+                renewed = self.residual;
+            }
+        };
+    }
+}
