@@ -6,6 +6,7 @@ pub mod cube;
 pub mod grid;
 pub mod kkt;
 pub mod load;
+pub mod nested;
 pub mod network;
 pub mod norms;
 pub mod stiffness;

@@ -247,6 +247,15 @@ impl Network {
         &self.fixed
     }
 
+    /// Network whose matrix has the lumped mass matrix, times `weight`, added.
+    pub fn with_masses(&self, weight: f64) -> Self {
+        let mut network = self.clone();
+        for (diagonal, mass) in network.diagonal.iter_mut().zip(&self.masses) {
+            *diagonal += weight * mass;
+        }
+        network
+    }
+
     /// Condition at a node.
     #[inline(always)]
     pub fn condition(&self, node: usize) -> NodeCondition {

@@ -67,13 +67,3 @@ fn boundary_nodes<const D: usize, const V: usize>(
     }
     (contact, fixed)
 }
-
-/// Returns the load vector (6) of an f that is constant on each cell, exactly.
-pub fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -> Vec<f64> {
-    let mut load = vec![0.0; mesh.points.len()];
-    for (cell, f) in mesh.cells.iter().zip(f) {
-        let share = f * Element::new(mesh.vertices(cell)).volume / V as f64;
-        cell.iter().for_each(|&node| load[node as usize] += share);
-    }
-    load
-}

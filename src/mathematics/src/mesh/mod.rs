@@ -8,15 +8,24 @@ mod check;
 mod curve;
 mod edges;
 mod geometry;
+mod load;
+mod nested;
+mod quadrature;
 mod refine;
+mod source;
+mod uniform;
 
-pub use assemble::{assemble, load_of_cells};
+pub use assemble::assemble;
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use check::MeshError;
 pub use curve::Round;
 pub use edges::Edges;
 pub use geometry::{Element, centroid, size};
+pub use load::{CellData, MeshLoad, OnCells, mesh_load};
+pub use nested::refined;
 pub use refine::{Refined, refine};
+pub use source::{MeshSource, MeshSourceError};
+pub use uniform::{uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -1,7 +1,7 @@
 //! The V-cycle: an approximate inverse of the stiffness matrix on the nodes that are not held at zero.
 
-use super::NestedNetwork;
 use super::springs::{HeldLevel, set_coarse_springs};
+use crate::discrete::nested::NestedNetwork;
 use crate::multigrid::direct::{BandOrder, Direct};
 
 /// Vectors of one level.

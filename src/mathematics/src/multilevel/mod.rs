@@ -17,10 +17,8 @@
 //! (1991) 93-113, for conjugate gradients with changing sets of bounds.
 
 mod cycle;
-mod hierarchy;
 mod iterate;
 mod solve;
 mod springs;
 
-pub use hierarchy::{NestedNetwork, refined};
 pub use solve::solve_nested_networks;

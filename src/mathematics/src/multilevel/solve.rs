@@ -1,9 +1,9 @@
 //! Nested iteration and the stopping test.
 
-use super::NestedNetwork;
 use super::cycle::Cycle;
 use super::iterate::{Bounded, Iterate};
 use crate::discrete::kkt::judge_network;
+use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};

@@ -1,6 +1,6 @@
 //! Springs: additions to the diagonals of coarser networks, where fine nodes are held between coarse nodes that are not.
 
-use super::NestedNetwork;
+use crate::discrete::nested::NestedNetwork;
 
 /// Nodes of a network that are held, and the springs at the others.
 pub(super) struct HeldLevel<'a> {

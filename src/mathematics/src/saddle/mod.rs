@@ -3,18 +3,21 @@
 pub mod batch;
 mod gradient;
 mod method;
+mod network;
 mod outcome;
 mod plain;
 mod stopping;
 mod sweep;
 
 pub use method::{Iteration, Method, OnIteration, Params, SaddleRun, Steps, arrow_hurwicz, solve};
+pub use network::{NetworkRun, solve_network, solve_networks};
 pub use outcome::Outcome;
 pub use plain::{Plain, PlainEnd};
 pub use stopping::{StopReason, StopRule};
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::rounding;
+use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 
@@ -31,6 +34,11 @@ impl Pair {
     /// Returns the zero pair, from which the paper starts on its coarsest grid.
     pub fn zero(grid: Grid) -> Self {
         Self { y: vec![0.0; grid.nodes()], a: vec![0.0; grid.boundary_nodes()] }
+    }
+
+    /// Returns the zero pair of a network.
+    pub fn zero_on(network: &Network) -> Self {
+        Self { y: vec![0.0; network.nodes()], a: vec![0.0; network.contact().len()] }
     }
 
     /// Returns the linear interpolation of both components on the grid of half the width.

@@ -83,7 +83,7 @@ impl Plain<'_> {
 
     /// True if the stopping rule holds: (13), with or without the absolute value, and the same bound for Delta a if the
     /// rule asks for it.
-    fn stops(&self, rule: StopRule, tolerance: f64, delta_a: f64, pair: &Pair) -> bool {
+    pub(super) fn stops(&self, rule: StopRule, tolerance: f64, delta_a: f64, pair: &Pair) -> bool {
         let dual_bound_holds = !rule.asks_dual() || delta_a <= tolerance;
         dual_bound_holds
             && (0..pair.y.len()).all(|node| {
@@ -91,6 +91,19 @@ impl Plain<'_> {
                 let measure = if rule.is_printed() { gradient.abs() } else { gradient };
                 measure <= tolerance
             })
+    }
+
+    /// Largest absolute value of the derivative (8); infinite if a value is not finite.
+    pub(super) fn largest_gradient(&self, pair: &Pair) -> f64 {
+        let mut largest = 0.0;
+        for node in 0..pair.y.len() {
+            let size = self.gradient(node, pair).abs();
+            if size.is_nan() {
+                return f64::INFINITY;
+            }
+            largest = size.max(largest);
+        }
+        largest
     }
 
     /// Returns the derivative (8) of M with respect to y at a node; zero at a fixed node.

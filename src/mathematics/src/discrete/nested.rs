@@ -1,7 +1,6 @@
-//! Nested networks: the discrete problems of a mesh and its refinements, coarsest first.
+//! Nested networks: the discrete problems of a triangulation and its refinements, coarsest first.
 
-use crate::discrete::network::Network;
-use crate::mesh::{Mesh, MeshError, Refined, assemble, refine};
+use super::network::{Network, NodeCondition};
 
 /// Discrete problem of one mesh among its refinements.
 #[derive(Clone, Debug)]
@@ -10,24 +9,6 @@ pub struct NestedNetwork {
     pub network: Network,
     /// Nodes of the coarser network between which each further node lies; empty on the coarsest.
     pub parents: Vec<[u32; 2]>,
-}
-
-/// Returns the discrete problems of a mesh and its refinements, `times` of them, and the finest mesh.
-///
-/// # Errors
-/// As [`refine`].
-pub fn refined<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    times: usize,
-) -> Result<(Vec<NestedNetwork>, Mesh<D, V>), MeshError> {
-    let mut levels = vec![NestedNetwork { network: assemble(mesh), parents: Vec::new() }];
-    let mut finest = mesh.clone();
-    for _ in 0..times {
-        let Refined { mesh, parents } = refine(&finest)?;
-        levels.push(NestedNetwork { network: assemble(&mesh), parents });
-        finest = mesh;
-    }
-    Ok((levels, finest))
 }
 
 impl NestedNetwork {
@@ -43,6 +24,21 @@ impl NestedNetwork {
         let midpoint = |&[a, b]: &[u32; 2]| 0.5 * (coarse[a as usize] + coarse[b as usize]);
         fine.extend(self.parents.iter().map(midpoint));
         fine
+    }
+
+    /// Returns the linear interpolation of a boundary vector of the coarser network, whose values elsewhere are zero.
+    pub fn interpolate_boundary(&self, coarser: &Network, values: &[f64]) -> Vec<f64> {
+        let value = |node: u32| match coarser.condition(node as usize) {
+            NodeCondition::Contact(place) => values[place],
+            NodeCondition::Inner | NodeCondition::Fixed => 0.0,
+        };
+        let old = self.coarse_nodes();
+        let contact = self.network.contact().iter().map(|contact| contact.node as usize);
+        let interpolated = contact.map(|node| match node.checked_sub(old) {
+            None => value(node as u32),
+            Some(new) => 0.5 * self.parents[new].map(value).iter().sum::<f64>(),
+        });
+        interpolated.collect()
     }
 
     /// Returns the load vector of the coarser network that belongs to one of this network: the transpose of

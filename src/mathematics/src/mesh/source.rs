@@ -1,0 +1,131 @@
+//! f on a mesh as text: by named regions, by shapes, or as a known solution's.
+//!
+//! `region(name)=v` is f on all cells of that region, whatever the shapes say; the rest of the text is that of a
+//! [`Source`].
+
+use super::load::OnCells;
+use crate::problem::shape::{Shape, SourceError};
+use crate::problem::source::Source;
+
+/// f on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSource<S: Shape> {
+    /// Value on each region; none where the shapes say it.
+    regions: Vec<Option<f64>>,
+    /// f where no region has a value.
+    rest: Source<S>,
+    /// Text, in one line.
+    text: String,
+}
+
+/// Why a text is no f on a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshSourceError {
+    /// As on the square.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// A region that the mesh has not.
+    #[error("f names the region `{name}`, which the mesh has not; its regions are {regions}")]
+    UnknownRegion {
+        /// Name asked for.
+        name: String,
+        /// Names of the regions.
+        regions: String,
+    },
+}
+
+impl<S: Shape> MeshSource<S> {
+    /// Reads a text for a mesh with these regions.
+    ///
+    /// # Errors
+    /// [`MeshSourceError`].
+    pub fn read(text: &str, region_names: &[String]) -> Result<Self, MeshSourceError> {
+        let mut regions = vec![None; region_names.len()];
+        let mut rest = Vec::new();
+        for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
+            let Some((name, value)) = region(item) else {
+                rest.push(item);
+                continue;
+            };
+            let found = region_names.iter().position(|known| known == name);
+            let found = found.ok_or_else(|| MeshSourceError::UnknownRegion {
+                name: name.into(),
+                regions: region_names.join(", "),
+            })?;
+            // A value alone, `else=v`, is a constant.
+            let Source::Pieces { background, .. } = format!("else={value}").parse::<Source<S>>()?
+            else {
+                continue;
+            };
+            regions[found] = Some(background);
+        }
+        let complete = rest.is_empty() && regions.iter().all(Option::is_some);
+        let rest =
+            if complete { Source::constant(0.0) } else { rest.join("; ").parse::<Source<S>>()? };
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        Ok(Self { regions, rest, text })
+    }
+
+    /// Text from which f was read, in one line.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Checks that f is of a size to compute with, as [`Source::check_scale`] does.
+    ///
+    /// # Errors
+    /// [`SourceError::Scale`].
+    pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
+        let largest = self.regions.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
+        Source::<S>::constant(largest.max(self.rest.largest())).check_scale(integral_of_size)
+    }
+}
+
+/// Reads `region(name)=value`.
+fn region(item: &str) -> Option<(&str, &str)> {
+    let (left, value) = item.split_once('=')?;
+    let name = left.trim().strip_prefix("region(")?.strip_suffix(')')?;
+    Some((name.trim(), value.trim()))
+}
+
+impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for MeshSource<S> {
+    fn at(&self, region: u16, point: [f64; D]) -> f64 {
+        self.regions[region as usize].unwrap_or_else(|| self.rest.at(point))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{BuiltIn, mesh_load};
+    use crate::problem::region::Region;
+
+    fn names(names: &[&str]) -> Vec<String> {
+        names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    #[test]
+    fn regions_and_shapes_are_read_together() {
+        let names = names(&["core", "shell"]);
+        let f = MeshSource::<Region>::read("region(core)=-1/4;  disc(0,0,1)=2; else=-1", &names)
+            .unwrap();
+        assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2]), f.at(1, [2.0; 2])], [-0.25, 2.0, -1.0]);
+        assert_eq!(f.text(), "region(core)=-1/4; disc(0,0,1)=2; else=-1");
+        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=2", &names).is_ok());
+        for wrong in ["region(core)=1", "region(x)=1; else=2", "region(core)=x; else=1", "hello"] {
+            let message = MeshSource::<Region>::read(wrong, &names).unwrap_err().to_string();
+            assert!(!message.contains('\n'), "{message}");
+        }
+    }
+
+    #[test]
+    fn loads_sum_to_the_integral_and_constants_are_exact() {
+        let mesh = BuiltIn::LShape.plane().unwrap();
+        let f = |text: &str| MeshSource::<Region>::read(text, mesh.region_names()).unwrap();
+        let made = mesh_load(&mesh, &f("rect(-1,0,-1,0)=3; else=-2"));
+        assert_eq!((made.integral, made.size, made.cells.deviation), (-1.0, 7.0, None));
+        assert!((made.load.iter().sum::<f64>() + 1.0).abs() < 1e-15);
+        let cut = mesh_load(&mesh, &f("disc(0,0,0.5)=3; else=-2"));
+        assert!(cut.cells.deviation.is_some());
+    }
+}

@@ -1,0 +1,150 @@
+//! The saddle-point methods on any triangulation, by the definition of the sweep.
+
+use super::method::Method;
+use super::plain::Plain;
+use super::{Pair, Params, StopReason, tolerance};
+use crate::discrete::nested::NestedNetwork;
+use crate::discrete::network::Network;
+use crate::discrete::norms::largest;
+
+/// End of a saddle-point method on one network.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NetworkRun {
+    /// Steps of the multiplier done: the iterations of the paper.
+    pub iterations: usize,
+    /// Number of Gauss-Seidel sweeps.
+    pub sweeps: usize,
+    /// Reason for the end.
+    pub stop: StopReason,
+    /// Last change of the multiplier, the paper's Delta a.
+    pub delta_a: f64,
+}
+
+/// Iterates on `pair` until the stopping rule is met or the limit on sweeps is reached; as
+/// [`solve`](super::solve) does on the square, with the same bits there.
+///
+/// # Panics
+/// If a slice has the wrong length for `network`, or `params.r` is not positive.
+pub fn solve_network(
+    network: &Network,
+    load: &[f64],
+    params: &Params,
+    pair: &mut Pair,
+) -> NetworkRun {
+    let Params { method, r, .. } = *params;
+    assert!(r > 0.0, "the duality parameter r must be positive");
+    assert!(load.len() == network.nodes() && pair.y.len() == load.len());
+    let outer = Plain { network, load, r };
+    // The proximal term adds to the diagonal, and its centre to the load.
+    let weight = method.weight();
+    let shifted = (weight > 0.0).then(|| network.with_masses(weight));
+    let inner_network = shifted.as_ref().unwrap_or(network);
+    let mut bound = method.inner_bound(largest(load));
+    let mut run =
+        NetworkRun { iterations: 0, sweeps: 0, stop: StopReason::IterationLimit, delta_a: 0.0 };
+    let mut target = load.to_vec();
+    loop {
+        if weight > 0.0 {
+            for (node, target) in target.iter_mut().enumerate() {
+                *target = load[node] + weight * network.masses()[node] * pair.y[node];
+            }
+        }
+        let inner = Plain { network: inner_network, load: &target, r };
+        loop {
+            if run.sweeps >= params.max_iterations {
+                return run;
+            }
+            inner.sweep(pair);
+            run.sweeps += 1;
+            if bound.is_none_or(|bound| inner.largest_gradient(pair) <= bound) {
+                break;
+            }
+            if !pair.y.iter().all(|value| value.is_finite()) {
+                return NetworkRun { stop: StopReason::Diverged, ..run };
+            }
+        }
+        run.delta_a = outer.dual_step(pair);
+        run.iterations += 1;
+        if !pair.a.iter().chain(&pair.y).all(|value| value.is_finite()) {
+            return NetworkRun { stop: StopReason::Diverged, ..run };
+        }
+        if matches!(method, Method::Uzawa { loose: true, .. }) {
+            bound = method.inner_bound(outer.largest_gradient(pair));
+        }
+        if outer.stops(params.rule, params.tolerance, run.delta_a, pair) {
+            return NetworkRun { stop: StopReason::Converged, ..run };
+        }
+    }
+}
+
+/// Solves on each of nested networks in turn, coarsest first, starting from zero and then from the interpolated pair, with
+/// the [`tolerance`] of each; ends after a network on which the iteration diverged. `loads` has the load vector of each.
+/// Returns the end on each network, and the last pair.
+///
+/// # Panics
+/// If there are no levels, or as [`solve_network`].
+pub fn solve_networks(
+    levels: &[NestedNetwork],
+    loads: &[Vec<f64>],
+    params: &Params,
+) -> (Vec<NetworkRun>, Pair) {
+    let mut pair = Pair::zero_on(&levels[0].network);
+    let mut runs: Vec<NetworkRun> = Vec::with_capacity(levels.len());
+    for (k, (level, load)) in levels.iter().zip(loads).enumerate() {
+        if k > 0 {
+            let a = level.interpolate_boundary(&levels[k - 1].network, &pair.a);
+            pair = Pair { y: level.interpolate(&pair.y), a };
+        }
+        let tolerance = tolerance(k + 1);
+        let method = match params.method {
+            Method::Uzawa { weight, loose, .. } => {
+                Method::Uzawa { weight, inner: 0.1 * tolerance, loose }
+            }
+            Method::ArrowHurwicz => Method::ArrowHurwicz,
+        };
+        let params = Params { method, tolerance, ..*params };
+        let run = solve_network(&level.network, load, &params, &mut pair);
+        runs.push(run);
+        if run.stop == StopReason::Diverged {
+            break;
+        }
+    }
+    (runs, pair)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrete::grid::Grid;
+    use crate::saddle::{StopRule, solve};
+
+    #[test]
+    fn every_method_gives_the_bits_of_the_square() {
+        let grid = Grid::new(8).unwrap();
+        let network = Network::of_square(grid);
+        let load: Vec<_> = (0..grid.nodes()).map(|k| ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
+        let uzawa = |weight, loose| Method::Uzawa { weight, inner: 1e-4, loose };
+        for method in [Method::ArrowHurwicz, uzawa(0.0, false), uzawa(0.0, true), uzawa(2.0, false)]
+        {
+            let params = Params {
+                method,
+                r: 4.0,
+                tolerance: 1e-3,
+                rule: StopRule::Printed,
+                ..Params::default()
+            };
+            let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero_on(&network));
+            let expected = solve(grid, &load, &params, &mut on_grid, None);
+            let run = solve_network(&network, &load, &params, &mut on_network);
+            assert_eq!(run.iterations, expected.outcome.iterations, "{method:?}");
+            assert_eq!(run.sweeps, expected.sweeps, "{method:?}");
+            if method.weight() == 0.0 {
+                assert_eq!(on_network, on_grid, "{method:?}");
+            } else {
+                // The diagonal is divided by, not multiplied with its inverse.
+                let far = on_network.y.iter().zip(&on_grid.y).any(|(a, b)| (a - b).abs() > 1e-13);
+                assert!(!far, "{method:?}");
+            }
+        }
+    }
+}
