@@ -8,6 +8,7 @@ mod check;
 mod curve;
 mod edges;
 mod geometry;
+pub mod gmsh;
 mod refine;
 
 pub use assemble::{assemble, load_of_cells};
@@ -71,6 +72,15 @@ pub struct Mesh<const D: usize, const V: usize> {
 pub type PlaneMesh = Mesh<2, 3>;
 /// Triangulation in space.
 pub type SpaceMesh = Mesh<3, 4>;
+
+/// Triangulation in the plane or in space.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyMesh {
+    /// In the plane.
+    Plane(PlaneMesh),
+    /// In space.
+    Space(SpaceMesh),
+}
 
 /// What a mesh is made from: data of a file or a program, not yet checked.
 #[derive(Clone, Debug, Default, PartialEq)]
