@@ -7,15 +7,17 @@ mod builtin;
 mod check;
 mod curve;
 mod edges;
+mod error;
 mod geometry;
 pub mod gmsh;
+mod hanging;
 mod refine;
 
 pub use assemble::{assemble, load_of_cells};
 pub use builtin::{BUILT_IN, BuiltIn};
-pub use check::MeshError;
 pub use curve::Round;
 pub use edges::Edges;
+pub use error::MeshError;
 pub use geometry::{Element, centroid, size};
 pub use refine::{Refined, refine};
 
