@@ -159,3 +159,56 @@ impl Labels {
         Ok(labels)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::gmsh::tests::{SQUARE_22, after};
+
+    #[test]
+    fn elements_that_make_no_mesh_are_named() {
+        for (from, to, message) in [
+            (
+                "23 2 2",
+                "23 3 2",
+                "$Elements, line 20: element 23 is a quadrangle; mesh with triangles only",
+            ),
+            (
+                "23 2 2",
+                "23 9 2",
+                "$Elements, line 20: element 23 has second order; save the mesh with `Mesh.ElementOrder = 1`",
+            ),
+            (
+                "23 2 2",
+                "23 92 2",
+                "$Elements, line 20: element 23 has type 92, which is not read; mesh with simplices only",
+            ),
+            (
+                "13 1 1 0",
+                "13 1 1 1",
+                "nodes 11 and 13 differ in z: a surface in space is no domain; mesh the volume, or the plane z = 0",
+            ),
+            (
+                "24 2 2 2 1 11 13 14",
+                "24 2 2 2 1 11 12 13",
+                "elements 23 and 24 have the same nodes; put each surface or volume into one physical group",
+            ),
+            (
+                "23 2 2 2 1 11 12 13",
+                "23 1 2 0 1 11 12",
+                "element 22 is a line on no triangle: the file mixes dimensions; save only the domain and its boundary",
+            ),
+            (
+                "22 1 2 1 1 11 12",
+                "22 1 2 1 1 11 13",
+                "part `south` names the facet [11, 13], which is not on the boundary",
+            ),
+            (
+                "23 2 2 2 1 11 12 13",
+                "23 2 2 2 1 13 12 11",
+                "element 23 is inverted: its vertices are numbered in the other sense; mend the mesh",
+            ),
+        ] {
+            assert_eq!(after(SQUARE_22, from, to), message);
+        }
+    }
+}

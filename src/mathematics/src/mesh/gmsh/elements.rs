@@ -194,3 +194,41 @@ fn kind(head: ElementHead) -> Result<Kind, Fault> {
     };
     Err(Fault::Kind { element: head.tag, is, remedy })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::gmsh::tests::{SQUARE_41, after};
+
+    #[test]
+    fn broken_blocks_are_named_with_the_line() {
+        for (from, to, message) in [
+            (
+                "1 4 11 14",
+                "1 5 11 14",
+                "$Nodes, line 25: the head of the section says 5, and there are 4; save the mesh again",
+            ),
+            (
+                "2 6 1 4",
+                "2 6 1 18446744073709551615",
+                "$Nodes, line 22: node 0 is there twice; renumber the nodes of the mesh",
+            ),
+            (
+                "1 1 0\n6",
+                "2 1 3 0\n6",
+                "$Elements, line 31: curve 5 is in 2 physical groups; put each curve into one",
+            ),
+            (
+                "1 5 1 1",
+                "2 6 1 1",
+                "$Elements, line 31: element 22 lies in an entity of dimension 2; save the mesh again",
+            ),
+            (
+                "$Entities\n",
+                "$PartitionedEntities\n",
+                "$PartitionedEntities, line 9: the mesh is partitioned; save the mesh in one partition",
+            ),
+        ] {
+            assert_eq!(after(SQUARE_41, from, to), message);
+        }
+    }
+}
