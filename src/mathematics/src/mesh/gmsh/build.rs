@@ -52,9 +52,8 @@ fn check_dimension<const K: usize>(
     has_cell: &[bool],
     [kind, cell]: [&'static str; 2],
 ) -> Result<(), GmshError> {
-    let on_cells =
-        |element: &&Simplex<K>| element.nodes.iter().all(|&node| has_cell[node as usize]);
-    match elements.iter().find(|element| !on_cells(element)) {
+    let mut elements = elements.iter();
+    match elements.find(|element| !element.nodes.iter().all(|&node| has_cell[node as usize])) {
         Some(element) => Err(GmshError::Mixed { element: element.tag, kind, cell }),
         None => Ok(()),
     }

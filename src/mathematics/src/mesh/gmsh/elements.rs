@@ -220,7 +220,7 @@ mod tests {
             (
                 "1 5 1 1",
                 "2 6 1 1",
-                "$Elements, line 31: element 22 lies in an entity of dimension 2; save the mesh again",
+                "$Elements, line 32: element 22 lies in an entity of dimension 2; save the mesh again",
             ),
             (
                 "$Entities\n",

@@ -20,10 +20,7 @@ impl GroupNames {
             let dimension: i64 = scanner.number("a dimension")?;
             let group = scanner.number::<i64>("the number of a group")?.unsigned_abs();
             let line = String::from_utf8_lossy(scanner.rest_of_line());
-            let name = line.strip_prefix('"').and_then(|line| line.strip_suffix('"'));
-            let is_short = |name: &&str| name.chars().count() <= LONGEST;
-            let is_printed = |name: &&str| !name.is_empty() && !name.contains(char::is_control);
-            let Some(name) = name.filter(is_short).filter(is_printed) else {
+            let Some(name) = name_in_quotes(&line) else {
                 return Err(scanner.fault(Fault::Name(group)));
             };
             names.insert((dimension, group), name.to_owned());
@@ -36,6 +33,13 @@ impl GroupNames {
         let groups = self.0.range((dimension, 1)..=(dimension, u64::MAX));
         groups.map(|(&(_, group), name)| (group, name.as_str()))
     }
+}
+
+/// Name between quotes, if one can be printed in a line.
+fn name_in_quotes(line: &str) -> Option<&str> {
+    let name = line.strip_prefix('"')?.strip_suffix('"')?;
+    let is_short = (1..=LONGEST).contains(&name.chars().count());
+    (is_short && !name.contains(char::is_control)).then_some(name)
 }
 
 /// Groups of one entity: a curve, surface or volume of the geometry.
