@@ -31,6 +31,7 @@ mod links;
 mod load_symmetry;
 mod loads;
 mod merges;
+mod meshes;
 mod multigrid;
 mod pages;
 mod plain_code;

@@ -1,6 +1,8 @@
 //! Checks of a triangulation that comes from outside, and the facets of its boundary.
 
+use super::error::MeshError;
 use super::geometry::{Element, size};
+use super::hanging::{HangingNode, hanging_node};
 use super::{Condition, Facet, Mesh, MeshData, Part, Tags};
 use std::collections::HashMap;
 
@@ -15,94 +17,6 @@ pub(super) fn flat<const D: usize, const V: usize>(
     let scale = size(vertices).powi(D as i32);
     // Written so that NaN is flat.
     !(element.volume > FLAT * scale && element.volume.is_finite())
-}
-
-/// Why data are no triangulation.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MeshError {
-    /// No cells.
-    #[error("the mesh has no {cells}; mesh the {domain} itself, not only its boundary")]
-    NoCells {
-        /// Kind of the cells.
-        cells: &'static str,
-        /// What they fill.
-        domain: &'static str,
-    },
-    /// NaN or an infinity.
-    #[error("node {0} has a coordinate that is no finite number")]
-    Coordinate(u64),
-    /// A cell of a node that does not exist.
-    #[error("element {cell} names node {node}, which is not in the mesh")]
-    MissingNode {
-        /// Cell.
-        cell: u64,
-        /// Number of the node.
-        node: u64,
-    },
-    /// A cell without volume.
-    #[error("element {0} is flat: its vertices lie in a line or plane; mend or remove it")]
-    Flat(u64),
-    /// A cell that is numbered in another sense than the rest.
-    #[error("element {0} is inverted: its vertices are numbered in the other sense; mend the mesh")]
-    Inverted(u64),
-    /// A node without a cell.
-    #[error("node {0} belongs to no element; save the mesh without unused nodes")]
-    Unused(u64),
-    /// More than two cells at one facet.
-    #[error(
-        "element {cell} overlaps others: more than two elements share its facet {nodes:?}; mend the mesh"
-    )]
-    Overlap {
-        /// Third cell of the facet.
-        cell: u64,
-        /// Nodes of the facet.
-        nodes: Vec<u64>,
-    },
-    /// A node inside a facet.
-    #[error(
-        "node {node} hangs on a side of element {cell}: neighbours must share whole sides; mesh again"
-    )]
-    Hanging {
-        /// Cell on whose side the node lies.
-        cell: u64,
-        /// Hanging node.
-        node: u64,
-    },
-    /// A named facet that does not lie on the boundary.
-    #[error("part `{part}` names the facet {nodes:?}, which is not on the boundary")]
-    Inside {
-        /// Name of the part.
-        part: String,
-        /// Nodes of the facet.
-        nodes: Vec<u64>,
-    },
-    /// A facet that belongs to two parts.
-    #[error("the facet {nodes:?} belongs to the parts `{one}` and `{two}`; name it once")]
-    TwoParts {
-        /// One part.
-        one: String,
-        /// Other part.
-        two: String,
-        /// Nodes of the facet.
-        nodes: Vec<u64>,
-    },
-    /// A part or region that names nothing.
-    #[error("`{0}` names no facet and no element; remove the name, or mesh what it names")]
-    EmptyName(String),
-    /// Nodes that 32 bits do not number.
-    #[error("{cells} elements are more than 32 bits number; refine less")]
-    TooManyNodes {
-        /// Number of cells.
-        cells: usize,
-    },
-    /// A refinement on a curve that turns an element inside out.
-    #[error(
-        "element {cell} turns inside out when its new nodes are put on the curve; begin with a finer mesh"
-    )]
-    Folded {
-        /// Position of the cell that was refined.
-        cell: usize,
-    },
 }
 
 impl<const D: usize, const V: usize> MeshData<D, V> {
@@ -123,6 +37,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         self.check_cells()?;
         let facets = self.boundary()?;
         self.check_names(&facets)?;
+        self.check_hanging(&facets)?;
         if self.regions.is_empty() {
             self.region_names = vec!["domain".into()];
             self.regions = vec![0; self.cells.len()];
@@ -202,43 +117,53 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
                 return Err(MeshError::TwoParts { one: name(other), two: name(facet.part), nodes });
             }
         }
-        let mut unnamed = None;
         let mut facets = Vec::new();
         for cell in &self.cells {
             for nodes in sides_of(cell) {
                 let key = sorted(nodes);
-                if sides[&key] > 1 {
-                    continue;
+                if sides[&key] == 1 {
+                    let part = parts.get(&key).copied();
+                    let part = part.unwrap_or_else(|| default_part(&mut self.parts));
+                    facets.push(Facet { nodes, part });
                 }
-                let part = *parts.entry(key).or_insert_with(|| {
-                    *unnamed.get_or_insert_with(|| {
-                        self.parts.push(Part {
-                            name: "boundary".into(),
-                            condition: Condition::default(),
-                            curve: None,
-                        });
-                        (self.parts.len() - 1) as u16
-                    })
-                });
-                facets.push(Facet { nodes, part });
             }
         }
         Ok(facets)
     }
 
     fn check_names(&self, facets: &[Facet<D>]) -> Result<(), MeshError> {
-        for (k, part) in self.parts.iter().enumerate() {
-            if !facets.iter().any(|facet| facet.part as usize == k) {
-                return Err(MeshError::EmptyName(part.name.clone()));
-            }
-        }
-        for (k, name) in self.region_names.iter().enumerate() {
-            if !self.regions.iter().any(|region| *region as usize == k) {
-                return Err(MeshError::EmptyName(name.clone()));
-            }
-        }
-        Ok(())
+        let (mut parts, mut regions) =
+            (vec![false; self.parts.len()], vec![false; self.region_names.len()]);
+        facets.iter().for_each(|facet| parts[facet.part as usize] = true);
+        self.regions.iter().for_each(|&region| regions[region as usize] = true);
+        let empty = if let Some(k) = parts.iter().position(|used| !used) {
+            &self.parts[k].name
+        } else if let Some(k) = regions.iter().position(|used| !used) {
+            &self.region_names[k]
+        } else {
+            return Ok(());
+        };
+        Err(MeshError::EmptyName(empty.clone()))
     }
+
+    fn check_hanging(&self, facets: &[Facet<D>]) -> Result<(), MeshError> {
+        let Some(HangingNode { node, facet }) = hanging_node(&self.points, facets) else {
+            return Ok(());
+        };
+        let has_facet = |cell: &[u32; V]| facet.iter().all(|node| cell.contains(node));
+        let cell = self.cells.iter().position(has_facet).expect("a facet is a side of a cell");
+        Err(MeshError::Hanging { cell: self.tags.cell(cell), node: self.tags.node(node as usize) })
+    }
+}
+
+/// Position of the part `boundary`, which is added if there is none.
+fn default_part<const D: usize>(parts: &mut Vec<Part<D>>) -> u16 {
+    const NAME: &str = "boundary";
+    let position = parts.iter().rposition(|part| part.name == NAME).unwrap_or_else(|| {
+        parts.push(Part { name: NAME.into(), condition: Condition::default(), curve: None });
+        parts.len() - 1
+    });
+    position as u16
 }
 
 impl Tags {
@@ -266,4 +191,155 @@ pub(super) fn sides_of<const D: usize, const V: usize>(cell: &[u32; V]) -> [[u32
 pub(super) fn sorted<const K: usize>(mut numbers: [u32; K]) -> [u32; K] {
     numbers.sort_unstable();
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The unit square: two triangles, the lower edge named `south`; nodes from 11 on, cells from 21 on.
+    fn square() -> MeshData<2, 3> {
+        MeshData {
+            points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+            cells: vec![[0, 1, 2], [0, 2, 3]],
+            facets: vec![Facet { nodes: [1, 0], part: 0 }],
+            parts: vec![part("south")],
+            tags: Tags { nodes: (11..).take(5).collect(), cells: (21..).take(4).collect() },
+            ..MeshData::default()
+        }
+    }
+
+    fn part<const D: usize>(name: &str) -> Part<D> {
+        Part { name: name.into(), condition: Condition::default(), curve: None }
+    }
+
+    fn message<const D: usize, const V: usize>(data: MeshData<D, V>) -> String {
+        data.mesh().unwrap_err().to_string()
+    }
+
+    /// Message for the square after a change.
+    fn after(change: impl FnOnce(&mut MeshData<2, 3>)) -> String {
+        let mut data = square();
+        change(&mut data);
+        message(data)
+    }
+
+    #[test]
+    fn the_square_passes_with_unnamed_edges_in_the_part_boundary() {
+        let mesh = square().mesh().unwrap();
+        let names: Vec<_> = mesh.parts().iter().map(|part| part.name.as_str()).collect();
+        assert_eq!(names, ["south", "boundary"]);
+        let parts: Vec<_> = mesh.facets().iter().map(|facet| (facet.nodes, facet.part)).collect();
+        assert_eq!(parts, [([1, 2], 1), ([0, 1], 0), ([2, 3], 1), ([0, 3], 1)]);
+        // A part that the data name `boundary` takes the unnamed edges.
+        let mesh = MeshData { parts: vec![part("boundary")], ..square() }.mesh().unwrap();
+        assert_eq!(mesh.parts().len(), 1);
+        // All cells in the negative sense are as good.
+        assert!(MeshData { cells: vec![[1, 0, 2], [2, 0, 3]], ..square() }.mesh().is_ok());
+    }
+
+    #[test]
+    fn bad_elements_are_named() {
+        assert_eq!(
+            message(MeshData::<2, 3>::default()),
+            "the mesh has no triangles; mesh the area itself, not only its boundary"
+        );
+        assert_eq!(
+            message(MeshData::<3, 4>::default()),
+            "the mesh has no tetrahedra; mesh the volume itself, not only its boundary"
+        );
+        assert_eq!(
+            after(|data| data.points[3][1] = f64::NAN),
+            "node 14 has a coordinate that is no finite number"
+        );
+        assert_eq!(
+            after(|data| data.cells[1][1] = 7),
+            "element 22 names node 7, which is not in the mesh"
+        );
+        assert_eq!(
+            after(|data| data.points[3] = [0.5, 0.5]),
+            "element 22 is flat: its vertices lie in a line or plane; mend or remove it"
+        );
+        assert_eq!(
+            after(|data| data.cells[1] = [2, 0, 3]),
+            "element 22 is inverted: its vertices are numbered in the other sense; mend the mesh"
+        );
+        assert_eq!(
+            after(|data| data.points.push([2.0, 2.0])),
+            "node 15 belongs to no element; save the mesh without unused nodes"
+        );
+    }
+
+    #[test]
+    fn cells_that_overlap_or_hang_on_another_are_named() {
+        assert_eq!(
+            after(|data| data.cells.push([0, 1, 2])),
+            "element 23 overlaps others: more than two elements share its facet [11, 13]; mend the mesh"
+        );
+        // Two triangles below the square, whose common node halves the lower edge.
+        let hanging = after(|data| {
+            data.points.extend([[0.5, 0.0], [0.5, -1.0]]);
+            data.cells.extend([[0, 5, 4], [4, 5, 1]]);
+            data.facets.clear();
+            data.parts.clear();
+        });
+        assert_eq!(
+            hanging,
+            "node 15 hangs on a side of element 21: neighbours must share whole sides; mesh again"
+        );
+        // Two tetrahedra above the halves of the base of a third one.
+        let data = MeshData::<3, 4> {
+            points: vec![
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [0.0, 0.0, -1.0],
+                [0.5, 0.5, 0.0],
+                [0.0, 0.0, 1.0],
+            ],
+            cells: vec![[0, 2, 1, 3], [0, 1, 4, 5], [0, 4, 2, 5]],
+            ..MeshData::default()
+        };
+        assert_eq!(
+            message(data),
+            "node 4 hangs on a side of element 0: neighbours must share whole sides; mesh again"
+        );
+    }
+
+    #[test]
+    fn domains_may_touch_in_nodes_of_both() {
+        // A second square above the first, with nodes of its own at the same places.
+        let mut data = square();
+        data.points.extend([[0.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
+        data.cells.extend([[4, 5, 6], [4, 6, 7]]);
+        assert_eq!(data.mesh().unwrap().facets().len(), 8);
+    }
+
+    #[test]
+    fn bad_names_are_named() {
+        assert_eq!(
+            after(|data| data.facets[0].nodes = [0, 2]),
+            "part `south` names the facet [11, 13], which is not on the boundary"
+        );
+        let two = after(|data| {
+            data.facets.push(Facet { nodes: [0, 1], part: 1 });
+            data.parts.push(part("floor"));
+        });
+        assert_eq!(
+            two,
+            "the facet [11, 12] belongs to the parts `south` and `floor`; name it once"
+        );
+        assert_eq!(
+            after(|data| data.parts.push(part("roof"))),
+            "`roof` names no facet and no element; remove the name, or mesh what it names"
+        );
+        let region = after(|data| {
+            data.regions = vec![0, 0];
+            data.region_names = vec!["iron".into(), "air".into()];
+        });
+        assert_eq!(
+            region,
+            "`air` names no facet and no element; remove the name, or mesh what it names"
+        );
+    }
 }

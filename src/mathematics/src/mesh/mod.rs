@@ -7,7 +7,10 @@ mod builtin;
 mod check;
 mod curve;
 mod edges;
+mod error;
 mod geometry;
+pub mod gmsh;
+mod hanging;
 mod load;
 mod nested;
 mod quadrature;
@@ -17,9 +20,9 @@ mod uniform;
 
 pub use assemble::assemble;
 pub use builtin::{BUILT_IN, BuiltIn};
-pub use check::MeshError;
 pub use curve::Round;
 pub use edges::Edges;
+pub use error::MeshError;
 pub use geometry::{Element, centroid, size};
 pub use load::{CellData, MeshLoad, OnCells, mesh_load};
 pub use nested::refined;
@@ -80,6 +83,15 @@ pub struct Mesh<const D: usize, const V: usize> {
 pub type PlaneMesh = Mesh<2, 3>;
 /// Triangulation in space.
 pub type SpaceMesh = Mesh<3, 4>;
+
+/// Triangulation in the plane or in space.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyMesh {
+    /// In the plane.
+    Plane(PlaneMesh),
+    /// In space.
+    Space(SpaceMesh),
+}
 
 /// What a mesh is made from: data of a file or a program, not yet checked.
 #[derive(Clone, Debug, Default, PartialEq)]

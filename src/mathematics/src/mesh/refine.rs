@@ -3,7 +3,8 @@
 //! New nodes are numbered after the old ones in the order of the [edges](super::Edges) that they halve, and lie on the
 //! curve of their boundary part.
 
-use super::check::{MeshError, flat};
+use super::check::flat;
+use super::error::MeshError;
 use super::{Edges, Element, Facet, Mesh};
 
 /// Refined mesh, and the edges of the coarse one.
@@ -162,7 +163,7 @@ fn is_mirrored_child(vertices: usize, child: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::BuiltIn;
+    use crate::mesh::{BuiltIn, Round};
 
     #[test]
     fn children_fill_their_parent_and_have_the_expected_orientation() {
@@ -190,5 +191,17 @@ mod tests {
         }
         assert!((disc.volume() / std::f64::consts::PI - 1.0).abs() < 2e-3);
         assert!((ball.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 6e-3);
+    }
+
+    #[test]
+    fn a_curve_that_is_too_far_away_is_refused_with_the_element() {
+        let mut disc = BuiltIn::Disc.plane().unwrap();
+        disc.parts_mut()[0].curve = Some(Round::sphere([0.0; 2], 0.1));
+        assert_eq!(
+            refine(&disc).err().unwrap().to_string(),
+            "element 0 turns inside out when its new nodes are put on the curve; begin with a finer mesh"
+        );
+        let refused = MeshError::TooManyNodes { cells: 1 << 40 }.to_string();
+        assert_eq!(refused, "1099511627776 elements are more than 32 bits number; refine less");
     }
 }

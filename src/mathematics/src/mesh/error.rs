@@ -1,0 +1,89 @@
+//! Faults of a triangulation, each in one line.
+
+/// Why data are no triangulation.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// No cells.
+    #[error("the mesh has no {cells}; mesh the {domain} itself, not only its boundary")]
+    NoCells {
+        /// Kind of the cells.
+        cells: &'static str,
+        /// What they fill.
+        domain: &'static str,
+    },
+    /// NaN or an infinity.
+    #[error("node {0} has a coordinate that is no finite number")]
+    Coordinate(u64),
+    /// A cell of a node that does not exist.
+    #[error("element {cell} names node {node}, which is not in the mesh")]
+    MissingNode {
+        /// Cell.
+        cell: u64,
+        /// Number of the node.
+        node: u64,
+    },
+    /// A cell without volume.
+    #[error("element {0} is flat: its vertices lie in a line or plane; mend or remove it")]
+    Flat(u64),
+    /// A cell that is numbered in another sense than the rest.
+    #[error("element {0} is inverted: its vertices are numbered in the other sense; mend the mesh")]
+    Inverted(u64),
+    /// A node without a cell.
+    #[error("node {0} belongs to no element; save the mesh without unused nodes")]
+    Unused(u64),
+    /// More than two cells at one facet.
+    #[error(
+        "element {cell} overlaps others: more than two elements share its facet {nodes:?}; mend the mesh"
+    )]
+    Overlap {
+        /// Third cell of the facet.
+        cell: u64,
+        /// Nodes of the facet.
+        nodes: Vec<u64>,
+    },
+    /// A node inside a facet.
+    #[error(
+        "node {node} hangs on a side of element {cell}: neighbours must share whole sides; mesh again"
+    )]
+    Hanging {
+        /// Cell on whose side the node lies.
+        cell: u64,
+        /// Hanging node.
+        node: u64,
+    },
+    /// A named facet that does not lie on the boundary.
+    #[error("part `{part}` names the facet {nodes:?}, which is not on the boundary")]
+    Inside {
+        /// Name of the part.
+        part: String,
+        /// Nodes of the facet.
+        nodes: Vec<u64>,
+    },
+    /// A facet that belongs to two parts.
+    #[error("the facet {nodes:?} belongs to the parts `{one}` and `{two}`; name it once")]
+    TwoParts {
+        /// One part.
+        one: String,
+        /// Other part.
+        two: String,
+        /// Nodes of the facet.
+        nodes: Vec<u64>,
+    },
+    /// A part or region that names nothing.
+    #[error("`{0}` names no facet and no element; remove the name, or mesh what it names")]
+    EmptyName(String),
+    /// Nodes that 32 bits do not number.
+    #[error("{cells} elements are more than 32 bits number; refine less")]
+    TooManyNodes {
+        /// Number of cells.
+        cells: usize,
+    },
+    /// A refinement on a curve that turns an element inside out.
+    #[error(
+        "element {cell} turns inside out when its new nodes are put on the curve; begin with a finer mesh"
+    )]
+    Folded {
+        /// Position of the cell that was refined.
+        cell: usize,
+    },
+}

@@ -1,0 +1,269 @@
+//! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.2 and 4.1, in text and in bytes.
+//!
+//! Triangles and tetrahedra of first order are read, and physical groups name regions and parts of the boundary. The
+//! reader is our own because the crate `mshio` reads version 4.1 only, and has had no release for years.
+
+mod build;
+mod elements;
+mod error;
+mod groups;
+mod nodes;
+mod scanner;
+
+pub use error::{Fault, FilePlace, GmshError};
+
+use super::AnyMesh;
+use build::Sections;
+use elements::FileElements;
+use groups::{Entities, GroupNames};
+use nodes::FileNodes;
+use scanner::{Scanner, Version};
+
+/// Reads a mesh: in space if there are tetrahedra, else in the plane.
+///
+/// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
+/// its number for a name; cells without a group are the region `domain`.
+///
+/// # Errors
+/// [`GmshError`], with the section and the line or byte, or the number of the element.
+pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
+    let mut scanner = Scanner::new(bytes)?;
+    let (mut names, mut entities, mut nodes, mut elements) = (None, None, None, None);
+    while let Some(section) = scanner.section()? {
+        match section {
+            "PhysicalNames" => set_once(&mut names, &mut scanner, GroupNames::read)?,
+            "Entities" if scanner.version == Version::Four => {
+                if elements.is_some() {
+                    return Err(scanner.fault(Fault::Order("Entities")));
+                }
+                scanner.begin_bytes()?;
+                set_once(&mut entities, &mut scanner, Entities::read)?;
+            }
+            "Nodes" => set_once(&mut nodes, &mut scanner, FileNodes::read)?,
+            "Elements" => {
+                let Some(nodes) = &nodes else { return Err(scanner.fault(Fault::Order("Nodes"))) };
+                let entities = entities.get_or_insert_default();
+                set_once(&mut elements, &mut scanner, |scanner| {
+                    FileElements::read(scanner, nodes, entities)
+                })?;
+            }
+            "PartitionedEntities" => return Err(scanner.fault(Fault::Partitioned)),
+            _ => {
+                scanner.skip()?;
+                continue;
+            }
+        }
+        scanner.end()?;
+    }
+    let names = names.unwrap_or_default();
+    let nodes = nodes.ok_or(GmshError::Missing("Nodes"))?;
+    let elements = elements.ok_or(GmshError::Missing("Elements"))?;
+    Sections { names, nodes, elements }.mesh()
+}
+
+/// Reads a section that may be there once.
+fn set_once<'a, T>(
+    section: &mut Option<T>,
+    scanner: &mut Scanner<'a>,
+    read: impl FnOnce(&mut Scanner<'a>) -> Result<T, GmshError>,
+) -> Result<(), GmshError> {
+    if section.is_some() {
+        return Err(scanner.fault(Fault::SectionTwice));
+    }
+    *section = Some(read(scanner)?);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Mesh, PlaneMesh};
+
+    const GEAR: [&[u8]; 4] = [
+        include_bytes!("../../../../../tests/meshes/gear.msh"),
+        include_bytes!("../../../../../tests/meshes/gear-22.msh"),
+        include_bytes!("../../../../../tests/meshes/gear-binary.msh"),
+        include_bytes!("../../../../../tests/meshes/gear-22-binary.msh"),
+    ];
+    const NOTCH: &[u8] = include_bytes!("../../../../../tests/meshes/notch.msh");
+    /// Unit square as two triangles, with its lower edge named, in version 2.2.
+    pub(super) const SQUARE_22: &str = include_str!("../../../../../tests/meshes/square-22.msh");
+    /// Square with coordinates of the nodes on the surface too, in version 4.1.
+    pub(super) const SQUARE_41: &str = include_str!("../../../../../tests/meshes/square.msh");
+    /// One cell with one named side, in version 2.2.
+    const TETRAHEDRON: &str = include_str!("../../../../../tests/meshes/tetrahedron-22.msh");
+
+    /// Piece of a binary file.
+    enum Piece {
+        Text(&'static str),
+        Wholes(&'static [i32]),
+        Counts(&'static [u64]),
+        Reals(&'static [f64]),
+    }
+
+    use Piece::{Counts, Reals, Text, Wholes};
+
+    const NAMES: Piece = Text(
+        "\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"south\"\n2 2 \"plate\"\n$EndPhysicalNames\n",
+    );
+
+    /// Square in bytes, in version 2.2.
+    const SQUARE_22_BINARY: [Piece; 14] = [
+        Text("$MeshFormat\n2.2 1 8\n"),
+        Wholes(&[1]),
+        NAMES,
+        Text("$Nodes\n4\n"),
+        Wholes(&[11]),
+        Reals(&[0.0, 0.0, 0.0]),
+        Wholes(&[12]),
+        Reals(&[1.0, 0.0, 0.0]),
+        Wholes(&[13]),
+        Reals(&[1.0, 1.0, 0.0]),
+        Wholes(&[14]),
+        Reals(&[0.0, 1.0, 0.0]),
+        Text("\n$EndNodes\n$Elements\n3\n"),
+        Wholes(&[1, 1, 2, 22, 1, 1, 11, 12, 2, 2, 2, 23, 2, 1, 11, 12, 13, 24, 2, 1, 11, 13, 14]),
+    ];
+
+    /// Square in bytes, in version 4.1.
+    const SQUARE_41_BINARY: [Piece; 30] = [
+        Text("$MeshFormat\n4.1 1 8\n"),
+        Wholes(&[1]),
+        NAMES,
+        Text("$Entities\n"),
+        Counts(&[0, 1, 1, 0]),
+        Wholes(&[5]),
+        Reals(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+        Counts(&[1]),
+        Wholes(&[1]),
+        Counts(&[0]),
+        Wholes(&[6]),
+        Reals(&[0.0, 0.0, 0.0, 1.0, 1.0, 0.0]),
+        Counts(&[1]),
+        Wholes(&[2]),
+        Counts(&[1]),
+        Wholes(&[5]),
+        Text("\n$EndEntities\n$Nodes\n"),
+        Counts(&[1, 4, 11, 14]),
+        Wholes(&[2, 6, 1]),
+        Counts(&[4, 11, 12, 13, 14]),
+        Reals(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0]),
+        Reals(&[1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0]),
+        Text("\n$EndNodes\n$Unknown\n\u{1}$EndNothing \u{2}\n$EndUnknown\n$Elements\n"),
+        Counts(&[2, 3, 22, 24]),
+        Wholes(&[1, 5, 1]),
+        Counts(&[1, 22, 11, 12]),
+        Wholes(&[2, 6, 2]),
+        Counts(&[2]),
+        Counts(&[23, 11, 12, 13]),
+        Counts(&[24, 11, 13, 14]),
+    ];
+
+    fn encode(pieces: &[Piece], is_big_endian: bool) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for piece in pieces {
+            let numbers: Vec<Vec<u8>> = match piece {
+                Text(text) => {
+                    bytes.extend(text.bytes());
+                    continue;
+                }
+                Wholes(numbers) => numbers.iter().map(|n| n.to_le_bytes().to_vec()).collect(),
+                Counts(numbers) => numbers.iter().map(|n| n.to_le_bytes().to_vec()).collect(),
+                Reals(numbers) => numbers.iter().map(|n| n.to_le_bytes().to_vec()).collect(),
+            };
+            for mut number in numbers {
+                if is_big_endian {
+                    number.reverse();
+                }
+                bytes.extend(number);
+            }
+        }
+        bytes.extend(*b"\n$EndElements\n");
+        bytes
+    }
+
+    fn plane(bytes: &[u8]) -> PlaneMesh {
+        match read(bytes) {
+            Ok(AnyMesh::Plane(mesh)) => mesh,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Names of the parts, with the number of facets of each.
+    fn parts<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<(&str, usize)> {
+        let mut parts: Vec<_> = mesh.parts().iter().map(|part| (part.name.as_str(), 0)).collect();
+        mesh.facets().iter().for_each(|facet| parts[facet.part as usize].1 += 1);
+        parts
+    }
+
+    /// Message for a file after `from` in its text became `to`.
+    pub(super) fn after(text: &str, from: &str, to: &str) -> String {
+        assert!(text.contains(from), "{from}");
+        read(text.replacen(from, to, 1).as_bytes()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_square_is_the_same_in_every_form() {
+        let square = plane(SQUARE_22.as_bytes());
+        assert_eq!(square.points(), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        assert_eq!(square.cells(), [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(square.region_names(), ["plate"]);
+        assert_eq!(parts(&square), [("south", 1), ("boundary", 3)]);
+        assert_eq!(plane(SQUARE_41.as_bytes()), square);
+        for is_big_endian in [false, true] {
+            assert_eq!(plane(&encode(&SQUARE_22_BINARY, is_big_endian)), square);
+            assert_eq!(plane(&encode(&SQUARE_41_BINARY, is_big_endian)), square);
+            let bytes = encode(&SQUARE_22_BINARY, is_big_endian);
+            let message = read(&bytes[..bytes.len() - 20]).unwrap_err().to_string();
+            assert_eq!(message, "$Elements, byte 327: the file ends too soon; save the mesh again");
+        }
+    }
+
+    #[test]
+    fn a_gear_is_the_same_in_every_form() {
+        let [text, bytes] = [plane(GEAR[0]), plane(GEAR[2])];
+        assert_eq!(parts(&text), [("teeth", 84), ("hole", 12)]);
+        assert_eq!((text.region_names(), text.cells().len()), (&["gear".to_owned()][..], 448));
+        assert_eq!((plane(GEAR[1]), plane(GEAR[3])), (text.clone(), bytes.clone()));
+        // Text has 16 digits.
+        let pairs = text.points().iter().flatten().zip(bytes.points().iter().flatten());
+        assert!(pairs.into_iter().all(|(text, bytes)| (text - bytes).abs() < 1e-15));
+        assert_eq!((text.cells(), text.facets()), (bytes.cells(), bytes.facets()));
+    }
+
+    #[test]
+    fn a_notched_box_is_in_space() {
+        let Ok(AnyMesh::Space(notch)) = read(NOTCH) else { panic!("a mesh in space") };
+        assert_eq!(parts(&notch), [("walls", 150), ("notch", 12)]);
+        assert!((notch.volume() - 1.85).abs() < 1e-13);
+    }
+
+    #[test]
+    fn groups_without_names_have_numbers_and_elements_without_groups_have_defaults() {
+        let Ok(AnyMesh::Space(mesh)) = read(TETRAHEDRON.as_bytes()) else {
+            panic!("a mesh in space")
+        };
+        assert_eq!(mesh.region_names(), ["9"]);
+        assert_eq!(parts(&mesh), [("7", 1), ("boundary", 3)]);
+        let text = TETRAHEDRON.replace("2 7 1 ", "2 0 1 ").replace("2 9 1 ", "0 ");
+        let Ok(AnyMesh::Space(mesh)) = read(text.as_bytes()) else { panic!("a mesh in space") };
+        assert_eq!(mesh.region_names(), ["domain"]);
+        assert_eq!(parts(&mesh), [("boundary", 4)]);
+    }
+
+    #[test]
+    fn blanks_comments_other_sections_and_unused_nodes_change_nothing() {
+        let square = plane(SQUARE_41.as_bytes());
+        for text in [SQUARE_22, SQUARE_41] {
+            assert_eq!(plane(text.replace('\n', "\r\n").as_bytes()), square);
+            assert_eq!(plane(text.replace(' ', " \t ").replace('\n', " \n\n").as_bytes()), square);
+            let comments =
+                format!("$Comments\n$EndNodes\n$EndComments\n{text}$Periodic\n0\n$EndPeriodic");
+            assert_eq!(plane(comments.as_bytes()), square);
+        }
+        let text = SQUARE_22
+            .replace("$Nodes\n4\n", "$Nodes\n5\n1 0.5 0 7\n")
+            .replace("2 0 1 11", "2 0 1 1");
+        assert_eq!(plane(text.as_bytes()), square);
+    }
+}

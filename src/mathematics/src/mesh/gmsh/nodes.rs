@@ -1,0 +1,87 @@
+//! The section `$Nodes`.
+
+use super::error::{Fault, GmshError};
+use super::scanner::{Scanner, Version};
+use std::collections::HashMap;
+
+/// Nodes in the order of the file.
+#[derive(Default)]
+pub(super) struct FileNodes {
+    /// Number of each node.
+    pub(super) tags: Vec<u64>,
+    /// Coordinates of each node.
+    pub(super) points: Vec<[f64; 3]>,
+    /// Position of each number.
+    positions: HashMap<u64, u32>,
+}
+
+impl FileNodes {
+    /// Reads the section.
+    pub(super) fn read(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
+        let mut nodes = Self::default();
+        let said = match scanner.version {
+            Version::Two => nodes.read_list(scanner)?,
+            Version::Four => nodes.read_blocks(scanner)?,
+        };
+        let found = nodes.points.len() as u64;
+        if said == found { Ok(nodes) } else { Err(scanner.fault(Fault::Total { said, found })) }
+    }
+
+    /// Position of the node of this number.
+    pub(super) fn position(&self, tag: u64) -> Option<u32> {
+        self.positions.get(&tag).copied()
+    }
+
+    fn read_list(&mut self, scanner: &mut Scanner<'_>) -> Result<u64, GmshError> {
+        let said = scanner.number("a whole number from 0 on")?;
+        scanner.begin_bytes()?;
+        for _ in 0..said {
+            self.add_tag(scanner)?;
+            self.add_point(scanner)?;
+        }
+        Ok(said)
+    }
+
+    fn read_blocks(&mut self, scanner: &mut Scanner<'_>) -> Result<u64, GmshError> {
+        scanner.begin_bytes()?;
+        let [blocks, said, _, _] = four_counts(scanner)?;
+        for _ in 0..blocks {
+            let (dimension, _entity) = (scanner.whole()?, scanner.whole()?);
+            // Nodes with parameters have one on a curve, two on a surface, three in a volume.
+            let parameters = if scanner.whole()? == 0 { 0 } else { dimension.clamp(0, 3) };
+            let count = scanner.count()?;
+            for _ in 0..count {
+                self.add_tag(scanner)?;
+            }
+            for _ in 0..count {
+                self.add_point(scanner)?;
+                for _ in 0..parameters {
+                    scanner.real()?;
+                }
+            }
+        }
+        Ok(said)
+    }
+
+    fn add_tag(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
+        let tag = scanner.tag()?;
+        let Ok(position) = u32::try_from(self.tags.len()) else {
+            return Err(scanner.fault(Fault::Nodes));
+        };
+        if self.positions.insert(tag, position).is_some() {
+            return Err(scanner.fault(Fault::NodeTwice(tag)));
+        }
+        self.tags.push(tag);
+        Ok(())
+    }
+
+    fn add_point(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
+        self.points.push([scanner.real()?, scanner.real()?, scanner.real()?]);
+        Ok(())
+    }
+}
+
+/// Reads the head of a section with blocks: numbers of blocks and of nodes or elements, least and largest number.
+pub(super) fn four_counts(scanner: &mut Scanner<'_>) -> Result<[u64; 4], GmshError> {
+    Ok([scanner.count()?, scanner.count()?, scanner.count()?, scanner.count()?])
+}
