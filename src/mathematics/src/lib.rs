@@ -38,3 +38,4 @@ pub mod problem;
 pub mod saddle;
 pub mod solvers;
 pub mod spectral;
+pub mod triangulated;

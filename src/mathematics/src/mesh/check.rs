@@ -180,10 +180,11 @@ impl Tags {
     }
 }
 
-/// Returns the facets of a cell: the vertices without the first, without the second, and so on.
+/// Returns the facets of a cell: the vertices without the first, without the second, and so on; those of a triangle in the
+/// sense of the triangle.
 pub(super) fn sides_of<const D: usize, const V: usize>(cell: &[u32; V]) -> [[u32; D]; V] {
     std::array::from_fn(|without| {
-        std::array::from_fn(|k| cell[if k < without { k } else { k + 1 }])
+        std::array::from_fn(|k| cell[(without + 1 + k) % V])
     })
 }
 

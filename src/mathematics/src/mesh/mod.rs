@@ -2,6 +2,8 @@
 //!
 //! D is the dimension; a cell, a triangle or tetrahedron, has V = D + 1 vertices, a facet, an edge or triangle, has D.
 
+mod any;
+mod arcs;
 mod assemble;
 mod builtin;
 mod check;
@@ -18,6 +20,8 @@ mod refine;
 mod source;
 mod uniform;
 
+pub use any::{AnyMesh, PartError};
+pub use arcs::mesh_arcs;
 pub use assemble::assemble;
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use curve::Round;
@@ -83,15 +87,6 @@ pub struct Mesh<const D: usize, const V: usize> {
 pub type PlaneMesh = Mesh<2, 3>;
 /// Triangulation in space.
 pub type SpaceMesh = Mesh<3, 4>;
-
-/// Triangulation in the plane or in space.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AnyMesh {
-    /// In the plane.
-    Plane(PlaneMesh),
-    /// In space.
-    Space(SpaceMesh),
-}
 
 /// What a mesh is made from: data of a file or a program, not yet checked.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,0 +1,167 @@
+//! A mesh of either dimension.
+
+use super::{BUILT_IN, BuiltIn, Condition, Mesh, PlaneMesh, Round, SpaceMesh};
+
+/// Mesh in the plane or in space.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyMesh {
+    /// In the plane.
+    Plane(PlaneMesh),
+    /// In space.
+    Space(SpaceMesh),
+}
+
+/// Fault of what is said about the parts of a mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PartError {
+    /// No part of this name.
+    #[error("the mesh has no part `{name}`; its parts are {parts}")]
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// Names of the parts.
+        parts: String,
+    },
+    /// A curve with a wrong number of coordinates.
+    #[error("`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: x, y, z, dx, dy, dz, radius")]
+    Curve(String),
+    /// A node of the part that is off the curve.
+    #[error("part `{name}` is off its curve by {distance:e}; give the curve on which its nodes lie")]
+    OffCurve {
+        /// Name of the part.
+        name: String,
+        /// Greatest distance of a node from the curve.
+        distance: f64,
+    },
+}
+
+/// Distance of a node from the curve of its part, over the radius, that is taken for rounding of the file.
+const ON_CURVE: f64 = 1e-4;
+
+impl AnyMesh {
+    /// Coarsest mesh of a built-in domain, or `None` if there is no domain of this name.
+    pub fn built_in(name: &str) -> Option<Self> {
+        let domain = BuiltIn::named(name)?;
+        domain.plane().map(Self::Plane).or_else(|| domain.space().map(Self::Space))
+    }
+
+    /// Names of the built-in domains.
+    pub fn built_in_names() -> Vec<&'static str> {
+        BUILT_IN.iter().map(|(name, _)| *name).collect()
+    }
+
+    /// Number of dimensions, 2 or 3.
+    pub fn dimension(&self) -> u8 {
+        match self {
+            Self::Plane(_) => 2,
+            Self::Space(_) => 3,
+        }
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        match self {
+            Self::Plane(mesh) => mesh.points.len(),
+            Self::Space(mesh) => mesh.points.len(),
+        }
+    }
+
+    /// Number of triangles or tetrahedra.
+    pub fn cells(&self) -> usize {
+        match self {
+            Self::Plane(mesh) => mesh.cells.len(),
+            Self::Space(mesh) => mesh.cells.len(),
+        }
+    }
+
+    /// Names of the regions.
+    pub fn region_names(&self) -> &[String] {
+        match self {
+            Self::Plane(mesh) => &mesh.region_names,
+            Self::Space(mesh) => &mesh.region_names,
+        }
+    }
+
+    /// Length of the longest edge.
+    pub fn width(&self) -> f64 {
+        match self {
+            Self::Plane(mesh) => mesh.width(),
+            Self::Space(mesh) => mesh.width(),
+        }
+    }
+
+    /// Sets the condition on a part of the boundary.
+    ///
+    /// # Errors
+    /// [`PartError::Unknown`].
+    pub fn set_condition(&mut self, part: &str, condition: Condition) -> Result<(), PartError> {
+        match self {
+            Self::Plane(mesh) => mesh.parts[mesh.part(part)?].condition = condition,
+            Self::Space(mesh) => mesh.parts[mesh.part(part)?].condition = condition,
+        }
+        Ok(())
+    }
+
+    /// Puts a part of the boundary on a circle, sphere or cylinder, given by its numbers: the centre and the radius, or a
+    /// point, a direction and the radius.
+    ///
+    /// # Errors
+    /// [`PartError`].
+    pub fn set_curve(&mut self, part: &str, numbers: &[f64]) -> Result<(), PartError> {
+        let refused = || {
+            let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
+            PartError::Curve(numbers.join(","))
+        };
+        match self {
+            Self::Plane(mesh) => {
+                let &[x, y, radius] = numbers else { return Err(refused()) };
+                mesh.set_curve(part, Round::sphere([x, y], radius))
+            }
+            Self::Space(mesh) => match *numbers {
+                [x, y, z, radius] => mesh.set_curve(part, Round::sphere([x, y, z], radius)),
+                [x, y, z, dx, dy, dz, radius] => {
+                    let length = (dx * dx + dy * dy + dz * dz).sqrt();
+                    if !(length > 0.0 && length.is_finite()) {
+                        return Err(refused());
+                    }
+                    let axis = [dx, dy, dz].map(|d| d / length);
+                    mesh.set_curve(part, Round { centre: [x, y, z], axis, radius })
+                }
+                _ => Err(refused()),
+            },
+        }
+    }
+}
+
+impl<const D: usize, const V: usize> Mesh<D, V> {
+    /// Position of the part of this name.
+    fn part(&self, name: &str) -> Result<usize, PartError> {
+        let found = self.parts.iter().position(|part| part.name == name);
+        found.ok_or_else(|| {
+            let parts: Vec<_> = self.parts.iter().map(|part| part.name.as_str()).collect();
+            PartError::Unknown { name: name.into(), parts: parts.join(", ") }
+        })
+    }
+
+    /// Puts a part on a curve on which its nodes lie.
+    fn set_curve(&mut self, name: &str, curve: Round<D>) -> Result<(), PartError> {
+        let part = self.part(name)?;
+        let mut farthest = 0.0f64;
+        for facet in self.facets.iter().filter(|facet| facet.part as usize == part) {
+            for point in self.corners(facet) {
+                farthest = farthest.max(curve.distance(point));
+            }
+        }
+        // Written so that NaN is refused.
+        if !(farthest <= ON_CURVE * curve.radius) {
+            return Err(PartError::OffCurve { name: name.into(), distance: farthest });
+        }
+        self.parts[part].curve = Some(curve);
+        Ok(())
+    }
+
+    /// Length of the longest edge.
+    pub fn width(&self) -> f64 {
+        self.cells.iter().fold(0.0, |most, cell| super::size(self.vertices(cell)).max(most))
+    }
+}

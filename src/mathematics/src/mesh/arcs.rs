@@ -1,0 +1,105 @@
+//! Contact on the boundary of a domain in the plane as arcs, with their forces, and where they end between nodes.
+
+use super::{Element, PlaneMesh};
+use crate::discrete::contact::{ContactArc, reach};
+use crate::discrete::kkt::Judgement;
+use crate::discrete::network::Network;
+
+/// No node.
+const NONE: usize = usize::MAX;
+
+/// Boundary with the neighbours of each of its nodes, in the direction that has the domain on the left.
+struct Boundary<'a> {
+    mesh: &'a PlaneMesh,
+    y: &'a [f64],
+    before: Vec<usize>,
+    after: Vec<usize>,
+}
+
+/// Returns the arcs of boundary nodes [in contact](Judgement::in_contact), for a nodal vector and its judgement, each in
+/// the direction that has the domain on the left. An arc that is a whole closed curve begins and ends at one node.
+pub fn mesh_arcs(
+    mesh: &PlaneMesh,
+    network: &Network,
+    y: &[f64],
+    judgement: &Judgement,
+) -> Vec<ContactArc> {
+    let nodes = network.contact().iter().map(|contact| contact.node as usize);
+    let mut force = vec![None; y.len()];
+    for ((node, touches), flux) in
+        nodes.clone().zip(judgement.in_contact(nodes.clone(), y)).zip(&judgement.flux)
+    {
+        force[node] = touches.then_some(*flux);
+    }
+    let boundary = Boundary::new(mesh, y);
+    let mut arcs = Vec::new();
+    for start in nodes.clone() {
+        let begins = boundary.before.get(start).is_some_and(|&p| p == NONE || force[p].is_none());
+        if force[start].is_some() && begins {
+            arcs.push(boundary.arc(start, &mut force));
+        }
+    }
+    // What is left are closed curves.
+    for start in nodes {
+        if force[start].is_some() {
+            arcs.push(boundary.arc(start, &mut force));
+        }
+    }
+    arcs
+}
+
+impl<'a> Boundary<'a> {
+    fn new(mesh: &'a PlaneMesh, y: &'a [f64]) -> Self {
+        let (mut before, mut after) = (vec![NONE; y.len()], vec![NONE; y.len()]);
+        let is_mirrored = Element::new(mesh.vertices(&mesh.cells[0])).is_mirrored;
+        for facet in &mesh.facets {
+            let [mut from, mut to] = facet.nodes.map(|node| node as usize);
+            if is_mirrored {
+                (from, to) = (to, from);
+            }
+            (after[from], before[to]) = (to, from);
+        }
+        Self { mesh, y, before, after }
+    }
+
+    /// Follows the arc from its first node, and removes its forces.
+    fn arc(&self, start: usize, force: &mut [Option<f64>]) -> ContactArc {
+        let (mut last, mut sum) = (start, 0.0);
+        let mut node = start;
+        while node != NONE
+            && let Some(of_node) = force[node].take()
+        {
+            (last, sum) = (node, sum + of_node);
+            node = self.after[node];
+        }
+        if node == start && last != start {
+            let point = self.mesh.points[start];
+            return ContactArc { from: point, to: point, force: sum };
+        }
+        let mut ends = [(start, &self.before), (last, &self.after)]
+            .map(|(node, next)| self.beyond(node, next));
+        if start == last && ends.iter().all(|(part, _)| *part == 0.0) {
+            // No ends can be told around this one node, and an arc without length would stand for all of a curve.
+            ends.iter_mut().for_each(|(part, _)| *part = 0.5);
+        }
+        let [from, to] = [(start, ends[0]), (last, ends[1])].map(|(node, (part, next))| {
+            let [a, b] = [node, next].map(|node| self.mesh.points[node]);
+            std::array::from_fn(|d| a[d] + part * (b[d] - a[d]))
+        });
+        ContactArc { from, to, force: sum }
+    }
+
+    /// Part of the edge beyond the last node of an arc that is in contact, and the node at its other end.
+    fn beyond(&self, node: usize, next: &[usize]) -> (f64, usize) {
+        let first = next[node];
+        if first == NONE {
+            return (0.0, node);
+        }
+        let second = next[first];
+        let part = match second {
+            NONE => 0.0,
+            second => reach([self.y[first], self.y[second]]).clamp(0.0, 1.0),
+        };
+        (part, first)
+    }
+}

@@ -1,0 +1,166 @@
+//! A problem on a triangulation with its refinements: from a mesh and f to what the solvers take.
+
+use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
+use crate::bounds::Bounds;
+use crate::discrete::contact::ContactArc;
+use crate::discrete::kkt::{Judgement, judge_network};
+use crate::discrete::nested::NestedNetwork;
+use crate::discrete::network::Network;
+use crate::mesh::{
+    AnyMesh, Condition, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, mesh_arcs,
+    mesh_load, refined,
+};
+use crate::problem::cube::Body;
+use crate::problem::region::Region;
+use crate::problem::shape::{Shape, SourceError};
+
+/// Problem on a triangulation and its refinements.
+pub struct MeshProblem {
+    /// Discrete problems, coarsest first.
+    pub levels: Vec<NestedNetwork>,
+    /// Finest mesh.
+    pub mesh: AnyMesh,
+    /// f, in one line.
+    pub text: String,
+    /// f on the finest mesh.
+    pub f: MeshLoad,
+}
+
+/// Why there is no problem.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshProblemError {
+    /// The mesh cannot be refined.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The text is no f on the mesh.
+    #[error(transparent)]
+    Text(#[from] MeshSourceError),
+    /// f is too large or too small to compute with.
+    #[error(transparent)]
+    Scale(#[from] SourceError),
+    /// No solution, or no unique one.
+    #[error("the integral of f is {integral:.4e} over {place}, but (2) asks for a negative one where no part is fixed; lower f somewhere, or fix a part of the boundary")]
+    NotCoercive {
+        /// Integral of f.
+        integral: f64,
+        /// Connected component of the domain.
+        place: String,
+    },
+    /// A connected component whose whole boundary is free.
+    #[error("the boundary of {0} is free everywhere; let some of the boundary be in contact or fixed")]
+    Insulated(String),
+}
+
+/// Bound of the rounding error of the integral of f, over the integral of |f|.
+const ROUNDING: f64 = 1e-12;
+
+impl MeshProblem {
+    /// Refines a mesh `times` times, and integrates f, given as text, on the finest one.
+    ///
+    /// # Errors
+    /// [`MeshProblemError`].
+    pub fn new(coarsest: &AnyMesh, times: usize, f: &str) -> Result<Self, MeshProblemError> {
+        let problem = match coarsest {
+            AnyMesh::Plane(mesh) => {
+                let f = MeshSource::<Region>::read(f, mesh.region_names())?;
+                let (levels, mesh, load) = prepared(mesh, times, &f)?;
+                Self { levels, mesh: AnyMesh::Plane(mesh), text: f.text().into(), f: load }
+            }
+            AnyMesh::Space(mesh) => {
+                let f = MeshSource::<Body>::read(f, mesh.region_names())?;
+                let (levels, mesh, load) = prepared(mesh, times, &f)?;
+                Self { levels, mesh: AnyMesh::Space(mesh), text: f.text().into(), f: load }
+            }
+        };
+        problem.check_solvable()?;
+        Ok(problem)
+    }
+
+    /// Discrete problem on the finest mesh.
+    pub fn network(&self) -> &Network {
+        &self.levels[self.levels.len() - 1].network
+    }
+
+    /// Load vectors of all levels, coarsest first: those of the coarser ones by the transpose of interpolation.
+    pub fn loads(&self) -> Vec<Vec<f64>> {
+        let mut loads = vec![self.f.load.clone()];
+        for level in self.levels[1..].iter().rev() {
+            loads.push(level.restrict(&loads[loads.len() - 1]));
+        }
+        loads.reverse();
+        loads
+    }
+
+    /// Judges a nodal vector of the finest mesh, apart from the solvers.
+    pub fn judge(&self, y: &[f64]) -> Judgement {
+        judge_network(self.network(), y, &self.f.load)
+    }
+
+    /// Returns guaranteed bounds for a nodal vector of the finest mesh.
+    ///
+    /// # Errors
+    /// As [`bounds_on_mesh`].
+    pub fn bounds(&self, y: &[f64]) -> Result<Bounds, BoundsError> {
+        match &self.mesh {
+            AnyMesh::Plane(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, y),
+            AnyMesh::Space(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, y),
+        }
+    }
+
+    /// Returns the arcs in contact; `None` in space.
+    pub fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {
+        match &self.mesh {
+            AnyMesh::Plane(mesh) => Some(mesh_arcs(mesh, self.network(), y, judgement)),
+            AnyMesh::Space(_) => None,
+        }
+    }
+
+    /// Checks the condition (2) on each connected component without a fixed part.
+    fn check_solvable(&self) -> Result<(), MeshProblemError> {
+        let network = self.network();
+        let components = network.components();
+        let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+        let mut integrals = vec![0.0; count];
+        for (&component, load) in components.iter().zip(&self.f.load) {
+            integrals[component as usize] += load;
+        }
+        let (mut has_fixed, mut has_contact) = (vec![false; count], vec![false; count]);
+        for &node in network.fixed() {
+            has_fixed[components[node as usize] as usize] = true;
+        }
+        for contact in network.contact() {
+            has_contact[components[contact.node as usize] as usize] = true;
+        }
+        for (component, &integral) in integrals.iter().enumerate() {
+            let place = match count {
+                1 => "the domain".to_owned(),
+                _ => format!("component {} of the domain", component + 1),
+            };
+            if !has_fixed[component] && !has_contact[component] {
+                return Err(MeshProblemError::Insulated(place));
+            }
+            // Written so that NaN is refused.
+            if !has_fixed[component] && !(integral < -ROUNDING * self.f.size) {
+                return Err(MeshProblemError::NotCoercive { integral, place });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Nested discrete problems, finest mesh, and f on it.
+type Prepared<const D: usize, const V: usize> = (Vec<NestedNetwork>, Mesh<D, V>, MeshLoad);
+
+fn prepared<S: Shape<Point = [f64; D]>, const D: usize, const V: usize>(
+    coarsest: &Mesh<D, V>,
+    times: usize,
+    f: &MeshSource<S>,
+) -> Result<Prepared<D, V>, MeshProblemError>
+where
+    MeshSource<S>: OnCells<D>,
+{
+    let (levels, mesh) = refined(coarsest, times)?;
+    let load = mesh_load(&mesh, f);
+    f.check_scale(load.size)?;
+    Ok((levels, mesh, load))
+}
