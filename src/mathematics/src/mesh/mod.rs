@@ -13,9 +13,11 @@ mod refine;
 pub use assemble::{assemble, load_of_cells};
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use check::MeshError;
+pub(crate) use check::{sides_of, sorted};
 pub use curve::Round;
 pub use edges::Edges;
 pub use geometry::{Element, centroid, size};
+pub(crate) use geometry::{dot, measure};
 pub use refine::{Refined, refine};
 
 /// Condition on a part of the boundary.
