@@ -1,14 +1,14 @@
 //! A problem on a triangulation with its refinements: from a mesh and f to what the solvers take.
 
-use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
 use crate::bounds::Bounds;
+use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::{Judgement, judge_network};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
-    AnyMesh, Condition, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, mesh_arcs,
-    mesh_load, refined,
+    AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, mesh_arcs, mesh_load,
+    refined,
 };
 use crate::problem::cube::Body;
 use crate::problem::region::Region;
@@ -39,7 +39,9 @@ pub enum MeshProblemError {
     #[error(transparent)]
     Scale(#[from] SourceError),
     /// No solution, or no unique one.
-    #[error("the integral of f is {integral:.4e} over {place}, but (2) asks for a negative one where no part is fixed; lower f somewhere, or fix a part of the boundary")]
+    #[error(
+        "the integral of f is {integral:.4e} over {place}, but (2) asks for a negative one where no part is fixed; lower f somewhere, or fix a part of the boundary"
+    )]
     NotCoercive {
         /// Integral of f.
         integral: f64,
@@ -47,7 +49,9 @@ pub enum MeshProblemError {
         place: String,
     },
     /// A connected component whose whole boundary is free.
-    #[error("the boundary of {0} is free everywhere; let some of the boundary be in contact or fixed")]
+    #[error(
+        "the boundary of {0} is free everywhere; let some of the boundary be in contact or fixed"
+    )]
     Insulated(String),
 }
 

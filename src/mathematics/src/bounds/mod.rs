@@ -62,6 +62,7 @@ mod recovery;
 mod regular;
 mod residual;
 mod strip;
+pub mod triangulation;
 mod walk;
 
 use crate::discrete::grid::Grid;

@@ -23,10 +23,14 @@ pub enum PartError {
         parts: String,
     },
     /// A curve with a wrong number of coordinates.
-    #[error("`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: x, y, z, dx, dy, dz, radius")]
+    #[error(
+        "`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: x, y, z, dx, dy, dz, radius"
+    )]
     Curve(String),
     /// A node of the part that is off the curve.
-    #[error("part `{name}` is off its curve by {distance:e}; give the curve on which its nodes lie")]
+    #[error(
+        "part `{name}` is off its curve by {distance:e}; give the curve on which its nodes lie"
+    )]
     OffCurve {
         /// Name of the part.
         name: String,
@@ -96,8 +100,14 @@ impl AnyMesh {
     /// [`PartError::Unknown`].
     pub fn set_condition(&mut self, part: &str, condition: Condition) -> Result<(), PartError> {
         match self {
-            Self::Plane(mesh) => mesh.parts[mesh.part(part)?].condition = condition,
-            Self::Space(mesh) => mesh.parts[mesh.part(part)?].condition = condition,
+            Self::Plane(mesh) => {
+                let part = mesh.part(part)?;
+                mesh.parts[part].condition = condition;
+            }
+            Self::Space(mesh) => {
+                let part = mesh.part(part)?;
+                mesh.parts[part].condition = condition;
+            }
         }
         Ok(())
     }

@@ -182,14 +182,12 @@ impl Tags {
 
 /// Returns the facets of a cell: the vertices without the first, without the second, and so on; those of a triangle in the
 /// sense of the triangle.
-pub(super) fn sides_of<const D: usize, const V: usize>(cell: &[u32; V]) -> [[u32; D]; V] {
-    std::array::from_fn(|without| {
-        std::array::from_fn(|k| cell[(without + 1 + k) % V])
-    })
+pub(crate) fn sides_of<const D: usize, const V: usize>(cell: &[u32; V]) -> [[u32; D]; V] {
+    std::array::from_fn(|without| std::array::from_fn(|k| cell[(without + 1 + k) % V]))
 }
 
 /// Returns numbers in increasing order.
-pub(super) fn sorted<const K: usize>(mut numbers: [u32; K]) -> [u32; K] {
+pub(crate) fn sorted<const K: usize>(mut numbers: [u32; K]) -> [u32; K] {
     numbers.sort_unstable();
     numbers
 }

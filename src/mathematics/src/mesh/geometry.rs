@@ -70,7 +70,7 @@ fn cofactors<const D: usize>(rows: [[f64; D]; D]) -> (f64, [[f64; D]; D]) {
 }
 
 /// Product of two vectors.
-pub(super) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -92,7 +92,7 @@ pub fn size<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> f64 {
 }
 
 /// Length of an edge in the plane, or area of a triangle in space.
-pub(super) fn measure<const D: usize>(corners: [[f64; D]; D]) -> f64 {
+pub(crate) fn measure<const D: usize>(corners: [[f64; D]; D]) -> f64 {
     let edge = |k: usize| -> [f64; D] { std::array::from_fn(|d| corners[k][d] - corners[0][d]) };
     match D {
         2 => dot(edge(1), edge(1)).sqrt(),

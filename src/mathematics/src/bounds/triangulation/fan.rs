@@ -1,0 +1,179 @@
+//! Flux of a patch: the part of the flux that belongs to the hat function of one node (Braess and Schöberl 2008).
+
+use super::cells::Cell;
+use super::sides::{Neighbour, Sides};
+use crate::mesh::{Condition, Facet, Mesh, measure};
+
+/// Cell of a fan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member<const V: usize> {
+    /// Number of the cell.
+    pub cell: u32,
+    /// Position of the node among the vertices.
+    pub vertex: usize,
+    /// Outflows through the sides; none through the side opposite to the node.
+    pub outflows: [f64; V],
+    /// Sum that the outflows must have.
+    wanted: f64,
+    /// Way to a cell nearer to the first one.
+    parent: Parent,
+}
+
+/// Way from a cell of a fan to the cell from which the search came.
+#[derive(Clone, Copy, Debug)]
+struct Parent {
+    /// Position of that cell among the members.
+    member: usize,
+    /// Position of the common side among the sides of the cell.
+    slot: usize,
+    /// Position of the common side among the sides of that cell.
+    parent_slot: usize,
+}
+
+/// Side of a fan on the boundary, at the node.
+#[derive(Clone, Copy, Debug)]
+struct FanOutlet {
+    /// Position of the cell among the members.
+    member: usize,
+    /// Position of the side among the sides of the cell.
+    slot: usize,
+    /// Position of the facet.
+    facet: u32,
+}
+
+/// Cells around a node that are connected through sides with the node: all cells around the node, unless the domain
+/// touches itself there.
+pub(super) struct Fan<'a, const D: usize, const V: usize> {
+    pub mesh: &'a Mesh<D, V>,
+    pub sides: &'a Sides<V>,
+    pub cells: &'a [Cell<V>],
+    pub members: Vec<Member<V>>,
+    outlets: Vec<FanOutlet>,
+    /// Last node around which each cell was found.
+    seen: Vec<u32>,
+}
+
+impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
+    /// Empty fan.
+    pub(super) fn new(mesh: &'a Mesh<D, V>, sides: &'a Sides<V>, cells: &'a [Cell<V>]) -> Self {
+        let seen = vec![u32::MAX; cells.len()];
+        Self { mesh, sides, cells, members: Vec::new(), outlets: Vec::new(), seen }
+    }
+
+    /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell of
+    /// the fan.
+    pub(super) fn find(&mut self, node: u32, cell: u32) -> bool {
+        if self.seen[cell as usize] == node {
+            return false;
+        }
+        self.members.clear();
+        self.outlets.clear();
+        self.push(node, cell, Parent { member: 0, slot: 0, parent_slot: 0 });
+        let mut place = 0;
+        while let Some(&Member { cell, vertex, .. }) = self.members.get(place) {
+            for (slot, side) in self.sides.of(cell).into_iter().enumerate() {
+                if slot == vertex {
+                    continue;
+                }
+                match self.sides.across(cell, side) {
+                    Neighbour::Facet(facet) => {
+                        self.outlets.push(FanOutlet { member: place, slot, facet });
+                    }
+                    Neighbour::Cell(next) if self.seen[next as usize] != node => {
+                        let back = self.sides.slot(next, side);
+                        let parent = Parent { member: place, slot: back, parent_slot: slot };
+                        self.push(node, next, parent);
+                    }
+                    Neighbour::Cell(_) => (),
+                }
+            }
+            place += 1;
+        }
+        true
+    }
+
+    fn push(&mut self, node: u32, cell: u32, parent: Parent) {
+        self.seen[cell as usize] = node;
+        let nodes = &self.mesh.cells()[cell as usize];
+        let vertex = nodes.iter().position(|&other| other == node);
+        let vertex = vertex.expect("sides of a fan have the node");
+        let Cell { load, work, .. } = self.cells[cell as usize];
+        let wanted = work[vertex] - load;
+        self.members.push(Member { cell, vertex, outflows: [0.0; V], wanted, parent });
+    }
+
+    /// True if no side of the fan with the node is on the boundary.
+    pub(super) fn is_closed(&self) -> bool {
+        self.outlets.is_empty()
+    }
+
+    /// Nodes of the facets of the boundary at the node.
+    pub(super) fn boundary_nodes(&self) -> impl Iterator<Item = u32> {
+        let facets = self.outlets.iter().map(|outlet| self.facet(*outlet));
+        facets.flat_map(|facet| facet.nodes)
+    }
+
+    fn facet(&self, outlet: FanOutlet) -> &Facet<D> {
+        &self.mesh.facets()[outlet.facet as usize]
+    }
+
+    /// Lets the reaction at the node, as far as the boundary allows, out through the boundary, and takes the rest away
+    /// from all cells in proportion to their volumes: then the outflows wanted from the cells and those through the
+    /// boundary have the same sum.
+    pub(super) fn prescribe(&mut self) {
+        let reaction: f64 = self.members.iter().map(|member| member.wanted).sum();
+        let open =
+            if self.reaches(Condition::Fixed) { Condition::Fixed } else { Condition::Contact };
+        let allowed = if open == Condition::Fixed { reaction } else { reaction.max(0.0) };
+        let kept = if self.let_out(open, allowed) { allowed } else { 0.0 };
+        let volume: f64 = self.members.iter().map(|m| self.cells[m.cell as usize].volume).sum();
+        let density = (reaction - kept) / volume;
+        for member in &mut self.members {
+            member.wanted -= density * self.cells[member.cell as usize].volume;
+        }
+    }
+
+    fn reaches(&self, condition: Condition) -> bool {
+        self.outlets.iter().any(|outlet| self.mesh.condition(self.facet(*outlet)) == condition)
+    }
+
+    /// Spreads an outflow over the facets with this condition in proportion to their measures; false if there are none.
+    fn let_out(&mut self, condition: Condition, outflow: f64) -> bool {
+        let mut shares = Vec::new();
+        for outlet in &self.outlets {
+            let facet = self.facet(*outlet);
+            let is_open = self.mesh.condition(facet) == condition;
+            shares.push(if is_open { measure(self.mesh.corners(facet)) } else { 0.0 });
+        }
+        let total: f64 = shares.iter().sum();
+        if total <= 0.0 {
+            return false;
+        }
+        for (outlet, share) in self.outlets.iter().zip(shares) {
+            self.members[outlet.member].outflows[outlet.slot] = outflow * (share / total);
+        }
+        true
+    }
+
+    /// Gives each cell the outflow wanted from it, through the sides by which the search came.
+    pub(super) fn carry(&mut self) {
+        for place in (1..self.members.len()).rev() {
+            let Member { outflows, wanted, parent, .. } = self.members[place];
+            let outflow = wanted - outflows.iter().sum::<f64>();
+            self.members[place].outflows[parent.slot] = outflow;
+            self.members[parent.member].outflows[parent.parent_slot] = -outflow;
+        }
+    }
+
+    /// Adds the outflows to the fluxes through all sides.
+    pub(super) fn add_to(&self, flux: &mut [f64]) {
+        for &Member { cell, outflows, .. } in &self.members {
+            for (side, outflow) in self.sides.of(cell).into_iter().zip(outflows) {
+                // The other cell of the side has the opposite outflow.
+                if self.sides.leaves(cell, side) {
+                    flux[side as usize] += outflow;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Guaranteed bounds of the energy and of the error on a triangulation, in the plane and in space.
+//!
+//! The domain is the polygon or polyhedron that the cells fill, also where a part of the boundary lies on a curve: the
+//! distance from the domain with the curve is not in the bounds.
+//!
+//! # The identity
+//! K are the functions v of H^1 with v >= 0 on the contact boundary and v = 0 on the fixed boundary. A *flux* sigma has
+//! `-div sigma = f` inside, `sigma.n >= 0` on the contact boundary, `sigma.n = 0` on the free boundary, and a `sigma.n`
+//! of any sign on the fixed boundary. Then, for w in K,
+//!
+//! ```text
+//! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <sigma.n, w> =: G(w, sigma),
+//! -1/2 |sigma|^2 <= J(u) <= J(w),    |grad (u - w)|^2 <= 2 G.
+//! ```
+//!
+//! w is the linear function of the nodal vector, with zero in place of negative values on the contact boundary and of all
+//! values on the fixed boundary. Nothing else is assumed of the vector.
+//!
+//! # The flux
+//! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux for
+//! each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral of
+//! `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its share of
+//! `grad w . n` (`fan.rs`). What must be least is the distance of the part of sigma from that share as fields on the cells
+//! (`circulation.rs`): with another measure of the distance a part of sigma along the sides stays, and the bounds are
+//! longer than the error by any factor on fine meshes. The reaction at a boundary node leaves through the facets at the
+//! node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node are
+//! changed alike. Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every vector.
+//!
+//! # An f that is not constant on cells
+//! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose norm
+//! is at most `h / pi` times the L2 norm of the deviation of f from the mean, h the diameter (Payne and Weinberger, Arch.
+//! Rational Mech. Anal. 5, 1960; Bebendorf, Z. Anal. Anwend. 22, 2003). The norms of sigma and of `grad w - sigma` on the
+//! cell grow by as much. J(w) takes f by the means alone, and `h / pi` times the deviation times `|grad w|` is added.
+
+mod balance;
+mod cells;
+mod circulation;
+mod fan;
+mod sides;
+mod sums;
+#[cfg(test)]
+mod tests;
+
+use super::{Bounds, LEAST_MASS, root};
+use crate::discrete::network::Network;
+use crate::mesh::{CellData, Mesh};
+use balance::balance;
+use cells::cells_of;
+use circulation::Circulations;
+use fan::Fan;
+use sides::{Around, Sides};
+use sums::Summands;
+
+/// Reason for which there are no bounds on a triangulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BoundsError {
+    /// No solution, or no unique one.
+    #[error(
+        "the integral of f over the part of the domain with element {cell} is not negative; make f smaller there or fix a part of the boundary"
+    )]
+    NotCoercive {
+        /// Position of a cell of the component.
+        cell: usize,
+    },
+    /// A component with a free boundary alone.
+    #[error(
+        "the whole boundary of the part of the domain with element {cell} is free; let some of the boundary be in contact or fixed"
+    )]
+    Insulated {
+        /// Position of a cell of the component.
+        cell: usize,
+    },
+    /// A sum overflows, squares underflow, or the vector or f contains a NaN.
+    #[error("numbers exceed the range of double precision; scale f")]
+    NotFinite,
+}
+
+/// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f. Any vector
+/// may be given. In place of the recovery of [`Bounds`] is w, the linear function of `y` put into K; the lower bound of
+/// the error is zero.
+///
+/// # Errors
+/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the
+/// integral of f is not negative, or if numbers exceed the range of double precision.
+///
+/// # Panics
+/// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.
+pub fn bounds_on_mesh<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    network: &Network,
+    f: &CellData,
+    y: &[f64],
+) -> Result<Bounds, BoundsError> {
+    assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
+    let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
+    assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
+    let w = admissible(network, y);
+    let sides = Sides::new(mesh);
+    let flux = equilibrated(mesh, &sides, &f.mean, &w)?;
+    let summands = Summands { mesh, sides: &sides, f, y, w: &w, flux: &flux };
+    let totals = summands.totals();
+    let largest = w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let rounding = totals.rounding(largest);
+    let energy = 0.5 * totals.gradient - totals.load + totals.deviation + rounding;
+    let gap = 0.5 * totals.distance + totals.work;
+    let recovered = root(2.0 * (gap + 2.0 * rounding));
+    let projection = totals.projection.sqrt() * (1.0 + 1e-12);
+    let bounds = Bounds {
+        energy: [-0.5 * totals.flux - rounding, energy],
+        error: [0.0, recovered + projection],
+        recovered,
+    };
+    let underflows = totals.mass > 0.0 && totals.mass < LEAST_MASS;
+    // The root hides a NaN.
+    let numbers = [bounds.energy[0], energy, gap, rounding, projection];
+    match underflows || !numbers.into_iter().all(f64::is_finite) {
+        true => Err(BoundsError::NotFinite),
+        false => Ok(bounds),
+    }
+}
+
+/// Nodal vector of a function in K: negative values in contact, and all fixed values, are replaced by zero.
+fn admissible(network: &Network, y: &[f64]) -> Vec<f64> {
+    let mut w = y.to_vec();
+    for contact in network.contact() {
+        let value = &mut w[contact.node as usize];
+        // The maximum with zero would hide a NaN.
+        if *value < 0.0 {
+            *value = 0.0;
+        }
+    }
+    network.fixed().iter().for_each(|&node| w[node as usize] = 0.0);
+    w
+}
+
+/// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells.
+fn equilibrated<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    sides: &Sides<V>,
+    f: &[f64],
+    w: &[f64],
+) -> Result<Vec<f64>, BoundsError> {
+    let cells = cells_of(mesh, w, f);
+    let nodes = mesh.points().len();
+    let around = Around::new(nodes, mesh.cells());
+    let mut circulations = Circulations::new(nodes);
+    let mut fan = Fan::new(mesh, sides, &cells);
+    let mut flux = vec![0.0; sides.len()];
+    for node in 0..nodes as u32 {
+        for &cell in around.node(node) {
+            if fan.find(node, cell) {
+                fan.prescribe();
+                fan.carry();
+                circulations.minimise(&mut fan);
+                fan.add_to(&mut flux);
+            }
+        }
+    }
+    balance(mesh, sides, &cells, &mut flux)?;
+    Ok(flux)
+}

@@ -1,0 +1,156 @@
+//! Sums over cells and facets: energies of w and of the flux, and the distance between them.
+
+use super::CellData;
+use super::cells::{Shape, gradient};
+use super::sides::Sides;
+use crate::mesh::{Condition, Element, Mesh, dot, size};
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Number of cells that are added one after the other; longer sums are halved, so that chains of additions stay short.
+const RUN: usize = 64;
+
+/// Upper bound of the number of roundings between the data and a sum: within a cell, and along a chain of additions.
+const ROUNDINGS: f64 = 256.0;
+
+/// Sums over cells.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Totals {
+    /// `|grad w - sigma|^2`, with the deviation of f.
+    pub distance: f64,
+    /// `|sigma|^2`, with the deviation of f.
+    pub flux: f64,
+    /// `|grad w|^2`.
+    pub gradient: f64,
+    /// Integral of the means of f times w.
+    pub load: f64,
+    /// Upper bound of the integral of f less its means, times w.
+    pub deviation: f64,
+    /// `|grad (y - w)|^2`, y the vector that was given.
+    pub projection: f64,
+    /// Integral of `w sigma.n` over the boundary.
+    pub work: f64,
+    /// Integral of |f|, its means.
+    pub mass: f64,
+    /// Sum of absolute values, of which rounding errors are a small part.
+    magnitude: f64,
+    /// Sum of the absolute values of the fluxes.
+    flow: f64,
+}
+
+impl Totals {
+    fn add(self, other: Self) -> Self {
+        Self {
+            distance: self.distance + other.distance,
+            flux: self.flux + other.flux,
+            gradient: self.gradient + other.gradient,
+            load: self.load + other.load,
+            deviation: self.deviation + other.deviation,
+            projection: self.projection + other.projection,
+            work: self.work + other.work,
+            mass: self.mass + other.mass,
+            magnitude: self.magnitude + other.magnitude,
+            flow: self.flow + other.flow,
+        }
+    }
+
+    /// Upper bound of the rounding errors of energies; `largest` is the largest |w|, on which a flux does work that is
+    /// not balanced to the last digit.
+    pub(super) fn rounding(&self, largest: f64) -> f64 {
+        f64::EPSILON * (ROUNDINGS * (self.magnitude + self.work) + 8.0 * largest * self.flow)
+    }
+}
+
+/// What is summed.
+pub(super) struct Summands<'a, const D: usize, const V: usize> {
+    pub mesh: &'a Mesh<D, V>,
+    pub sides: &'a Sides<V>,
+    pub f: &'a CellData,
+    /// Nodal vector that was given.
+    pub y: &'a [f64],
+    /// Nodal vector in K.
+    pub w: &'a [f64],
+    /// Fluxes through all sides.
+    pub flux: &'a [f64],
+}
+
+impl<const D: usize, const V: usize> Summands<'_, D, V> {
+    /// Sums over all cells and facets.
+    pub(super) fn totals(&self) -> Totals {
+        let mut totals = self.over(0..self.mesh.cells().len());
+        totals.work = self.work();
+        totals
+    }
+
+    fn over(&self, cells: Range<usize>) -> Totals {
+        if cells.len() > RUN {
+            let middle = cells.start.midpoint(cells.end);
+            return self.over(cells.start..middle).add(self.over(middle..cells.end));
+        }
+        cells.fold(Totals::default(), |totals, cell| totals.add(self.of_cell(cell)))
+    }
+
+    fn of_cell(&self, cell: usize) -> Totals {
+        let nodes = &self.mesh.cells()[cell];
+        let vertices = self.mesh.vertices(nodes);
+        let element = Element::new(vertices);
+        let volume = element.volume;
+        let shape = Shape::new(vertices, volume);
+        let w = nodes.map(|node| self.w[node as usize]);
+        let slope = gradient(&element, w);
+        let outflows = self.sides.outflows(cell as u32, self.flux);
+        let differences = std::array::from_fn(|k| {
+            outflows[k] + D as f64 * volume * dot(slope, element.gradients[k])
+        });
+        let mean = self.f.mean[cell];
+        let deviation = self.f.deviation.as_ref().map_or(0.0, |all| all[cell]);
+        // Poincaré's constant on a convex cell is the diameter over pi.
+        let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
+        let gradient_square = volume * dot(slope, slope);
+        let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+        let slopes =
+            element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g).sqrt() * (v - w[0]).abs());
+        let steepest = slopes.sum::<f64>();
+        Totals {
+            distance: longer_square(shape.square(differences), field),
+            flux: longer_square(shape.square(outflows), field),
+            gradient: gradient_square,
+            load: mean * volume * (w.iter().sum::<f64>() / V as f64),
+            deviation: field * gradient_square.sqrt(),
+            projection: self.projection(nodes, &element, w),
+            work: 0.0,
+            mass: mean.abs() * volume,
+            magnitude: volume * (steepest * steepest + mean.abs() * highest)
+                + longer_square(shape.largest_square(outflows), field),
+            flow: outflows.iter().map(|q| q.abs()).sum(),
+        }
+    }
+
+    /// `|grad (y - w)|^2` in a cell.
+    fn projection(&self, nodes: &[u32; V], element: &Element<D, V>, w: [f64; V]) -> f64 {
+        let y = nodes.map(|node| self.y[node as usize]);
+        if y == w {
+            return 0.0;
+        }
+        let moved = element.gradient(std::array::from_fn(|k| y[k] - w[k]));
+        element.volume * dot(moved, moved)
+    }
+
+    /// Integral of `w sigma.n` over the boundary.
+    fn work(&self) -> f64 {
+        let facets = self.mesh.facets();
+        let mut work = 0.0;
+        for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
+            if self.mesh.condition(facet) == Condition::Contact {
+                let sum: f64 = facet.nodes.iter().map(|&node| self.w[node as usize]).sum();
+                work += self.flux[side as usize] * sum / D as f64;
+            }
+        }
+        work
+    }
+}
+
+/// Square of the sum of a length, given by its square, and another.
+fn longer_square(square: f64, more: f64) -> f64 {
+    if more == 0.0 { square } else { (square.sqrt() + more).powi(2) }
+}
