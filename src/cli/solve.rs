@@ -7,6 +7,7 @@ mod answer;
 mod bound;
 mod domain;
 mod judging;
+mod mesh;
 mod problem;
 mod solvers;
 mod spectral;
@@ -35,6 +36,31 @@ pub(super) struct SolveArgs {
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5'
     #[arg(long)]
     f: Option<String>,
+    /// A Gmsh file whose domain takes the place of the square: triangles or tetrahedra
+    ///
+    /// Formats 2.2 and 4.1. Physical groups name regions, for `region(name)=value` in --f, and parts of the boundary.
+    #[arg(long, value_name = "FILE", requires = "f",
+        conflicts_with_all = ["scene", "cube", "h", "load", "accuracy", "accuracy_energy", "recover"])]
+    mesh: Option<PathBuf>,
+    /// A domain by its name: disc, lshape, annulus, ball
+    #[arg(long, value_name = "NAME", requires = "f",
+        conflicts_with_all = ["mesh", "scene", "cube", "h", "load", "accuracy", "accuracy_energy", "recover"])]
+    domain: Option<String>,
+    /// Number of refinements of the mesh [default: up to 20 000 nodes]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=20))]
+    refine: Option<u8>,
+    /// Part of the mesh's boundary where dv/dn = 0; the rest is in contact
+    #[arg(long, value_name = "PART", hide_short_help = true)]
+    free: Vec<String>,
+    /// Part of the mesh's boundary where v = 0
+    #[arg(long, value_name = "PART", hide_short_help = true)]
+    fixed: Vec<String>,
+    /// Circle, sphere or cylinder on which a part of the boundary lies, e.g. hole=0,0,0.3
+    ///
+    /// Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a direction and
+    /// a radius.
+    #[arg(long, value_name = "PART=NUMBERS", hide_short_help = true)]
+    curve: Vec<String>,
     /// A right-hand side on the unit cube, e.g. 'ball(0,0,0,0.25)=2; else=-1'
     #[arg(long, value_name = "F",
         conflicts_with_all = ["load", "r", "stop", "max_iterations"])]

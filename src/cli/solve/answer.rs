@@ -1,7 +1,7 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
 use super::bound;
-use super::domain::KnownErrors;
+use super::domain::{Domain, KnownErrors};
 use super::problem::Problem;
 use crate::cli::output::columns;
 use signorini_mathematics::bounds::Bounds;
@@ -10,7 +10,6 @@ use signorini_mathematics::discrete::kkt::{Judgement, Kkt};
 use signorini_mathematics::discrete::norms::Errors;
 
 use crate::replication::scene::shown_integral;
-use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::saddle::{Pair, SaddleRun};
@@ -18,7 +17,8 @@ use std::collections::BTreeMap;
 
 /// End of a solver on one grid.
 pub(super) struct Level {
-    pub cells: usize,
+    /// Number of the grid: cells per side, or refinements.
+    pub number: usize,
     pub iterations: usize,
     /// Gauss-Seidel sweeps, if the solver consists of sweeps.
     pub sweeps: Option<usize>,
@@ -33,7 +33,7 @@ pub(super) struct Level {
 impl Level {
     pub(super) fn of_saddle_run(&SaddleRun { outcome, sweeps }: &SaddleRun) -> Self {
         Self {
-            cells: outcome.cells,
+            number: outcome.cells,
             iterations: outcome.iterations,
             sweeps: Some(sweeps),
             stop: outcome.stop.name(),
@@ -50,10 +50,9 @@ impl Level {
     }
 }
 
-impl Serialize for Level {
-    fn serialize<S: serde::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+impl Level {
+    fn json(&self, domain: &Domain) -> Value {
         let mut level = json!({
-            "cells": self.cells,
             "iterations": self.iterations,
             "stop": self.end(),
             "energy": self.energy,
@@ -61,10 +60,17 @@ impl Serialize for Level {
             // On a coarse grid the natural residual is enough.
             "kkt": { "natural": self.kkt.natural, "relative": self.kkt.relative },
         });
+        match domain {
+            Domain::Square { .. } | Domain::Cube { .. } => level["cells"] = self.number.into(),
+            Domain::Mesh(mesh) => {
+                level["refinement"] = self.number.into();
+                level["nodes"] = mesh.problem.levels[self.number].network.nodes().into();
+            }
+        }
         if let Some(sweeps) = self.sweeps {
             level["sweeps"] = sweeps.into();
         }
-        level.serialize(out)
+        level
     }
 }
 
@@ -151,12 +157,12 @@ impl Answer {
             "solver": problem.solver,
             "settings": problem.settings().into_iter().collect::<BTreeMap<_, _>>(),
             "not_as_in_scene": problem.overridden,
-            "h": 1.0 / n as f64,
+            "h": problem.domain.h(n),
             "unknowns": self.solved.pair.y.len(),
             "iterations": last.iterations,
             "iterations_per_grid": levels.iter().map(|level| level.iterations).collect::<Vec<_>>(),
             "stop": self.end(problem),
-            "grids": levels,
+            "grids": levels.iter().map(|level| level.json(&problem.domain)).collect::<Vec<_>>(),
             "energy": last.energy,
             "integral_f": problem.integral,
             "sum_load": last.sum_load,
@@ -202,13 +208,16 @@ impl Answer {
         }
         if self.contact.is_none() {
             json["contact_reason"] =
-                "the contact set of the cube is made of faces, not arcs".into();
+                "the contact set in space is part of a surface, without arcs".into();
         }
         json
     }
 
     pub(super) fn text(&self, problem: &Problem) -> String {
-        let name = if problem.domain.dimension() == 3 { "cube" } else { problem.name() };
+        let name = match problem.domain {
+            Domain::Cube { .. } => "cube",
+            Domain::Square { .. } | Domain::Mesh(_) => problem.name(),
+        };
         let (f, integral) = (problem.domain.f(), shown_integral(problem.integral));
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         let mut settings = Vec::new();
@@ -224,7 +233,7 @@ impl Answer {
         if !problem.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", problem.overridden.join(", "));
         }
-        text += &self.table();
+        text += &self.table(&problem.domain);
         text += &format!("solved in {:.3} s", self.seconds[1]);
         if let Some(work_units) = self.solved.work_units {
             text += &format!(", the cost of {work_units:.1} sweeps");
@@ -255,18 +264,19 @@ impl Answer {
         text
     }
 
-    fn table(&self) -> String {
+    fn table(&self, domain: &Domain) -> String {
         let levels = &self.solved.levels;
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
         let nested = levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
-        let mut head = vec!["grid", "iterations", "stop", "energy", "KKT residual", "relative"];
+        let first = if matches!(domain, Domain::Mesh(_)) { "nodes" } else { "grid" };
+        let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
         if nested {
             head.insert(2, "sweeps");
         }
         let mut rows = Vec::new();
         for level in levels {
             let mut row = vec![
-                format!("1/{}", level.cells),
+                domain.row(level.number),
                 level.iterations.to_string(),
                 level.end().to_owned(),
                 format!("{:.6e}", level.energy),

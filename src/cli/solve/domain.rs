@@ -1,5 +1,6 @@
-//! Square and cube under one interface: load vector, judgement, errors, files.
+//! Square, cube and meshes under one interface: load vector, judgement, errors, files.
 
+use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::{MAX_CELLS, solvable};
@@ -8,10 +9,11 @@ use signorini_mathematics::bounds::{Bounds, bounds, recovery};
 use signorini_mathematics::discrete::contact::{ContactArc, arcs};
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::kkt::{Judgement, judge};
+use signorini_mathematics::discrete::kkt::{Judgement, Kkt, judge, judge_network};
 use signorini_mathematics::discrete::load::{self, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
+use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::formats::Fields;
 use signorini_mathematics::problem;
 use signorini_mathematics::problem::source::Source;
@@ -19,10 +21,13 @@ use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::path::Path;
 
-/// Square or cube, with f and its quadrature.
+/// Square, cube or mesh, with f and its quadrature.
+///
+/// The number of a grid is that of its cells per side, on a mesh that of its refinements.
 pub(super) enum Domain {
     Square { f: Source, rule: LoadRule },
     Cube { f: problem::cube::Source },
+    Mesh(Box<MeshDomain>),
 }
 
 /// Errors against a known solution.
@@ -46,6 +51,36 @@ impl Domain {
                     names.join(" and ")
                 ))
             }),
+            Self::Mesh(mesh) if solver == Solver::Spectral => Err(Error::input(format!(
+                "--solver {solver}: {} has every solver but this one",
+                mesh.name
+            ))),
+            Self::Mesh(_) => Ok(usize::MAX),
+        }
+    }
+
+    /// Returns the name of a grid in sentences.
+    pub(super) fn grid(&self, n: usize) -> String {
+        match self {
+            Self::Square { .. } | Self::Cube { .. } => format!("grid 1/{n}"),
+            Self::Mesh(_) if n == 0 => "the coarsest mesh".into(),
+            Self::Mesh(_) => format!("refinement {n}"),
+        }
+    }
+
+    /// Returns the name of a grid in a table.
+    pub(super) fn row(&self, n: usize) -> String {
+        match self {
+            Self::Square { .. } | Self::Cube { .. } => format!("1/{n}"),
+            Self::Mesh(mesh) => mesh.problem.levels[n].network.nodes().to_string(),
+        }
+    }
+
+    /// Returns the width of a grid; of a mesh, the longest edge of the finest one.
+    pub(super) fn h(&self, n: usize) -> f64 {
+        match self {
+            Self::Square { .. } | Self::Cube { .. } => 1.0 / n as f64,
+            Self::Mesh(mesh) => mesh.problem.mesh.width(),
         }
     }
 
@@ -53,6 +88,7 @@ impl Domain {
         match self {
             Self::Square { .. } => 2,
             Self::Cube { .. } => 3,
+            Self::Mesh(mesh) => mesh.problem.mesh.dimension(),
         }
     }
 
@@ -60,6 +96,7 @@ impl Domain {
         match self {
             Self::Square { f, .. } => f.to_string(),
             Self::Cube { f } => f.to_string(),
+            Self::Mesh(mesh) => mesh.problem.text.clone(),
         }
     }
 
@@ -68,6 +105,7 @@ impl Domain {
         match self {
             Self::Square { f, .. } => f.outside(),
             Self::Cube { f } => f.outside(),
+            Self::Mesh(_) => Vec::new(),
         }
     }
 
@@ -76,6 +114,7 @@ impl Domain {
         match self {
             Self::Square { f, .. } => [load::integral(f), load::integral(&f.absolute())],
             Self::Cube { f } => [cube::integral(f), cube::integral(&f.absolute())],
+            Self::Mesh(mesh) => [mesh.problem.f.integral, mesh.problem.f.size],
         }
     }
 
@@ -84,12 +123,14 @@ impl Domain {
         match self {
             Self::Square { f, .. } => solvable(f, self.integrals()),
             Self::Cube { f } => solvable(f, self.integrals()),
+            // Judged when the problem was made.
+            Self::Mesh(mesh) => Ok(mesh.problem.f.integral),
         }
     }
 
     /// Returns the difference of forces that the grid explains: h^2 times the integral of |f|.
     pub(super) fn slack(&self, n: usize) -> f64 {
-        self.integrals()[1].abs() / n as f64 / n as f64
+        self.integrals()[1].abs() * self.h(n).powi(2)
     }
 
     /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; `None` for
@@ -98,6 +139,7 @@ impl Domain {
         let smooth = match self {
             Self::Square { f, .. } => f.exact().is_some(),
             Self::Cube { f } => f.exact().is_some(),
+            Self::Mesh(_) => false,
         };
         (!smooth).then(|| self.slack(n))
     }
@@ -106,6 +148,7 @@ impl Domain {
         match self {
             Self::Square { f, rule } => load(square(n), f, *rule),
             Self::Cube { f } => cube::exact_load(cube(n), f),
+            Self::Mesh(mesh) => mesh.problem.loads().swap_remove(n),
         }
     }
 
@@ -114,7 +157,20 @@ impl Domain {
         match self {
             Self::Square { .. } => judge(square(n), y, load),
             Self::Cube { .. } => cube::judge(cube(n), y, load),
+            Self::Mesh(mesh) => judge_network(&mesh.problem.levels[n].network, y, load),
         }
+    }
+
+    /// Judges a nodal vector by the sum of its load vector, its residuals, its energy and the work of its reactions. With a
+    /// fixed part of the boundary every load has a solution.
+    pub(super) fn verdict(&self, sum_load: f64, kkt: &Kkt, energy: f64, work: f64) -> Verdict {
+        let sum_load = if self.has_fixed_part() { -1.0 } else { sum_load };
+        Verdict::new(sum_load, kkt, energy, work)
+    }
+
+    /// True if v = 0 on a part of the boundary.
+    pub(super) fn has_fixed_part(&self) -> bool {
+        matches!(self, Self::Mesh(mesh) if !mesh.problem.network().fixed().is_empty())
     }
 
     /// Returns the positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
@@ -127,6 +183,10 @@ impl Domain {
         match self {
             Self::Square { .. } => square(n).boundary().map(|node| (node, square(n).h())).collect(),
             Self::Cube { .. } => cube(n).boundary_shares().collect(),
+            Self::Mesh(mesh) => {
+                let contact = mesh.problem.levels[n].network.contact().iter();
+                contact.map(|contact| (contact.node as usize, contact.measure)).collect()
+            }
         }
     }
 
@@ -145,11 +205,12 @@ impl Domain {
                 let values = cube::errors(cube(n), f.exact()?, y);
                 Some(KnownErrors { values, multiplier_l2: None })
             }
+            Self::Mesh(_) => None,
         }
     }
 
-    /// Returns the arcs in contact, for a nodal vector and its judgement; `None` on the cube, whose contact set consists
-    /// of faces.
+    /// Returns the arcs in contact, for a nodal vector and its judgement; `None` in space, where the contact set is part of
+    /// a surface.
     pub(super) fn contact(
         &self,
         n: usize,
@@ -159,13 +220,15 @@ impl Domain {
         match self {
             Self::Square { .. } => Some(arcs(square(n), y, judged)),
             Self::Cube { .. } => None,
+            Self::Mesh(mesh) => mesh.problem.arcs(y, judged),
         }
     }
 
     pub(super) fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Bounds, String> {
         match self {
             Self::Square { f, .. } => bounds(square(n), f, y).map_err(|reason| reason.to_string()),
-            Self::Cube { .. } => Err("bounds are made for the square only".into()),
+            Self::Cube { .. } => Err("bounds are made for the square and for meshes".into()),
+            Self::Mesh(mesh) => mesh.problem.bounds(y).map_err(|reason| reason.to_string()),
         }
     }
 
@@ -184,6 +247,7 @@ impl Domain {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
             Self::Cube { f } => Fields::new(3, n, |at| f.at(at), self.boundary(n), pair),
+            Self::Mesh(mesh) => return mesh.file(kind, pair, name),
         };
         match kind {
             Format::Npy => Ok(fields.npy()),

@@ -3,6 +3,7 @@
 use super::accuracy::Accuracy;
 use super::answer::{Answer, Level};
 use super::bound;
+use super::domain::Domain;
 use super::problem::Problem;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::saddle::tolerance;
@@ -13,7 +14,7 @@ const COARSE: usize = 8;
 impl Answer {
     /// Decides whether the answer is a solution, and collects the warnings.
     pub(super) fn judge(&mut self, problem: &Problem) {
-        let (name, finest) = (problem.name(), problem.finest());
+        let (name, grid) = (problem.name(), problem.domain.grid(problem.finest()));
         let last = self.last();
         let (stop, relative, energy) = (last.stop, last.kkt.relative, last.energy);
         match last.verdict {
@@ -24,19 +25,18 @@ impl Answer {
                 } else {
                     "choose another --h"
                 };
-                self.failure =
-                    Some(format!("{name}: stopped at the {stop} on grid 1/{finest}; {remedy}"));
+                self.failure = Some(format!("{name}: stopped at the {stop} on {grid}; {remedy}"));
             }
             // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
             _ if problem.accuracy.is_some() => (),
             Verdict::NotSolved(violation) => {
                 self.failure = Some(format!(
-                    "{name}: the solver stopped as asked on grid 1/{finest}, but {violation}; {}",
+                    "{name}: the solver stopped as asked on {grid}, but {violation}; {}",
                     problem.closer()
                 ));
             }
             Verdict::Rough => self.warnings.push(format!(
-                "the KKT residual on grid 1/{finest} is {relative:.2} of the load; {}",
+                "the KKT residual on {grid} is {relative:.2} of the load; {}",
                 problem.closer()
             )),
             Verdict::Solved => (),
@@ -67,7 +67,8 @@ impl Answer {
 
     fn warn_of_grids(&mut self, problem: &Problem) {
         let (coarsest, count) = (problem.grids[0], problem.grids.len());
-        if problem.solver.is_nested() && coarsest > COARSE {
+        let on_mesh = matches!(problem.domain, Domain::Mesh(_));
+        if problem.solver.is_nested() && coarsest > COARSE && !on_mesh {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
             self.warnings.push(format!(
                 "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; choose 1/(2^k m), such as 1/64, or --solver multigrid",
@@ -76,13 +77,14 @@ impl Answer {
         }
         let coarse = &self.solved.levels[..self.solved.levels.len() - 1];
         if self.last().verdict != Verdict::NoSolution
-            && let Some(grids) = named(coarse, |level| level.verdict == Verdict::NoSolution)
+            && let Some(grids) =
+                named(problem, coarse, |level| level.verdict == Verdict::NoSolution)
         {
             self.warnings.push(format!(
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             ));
         }
-        if let Some(grids) = named(coarse, |level| level.stop != "converged") {
+        if let Some(grids) = named(problem, coarse, |level| level.stop != "converged") {
             self.warnings.push(format!("the stopping rule was not met on {grids}"));
         }
     }
@@ -109,10 +111,10 @@ impl Answer {
     /// Warns if the load vector belongs to another f.
     fn warn_of_load(&mut self, problem: &Problem) {
         if self.load_misses(problem) {
-            let (integral, n, sum_load) =
-                (problem.integral, problem.finest(), self.last().sum_load);
+            let (integral, sum_load) = (problem.integral, self.last().sum_load);
+            let grid = problem.domain.grid(problem.finest());
             self.warnings.push(format!(
-                "the load vector sums to {sum_load:+.3e} on grid 1/{n}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
+                "the load vector sums to {sum_load:+.3e} on {grid}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
             ));
         }
     }
@@ -125,7 +127,8 @@ impl Answer {
         let accepted =
             problem.accuracy.map_or(0.0, Accuracy::error) * problem.domain.integrals()[1].abs();
         let slack = problem.domain.slack(problem.finest()).max(accepted);
-        let balanced = (force - load).abs() <= slack;
+        // A fixed part of the boundary bears the rest.
+        let balanced = problem.domain.has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
             self.warnings.push(format!(
                 "the contact force {force:.4e} does not balance the load, {load:.4e}, {}; {}",
@@ -137,11 +140,14 @@ impl Answer {
 }
 
 /// Returns the names of the grids of the levels with a property, if there are any.
-fn named(levels: &[Level], property: impl Fn(&Level) -> bool) -> Option<String> {
+fn named(problem: &Problem, levels: &[Level], property: impl Fn(&Level) -> bool) -> Option<String> {
     let grids: Vec<_> = levels
         .iter()
         .filter(|level| property(level))
-        .map(|level| format!("1/{}", level.cells))
+        .map(|level| match problem.domain {
+            Domain::Mesh(_) => problem.domain.grid(level.number),
+            Domain::Square { .. } | Domain::Cube { .. } => problem.domain.row(level.number),
+        })
         .collect();
     (!grids.is_empty()).then(|| grids.join(", "))
 }

@@ -2,6 +2,7 @@
 
 use super::accuracy::Accuracy;
 use super::domain::Domain;
+use super::mesh::MeshDomain;
 use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
@@ -27,7 +28,7 @@ pub(super) struct Problem {
     /// Integral of f.
     pub integral: f64,
     pub solver: Solver,
-    /// Cells per side of the nested grids, coarsest first; only the saddle-point methods use more than the last.
+    /// Cells per side, or refinements, of the nested grids, coarsest first; only the saddle-point methods use more than the last.
     pub grids: Vec<usize>,
     /// Parameters of the saddle-point methods, but the tolerance, which depends on the grid.
     pub params: Params,
@@ -59,11 +60,15 @@ impl Problem {
         let of_scene = scene.map(|s| s.finest().cells());
         let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
             .unwrap_or(DEFAULT_CELLS);
+        let grids = match &domain {
+            Domain::Mesh(mesh) => (0..mesh.problem.levels.len()).collect(),
+            Domain::Square { .. } | Domain::Cube { .. } => hierarchy(finest, scene)?,
+        };
         let params = params(args, scene, &mut overridden)?;
         let problem = Self {
             scene: scene.map(|scene| scene.name.clone()),
             solver,
-            grids: hierarchy(finest, scene)?,
+            grids,
             params,
             prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
             tolerance: args.tolerance()?,
@@ -85,6 +90,7 @@ impl Problem {
         let most = self.domain.most_cells(solver)?;
         let asked = match self.accuracy {
             Some(accuracy) => format!("{accuracy}: grid 1/{finest}"),
+            None if matches!(self.domain, Domain::Mesh(_)) => return Ok(()),
             None => format!("--h 1/{finest}"),
         };
         if finest > most {
@@ -115,13 +121,18 @@ impl Problem {
         (n as u64 + 1).pow(dimension.into()) * per_node
     }
 
-    /// Cells per side of the finest grid.
+    /// Number of the finest grid: cells per side, or refinements.
     pub(super) fn finest(&self) -> usize {
         self.grids[self.grids.len() - 1]
     }
 
     pub(super) fn name(&self) -> &str {
-        self.scene.as_deref().unwrap_or("custom")
+        match &self.domain {
+            Domain::Mesh(mesh) => &mesh.name,
+            Domain::Square { .. } | Domain::Cube { .. } => {
+                self.scene.as_deref().unwrap_or("custom")
+            }
+        }
     }
 
     /// Returns advice for a smaller residual.
@@ -166,6 +177,7 @@ fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
         ("--recover", args.recover, &Solver::ON_GRIDS),
     ];
     check_options("--solver", solver, &options)?;
+    check_mesh_options(args)?;
     let of_the_file =
         [("--recover", args.recover), ("--h", args.h.is_some() && solver == Solver::Spectral)];
     match of_the_file.iter().find(|(_, given)| *given && args.out.is_none()) {
@@ -176,7 +188,27 @@ fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     }
 }
 
+/// Refuses an option about a mesh where there is none.
+fn check_mesh_options(args: &SolveArgs) -> Result<()> {
+    let options = [
+        ("--refine", args.refine.is_some()),
+        ("--free", !args.free.is_empty()),
+        ("--fixed", !args.fixed.is_empty()),
+        ("--curve", !args.curve.is_empty()),
+    ];
+    let has_mesh = args.mesh.is_some() || args.domain.is_some();
+    match options.iter().find(|(_, given)| *given && !has_mesh) {
+        None => Ok(()),
+        Some((option, _)) => Err(Error::input(format!(
+            "{option} is about a mesh; add --mesh FILE or --domain NAME, or leave it out"
+        ))),
+    }
+}
+
 fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {
+    if let Some(mesh) = MeshDomain::read(args)? {
+        return Ok(Domain::Mesh(Box::new(mesh)));
+    }
     if let Some(text) = &args.cube {
         let f = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
         return Ok(Domain::Cube { f });

@@ -3,16 +3,18 @@
 use super::accuracy::{Accuracy, FIRST, TriedGrid};
 use super::answer::{Answer, Level, Solved};
 use super::domain::{Domain, square};
+use super::mesh::MeshDomain;
 use super::problem::Problem;
 use crate::pipeline::error::{Error, Result};
 use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::{largest, sum};
-use signorini_mathematics::discrete::verdict::Verdict;
-use signorini_mathematics::multigrid::{Goal, InputError, MultigridStop};
+use signorini_mathematics::multigrid::active_set::active_set_on;
+use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, MultigridStop};
+use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::saddle::{
-    self, Pair, Params, SaddleRun, StopReason, on_nested, tolerance,
+    self, Pair, Params, SaddleRun, StopReason, on_nested, solve_networks, tolerance,
 };
-use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, SolverRun};
+use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, Solver, SolverRun};
 use std::time::Instant;
 
 impl Problem {
@@ -20,7 +22,10 @@ impl Problem {
         let start = Instant::now();
         let run = self.solver.entry().run;
         let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };
-        let loads: Vec<_> = grids.iter().map(|&n| self.domain.load(n)).collect();
+        let loads: Vec<_> = match (&self.domain, self.solver.is_nested()) {
+            (Domain::Mesh(mesh), true) => mesh.problem.loads(),
+            _ => grids.iter().map(|&n| self.domain.load(n)).collect(),
+        };
         let setup = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let solved = match (run, &self.domain) {
@@ -30,6 +35,10 @@ impl Problem {
             (SolverRun::Finest { cube, .. }, Domain::Cube { .. }) => {
                 self.on_finest_grid(cube, &loads[0])?
             }
+            (SolverRun::Nested { .. }, Domain::Mesh(mesh)) => {
+                self.on_nested_meshes(mesh, &loads)?
+            }
+            (_, Domain::Mesh(mesh)) => self.on_finest_mesh(mesh, &loads[0])?,
             _ => self.on_nested_grids(&loads)?,
         };
         let seconds = [setup, start.elapsed().as_secs_f64()];
@@ -74,30 +83,88 @@ impl Problem {
         if let Some(SaddleRun { outcome: end, .. }) =
             outcomes.last().filter(|run| run.outcome.stop == StopReason::Diverged)
         {
-            return Err(Error::Stage(vec![format!(
-                "{}: {} diverged on grid 1/{} after {} iterations; choose a smaller r or scale f down",
-                self.name(),
-                self.solver,
-                end.cells,
-                end.iterations
-            )]));
+            return Err(self.diverged(end.cells, end.iterations));
         }
         let levels = outcomes.iter().map(Level::of_saddle_run).collect();
         let judgement = self.domain.judge(self.finest(), &pair.y, &loads[loads.len() - 1]);
         Ok(self.solved(levels, pair.y, judgement, None))
     }
 
+    /// Returns the message that a saddle-point method diverged.
+    fn diverged(&self, n: usize, iterations: usize) -> Error {
+        let (name, solver, grid) = (self.name(), self.solver, self.domain.grid(n));
+        Error::Stage(vec![format!(
+            "{name}: {solver} diverged on {grid} after {iterations} iterations; choose a smaller r or scale f down"
+        )])
+    }
+
     /// Runs a solver that works on the finest grid alone.
     fn on_finest_grid(&self, solve: SolveOnGrid, load: &[f64]) -> Result<Solved> {
-        let n = self.finest();
-        let goal = match (self.accuracy, self.tolerance) {
+        let run = solve(self.finest(), load, self.goal(load));
+        self.judged(run.map_err(|e| self.refused(&e))?, load)
+    }
+
+    /// Runs a solver that works on the finest mesh alone, and multigrid.
+    fn on_finest_mesh(&self, mesh: &MeshDomain, load: &[f64]) -> Result<Solved> {
+        let problem = &mesh.problem;
+        let run = match self.solver {
+            Solver::ActiveSet => {
+                active_set_on(problem.network(), load).map(FinestRun::of_active_set)
+            }
+            _ => {
+                let params =
+                    MultigridParams { goal: self.goal(load), ..MultigridParams::default() };
+                solve_nested_networks(&problem.levels, load, &params).map(FinestRun::of_multigrid)
+            }
+        };
+        self.judged(run.map_err(|e| self.refused(&e))?, load)
+    }
+
+    /// Runs a saddle-point method over the nested meshes.
+    fn on_nested_meshes(&self, mesh: &MeshDomain, loads: &[Vec<f64>]) -> Result<Solved> {
+        let method = self.solver.method(0.0, false).expect("a saddle-point method");
+        let params = Params { method, ..self.params };
+        let (mut levels, mut diverged) = (Vec::new(), None);
+        let networks = &mesh.problem.levels;
+        let pair = solve_networks(networks, loads, &params, &mut |k, run, pair| {
+            let Judgement { kkt, energy, work, .. } = self.domain.judge(k, &pair.y, &loads[k]);
+            let sum_load = sum(&loads[k]);
+            let verdict = self.domain.verdict(sum_load, &kkt, energy, work);
+            if run.stop == StopReason::Diverged {
+                diverged = Some((k, run.iterations));
+            }
+            levels.push(Level {
+                number: k,
+                iterations: run.iterations,
+                sweeps: Some(run.sweeps),
+                stop: run.stop.name(),
+                energy,
+                sum_load,
+                kkt,
+                verdict,
+            });
+        });
+        if let Some((k, iterations)) = diverged {
+            return Err(self.diverged(k, iterations));
+        }
+        let judgement = mesh.problem.judge(&pair.y);
+        Ok(self.solved(levels, pair.y, judgement, None))
+    }
+
+    /// Goal of a solver on the finest grid.
+    fn goal(&self, load: &[f64]) -> Goal {
+        match (self.accuracy, self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
             (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(load)),
             // The bracket of the energy is much narrower than the error.
             _ => Goal::RoundingFloor,
-        };
-        let solved = solve(n, load, goal);
-        let FinestRun { y, iterations, stop, work_units } = solved.map_err(|e| self.refused(&e))?;
+        }
+    }
+
+    /// Judges a run on the finest grid.
+    fn judged(&self, run: FinestRun, load: &[f64]) -> Result<Solved> {
+        let n = self.finest();
+        let FinestRun { y, iterations, stop, work_units } = run;
         if stop == MultigridStop::Diverged {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
@@ -106,14 +173,14 @@ impl Problem {
         let Judgement { kkt, energy, work, .. } = judgement;
         let sum_load = sum(load);
         let level = Level {
-            cells: n,
+            number: n,
             iterations,
             sweeps: None,
             stop: stop.name(),
             energy,
             sum_load,
             kkt,
-            verdict: Verdict::new(sum_load, &kkt, energy, work),
+            verdict: self.domain.verdict(sum_load, &kkt, energy, work),
         };
         Ok(self.solved(vec![level], y, judgement, work_units))
     }
@@ -135,11 +202,11 @@ impl Problem {
     pub(super) fn without_solution(&self, sum_load: f64) -> String {
         let lower = match self.domain {
             Domain::Square { .. } => "use --load exact, another --h, or a lower f",
-            Domain::Cube { .. } => "lower f somewhere",
+            Domain::Cube { .. } | Domain::Mesh(_) => "lower f somewhere",
         };
-        let (name, n) = (self.name(), self.finest());
+        let (name, grid) = (self.name(), self.domain.grid(self.finest()));
         format!(
-            "{name}: the load vector sums to {sum_load:+.3e} on grid 1/{n}, where the discrete problem has no solution; {lower}"
+            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no solution; {lower}"
         )
     }
 

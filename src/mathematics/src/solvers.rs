@@ -204,12 +204,14 @@ pub struct FinestRun {
 }
 
 impl FinestRun {
-    fn of_multigrid((y, outcome): (Vec<f64>, MultigridOutcome)) -> Self {
+    /// Run of multigrid.
+    pub fn of_multigrid((y, outcome): (Vec<f64>, MultigridOutcome)) -> Self {
         let MultigridOutcome { cycles, stop, work_units, .. } = outcome;
         Self { y, iterations: cycles, stop, work_units: Some(work_units) }
     }
 
-    fn of_active_set((y, outcome): (Vec<f64>, ActiveSetOutcome)) -> Self {
+    /// Run of the active set method.
+    pub fn of_active_set((y, outcome): (Vec<f64>, ActiveSetOutcome)) -> Self {
         Self { y, iterations: outcome.steps, stop: outcome.stop, work_units: None }
     }
 }

@@ -79,7 +79,7 @@ pub fn solve_network(
 
 /// Solves on each of nested networks in turn, coarsest first, starting from zero and then from the interpolated pair, with
 /// the [`tolerance`] of each; ends after a network on which the iteration diverged. `loads` has the load vector of each.
-/// Returns the end on each network, and the last pair.
+/// `after` receives the position of each network, its end and its pair. Returns the last pair.
 ///
 /// # Panics
 /// If there are no levels, or as [`solve_network`].
@@ -87,9 +87,9 @@ pub fn solve_networks(
     levels: &[NestedNetwork],
     loads: &[Vec<f64>],
     params: &Params,
-) -> (Vec<NetworkRun>, Pair) {
+    after: &mut dyn FnMut(usize, &NetworkRun, &Pair),
+) -> Pair {
     let mut pair = Pair::zero_on(&levels[0].network);
-    let mut runs: Vec<NetworkRun> = Vec::with_capacity(levels.len());
     for (k, (level, load)) in levels.iter().zip(loads).enumerate() {
         if k > 0 {
             let a = level.interpolate_boundary(&levels[k - 1].network, &pair.a);
@@ -104,12 +104,12 @@ pub fn solve_networks(
         };
         let params = Params { method, tolerance, ..*params };
         let run = solve_network(&level.network, load, &params, &mut pair);
-        runs.push(run);
+        after(k, &run, &pair);
         if run.stop == StopReason::Diverged {
             break;
         }
     }
-    (runs, pair)
+    pair
 }
 
 #[cfg(test)]
