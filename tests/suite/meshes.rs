@@ -72,13 +72,16 @@ fn damage() -> impl Strategy<Value = Damage> {
     ]
 }
 
+/// Words of a file, with the blanks that follow.
+fn words(bytes: &[u8]) -> Vec<&[u8]> {
+    bytes.split_inclusive(u8::is_ascii_whitespace).collect()
+}
+
 impl Damage {
     fn apply(&self, bytes: &mut Vec<u8>) {
         if bytes.is_empty() {
             return;
         }
-        let mut words: Vec<&[u8]> = bytes.split_inclusive(u8::is_ascii_whitespace).collect();
-        let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
         let after = match self {
             Self::CutEnd(at) => bytes[..at.index(bytes.len())].to_vec(),
             Self::CutOut(at, length) => {
@@ -91,16 +94,19 @@ impl Damage {
                 after
             }
             Self::SwapWords(one, two) => {
+                let mut words = words(bytes);
                 let count = words.len();
                 words.swap(one.index(count), two.index(count));
                 words.concat()
             }
             Self::ReplaceWord(at, word) => {
-                let (at, word) = (at.index(words.len()), [word.as_bytes(), b" "].concat());
+                let (mut words, word) = (words(bytes), [word.as_bytes(), b" "].concat());
+                let at = at.index(words.len());
                 words[at] = &word;
                 words.concat()
             }
             Self::RepeatLine(at) => {
+                let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
                 let at = at.index(lines.len());
                 lines.insert(at, lines[at]);
                 lines.concat()

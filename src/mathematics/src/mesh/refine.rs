@@ -59,7 +59,9 @@ impl Numbers<'_> {
                 out.extend(TRIANGLES.iter().map(|child| std::array::from_fn(|k| number(child[k]))));
             }
             _ => {
-                out.extend(TETRAHEDRA.iter().map(|child| std::array::from_fn(|k| number(child[k]))))
+                out.extend(
+                    TETRAHEDRA.iter().map(|child| std::array::from_fn(|k| number(child[k]))),
+                );
             }
         }
     }

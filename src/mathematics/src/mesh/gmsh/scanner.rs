@@ -226,7 +226,7 @@ impl<'a> Scanner<'a> {
     pub(super) fn fault(&self, fault: Fault) -> GmshError {
         let before = &self.bytes[..self.last];
         let place = if self.is_text() {
-            FilePlace::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
+            FilePlace::Line(before.split(|&byte| byte == b'\n').count())
         } else {
             FilePlace::Byte(self.last)
         };
