@@ -8,16 +8,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 17] = [
+const ROOMS: [&str; 20] = [
     "machine",
     "problem",
     "discrete",
+    "mesh",
     "saddle",
     "formats",
     "multigrid",
+    "multilevel",
     "solvers",
     "spectral",
     "bounds",
+    "triangulated",
     "identify",
     "experiments",
     "pipeline",

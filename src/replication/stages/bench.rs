@@ -40,6 +40,11 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
         task("cube", experiments::cube::CubePlan::default(), experiments::cube::cube),
+        task(
+            "domains",
+            experiments::domains::DomainsPlan::default(),
+            experiments::domains::domains,
+        ),
         task("truth", truth, truth::truth),
         task("stress", stress, stress::stress),
         task("rounding", rounding, rounding::rounding),

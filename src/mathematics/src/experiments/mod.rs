@@ -9,6 +9,7 @@
 pub mod accuracy;
 pub mod claims;
 pub mod cube;
+pub mod domains;
 pub mod known;
 mod numbers;
 pub mod problems;

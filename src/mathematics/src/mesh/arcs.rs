@@ -8,8 +8,8 @@ use crate::discrete::network::Network;
 /// No node.
 const NONE: usize = usize::MAX;
 
-/// Boundary with the neighbours of each of its nodes, in the direction that has the domain on the left.
-struct Boundary<'a> {
+/// BoundaryWalk with the neighbours of each of its nodes, in the direction that has the domain on the left.
+struct BoundaryWalk<'a> {
     mesh: &'a PlaneMesh,
     y: &'a [f64],
     before: Vec<usize>,
@@ -31,7 +31,7 @@ pub fn mesh_arcs(
     {
         force[node] = touches.then_some(*flux);
     }
-    let boundary = Boundary::new(mesh, y);
+    let boundary = BoundaryWalk::new(mesh, y);
     let mut arcs = Vec::new();
     for start in nodes.clone() {
         let begins = boundary.before.get(start).is_some_and(|&p| p == NONE || force[p].is_none());
@@ -48,7 +48,7 @@ pub fn mesh_arcs(
     arcs
 }
 
-impl<'a> Boundary<'a> {
+impl<'a> BoundaryWalk<'a> {
     fn new(mesh: &'a PlaneMesh, y: &'a [f64]) -> Self {
         let (mut before, mut after) = (vec![NONE; y.len()], vec![NONE; y.len()]);
         let is_mirrored = Element::new(mesh.vertices(&mesh.cells[0])).is_mirrored;

@@ -40,13 +40,13 @@ const TETRAHEDRA: [[Vertex; 4]; 8] = [
 /// Children of an edge.
 const EDGES: [[Vertex; 2]; 2] = [[[0, 0], [0, 1]], [[0, 1], [1, 1]]];
 
-/// Numbers of the nodes of the refined mesh.
-struct Numbers<'a> {
+/// NodeNumbers of the nodes of the refined mesh.
+struct NodeNumbers<'a> {
     old: usize,
     edges: &'a Edges,
 }
 
-impl Numbers<'_> {
+impl NodeNumbers<'_> {
     /// Adds the children of a simplex to `out`.
     fn split<const K: usize>(&self, nodes: [u32; K], out: &mut Vec<[u32; K]>) {
         let number = |[a, b]: Vertex| match a == b {
@@ -82,7 +82,7 @@ pub fn refine<const D: usize, const V: usize>(
     }
     let edges = Edges::new(mesh.points.len(), &mesh.cells);
     let (old, parents) = (mesh.points.len(), edges.ends());
-    let numbers = Numbers { old, edges: &edges };
+    let numbers = NodeNumbers { old, edges: &edges };
     let mut points = Vec::with_capacity(old + parents.len());
     points.extend_from_slice(&mesh.points);
     points.extend(parents.iter().map(|&[a, b]| {
@@ -118,7 +118,7 @@ pub fn refine<const D: usize, const V: usize>(
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Moves the midpoints of edges of curved parts onto the curves; true if there are any.
-    fn put_on_curves(&self, numbers: &Numbers<'_>, points: &mut [[f64; D]]) -> bool {
+    fn put_on_curves(&self, numbers: &NodeNumbers<'_>, points: &mut [[f64; D]]) -> bool {
         let mut moved = false;
         for facet in &self.facets {
             let Some(curve) = self.parts[facet.part as usize].curve else { continue };

@@ -4,7 +4,7 @@ use super::cycle::Cycle;
 use crate::discrete::network::{Network, NodeCondition};
 
 /// Part of the boundary with y >= 0.
-pub(super) struct Bounded<'a> {
+pub(super) struct ContactProblem<'a> {
     pub(super) network: &'a Network,
     /// Number of the connected component of each contact node, in the order of the network.
     pub(super) components: &'a [u32],
@@ -14,7 +14,7 @@ pub(super) struct Bounded<'a> {
 
 /// Nodal vector on the way to the solution of one network.
 pub(super) struct Iterate<'a> {
-    problem: &'a Bounded<'a>,
+    problem: &'a ContactProblem<'a>,
     load: &'a [f64],
     pub(super) y: Vec<f64>,
     /// `F - A y`, at all nodes.
@@ -32,7 +32,7 @@ pub(super) struct Iterate<'a> {
 
 impl<'a> Iterate<'a> {
     /// Takes `y`, relaxes every node once, and holds the nodes in contact.
-    pub(super) fn new(problem: &'a Bounded<'a>, load: &'a [f64], y: Vec<f64>) -> Self {
+    pub(super) fn new(problem: &'a ContactProblem<'a>, load: &'a [f64], y: Vec<f64>) -> Self {
         let nodes = y.len();
         let zeros = || vec![0.0; nodes];
         let mut iterate = Self {
@@ -70,7 +70,7 @@ impl<'a> Iterate<'a> {
     /// Subtracts a constant in each component without held nodes, such that the lowest contact node has the value zero,
     /// and holds that node: the solution is zero somewhere on the boundary, since the sum of the load is negative.
     fn lower_into_contact(&mut self) {
-        let Bounded { network, components, has_fixed } = *self.problem;
+        let ContactProblem { network, components, has_fixed } = *self.problem;
         let mut lowest: Vec<Option<(f64, usize)>> = vec![None; has_fixed.len()];
         let mut is_held = has_fixed.to_vec();
         for (contact, &component) in network.contact().iter().zip(components) {

@@ -1,7 +1,7 @@
 //! Nested iteration and the stopping test.
 
 use super::cycle::Cycle;
-use super::iterate::{Bounded, Iterate};
+use super::iterate::{ContactProblem, Iterate};
 use crate::discrete::kkt::judge_network;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
@@ -58,7 +58,7 @@ pub fn solve_nested_networks(
             iterate.step(&mut cycle, level);
             progress.coarse_energy = iterate.energy();
         } else {
-            progress.run(&mut iterate, &mut cycle, &Target { level, scale, params });
+            progress.run(&mut iterate, &mut cycle, &FinestTarget { level, scale, params });
         }
         progress.work += iterate.work;
         y = iterate.y;
@@ -107,13 +107,13 @@ impl Components {
         Ok(Self { has_fixed, of_contact })
     }
 
-    fn bounded<'a>(&'a self, network: &'a Network, level: usize) -> Bounded<'a> {
-        Bounded { network, components: &self.of_contact[level], has_fixed: &self.has_fixed }
+    fn bounded<'a>(&'a self, network: &'a Network, level: usize) -> ContactProblem<'a> {
+        ContactProblem { network, components: &self.of_contact[level], has_fixed: &self.has_fixed }
     }
 }
 
 /// What the iteration on the finest level is for.
-struct Target<'a> {
+struct FinestTarget<'a> {
     level: usize,
     /// Factor by which the load was divided.
     scale: f64,
@@ -134,8 +134,8 @@ struct Progress {
 
 impl Progress {
     /// Applies steps until the goal is reached.
-    fn run(&mut self, iterate: &mut Iterate<'_>, cycle: &mut Cycle<'_>, target: &Target<'_>) {
-        let Target { level, scale, params } = *target;
+    fn run(&mut self, iterate: &mut Iterate<'_>, cycle: &mut Cycle<'_>, target: &FinestTarget<'_>) {
+        let FinestTarget { level, scale, params } = *target;
         let mut renewed = f64::INFINITY;
         self.residual = iterate.natural_residual();
         self.stop = loop {

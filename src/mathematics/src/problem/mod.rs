@@ -1,6 +1,7 @@
 //! Problems: right-hand sides on the square and the cube, and problems with known solutions.
 
 pub mod cube;
+pub mod disc;
 pub mod exact;
 mod field;
 pub mod region;

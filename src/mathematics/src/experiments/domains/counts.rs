@@ -1,0 +1,197 @@
+//! Counts of iterations of the paper's method on nested meshes, and for other numberings of the nodes.
+
+use super::{DomainPlan, DomainsPlan, problem};
+use crate::discrete::nested::NestedNetwork;
+use crate::discrete::network::{ContactNode, Coupling, Network};
+use crate::experiments::numbers::RandomNumbers;
+use crate::mesh::AnyMesh;
+use crate::saddle::{Pair, Params, StopReason, StopRule, solve_network, solve_networks, tolerance};
+use crate::triangulated::MeshProblem;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Counts on one domain.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CountedDomain {
+    /// Name of the domain.
+    pub name: String,
+    /// f, as text.
+    pub f: String,
+    /// Number of dimensions.
+    pub dimension: u8,
+    /// Nodes of the nested meshes, coarsest first.
+    pub nodes: Vec<usize>,
+    /// Counts for each r.
+    pub rows: Vec<CountsRow>,
+}
+
+/// Counts for one r, on each mesh; those of a limit are counted as such.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CountsRow {
+    /// Duality parameter.
+    pub r: f64,
+    /// Iterations under the signed rule, as in Tables 1 and 2.
+    pub signed: Vec<usize>,
+    /// Iterations under the rule as printed.
+    pub printed: Vec<usize>,
+    /// Change of the multiplier at the last stop under the signed rule, Delta a.
+    pub delta_a: f64,
+}
+
+/// Order of the nodes on the refined meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Numbering {
+    /// Old nodes, then new ones in the order of their edges.
+    Refinement,
+    /// The reverse.
+    Reversed,
+    /// By y, then by x: rows as on the square.
+    Rows,
+    /// At random.
+    Random,
+}
+
+/// Counts on the disc for one numbering, signed rule.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct NumberingCounts {
+    /// Order of the nodes.
+    pub numbering: Numbering,
+    /// Duality parameter.
+    pub r: f64,
+    /// Iterations on each mesh.
+    pub counts: Vec<usize>,
+}
+
+/// Counts iterations on one domain.
+pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<CountedDomain, String> {
+    let made = problem(domain, domain.first + plan.levels - 1)?;
+    let (levels, loads) = (&made.levels[domain.first..], &made.loads()[domain.first..]);
+    let row = |&r: &f64| {
+        let run = |rule| {
+            let params =
+                Params { r, rule, max_iterations: plan.max_iterations, ..Params::default() };
+            let (mut counts, mut delta_a) = (Vec::new(), 0.0);
+            solve_networks(levels, loads, &params, &mut |_, run, _| {
+                counts.push(run.iterations);
+                delta_a = run.delta_a;
+            });
+            (counts, delta_a)
+        };
+        let ((signed, delta_a), (printed, _)) = (run(StopRule::Signed), run(StopRule::Printed));
+        CountsRow { r, signed, printed, delta_a }
+    };
+    Ok(CountedDomain {
+        name: domain.name.clone(),
+        f: made.text.clone(),
+        dimension: made.mesh.dimension(),
+        nodes: levels.iter().map(|level| level.network.nodes()).collect(),
+        rows: plan.r.par_iter().map(row).collect(),
+    })
+}
+
+/// Counts iterations on the disc for each numbering.
+pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, String> {
+    let Some(disc) = plan.domains.iter().find(|domain| domain.name == "disc") else {
+        return Ok(Vec::new());
+    };
+    let made = problem(disc, disc.first + plan.levels - 1)?;
+    let mut counts = Vec::new();
+    for numbering in
+        [Numbering::Refinement, Numbering::Reversed, Numbering::Rows, Numbering::Random]
+    {
+        let orders = orders(&made, numbering)?;
+        for &r in &plan.r {
+            let counts_of_r = renumbered_counts(&made, &orders, r, plan.max_iterations);
+            counts.push(NumberingCounts { numbering, r, counts: counts_of_r });
+        }
+    }
+    Ok(counts)
+}
+
+/// Place of each node on each level.
+fn orders(problem: &MeshProblem, numbering: Numbering) -> Result<Vec<Vec<u32>>, String> {
+    let AnyMesh::Plane(mesh) = &problem.mesh else {
+        return Err("the disc lies in the plane".into());
+    };
+    let of_level = |level: &NestedNetwork| {
+        let nodes = level.network.nodes();
+        let mut order: Vec<u32> = (0..nodes as u32).collect();
+        match numbering {
+            Numbering::Refinement => {}
+            Numbering::Reversed => order.reverse(),
+            // The first nodes of the finest mesh are those of each coarser one.
+            Numbering::Rows => order.sort_by(|&a, &b| {
+                let [[ax, ay], [bx, by]] = [a, b].map(|node| mesh.points()[node as usize]);
+                ay.total_cmp(&by).then(ax.total_cmp(&bx))
+            }),
+            Numbering::Random => {
+                let mut random = RandomNumbers::new(1, nodes as u64);
+                for last in (1..nodes).rev() {
+                    order.swap(last, (random.unit() * (last + 1) as f64) as usize);
+                }
+            }
+        }
+        let mut places = vec![0; nodes];
+        order.iter().enumerate().for_each(|(place, &node)| places[node as usize] = place as u32);
+        places
+    };
+    Ok(problem.levels.iter().map(of_level).collect())
+}
+
+/// Counts on nested meshes whose nodes are renumbered, with interpolation between the nodes as they were.
+fn renumbered_counts(
+    problem: &MeshProblem,
+    orders: &[Vec<u32>],
+    r: f64,
+    max_iterations: usize,
+) -> Vec<usize> {
+    let loads = problem.loads();
+    let mut counts = Vec::new();
+    let mut pair = Pair::zero_on(&problem.levels[0].network);
+    for (k, (level, places)) in problem.levels.iter().zip(orders).enumerate() {
+        if k > 0 {
+            let a = level.interpolate_boundary(&problem.levels[k - 1].network, &pair.a);
+            pair = Pair { y: level.interpolate(&pair.y), a };
+        }
+        let network = renumbered(&level.network, places);
+        let load = moved(&loads[k], places);
+        let mut other = Pair { y: moved(&pair.y, places), a: pair.a };
+        let tolerance = tolerance(k + 1);
+        let params =
+            Params { r, rule: StopRule::Signed, tolerance, max_iterations, ..Params::default() };
+        let run = solve_network(&network, &load, &params, &mut other);
+        counts.push(run.iterations);
+        if run.stop == StopReason::Diverged {
+            break;
+        }
+        let y = places.iter().map(|&place| other.y[place as usize]).collect();
+        pair = Pair { y, a: other.a };
+    }
+    counts
+}
+
+/// Network with each node at its place; contact nodes stay in their order.
+fn renumbered(network: &Network, places: &[u32]) -> Network {
+    let mut couplings = Vec::with_capacity(network.couplings());
+    for node in 0..network.nodes() {
+        let later = network.later(node);
+        for (&other, &weight) in later.others.iter().zip(later.weights) {
+            couplings.push(Coupling { nodes: [places[node], places[other as usize]], weight });
+        }
+    }
+    let contact = network.contact().iter();
+    let contact = contact.map(|contact| ContactNode {
+        node: places[contact.node as usize],
+        measure: contact.measure,
+    });
+    let fixed = network.fixed().iter().map(|&node| places[node as usize]);
+    Network::new(&couplings, contact.collect(), fixed.collect(), moved(network.masses(), places))
+}
+
+/// Nodal vector with each value at the place of its node.
+fn moved(values: &[f64], places: &[u32]) -> Vec<f64> {
+    let mut moved = vec![0.0; values.len()];
+    values.iter().zip(places).for_each(|(value, &place)| moved[place as usize] = *value);
+    moved
+}

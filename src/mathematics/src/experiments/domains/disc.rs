@@ -1,0 +1,122 @@
+//! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
+
+use crate::discrete::kkt::judge_network;
+use crate::mesh::{BuiltIn, Mesh, OnCells, mesh_arcs, mesh_load, refined};
+use crate::multigrid::MultigridParams;
+use crate::multilevel::solve_nested_networks;
+use crate::problem::disc::DiscProblem;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Problem on the disc with a known solution.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DiscFindings {
+    /// Coefficients c0, c1 and k of f.
+    pub c0: f64,
+    /// See [`DiscProblem`].
+    pub c1: f64,
+    /// See [`DiscProblem`].
+    pub k: u32,
+    /// Energy of the true solution.
+    pub energy: f64,
+    /// Refinements, coarsest first.
+    pub levels: Vec<DiscLevel>,
+}
+
+/// Errors on one refinement.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DiscLevel {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Error of the energy.
+    pub energy: f64,
+    /// Error of v at the centre.
+    pub centre: f64,
+    /// Largest error of v on the rim.
+    pub rim: f64,
+    /// Error of the multiplier on the rim in L2.
+    pub multiplier: f64,
+    /// Largest distance of an end of contact from the true one over the longest edge; none if all is in contact.
+    pub ends: Option<f64>,
+    /// Orders of the errors of the energy, at the centre, on the rim and of the multiplier against the mesh before.
+    pub orders: Option<[f64; 4]>,
+}
+
+impl OnCells<2> for DiscProblem {
+    fn at(&self, _region: u16, point: [f64; 2]) -> f64 {
+        self.f(point)
+    }
+}
+
+/// Problems of the experiment.
+const PROBLEMS: [DiscProblem; 4] = [
+    DiscProblem { c0: 1.0, c1: 0.0, k: 1 },
+    DiscProblem { c0: 1.0, c1: 4.0, k: 1 },
+    DiscProblem { c0: 1.0, c1: 8.0, k: 1 },
+    DiscProblem { c0: 1.0, c1: 12.0, k: 3 },
+];
+
+/// Measures the errors on all refinements from the third on.
+pub(super) fn convergence(refinements: usize) -> Result<Vec<DiscFindings>, String> {
+    PROBLEMS.into_par_iter().map(|problem| on_disc(problem, refinements)).collect()
+}
+
+fn on_disc(problem: DiscProblem, refinements: usize) -> Result<DiscFindings, String> {
+    let coarsest = BuiltIn::Disc.plane().expect("the disc lies in the plane");
+    let mut levels: Vec<DiscLevel> = Vec::new();
+    for times in 3..=refinements {
+        let mut level = errors(problem, &coarsest, times)?;
+        level.orders = levels.last().map(|before| {
+            [
+                before.energy / level.energy,
+                before.centre / level.centre,
+                before.rim / level.rim,
+                before.multiplier / level.multiplier,
+            ]
+            .map(|ratio| libm::log2(ratio.abs()))
+        });
+        levels.push(level);
+    }
+    let DiscProblem { c0, c1, k } = problem;
+    Ok(DiscFindings { c0, c1, k, energy: problem.energy(), levels })
+}
+
+fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<DiscLevel, String> {
+    let (levels, mesh) = refined(coarsest, times).map_err(|e| e.to_string())?;
+    let load = mesh_load(&mesh, &problem).load;
+    let (y, _) = solve_nested_networks(&levels, &load, &MultigridParams::default())
+        .map_err(|e| e.to_string())?;
+    let network = &levels[times].network;
+    let judged = judge_network(network, &y, &load);
+    let parts = network.contact().iter().map(|contact| (contact.node as usize, contact.measure));
+    let multiplier = judged.multiplier(parts.clone(), &y);
+    let (mut rim, mut square) = (0.0f64, 0.0);
+    for ((node, measure), l) in parts.zip(&multiplier) {
+        let [px, py] = mesh.points()[node];
+        let t = libm::atan2(py, px);
+        rim = rim.max((y[node] - problem.rim(t)).abs());
+        square += measure * (l - problem.multiplier(t)) * (l - problem.multiplier(t));
+    }
+    let alpha = problem.free_angle();
+    let ends = (alpha > 0.0).then(|| {
+        let arcs = mesh_arcs(&mesh, network, &y, &judged);
+        let ends = arcs.iter().flat_map(|arc| [arc.from, arc.to]);
+        let distances = ends.map(|[px, py]| {
+            // The ends are at k t = alpha and -alpha, up to whole turns.
+            let angle = f64::from(problem.k) * libm::atan2(py, px);
+            let angle = angle - 2.0 * PI * (angle / (2.0 * PI)).round();
+            (angle.abs() - alpha).abs() / f64::from(problem.k)
+        });
+        distances.fold(0.0, f64::max) / mesh.width()
+    });
+    Ok(DiscLevel {
+        nodes: y.len(),
+        energy: judged.energy - problem.energy(),
+        centre: y[0] - problem.centre(),
+        rim,
+        multiplier: square.sqrt(),
+        ends,
+        orders: None,
+    })
+}

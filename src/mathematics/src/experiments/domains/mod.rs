@@ -1,0 +1,187 @@
+//! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on
+//! nested meshes and for other numberings of the nodes, cost.
+
+mod counts;
+mod disc;
+
+use crate::mesh::AnyMesh;
+use crate::multigrid::{Goal, MultigridParams};
+use crate::multilevel::solve_nested_networks;
+use crate::triangulated::MeshProblem;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+pub use counts::{CountedDomain, CountsRow, Numbering, NumberingCounts};
+pub use disc::{DiscFindings, DiscLevel};
+
+/// Input of the experiment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DomainsPlan {
+    /// Domains with their f.
+    pub domains: Vec<DomainPlan>,
+    /// Values of the duality parameter.
+    pub r: Vec<f64>,
+    /// Number of nested meshes for the counts.
+    pub levels: usize,
+    /// Limit on iterations.
+    pub max_iterations: usize,
+    /// Number of refinements of the disc.
+    pub disc: usize,
+}
+
+/// Domain of the experiment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DomainPlan {
+    /// Built-in domain, or `square` or `cube`.
+    pub name: String,
+    /// f, as text.
+    pub f: String,
+    /// Number of refinements of the coarsest mesh on which the counts begin.
+    pub first: usize,
+    /// Number of refinements for the cost.
+    pub refinements: usize,
+}
+
+impl Default for DomainsPlan {
+    fn default() -> Self {
+        let domain = |name: &str, f: &str, first, refinements| DomainPlan {
+            name: name.into(),
+            f: f.into(),
+            first,
+            refinements,
+        };
+        Self {
+            domains: vec![
+                domain("square", "rect(-1,0,-1,0)=-6; else=1.5", 1, 6),
+                domain("lshape", "rect(-1,0,-1,0)=3; else=-2", 0, 6),
+                domain("disc", "rect(-1,0,-1,0)=-6; else=1", 0, 7),
+                domain("annulus", "rect(-1,0,-1,0)=-6; else=1", 0, 5),
+                domain("cube", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
+                domain("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
+            ],
+            r: vec![0.1, 1.0, 10.0, 100.0, 1e4],
+            levels: 5,
+            max_iterations: 200_000,
+            disc: 8,
+        }
+    }
+}
+
+/// Result of the experiment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DomainsFindings {
+    /// Convergence on the disc.
+    pub disc: Vec<DiscFindings>,
+    /// Counts on nested meshes.
+    pub counts: Vec<CountedDomain>,
+    /// Counts for other numberings of the disc.
+    pub numberings: Vec<NumberingCounts>,
+    /// Cost of multigrid.
+    pub cost: Vec<DomainCost>,
+    /// Greatest work units to the discretisation error and to the rounding floor.
+    pub most: [f64; 2],
+}
+
+/// Cost of multigrid on one domain.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DomainCost {
+    /// Name of the domain.
+    pub name: String,
+    /// f, as text.
+    pub f: String,
+    /// Nodes of the finest mesh.
+    pub nodes: usize,
+    /// Work in sweeps of the finest mesh, to the discretisation error and to the rounding floor.
+    pub work_units: [f64; 2],
+    /// Steps on the finest mesh, to both goals.
+    pub steps: [usize; 2],
+    /// Algebraic error over the discretisation error in the energy norm, at the first goal; the latter from the energies
+    /// on two meshes.
+    pub algebraic: f64,
+    /// KKT residual over the largest load, at the second goal.
+    pub relative: f64,
+    /// Bound of the error over an estimate of it from the energies on two meshes.
+    pub effectivity: f64,
+}
+
+/// Runs the experiment.
+///
+/// # Errors
+/// A sentence if a problem cannot be solved.
+pub fn domains(plan: &DomainsPlan) -> Result<DomainsFindings, String> {
+    let cost: Result<Vec<_>, _> = plan.domains.par_iter().map(cost).collect();
+    let cost = cost?;
+    let counts: Result<Vec<_>, _> =
+        plan.domains.par_iter().map(|domain| counts::counted(domain, plan)).collect();
+    let mut most = [0.0f64; 2];
+    for of in &cost {
+        most = [0, 1].map(|goal| of.work_units[goal].max(most[goal]));
+    }
+    Ok(DomainsFindings {
+        disc: disc::convergence(plan.disc)?,
+        counts: counts?,
+        numberings: counts::numberings(plan)?,
+        cost,
+        most,
+    })
+}
+
+/// Coarsest mesh of a domain.
+fn coarsest(name: &str) -> Result<AnyMesh, String> {
+    use crate::discrete::{cube, grid::Grid};
+    use crate::mesh::{uniform_cube, uniform_square};
+    match name {
+        "square" => Ok(AnyMesh::Plane(uniform_square(Grid::new(2).map_err(|e| e.to_string())?))),
+        "cube" => Ok(AnyMesh::Space(uniform_cube(cube::Grid::new(2).map_err(|e| e.to_string())?))),
+        _ => AnyMesh::built_in(name).ok_or_else(|| format!("no domain `{name}`")),
+    }
+}
+
+/// Problem on a domain with some refinements.
+fn problem(domain: &DomainPlan, refinements: usize) -> Result<MeshProblem, String> {
+    MeshProblem::new(&coarsest(&domain.name)?, refinements, &domain.f)
+        .map_err(|e| format!("{}: {e}", domain.name))
+}
+
+/// Energy and work of a solution.
+struct Solved {
+    y: Vec<f64>,
+    energy: f64,
+    relative: f64,
+    steps: usize,
+    work_units: f64,
+}
+
+fn solved(problem: &MeshProblem, goal: Goal) -> Result<Solved, String> {
+    let params = MultigridParams { goal, ..MultigridParams::default() };
+    let (y, outcome) = solve_nested_networks(&problem.levels, &problem.f.load, &params)
+        .map_err(|e| e.to_string())?;
+    let judged = problem.judge(&y);
+    Ok(Solved {
+        y,
+        energy: judged.energy,
+        relative: judged.kkt.relative,
+        steps: outcome.cycles,
+        work_units: outcome.work_units,
+    })
+}
+
+fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
+    let coarser = solved(&problem(domain, domain.refinements - 1)?, Goal::RoundingFloor)?;
+    let problem = problem(domain, domain.refinements)?;
+    let [rough, exact] =
+        [solved(&problem, Goal::DiscretisationError)?, solved(&problem, Goal::RoundingFloor)?];
+    // The error of the energy falls by four from one mesh to the next.
+    let discretisation = (coarser.energy - exact.energy) / 3.0;
+    let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
+    Ok(DomainCost {
+        name: domain.name.clone(),
+        f: domain.f.clone(),
+        nodes: exact.y.len(),
+        work_units: [rough.work_units, exact.work_units],
+        steps: [rough.steps, exact.steps],
+        algebraic: ((rough.energy - exact.energy).max(0.0) / discretisation).sqrt(),
+        relative: exact.relative,
+        effectivity: bounds.error[1] / (2.0 * discretisation).sqrt(),
+    })
+}
