@@ -47,6 +47,7 @@ mod spectral;
 mod stress;
 mod terminal;
 mod touching;
+mod triangulations;
 mod truth;
 mod verdicts;
 mod whole;

@@ -1,0 +1,178 @@
+//! Problems on triangulations: closed forms, unlike solvers, guaranteed brackets, and the command line.
+
+use crate::common::{Dice, Project, TABLE};
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::network::Network;
+use signorini_mathematics::experiments::domains::{DomainsPlan, domains};
+use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::multigrid::active_set::active_set_on;
+use signorini_mathematics::multigrid::{Goal, MultigridParams, MultigridStop, solve_cube};
+use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, solve_network};
+use signorini_mathematics::triangulated::MeshProblem;
+use std::f64::consts::PI;
+use std::fs;
+
+/// Domains of the tests: built-in ones, and files in `tests/meshes/`.
+fn mesh(name: &str) -> AnyMesh {
+    AnyMesh::built_in(name).unwrap_or_else(|| {
+        let path = format!("{}/tests/meshes/{name}.msh", env!("CARGO_MANIFEST_DIR"));
+        gmsh::read(&fs::read(path).unwrap()).unwrap()
+    })
+}
+
+fn solve(problem: &MeshProblem, goal: Goal) -> (Vec<f64>, MultigridStop) {
+    let params = MultigridParams { goal, ..MultigridParams::default() };
+    let (y, outcome) =
+        solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+    (y, outcome.stop)
+}
+
+#[test]
+fn on_the_disc_all_errors_have_their_order() {
+    let plan = DomainsPlan { domains: Vec::new(), disc: 7, ..DomainsPlan::default() };
+    let findings = domains(&plan).unwrap();
+    for problem in findings.disc {
+        let last = problem.levels.last().unwrap();
+        let [energy, centre, rim, multiplier] = last.orders.unwrap();
+        let name = format!("c1 = {}, k = {}: {last:?}", problem.c1, problem.k);
+        assert!((energy - 2.0).abs() < 0.1, "{name}");
+        assert!(centre > 1.6, "{name}");
+        assert!(rim > 1.5 || last.rim < 1e-14, "{name}");
+        assert!(multiplier > 0.8, "{name}");
+        assert!(last.ends.is_none_or(|ends| ends < 1.0), "{name}");
+    }
+}
+
+#[test]
+fn the_ball_in_full_contact_has_its_energy() {
+    let energy = -2.0 * PI / 45.0;
+    let error = |times| {
+        let problem = MeshProblem::new(&mesh("ball"), times, "else=-1").unwrap();
+        let (y, _) = solve(&problem, Goal::RoundingFloor);
+        problem.judge(&y).energy - energy
+    };
+    let order = (error(3) / error(4)).log2();
+    assert!((order - 2.0).abs() < 0.1, "{order}");
+}
+
+/// f that is constant on the quarters or eighths of space, with a negative integral over each domain of the tests.
+fn random_f(dice: &mut Dice, dimension: u8) -> String {
+    let mut number = |size: f64| size * (2.0 * dice.unit() - 1.0);
+    let [a, b, c] = [number(3.0), number(3.0), number(3.0)];
+    let shift = number(1.0).abs() + 6.5;
+    if dimension == 2 {
+        format!("rect(-2,0,-2,0)={a}; rect(0,2,0,2)={b}; halfplane(1,0,-0.3)={c}; else=-{shift}")
+    } else {
+        format!("box(-2,0,-2,0,-2,0)={a}; box(0,2,0,2,-2,2)={b}; else=-{shift}")
+    }
+}
+
+/// Conditions on the parts by chance, but a boundary that is free everywhere.
+fn random_conditions(dice: &mut Dice, mesh: &mut AnyMesh) {
+    let names: Vec<String> = match mesh {
+        AnyMesh::Plane(mesh) => mesh.parts().iter().map(|part| part.name.clone()).collect(),
+        AnyMesh::Space(mesh) => mesh.parts().iter().map(|part| part.name.clone()).collect(),
+    };
+    for (k, name) in names.iter().enumerate() {
+        let condition = match (dice.unit() * 4.0) as u8 {
+            0 => Condition::Fixed,
+            1 if k > 0 => Condition::Free,
+            _ => Condition::Contact,
+        };
+        mesh.set_condition(name, condition).unwrap();
+    }
+}
+
+const MESHES: [&str; 6] = ["disc", "lshape", "annulus", "gear", "ball", "notch"];
+
+#[test]
+fn two_unlike_solvers_agree_and_every_bracket_holds() {
+    let mut dice = Dice(40);
+    for case in 0..240 {
+        let mut mesh = mesh(MESHES[case % MESHES.len()]);
+        random_conditions(&mut dice, &mut mesh);
+        let f = random_f(&mut dice, mesh.dimension());
+        let times = if mesh.nodes() < 100 { 2 } else { 1 };
+        let Ok(problem) = MeshProblem::new(&mesh, times, &f) else { continue };
+        let (y, stop) = solve(&problem, Goal::RoundingFloor);
+        let name = format!("case {case}: {f}");
+        assert_eq!(stop, MultigridStop::RoundingFloor, "{name}");
+        let judged = problem.judge(&y);
+        assert!(judged.kkt.relative < 1e-9, "{name}: {:?}", judged.kkt);
+        if case % 4 == 0 {
+            let (direct, _) = active_set_on(problem.network(), &problem.f.load).unwrap();
+            let largest = y.iter().fold(1.0f64, |most, y| most.max(y.abs()));
+            let apart = y.iter().zip(&direct).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+            assert!(apart < 1e-9 * largest, "{name}: {apart:e}");
+        }
+        // The energy of the problem on the polygon lies in the brackets of a solution and of any other vector.
+        let of_solution = problem.bounds(&y).unwrap().energy;
+        let wrong: Vec<f64> = y.iter().map(|y| y + 0.1 * (dice.unit() - 0.5)).collect();
+        let of_other = problem.bounds(&wrong).unwrap().energy;
+        assert!(of_solution[0] <= judged.energy && judged.energy <= of_solution[1], "{name}");
+        assert!(of_other[0] <= of_solution[1] && of_solution[0] <= of_other[1], "{name}");
+    }
+}
+
+#[test]
+fn the_papers_method_on_the_cube_ends_at_the_solution() {
+    let grid = cube::Grid::new(8).unwrap();
+    let f = "box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1".parse().unwrap();
+    let load = cube::exact_load(grid, &f);
+    let (y, _) = solve_cube(8, &load, None, &MultigridParams::default()).unwrap();
+    let network = Network::of_cube(grid);
+    let params =
+        Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
+    let mut pair = Pair::zero_on(&network);
+    let run = solve_network(&network, &load, &params, &mut pair);
+    assert_eq!(run.stop, StopReason::Converged);
+    let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(apart < 1e-8, "{apart:e}");
+}
+
+#[test]
+fn the_command_solves_on_a_file_and_on_a_domain() {
+    let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
+    let f = "rect(-2,0,-2,0)=-6; else=1";
+    let project = Project::with(TABLE);
+    for (mesh, more) in
+        [(["--mesh", gear.as_str()], ["--free", "hole"]), (["--domain", "disc"], ["--refine", "4"])]
+    {
+        for solver in ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal"] {
+            let args = [&["solve", "--json", "--f", f, "--solver", solver], &mesh[..], &more].concat();
+            let said = project.run(&args);
+            assert_eq!(said.code, Some(0), "{solver}: {said:?}");
+            let json = said.json();
+            let energy = json["energy"].as_f64().unwrap();
+            let bracket = json["bound"]["energy"].as_array().unwrap();
+            let [low, high] = [0, 1].map(|end| bracket[end].as_f64().unwrap());
+            assert!(low <= energy + 1e-6 && energy <= high + 1e-6, "{solver}: {json}");
+            assert_eq!(json["contact"].as_array().unwrap().len(), 1, "{solver}");
+        }
+    }
+}
+
+#[test]
+fn bad_meshes_and_options_get_one_line() {
+    let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
+    let here = env!("CARGO_MANIFEST_DIR");
+    let cases: [&[&str]; 11] = [
+        &["--domain", "gear"],
+        &["--domain", "disc", "--fixed", "teeth"],
+        &["--domain", "disc", "--free", "rim"],
+        &["--domain", "disc", "--curve", "rim=0,0"],
+        &["--domain", "disc", "--curve", "rim=0,0,2"],
+        &["--domain", "disc", "--refine", "20"],
+        &["--domain", "ball", "--out", "ball.svg"],
+        &["--mesh", &gear, "--solver", "spectral"],
+        &["--mesh", "nowhere.msh"],
+        &["--mesh", here],
+        &["--refine", "2"],
+    ];
+    let project = Project::with(TABLE);
+    for args in cases {
+        project.run(&[&["solve", "--f", "else=-1"], args].concat()).refusal();
+    }
+    project.run(&["solve", "--domain", "disc", "--f", "else=1"]).refusal();
+}
