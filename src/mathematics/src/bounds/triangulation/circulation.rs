@@ -4,7 +4,7 @@
 //! inner node their sum is zero. On each cell a circulation is a constant field, so that the system for their strengths
 //! is that of linear elements on the surface of the patch.
 
-use super::cells::{Shape, difference};
+use super::cells::{RaviartThomas, difference};
 use super::fan::{Fan, Member};
 use crate::mesh::dot;
 
@@ -143,7 +143,7 @@ impl Circulations {
             let vertices = fan.mesh.vertices(&fan.mesh.cells()[member.cell as usize]);
             let mut outflows: [f64; V] = std::array::from_fn(|k| member.outflows[k] + cell.work[k]);
             outflows[member.vertex] = 0.0;
-            let mean = Shape::new(vertices, cell.volume).mean(outflows);
+            let mean = RaviartThomas::new(vertices, cell.volume).mean(outflows);
             let turns = self.turns(fan, member);
             for turn in turns.iter().flatten().filter(|turn| turn.number != NONE) {
                 let row = turn.number as usize;
