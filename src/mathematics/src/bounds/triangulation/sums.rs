@@ -139,15 +139,24 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
     /// Integral of `w sigma.n` over the boundary.
     fn work(&self) -> f64 {
         let facets = self.mesh.facets();
-        let mut work = 0.0;
+        let mut terms = Vec::with_capacity(facets.len());
         for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
             if self.mesh.condition(facet) == Condition::Contact {
                 let sum: f64 = facet.nodes.iter().map(|&node| self.w[node as usize]).sum();
-                work += self.flux[side as usize] * sum / D as f64;
+                terms.push(self.flux[side as usize] * sum / D as f64);
             }
         }
-        work
+        halved_sum(&terms)
     }
+}
+
+/// Sum with short chains of additions.
+fn halved_sum(terms: &[f64]) -> f64 {
+    if terms.len() <= RUN {
+        return terms.iter().sum();
+    }
+    let (one, two) = terms.split_at(terms.len() / 2);
+    halved_sum(one) + halved_sum(two)
 }
 
 /// Square of the sum of a length, given by its square, and another.
