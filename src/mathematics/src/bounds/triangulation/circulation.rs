@@ -118,7 +118,7 @@ impl Circulations {
         let vertices = fan.mesh.vertices(nodes);
         let cell = &fan.cells[member.cell as usize];
         // The node before the other vertices in their order is an even permutation for even positions of the node.
-        let sense = if member.vertex.is_multiple_of(2) != cell.is_mirrored { 1.0 } else { -1.0 };
+        let sense = if member.vertex.is_multiple_of(2) == cell.is_mirrored { -1.0 } else { 1.0 };
         let scale = sense / (D as f64 * cell.volume);
         std::array::from_fn(|k| {
             let [around, out, back] = [k, k + 1, k + 2].map(|k| other_vertex(member.vertex, k % 3));
