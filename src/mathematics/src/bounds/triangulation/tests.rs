@@ -164,7 +164,7 @@ fn bounds_are_little_longer_than_the_error() {
     let all = [
         (1.3, 6, disc([-1.0; 6])),
         (1.3, 6, disc(sectors)),
-        (1.5, 7, lshape),
+        (1.5, 6, lshape),
         (1.5, 6, annulus(Condition::Contact)),
         (1.4, 6, annulus(Condition::Fixed)),
         (1.5, 6, annulus(Condition::Free)),
