@@ -23,8 +23,7 @@ fn mesh(name: &str) -> AnyMesh {
 
 fn solve(problem: &MeshProblem, goal: Goal) -> (Vec<f64>, MultigridStop) {
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    let (y, outcome) =
-        solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+    let (y, outcome) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
     (y, outcome.stop)
 }
 
@@ -140,7 +139,8 @@ fn the_command_solves_on_a_file_and_on_a_domain() {
         [(["--mesh", gear.as_str()], ["--free", "hole"]), (["--domain", "disc"], ["--refine", "4"])]
     {
         for solver in ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal"] {
-            let args = [&["solve", "--json", "--f", f, "--solver", solver], &mesh[..], &more].concat();
+            let args =
+                [&["solve", "--json", "--f", f, "--solver", solver], &mesh[..], &more].concat();
             let said = project.run(&args);
             assert_eq!(said.code, Some(0), "{solver}: {said:?}");
             let json = said.json();

@@ -44,8 +44,8 @@ struct Step {
 /// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the flux out through the
 /// boundary in contact is not negative.
 ///
-/// Where nothing is fixed, the outflows through the contact boundary are scaled first until their sum balances f: what
-/// is left to the tree has no sum.
+/// In a component without fixed boundary the outflows through the contact boundary are scaled first, so that their sum
+/// balances f and the outlet at the root has no more than rounding errors to take.
 ///
 /// # Errors
 /// If a component has neither a contact nor a fixed boundary, or the integral of f over a component without fixed

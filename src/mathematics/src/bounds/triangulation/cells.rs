@@ -46,18 +46,18 @@ pub(super) fn gradient<const D: usize, const V: usize>(
     element.gradient(values.map(|value| value - values[0]))
 }
 
-/// Vertices of a cell as seen from the centroid, for fields of Raviart and Thomas. The field with an outflow of 1 through
+/// Fields of Raviart and Thomas of lowest order on a cell. The field with an outflow of 1 through
 /// the side opposite to vertex a, and 0 through the others, is `(x - a) / (D volume)`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape<const D: usize, const V: usize> {
+pub(super) struct RaviartThomas<const D: usize, const V: usize> {
     /// Centroid less each vertex.
     to_centre: [[f64; D]; V],
     /// Volume.
     volume: f64,
 }
 
-impl<const D: usize, const V: usize> Shape<D, V> {
-    /// Cell with these vertices and this volume.
+impl<const D: usize, const V: usize> RaviartThomas<D, V> {
+    /// Fields on the cell with these vertices and this volume.
     pub(super) fn new(vertices: [[f64; D]; V], volume: f64) -> Self {
         let centre = centroid(vertices);
         Self { to_centre: vertices.map(|vertex| difference(centre, vertex)), volume }
@@ -79,10 +79,9 @@ impl<const D: usize, const V: usize> Shape<D, V> {
         self.volume * (dot(mean, mean) + density * density * self.spread())
     }
 
-    /// Upper bound of [`Shape::square`] for any signs of the outflows, the size of its rounding errors.
+    /// Upper bound of [`RaviartThomas::square`] for any signs of the outflows, the size of its rounding errors.
     pub(super) fn largest_square(&self, outflows: [f64; V]) -> f64 {
-        let reach = |x: [f64; D]| dot(x, x).sqrt();
-        let terms = outflows.iter().zip(self.to_centre).map(|(q, x)| q.abs() * reach(x));
+        let terms = outflows.iter().zip(self.to_centre).map(|(q, x)| q.abs() * dot(x, x).sqrt());
         let largest = terms.sum::<f64>() / (D as f64 * self.volume);
         let density = outflows.iter().map(|q| q.abs()).sum::<f64>() / (D as f64 * self.volume);
         self.volume * (largest * largest + density * density * self.spread())
@@ -110,20 +109,20 @@ mod tests {
     #[test]
     fn fields_of_constant_gradients_have_their_norm() {
         let element = Element::<3, 4>::new(TETRAHEDRON);
-        let shape = Shape::new(TETRAHEDRON, element.volume);
+        let fields = RaviartThomas::new(TETRAHEDRON, element.volume);
         let slope = gradient(&element, [1.0, 3.0, -2.0, 0.5]);
         let outflows = element.gradients.map(|g| -3.0 * element.volume * dot(g, slope));
         let expected = element.volume * dot(slope, slope);
-        assert!((shape.square(outflows) - expected).abs() < 1e-14 * expected);
-        assert!(difference(shape.mean(outflows), slope).iter().all(|d| d.abs() < 1e-13));
-        assert!(shape.largest_square(outflows) >= expected);
+        assert!((fields.square(outflows) - expected).abs() < 1e-14 * expected);
+        assert!(difference(fields.mean(outflows), slope).iter().all(|d| d.abs() < 1e-13));
+        assert!(fields.largest_square(outflows) >= expected);
     }
 
     #[test]
     fn the_field_that_grows_from_the_centre_has_its_norm() {
         // x on the triangle with corners 0, (1, 0), (0, 1): no flux through the sides at 0, 1 through the third one.
-        let shape = Shape::<2, 3>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.5);
+        let fields = RaviartThomas::<2, 3>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.5);
         // The integral of x^2 + y^2.
-        assert!((shape.square([1.0, 0.0, 0.0]) - 1.0 / 6.0).abs() < 1e-15);
+        assert!((fields.square([1.0, 0.0, 0.0]) - 1.0 / 6.0).abs() < 1e-15);
     }
 }

@@ -4,7 +4,7 @@
 //! inner node their sum is zero. On each cell a circulation is a constant field, so that the system for their strengths
 //! is that of linear elements on the surface of the patch.
 
-use super::cells::{Shape, difference};
+use super::cells::{RaviartThomas, difference};
 use super::fan::{Fan, Member};
 use crate::mesh::dot;
 
@@ -118,7 +118,7 @@ impl Circulations {
         let vertices = fan.mesh.vertices(nodes);
         let cell = &fan.cells[member.cell as usize];
         // The node before the other vertices in their order is an even permutation for even positions of the node.
-        let sense = if member.vertex.is_multiple_of(2) != cell.is_mirrored { 1.0 } else { -1.0 };
+        let sense = if member.vertex.is_multiple_of(2) == cell.is_mirrored { -1.0 } else { 1.0 };
         let scale = sense / (D as f64 * cell.volume);
         std::array::from_fn(|k| {
             let [around, out, back] = [k, k + 1, k + 2].map(|k| other_vertex(member.vertex, k % 3));
@@ -143,7 +143,7 @@ impl Circulations {
             let vertices = fan.mesh.vertices(&fan.mesh.cells()[member.cell as usize]);
             let mut outflows: [f64; V] = std::array::from_fn(|k| member.outflows[k] + cell.work[k]);
             outflows[member.vertex] = 0.0;
-            let mean = Shape::new(vertices, cell.volume).mean(outflows);
+            let mean = RaviartThomas::new(vertices, cell.volume).mean(outflows);
             let turns = self.turns(fan, member);
             for turn in turns.iter().flatten().filter(|turn| turn.number != NONE) {
                 let row = turn.number as usize;

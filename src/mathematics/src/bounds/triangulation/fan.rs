@@ -27,7 +27,7 @@ struct Parent {
     /// Position of the common side among the sides of the cell.
     slot: usize,
     /// Position of the common side among the sides of that cell.
-    parent_slot: usize,
+    from: usize,
 }
 
 /// Side of a fan on the boundary, at the node.
@@ -68,7 +68,7 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         }
         self.members.clear();
         self.outlets.clear();
-        self.push(node, cell, Parent { member: 0, slot: 0, parent_slot: 0 });
+        self.push(node, cell, Parent { member: 0, slot: 0, from: 0 });
         let mut place = 0;
         while let Some(&Member { cell, vertex, .. }) = self.members.get(place) {
             for (slot, side) in self.sides.of(cell).into_iter().enumerate() {
@@ -81,7 +81,7 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
                     }
                     Neighbour::Cell(next) if self.seen[next as usize] != node => {
                         let back = self.sides.slot(next, side);
-                        let parent = Parent { member: place, slot: back, parent_slot: slot };
+                        let parent = Parent { member: place, slot: back, from: slot };
                         self.push(node, next, parent);
                     }
                     Neighbour::Cell(_) => (),
@@ -161,7 +161,7 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
             let Member { outflows, wanted, parent, .. } = self.members[place];
             let outflow = wanted - outflows.iter().sum::<f64>();
             self.members[place].outflows[parent.slot] = outflow;
-            self.members[parent.member].outflows[parent.parent_slot] = -outflow;
+            self.members[parent.member].outflows[parent.from] = -outflow;
         }
     }
 

@@ -20,9 +20,9 @@
 //! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux for
 //! each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral of
 //! `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its share of
-//! `grad w . n` (`fan.rs`). What must be least is the distance of the part of sigma from that share as fields on the cells
-//! (`circulation.rs`): with another measure of the distance a part of sigma along the sides stays, and the bounds are
-//! longer than the error by any factor on fine meshes. The reaction at a boundary node leaves through the facets at the
+//! `grad w . n` (`fan.rs`). The distance that is made least is the one between the part of sigma and that share as fields on the
+//! cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine meshes the bounds
+//! exceed the error by any factor. The reaction at a boundary node leaves through the facets at the
 //! node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node are
 //! changed alike. Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every vector.
 //!
@@ -76,7 +76,7 @@ pub enum BoundsError {
 }
 
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f. Any vector
-/// may be given. In place of the recovery of [`Bounds`] is w, the linear function of `y` put into K; the lower bound of
+/// may be given; `network` must be that of `mesh` with the present conditions. In place of the recovery of [`Bounds`] is w, the linear function of `y` put into K; the lower bound of
 /// the error is zero.
 ///
 /// # Errors

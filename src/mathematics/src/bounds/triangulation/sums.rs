@@ -1,7 +1,7 @@
 //! Sums over cells and facets: energies of w and of the flux, and the distance between them.
 
 use super::CellData;
-use super::cells::{Shape, gradient};
+use super::cells::{RaviartThomas, gradient};
 use super::sides::Sides;
 use crate::mesh::{Condition, Element, Mesh, dot, size};
 use std::f64::consts::PI;
@@ -61,7 +61,7 @@ impl Totals {
     }
 }
 
-/// What is summed.
+/// Functions and fluxes that are summed.
 pub(super) struct Summands<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     pub sides: &'a Sides<V>,
@@ -95,7 +95,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let vertices = self.mesh.vertices(nodes);
         let element = Element::new(vertices);
         let volume = element.volume;
-        let shape = Shape::new(vertices, volume);
+        let fields = RaviartThomas::new(vertices, volume);
         let w = nodes.map(|node| self.w[node as usize]);
         let slope = gradient(&element, w);
         let outflows = self.sides.outflows(cell as u32, self.flux);
@@ -112,8 +112,8 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g).sqrt() * (v - w[0]).abs());
         let steepest = slopes.sum::<f64>();
         Totals {
-            distance: longer_square(shape.square(differences), field),
-            flux: longer_square(shape.square(outflows), field),
+            distance: longer_square(fields.square(differences), field),
+            flux: longer_square(fields.square(outflows), field),
             gradient: gradient_square,
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
             deviation: field * gradient_square.sqrt(),
@@ -121,7 +121,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             work: 0.0,
             mass: mean.abs() * volume,
             magnitude: volume * (steepest * steepest + mean.abs() * highest)
-                + longer_square(shape.largest_square(outflows), field),
+                + longer_square(fields.largest_square(outflows), field),
             flow: outflows.iter().map(|q| q.abs()).sum(),
         }
     }
@@ -139,15 +139,24 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
     /// Integral of `w sigma.n` over the boundary.
     fn work(&self) -> f64 {
         let facets = self.mesh.facets();
-        let mut work = 0.0;
+        let mut terms = Vec::with_capacity(facets.len());
         for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
             if self.mesh.condition(facet) == Condition::Contact {
                 let sum: f64 = facet.nodes.iter().map(|&node| self.w[node as usize]).sum();
-                work += self.flux[side as usize] * sum / D as f64;
+                terms.push(self.flux[side as usize] * sum / D as f64);
             }
         }
-        work
+        halved_sum(&terms)
     }
+}
+
+/// Sum with short chains of additions.
+fn halved_sum(terms: &[f64]) -> f64 {
+    if terms.len() <= RUN {
+        return terms.iter().sum();
+    }
+    let (one, two) = terms.split_at(terms.len() / 2);
+    halved_sum(one) + halved_sum(two)
 }
 
 /// Square of the sum of a length, given by its square, and another.

@@ -1,116 +1,272 @@
 //! Brackets that must hold the true energy, and the distance between the bounds and the error.
 
+mod random;
+
 use super::*;
-use crate::mesh::{
-    BuiltIn, Condition, Facet, Part, PlaneMesh, SpaceMesh, assemble, load_of_cells, refine,
-};
+use crate::discrete::grid::Grid;
+use crate::discrete::load::{Diagonal, LoadRule, load};
+use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Part, assemble, refine};
+use crate::multigrid::{MultigridParams, solve_square};
+
+/// Load vector of an f that is constant on each cell.
+fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -> Vec<f64> {
+    let mut load = vec![0.0; mesh.points().len()];
+    for (cell, f) in mesh.cells().iter().zip(f) {
+        let share = f * Element::new(mesh.vertices(cell)).volume / V as f64;
+        cell.iter().for_each(|&node| load[node as usize] += share);
+    }
+    load
+}
 
 /// Discrete problem on a mesh with straight sides, and a nodal vector.
-struct Level<const D: usize, const V: usize> {
+#[derive(Clone)]
+struct MeshProblem<const D: usize, const V: usize> {
     mesh: Mesh<D, V>,
     network: Network,
     f: CellData,
-    load: Vec<f64>,
     y: Vec<f64>,
 }
 
-impl<const D: usize, const V: usize> Level<D, V> {
+impl<const D: usize, const V: usize> MeshProblem<D, V> {
     fn new(mut mesh: Mesh<D, V>, mean: Vec<f64>) -> Self {
         mesh.parts_mut().iter_mut().for_each(|part| part.curve = None);
-        let (network, load) = (assemble(&mesh), load_of_cells(&mesh, &mean));
-        let y = vec![0.0; load.len()];
-        Self { mesh, network, f: CellData { mean, deviation: None }, load, y }
+        let network = assemble(&mesh);
+        let y = vec![0.0; network.nodes()];
+        Self { mesh, network, f: CellData { mean, deviation: None }, y }
     }
 
     /// Refined mesh, with the same f and the same function.
     fn refined(&self) -> Self {
         let refined = refine(&self.mesh).unwrap();
-        let children = 1 << D;
-        let mean = self.f.mean.iter().flat_map(|f| std::iter::repeat_n(*f, children)).collect();
+        let mean = self.f.mean.iter().flat_map(|f| std::iter::repeat_n(*f, 1 << D)).collect();
         let mut y = self.y.clone();
+        let midpoints = refined.parents.iter();
         y.extend(
-            refined
-                .parents
-                .iter()
-                .map(|nodes| 0.5 * (self.y[nodes[0] as usize] + self.y[nodes[1] as usize])),
+            midpoints.map(|nodes| 0.5 * nodes.map(|k| self.y[k as usize]).iter().sum::<f64>()),
         );
         Self { y, ..Self::new(refined.mesh, mean) }
     }
 
-    /// Solves the discrete problem by projected over-relaxation.
-    fn solve(&mut self) {
+    /// Solves the discrete problem by projected over-relaxation, at most this number of sweeps.
+    fn relax(&mut self, sweeps: usize) {
         let nodes = self.y.len();
-        let mut least = vec![f64::NEG_INFINITY; nodes];
-        self.network.contact().iter().for_each(|contact| least[contact.node as usize] = 0.0);
-        let mut most = vec![f64::INFINITY; nodes];
-        for &node in self.network.fixed() {
-            (least[node as usize], most[node as usize]) = (0.0, 0.0);
-        }
-        let factor = 2.0 / (1.0 + 2.0 / (nodes as f64).powf(1.0 / D as f64));
-        for _ in 0..100_000 {
-            let (mut change, mut size) = (0.0f64, 1e-300f64);
+        let load = load_of_cells(&self.mesh, &self.f.mean);
+        let mut range = vec![[f64::NEG_INFINITY, f64::INFINITY]; nodes];
+        self.network.contact().iter().for_each(|contact| range[contact.node as usize][0] = 0.0);
+        self.network.fixed().iter().for_each(|&node| range[node as usize] = [0.0; 2]);
+        let factor = 2.0 / (1.0 + 2.0 / libm::pow(nodes as f64, 1.0 / D as f64));
+        for _ in 0..sweeps {
+            let (mut change, mut size) = (0.0f64, 0.0f64);
             for node in 0..nodes {
-                let sum = self.network.row(node).add_to(self.load[node], &self.y);
+                let sum = self.network.row(node).add_to(load[node], &self.y);
                 let old = self.y[node];
-                let step = sum / self.network.diagonal()[node] - old;
-                self.y[node] = (old + factor * step).clamp(least[node], most[node]);
-                change = change.max((self.y[node] - old).abs());
-                size = size.max(self.y[node].abs());
+                let relaxed = old + factor * (sum / self.network.diagonal()[node] - old);
+                let value = relaxed.clamp(range[node][0], range[node][1]);
+                change = change.max((value - old).abs());
+                size = size.max(value.abs());
+                self.y[node] = value;
             }
-            if change < 1e-11 * size {
+            if change <= 1e-11 * size {
                 return;
             }
         }
-        panic!("no convergence");
     }
 
     fn bounds(&self) -> Bounds {
         bounds_on_mesh(&self.mesh, &self.network, &self.f, &self.y).unwrap()
     }
+
+    /// Solutions on refined meshes, with their bounds.
+    fn levels(mut self, levels: usize) -> Vec<(Self, Bounds)> {
+        let mut all = Vec::new();
+        for _ in 0..levels {
+            self = self.refined();
+            self.relax(100_000);
+            let bounds = self.bounds();
+            all.push((self.clone(), bounds));
+        }
+        all
+    }
+}
+
+fn disc(f: [f64; 6]) -> MeshProblem<2, 3> {
+    MeshProblem::new(BuiltIn::Disc.plane().unwrap(), f.into())
+}
+
+fn annulus(inner: Condition) -> MeshProblem<2, 3> {
+    let mut mesh = BuiltIn::Annulus.plane().unwrap();
+    mesh.parts_mut()[0].condition = inner;
+    MeshProblem::new(mesh, (0..24).map(|k| if k < 6 { 3.0 } else { -1.5 }).collect())
+}
+
+/// Unit square of n by n cells, each cut by the rising diagonal, with a value of f for each square.
+fn square(n: u32, value: impl Fn(u32, u32) -> f64) -> MeshProblem<2, 3> {
+    let mut data = MeshData::default();
+    let mut f = Vec::new();
+    for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
+        data.points.push([i, j].map(|k| f64::from(k) / f64::from(n)));
+        if i < n && j < n {
+            let [ll, ul] = [j, j + 1].map(|j| j * (n + 1) + i);
+            data.cells.extend([[ll, ll + 1, ul + 1], [ll, ul + 1, ul]]);
+            f.extend([value(i, j); 2]);
+        }
+    }
+    MeshProblem::new(data.mesh().unwrap(), f)
+}
+
+fn straight<const D: usize>(name: &str, condition: Condition) -> Part<D> {
+    Part { name: name.into(), condition, curve: None }
+}
+
+/// True if intervals have a point in common.
+fn overlap(intervals: &[[f64; 2]]) -> bool {
+    let low = intervals.iter().fold(f64::MIN, |low, interval| low.max(interval[0]));
+    let high = intervals.iter().fold(f64::MAX, |high, interval| high.min(interval[1]));
+    low <= high
 }
 
 #[test]
-fn explore() {
-    fn go<const D: usize, const V: usize>(
-        name: &str,
-        mesh: Mesh<D, V>,
-        f: Vec<f64>,
-        levels: usize,
-    ) {
-        let mut level = Level::new(mesh, f);
-        let mut all = Vec::new();
-        for _ in 0..levels {
-            level = level.refined();
-            level.solve();
-            let t = std::time::Instant::now();
-            let b = level.bounds();
-            let t = t.elapsed().as_secs_f64() / level.y.len() as f64;
-            all.push((level.y.len(), b, t));
-        }
-        let fine = all.last().unwrap().1.energy[1];
-        for (n, b, t) in &all {
-            let e = (2.0 * (b.energy[1] - fine)).max(0.0).sqrt();
-            println!(
-                "{name} {n} {:?} bound {:.4e} eff {:.4} {:.2} us",
-                b.energy,
-                b.error[1],
-                b.error[1] / e,
-                t * 1e6
-            );
-        }
+fn the_polygon_of_the_disc_is_bracketed_on_all_its_refinements() {
+    let levels = disc([-1.0; 6]).levels(5);
+    for (problem, _) in &levels {
+        assert!(problem.network.contact().iter().all(|c| problem.y[c.node as usize] == 0.0));
     }
-    let disc = || BuiltIn::Disc.plane().unwrap();
-    go("disc", disc(), vec![-1.0; 6], 7);
-    go("disc sectors", disc(), vec![4.0, -1.5, -1.5, -1.5, -1.5, -1.5], 7);
-    go("lshape", BuiltIn::LShape.plane().unwrap(), vec![4.0, -1.5, -1.5, -1.5, -1.5, -1.5], 7);
-    let mut annulus = BuiltIn::Annulus.plane().unwrap();
-    let f: Vec<_> = (0..24).map(|k| if k < 6 { 3.0 } else { -1.5 }).collect();
-    go("annulus", annulus.clone(), f.clone(), 5);
-    annulus.parts_mut()[0].condition = Condition::Fixed;
-    go("annulus fixed", annulus.clone(), f.clone(), 5);
-    annulus.parts_mut()[0].condition = Condition::Free;
-    go("annulus free", annulus, f, 5);
-    let f: Vec<_> = (0..20).map(|k| if k < 4 { 3.0 } else { -1.5 }).collect();
-    go("ball", BuiltIn::Ball.space().unwrap(), vec![-1.0; 20], 4);
-    go("ball", BuiltIn::Ball.space().unwrap(), f, 4);
+    let energies: Vec<_> = levels.iter().map(|(_, bounds)| bounds.energy).collect();
+    assert!(overlap(&energies), "{energies:?}");
+    let [low, high] = energies[4];
+    assert!(high - low < 2e-3 * high.abs());
+}
+
+#[test]
+fn the_square_has_the_bracket_of_its_grid() {
+    for n in [16, 64] {
+        let source = "quadrant(ll)=3; else=-1.1".parse().unwrap();
+        let grid = Grid::new(n).unwrap();
+        let load = load(grid, &source, LoadRule::Exact { diagonal: Diagonal::default() });
+        let params = MultigridParams::default();
+        let (y, _) = solve_square(n, &load, None, &params).unwrap();
+        let half = n as u32 / 2;
+        let mut problem = square(n as u32, |i, j| if i.max(j) < half { 3.0 } else { -1.1 });
+        problem.y.clone_from(&y);
+        let of_grid = crate::bounds::bounds(grid, &source, &y).unwrap();
+        let of_mesh = problem.bounds();
+        assert!(overlap(&[of_grid.energy, of_mesh.energy]), "{of_grid:?} {of_mesh:?}");
+        assert!(of_grid.error[0] <= of_mesh.error[1] && of_mesh.error[1] < 1.6 * of_grid.error[1]);
+    }
+}
+
+/// Bound of the error over the error on the first levels, as far as the energy of the last level shows the error.
+fn effectivities<const D: usize, const V: usize>(
+    problem: MeshProblem<D, V>,
+    levels: usize,
+    first: usize,
+) -> Vec<f64> {
+    let levels = problem.levels(levels);
+    let exact = levels.last().unwrap().1.energy[1];
+    let bounds = levels.iter().take(first).map(|(_, bounds)| bounds);
+    bounds.map(|bounds| bounds.error[1] / root(2.0 * (bounds.energy[1] - exact))).collect()
+}
+
+#[test]
+fn bounds_are_little_longer_than_the_error() {
+    let sectors = [4.0, -1.5, -1.5, -1.5, -1.5, -1.5];
+    let lshape = MeshProblem::new(BuiltIn::LShape.plane().unwrap(), sectors.into());
+    let all = [
+        (1.3, 6, disc([-1.0; 6])),
+        (1.3, 6, disc(sectors)),
+        (1.5, 6, lshape),
+        (1.5, 6, annulus(Condition::Contact)),
+        (1.4, 6, annulus(Condition::Fixed)),
+        (1.5, 6, annulus(Condition::Free)),
+    ];
+    for (most, levels, problem) in all {
+        let found = effectivities(problem, levels, levels - 4);
+        assert!(found.iter().all(|found| (1.0..most).contains(found)), "{found:?}");
+    }
+    let mut ball = BuiltIn::Ball.space().unwrap();
+    for condition in [Condition::Contact, Condition::Fixed] {
+        ball.parts_mut()[0].condition = condition;
+        let f = (0..20).map(|k| if k < 4 { 3.0 } else { -1.5 }).collect();
+        let found = effectivities(MeshProblem::new(ball.clone(), f), 4, 2);
+        assert!(found.iter().all(|found| (1.0..1.4).contains(found)), "{found:?}");
+    }
+}
+
+/// Numbers between -1 and 1 that look random.
+fn noise(count: usize, frequency: f64) -> Vec<f64> {
+    (1..=count).map(|k| libm::sin(k as f64 * frequency)).collect()
+}
+
+#[test]
+fn sigma_is_a_flux_for_every_vector() {
+    let mut problem = annulus(Condition::Free).refined();
+    problem.y = noise(problem.y.len(), 12.9898);
+    let w = admissible(&problem.network, &problem.y);
+    let sides = Sides::new(&problem.mesh);
+    let flux = equilibrated(&problem.mesh, &sides, &problem.f.mean, &w).unwrap();
+    for (cell, data) in cells_of(&problem.mesh, &w, &problem.f.mean).iter().enumerate() {
+        let outflow: f64 = sides.outflows(cell as u32, &flux).iter().sum();
+        assert!((outflow + 3.0 * data.load).abs() < 1e-13);
+    }
+    let facets = problem.mesh.facets();
+    for (facet, side) in facets.iter().zip(sides.of_facets(facets.len())) {
+        let flux = flux[side as usize];
+        let is_free = problem.mesh.condition(facet) == Condition::Free;
+        assert!(if is_free { flux == 0.0 } else { flux >= 0.0 });
+    }
+}
+
+#[test]
+fn the_identity_holds_to_rounding() {
+    let (problem, bounds) = annulus(Condition::Fixed).levels(3).pop().unwrap();
+    let load = load_of_cells(&problem.mesh, &problem.f.mean);
+    let [low, high] = bounds.energy;
+    assert!((problem.network.energy(&problem.y, &load) - high).abs() < 1e-11);
+    assert!((2.0 * (high - low) - bounds.recovered.powi(2)).abs() < 1e-11);
+    assert_eq!(bounds.error, [0.0, bounds.recovered]);
+}
+
+#[test]
+fn domains_that_touch_in_a_node_are_bounded_together() {
+    let data = MeshData {
+        points: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]],
+        cells: vec![[0, 1, 2], [0, 3, 4]],
+        facets: vec![Facet { nodes: [0, 1], part: 0 }, Facet { nodes: [3, 4], part: 1 }],
+        parts: vec![straight("fixed", Condition::Fixed), straight("free", Condition::Free)],
+        ..MeshData::default()
+    };
+    let mut problem = MeshProblem::new(data.mesh().unwrap(), vec![1.0, -2.0]);
+    let levels = problem.clone().levels(5);
+    let energies: Vec<_> = levels.iter().map(|(_, bounds)| bounds.energy).collect();
+    assert!(overlap(&energies), "{energies:?}");
+    let [low, high] = energies[4];
+    assert!(high - low < 2e-2 * high.abs(), "{low} {high}");
+    // The half that has no fixed side decides.
+    problem.f.mean[1] = 0.0;
+    let found = bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, &problem.y);
+    assert_eq!(found, Err(BoundsError::NotCoercive { cell: 1 }));
+}
+
+fn refused(problem: &MeshProblem<2, 3>, expected: BoundsError) {
+    let found = bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, &problem.y);
+    assert_eq!(found, Err(expected));
+    assert!(!expected.to_string().contains('\n'));
+}
+
+#[test]
+fn problems_without_bounds_are_refused_with_one_line() {
+    refused(&disc([0.0; 6]), BoundsError::NotCoercive { cell: 0 });
+    let mut free = disc([-1.0; 6]);
+    free.mesh.parts_mut()[0].condition = Condition::Free;
+    refused(&free, BoundsError::Insulated { cell: 0 });
+    for place in [0, 3] {
+        let mut nan = disc([-1.0; 6]);
+        nan.y[place] = f64::NAN;
+        refused(&nan, BoundsError::NotFinite);
+        let mut nan = disc([-1.0; 6]);
+        nan.f.mean[place] = f64::NAN;
+        refused(&nan, BoundsError::NotFinite);
+    }
+    refused(&disc([-1e200; 6]), BoundsError::NotFinite);
+    refused(&disc([-1e-200; 6]), BoundsError::NotFinite);
 }

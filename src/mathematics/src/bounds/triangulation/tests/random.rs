@@ -1,0 +1,109 @@
+//! Random vectors, conditions and functions f: all brackets of a problem must hold one energy.
+
+use super::{MeshProblem, noise, overlap, straight};
+use crate::bounds::triangulation::CellData;
+use crate::mesh::{BuiltIn, Condition, Element, Mesh};
+use proptest::prelude::*;
+
+/// Conditions on a third of the facets each, in which way they follow each other, and the frequencies of all noise.
+#[derive(Clone, Debug)]
+struct RandomCase {
+    conditions: [Condition; 3],
+    run: usize,
+    frequencies: [f64; 4],
+}
+
+fn random_case() -> impl Strategy<Value = RandomCase> {
+    let condition = prop::sample::select(vec![
+        Condition::Contact,
+        Condition::Contact,
+        Condition::Fixed,
+        Condition::Free,
+    ]);
+    let conditions = prop::array::uniform3(condition);
+    let frequencies = prop::array::uniform4(1.0f64..1000.0);
+    (conditions, 1..6usize, frequencies)
+        .prop_filter("a boundary that is not free", |(conditions, ..)| {
+            conditions.iter().any(|condition| *condition != Condition::Free)
+        })
+        .prop_map(|(conditions, run, frequencies)| RandomCase { conditions, run, frequencies })
+}
+
+/// Checks that the brackets of many vectors hold one energy, and that the bounds of their errors agree with the distances
+/// between them.
+fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &RandomCase) {
+    mesh.parts = (0..3).map(|k| straight(&k.to_string(), case.conditions[k])).collect();
+    for (k, facet) in mesh.facets.iter_mut().enumerate() {
+        facet.part = ((k / case.run) % 3) as u16;
+    }
+    if mesh.facets.iter().all(|facet| mesh.parts[facet.part as usize].condition == Condition::Free)
+    {
+        return;
+    }
+    let cells = mesh.cells().len();
+    let coarse = MeshProblem::new(mesh, vec![0.0; cells]).refined();
+    let mut fine = coarse.refined();
+    let [of_f, of_fine, of_coarse, offset] = case.frequencies;
+    let volumes =
+        fine.mesh.cells().iter().map(|cell| Element::new(fine.mesh.vertices(cell)).volume);
+    let volumes: Vec<f64> = volumes.collect();
+    let mut f = noise(volumes.len(), of_f);
+    let integral: f64 = f.iter().zip(&volumes).map(|(f, volume)| f * volume).sum();
+    let shift = (integral + libm::fmod(offset, 1.0)) / volumes.iter().sum::<f64>();
+    f.iter_mut().for_each(|f| *f -= shift);
+    let mut data = CellData { mean: Vec::new(), deviation: Some(Vec::new()) };
+    for (f, volumes) in f.chunks(1 << D).zip(volumes.chunks(1 << D)) {
+        let mean = f.iter().sum::<f64>() / f.len() as f64;
+        let square = f.iter().zip(volumes).map(|(f, volume)| volume * (f - mean) * (f - mean));
+        data.mean.push(mean);
+        data.deviation.as_mut().unwrap().push(square.sum::<f64>().sqrt());
+    }
+    fine.f.mean = f;
+    let mut coarse = MeshProblem { f: data, ..coarse };
+    // Zero first, then noise, then what relaxation makes of the noise.
+    let mut energies = vec![coarse.bounds().energy, fine.bounds().energy];
+    coarse.y = noise(coarse.y.len(), of_coarse);
+    energies.push(coarse.bounds().energy);
+    coarse.relax(1000);
+    energies.push(coarse.bounds().energy);
+    let mut solved = fine.clone();
+    solved.relax(1000);
+    let solved_bounds = solved.bounds();
+    fine.y = noise(fine.y.len(), of_fine);
+    for sweeps in [0, 1, 20] {
+        fine.relax(sweeps);
+        let bounds = fine.bounds();
+        energies.push(bounds.energy);
+        let distance: Vec<f64> = fine.y.iter().zip(&solved.y).map(|(p, q)| p - q).collect();
+        let zero = vec![0.0; distance.len()];
+        let norm = (2.0 * fine.network.energy(&distance, &zero)).sqrt();
+        assert!(norm <= bounds.error[1] + solved_bounds.error[1]);
+    }
+    energies.push(solved_bounds.energy);
+    assert!(energies.iter().all(|[low, high]| low <= high), "{energies:?}");
+    assert!(overlap(&energies), "{energies:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 125, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn brackets_of_the_disc_hold_one_energy(case in random_case()) {
+        check_brackets(BuiltIn::Disc.plane().unwrap(), &case);
+    }
+
+    #[test]
+    fn brackets_of_the_lshape_hold_one_energy(case in random_case()) {
+        check_brackets(BuiltIn::LShape.plane().unwrap(), &case);
+    }
+
+    #[test]
+    fn brackets_of_the_annulus_hold_one_energy(case in random_case()) {
+        check_brackets(BuiltIn::Annulus.plane().unwrap(), &case);
+    }
+
+    #[test]
+    fn brackets_of_the_ball_hold_one_energy(case in random_case()) {
+        check_brackets(BuiltIn::Ball.space().unwrap(), &case);
+    }
+}
