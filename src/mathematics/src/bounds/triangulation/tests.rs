@@ -5,7 +5,7 @@ mod random;
 use super::*;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Part, assemble, refine};
+use crate::mesh::{BuiltIn, Condition, Element, Facet, MeshData, Part, assemble, refine};
 use crate::multigrid::{MultigridParams, solve_square};
 
 /// Load vector of an f that is constant on each cell.
@@ -20,14 +20,14 @@ fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -
 
 /// Discrete problem on a mesh with straight sides, and a nodal vector.
 #[derive(Clone)]
-struct MeshProblem<const D: usize, const V: usize> {
+struct TestProblem<const D: usize, const V: usize> {
     mesh: Mesh<D, V>,
     network: Network,
     f: CellData,
     y: Vec<f64>,
 }
 
-impl<const D: usize, const V: usize> MeshProblem<D, V> {
+impl<const D: usize, const V: usize> TestProblem<D, V> {
     fn new(mut mesh: Mesh<D, V>, mean: Vec<f64>) -> Self {
         mesh.parts_mut().iter_mut().for_each(|part| part.curve = None);
         let network = assemble(&mesh);
@@ -89,18 +89,18 @@ impl<const D: usize, const V: usize> MeshProblem<D, V> {
     }
 }
 
-fn disc(f: [f64; 6]) -> MeshProblem<2, 3> {
-    MeshProblem::new(BuiltIn::Disc.plane().unwrap(), f.into())
+fn disc(f: [f64; 6]) -> TestProblem<2, 3> {
+    TestProblem::new(BuiltIn::Disc.plane().unwrap(), f.into())
 }
 
-fn annulus(inner: Condition) -> MeshProblem<2, 3> {
+fn annulus(inner: Condition) -> TestProblem<2, 3> {
     let mut mesh = BuiltIn::Annulus.plane().unwrap();
     mesh.parts_mut()[0].condition = inner;
-    MeshProblem::new(mesh, (0..24).map(|k| if k < 6 { 3.0 } else { -1.5 }).collect())
+    TestProblem::new(mesh, (0..24).map(|k| if k < 6 { 3.0 } else { -1.5 }).collect())
 }
 
 /// Unit square of n by n cells, each cut by the rising diagonal, with a value of f for each square.
-fn square(n: u32, value: impl Fn(u32, u32) -> f64) -> MeshProblem<2, 3> {
+fn square(n: u32, value: impl Fn(u32, u32) -> f64) -> TestProblem<2, 3> {
     let mut data = MeshData::default();
     let mut f = Vec::new();
     for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
@@ -111,7 +111,7 @@ fn square(n: u32, value: impl Fn(u32, u32) -> f64) -> MeshProblem<2, 3> {
             f.extend([value(i, j); 2]);
         }
     }
-    MeshProblem::new(data.mesh().unwrap(), f)
+    TestProblem::new(data.mesh().unwrap(), f)
 }
 
 fn straight<const D: usize>(name: &str, condition: Condition) -> Part<D> {
@@ -157,7 +157,7 @@ fn the_square_has_the_bracket_of_its_grid() {
 
 /// Bound of the error over the error on the first levels, as far as the energy of the last level shows the error.
 fn effectivities<const D: usize, const V: usize>(
-    problem: MeshProblem<D, V>,
+    problem: TestProblem<D, V>,
     levels: usize,
     first: usize,
 ) -> Vec<f64> {
@@ -170,7 +170,7 @@ fn effectivities<const D: usize, const V: usize>(
 #[test]
 fn bounds_are_little_longer_than_the_error() {
     let sectors = [4.0, -1.5, -1.5, -1.5, -1.5, -1.5];
-    let lshape = MeshProblem::new(BuiltIn::LShape.plane().unwrap(), sectors.into());
+    let lshape = TestProblem::new(BuiltIn::LShape.plane().unwrap(), sectors.into());
     let all = [
         (1.3, 6, disc([-1.0; 6])),
         (1.3, 6, disc(sectors)),
@@ -187,7 +187,7 @@ fn bounds_are_little_longer_than_the_error() {
     for condition in [Condition::Contact, Condition::Fixed] {
         ball.parts_mut()[0].condition = condition;
         let f = (0..20).map(|k| if k < 4 { 3.0 } else { -1.5 }).collect();
-        let found = effectivities(MeshProblem::new(ball.clone(), f), 4, 2);
+        let found = effectivities(TestProblem::new(ball.clone(), f), 4, 2);
         assert!(found.iter().all(|found| (1.0..1.4).contains(found)), "{found:?}");
     }
 }
@@ -235,7 +235,7 @@ fn domains_that_touch_in_a_node_are_bounded_together() {
         parts: vec![straight("fixed", Condition::Fixed), straight("free", Condition::Free)],
         ..MeshData::default()
     };
-    let mut problem = MeshProblem::new(data.mesh().unwrap(), vec![1.0, -2.0]);
+    let mut problem = TestProblem::new(data.mesh().unwrap(), vec![1.0, -2.0]);
     let levels = problem.clone().levels(5);
     let energies: Vec<_> = levels.iter().map(|(_, bounds)| bounds.energy).collect();
     assert!(overlap(&energies), "{energies:?}");
@@ -247,7 +247,7 @@ fn domains_that_touch_in_a_node_are_bounded_together() {
     assert_eq!(found, Err(BoundsError::NotCoercive { cell: 1 }));
 }
 
-fn refused(problem: &MeshProblem<2, 3>, expected: BoundsError) {
+fn refused(problem: &TestProblem<2, 3>, expected: BoundsError) {
     let found = bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, &problem.y);
     assert_eq!(found, Err(expected));
     assert!(!expected.to_string().contains('\n'));

@@ -1,6 +1,6 @@
 //! Random vectors, conditions and functions f: all brackets of a problem must hold one energy.
 
-use super::{MeshProblem, noise, overlap, straight};
+use super::{TestProblem, noise, overlap, straight};
 use crate::bounds::triangulation::CellData;
 use crate::mesh::{BuiltIn, Condition, Element, Mesh};
 use proptest::prelude::*;
@@ -41,7 +41,7 @@ fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &R
         return;
     }
     let cells = mesh.cells().len();
-    let coarse = MeshProblem::new(mesh, vec![0.0; cells]).refined();
+    let coarse = TestProblem::new(mesh, vec![0.0; cells]).refined();
     let mut fine = coarse.refined();
     let [of_f, of_fine, of_coarse, offset] = case.frequencies;
     let volumes =
@@ -59,7 +59,7 @@ fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &R
         data.deviation.as_mut().unwrap().push(square.sum::<f64>().sqrt());
     }
     fine.f.mean = f;
-    let mut coarse = MeshProblem { f: data, ..coarse };
+    let mut coarse = TestProblem { f: data, ..coarse };
     // Zero first, then noise, then what relaxation makes of the noise.
     let mut energies = vec![coarse.bounds().energy, fine.bounds().energy];
     coarse.y = noise(coarse.y.len(), of_coarse);
