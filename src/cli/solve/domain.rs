@@ -1,10 +1,10 @@
 //! Square, cube and meshes under one interface: load vector, judgement, errors, files.
 
+use super::format::Format;
 use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::{MAX_CELLS, solvable};
-use clap::ValueEnum;
 use signorini_mathematics::bounds::{Bounds, bounds, recovery};
 use signorini_mathematics::discrete::contact::{ContactArc, arcs};
 use signorini_mathematics::discrete::cube;
@@ -19,7 +19,6 @@ use signorini_mathematics::problem;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
-use std::path::Path;
 
 /// Square, cube or mesh, with f and its quadrature.
 ///
@@ -263,26 +262,6 @@ impl Domain {
                 drawn.map(String::into_bytes).map_err(Error::input)
             }
         }
-    }
-}
-
-/// Format of a file, by its ending: VTK image data for ParaView, one NumPy array, several arrays, a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
-    Vti,
-    Npy,
-    Npz,
-    Svg,
-}
-
-impl Format {
-    /// Returns the format that the ending of `path` names.
-    pub(super) fn of(path: &Path) -> Result<Self> {
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        Self::from_str(ending, false).map_err(|_| {
-            let path = path.display();
-            Error::input(format!("--out {path}: unknown ending; use one of .vti, .npy, .npz, .svg"))
-        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Problems of `solve` on a mesh: a Gmsh file or a built-in domain, its parts, and its refinements.
 
 use super::SolveArgs;
-use super::domain::Format;
+use super::format::Format;
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};

@@ -1,0 +1,25 @@
+//! Formats of the files that `solve --out` writes.
+
+use crate::pipeline::error::{Error, Result};
+use clap::ValueEnum;
+use std::path::Path;
+
+/// Format of a file, by its ending: VTK image data for ParaView, one NumPy array, several arrays, a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    Vti,
+    Npy,
+    Npz,
+    Svg,
+}
+
+impl Format {
+    /// Returns the format that the ending of `path` names.
+    pub(super) fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        Self::from_str(ending, false).map_err(|_| {
+            let path = path.display();
+            Error::input(format!("--out {path}: unknown ending; use one of .vti, .npy, .npz, .svg"))
+        })
+    }
+}
