@@ -1,7 +1,7 @@
 //! Solutions on the square and the cube.
 
 use super::npy::{DOUBLE, doubles, npy};
-use super::vtk::VtkFile;
+use super::vtk::Appended;
 use super::zip;
 use crate::discrete::grid::Grid;
 use crate::problem::source::Source;
@@ -87,17 +87,18 @@ impl<'a> Fields<'a> {
         let extent = along(&|n| format!("0 {n}"));
         let origin = along(&|n| if n > 0 { "-0.5".into() } else { "0".into() });
         let spacing = along(&|n| if n > 0 { self.h().to_string() } else { "1".into() });
-        let mut file = VtkFile::new("ImageData", name);
-        file.tags(&format!(
+        let mut arrays = Appended::default();
+        let v = arrays.array("type=\"Float64\" Name=\"v\"", doubles(&self.pair.y));
+        let multiplier =
+            arrays.array("type=\"Float64\" Name=\"multiplier\"", doubles(&self.multiplier()));
+        let f = arrays.array("type=\"Float64\" Name=\"f\"", doubles(&self.f()));
+        let body = format!(
             "<ImageData WholeExtent=\"{extent}\" Origin=\"{origin}\" Spacing=\"{spacing}\">\n\
-            <Piece Extent=\"{extent}\"><PointData Scalars=\"v\">\n"
-        ));
-        file.array("type=\"Float64\" Name=\"v\"", doubles(&self.pair.y));
-        file.array("type=\"Float64\" Name=\"multiplier\"", doubles(&self.multiplier()));
-        file.tags("</PointData><CellData Scalars=\"f\">\n");
-        file.array("type=\"Float64\" Name=\"f\"", doubles(&self.f()));
-        file.tags("</CellData></Piece></ImageData>\n");
-        file.finish()
+            <Piece Extent=\"{extent}\"><PointData Scalars=\"v\">\n{v}{multiplier}\
+            </PointData><CellData Scalars=\"f\">\n{f}\
+            </CellData></Piece></ImageData>\n"
+        );
+        arrays.file("ImageData", name, &body)
     }
 }
 

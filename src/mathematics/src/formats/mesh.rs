@@ -1,7 +1,7 @@
 //! Solutions on triangulations.
 
 use super::npy::{DOUBLE, INTEGER, doubles, npy};
-use super::vtk::VtkFile;
+use super::vtk::Appended;
 use super::zip;
 use crate::mesh::{AnyMesh, Mesh};
 
@@ -72,34 +72,35 @@ fn vtu<const D: usize, const V: usize>(
     name: &str,
 ) -> Vec<u8> {
     let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
-    let mut file = VtkFile::new("UnstructuredGrid", name);
-    file.tags(&format!(
-        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n<Points>\n"
-    ));
     let in_space =
         |point: &[f64; D]| [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes());
-    file.array(
+    let ends = (1..=cells).map(|cell| ((V * cell) as i64).to_le_bytes());
+    // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes, and takes
+    // the first one in the text.
+    let mut arrays = Appended::default();
+    let region = mesh.regions().iter().map(|region| region.to_le_bytes());
+    let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);
+    let f = arrays.array("type=\"Float64\" Name=\"f\"", doubles(fields.f));
+    let multiplier =
+        arrays.array("type=\"Float64\" Name=\"multiplier\"", doubles(fields.multiplier));
+    let v = arrays.array("type=\"Float64\" Name=\"v\"", doubles(fields.v));
+    let types = (0..cells).map(|_| [cell_type(V)]);
+    let types = arrays.array("type=\"UInt8\" Name=\"types\"", types);
+    let offsets = arrays.array("type=\"Int64\" Name=\"offsets\"", ends);
+    let connectivity = arrays.array("type=\"Int64\" Name=\"connectivity\"", vertices(mesh));
+    let points = arrays.array(
         "type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"",
         mesh.points().iter().flat_map(in_space),
     );
-    file.tags("</Points><Cells>\n");
-    file.array("type=\"Int64\" Name=\"connectivity\"", vertices(mesh));
-    file.array(
-        "type=\"Int64\" Name=\"offsets\"",
-        (1..=cells).map(|cell| ((V * cell) as i64).to_le_bytes()),
+    let body = format!(
+        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
+        <Points>\n{points}</Points>\n\
+        <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
+        <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
+        <CellData Scalars=\"f\">\n{f}{region}</CellData>\n\
+        </Piece>\n</UnstructuredGrid>\n"
     );
-    file.array("type=\"UInt8\" Name=\"types\"", (0..cells).map(|_| [cell_type(V)]));
-    file.tags("</Cells><PointData Scalars=\"v\">\n");
-    file.array("type=\"Float64\" Name=\"v\"", doubles(fields.v));
-    file.array("type=\"Float64\" Name=\"multiplier\"", doubles(fields.multiplier));
-    file.tags("</PointData><CellData Scalars=\"f\">\n");
-    file.array("type=\"Float64\" Name=\"f\"", doubles(fields.f));
-    file.array(
-        "type=\"UInt16\" Name=\"region\"",
-        mesh.regions().iter().map(|region| region.to_le_bytes()),
-    );
-    file.tags("</CellData></Piece></UnstructuredGrid>\n");
-    file.finish()
+    arrays.file("UnstructuredGrid", name, &body)
 }
 
 /// Numbers of the vertices of all cells, as integers of 64 bits.
