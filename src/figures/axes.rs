@@ -183,6 +183,7 @@ pub(super) enum Sample {
     Line,
     Dashed,
     Ring,
+    Swatch,
 }
 
 /// Entry of a legend.
@@ -237,10 +238,13 @@ impl<'a> Legend<'a> {
             let parts: &[(f64, f64)] = match sample {
                 Sample::Line => &[(0.0, 1.0)],
                 Sample::Dashed => &[(0.0, 0.4), (0.6, 1.0)],
-                Sample::Ring => &[],
+                Sample::Ring | Sample::Swatch => &[],
             };
             if sample == Sample::Ring {
                 picture.ring((x + 0.5 * STROKE, y), LONE, color);
+            }
+            if sample == Sample::Swatch {
+                picture.rect((x, y - 6.0), (x + STROKE, y + 6.0), color);
             }
             for (from, to) in parts {
                 picture.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);

@@ -1,7 +1,8 @@
-//! Parallel projection of a surface over the square: places, light, and the order of the cells in depth.
+//! Parallel projection of a surface: places, light, and the order of the cells in depth.
 
 use super::picture::Place;
 use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::mesh::{Element, PlaneMesh};
 
 /// Height of the box, its sides being 1.
 const BOX_HEIGHT: f64 = 0.66;
@@ -14,6 +15,8 @@ const AMBIENT: f64 = 0.62;
 const AZIMUTH: f64 = -37.5;
 /// Degrees of the viewer above the horizon.
 const ELEVATION: f64 = 30.0;
+/// Part of the mean slope below which two sides of a surface are taken for equally high.
+const EVEN: f64 = 1e-6;
 
 /// Returns the azimuth above that of the four corners from which the surface, a nodal vector, rises most to the opposite
 /// corner: there it hides the smallest part of itself.
@@ -30,10 +33,42 @@ pub(crate) fn uphill(grid: Grid, y: &[f64]) -> f64 {
     if azimuth > 180.0 { azimuth - 360.0 } else { azimuth }
 }
 
+/// Returns the azimuth, of the four from which [`uphill`] chooses, from which a function on a mesh, linear on each
+/// triangle, rises most on the whole.
+pub(crate) fn uphill_on_mesh(mesh: &PlaneMesh, y: &[f64]) -> f64 {
+    let mut slope = [0.0; 2];
+    let mut steepness = 0.0;
+    for cell in mesh.cells() {
+        let element = Element::new(mesh.vertices(cell));
+        let [x, y] = element.gradient(cell.map(|node| y[node as usize]));
+        slope = [slope[0] + element.volume * x, slope[1] + element.volume * y];
+        steepness += element.volume * (x * x + y * y).sqrt();
+    }
+    let (mut azimuth, mut most) = (AZIMUTH, f64::NEG_INFINITY);
+    for turn in [0.0, 90.0, 180.0, -90.0] {
+        let [x, y, _] = Camera::new(AZIMUTH + turn).toward;
+        let rise = -(slope[0] * x + slope[1] * y);
+        // Rounding errors do not turn a symmetric surface.
+        if rise > most + EVEN * steepness {
+            (azimuth, most) = (AZIMUTH + turn, rise);
+        }
+    }
+    azimuth
+}
+
 pub(super) type Vector = [f64; 3];
 
 pub(super) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Returns the vector from one point to another.
+pub(super) fn between(from: Vector, to: Vector) -> Vector {
+    [0, 1, 2].map(|k| to[k] - from[k])
+}
+
+pub(super) fn cross(u: Vector, v: Vector) -> Vector {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 /// The axes of the picture, as unit vectors in space.
@@ -81,12 +116,14 @@ pub(super) struct View {
     pub(super) origin: Place,
     /// Display pixels per unit of length.
     pub(super) unit: f64,
+    /// Half of each side of the floor.
+    pub(super) half: [f64; 2],
     /// Values at the floor and the ceiling of the box.
     pub(super) heights: (f64, f64),
 }
 
 impl View {
-    /// Returns the point of the box for (x, y, v): unit sides, heights scaled, centre at the origin.
+    /// Returns the point of the box for (x, y, v): heights scaled, centre at the origin.
     pub(super) fn point(&self, [x, y, v]: Vector) -> Vector {
         let (low, high) = self.heights;
         [x, y, BOX_HEIGHT * ((v - low) / (high - low) - 0.5)]
@@ -101,11 +138,13 @@ impl View {
         )
     }
 
-    /// Returns the light reflected by the quadrilateral with these corners, in order.
-    pub(super) fn brightness(&self, [a, b, c, d]: [Vector; 4]) -> f64 {
-        let [u, v] = [(a, c), (b, d)].map(|(p, q)| [0, 1, 2].map(|k| q[k] - p[k]));
-        let normal =
-            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    /// Returns the corner of the floor nearest to the viewer.
+    pub(super) fn nearest_corner(&self) -> [f64; 2] {
+        [0, 1].map(|d| self.camera.near[d] * self.half[d])
+    }
+
+    /// Returns the light reflected by a part of the surface with this upward normal.
+    pub(super) fn brightness(&self, normal: Vector) -> f64 {
         // Over the viewer's left shoulder, so that slopes to either side differ.
         let camera = &self.camera;
         let lamp = [0, 1, 2].map(|d| camera.toward[d] + 0.9 * camera.up[d] - 0.8 * camera.right[d]);
@@ -118,6 +157,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use signorini_mathematics::mesh::BuiltIn;
 
     #[test]
     fn a_cell_is_drawn_after_every_cell_it_may_hide() {
@@ -156,6 +196,23 @@ mod tests {
                 assert!((dot(a, b) - expected).abs() < 1e-15);
             }
         }
+    }
+
+    #[test]
+    fn uphill_view_of_a_mesh_has_the_low_side_at_the_front() {
+        let mesh = BuiltIn::Disc.plane().unwrap();
+        for (slope, near) in [
+            ([1.0, 2.0], [-1.0, -1.0]),
+            ([-1.0, 2.0], [1.0, -1.0]),
+            ([-2.0, -1.0], [1.0, 1.0]),
+            ([1.0, -1.0], [-1.0, 1.0]),
+        ] {
+            let height = |[x, y]: &[f64; 2]| slope[0] * x + slope[1] * y;
+            let y: Vec<f64> = mesh.points().iter().map(height).collect();
+            assert_eq!(Camera::new(uphill_on_mesh(&mesh, &y)).near, near);
+        }
+        let even: Vec<f64> = mesh.points().iter().map(|[x, y]| x * x + y * y).collect();
+        assert_eq!(uphill_on_mesh(&mesh, &even), AZIMUTH);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::axes::{Frame, colour_bar};
 use super::palette::{ColourScale, INK, legible_on};
 use super::panels::{Panels, title};
-use super::picture::{NORMAL, Picture, italic, plain};
+use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
 use signorini_mathematics::discrete::norms::largest;
@@ -21,6 +21,9 @@ const BANDS: f64 = 20.0;
 const SIDE: f64 = 288.0;
 /// Size of a value in a wide region.
 const LABEL: f64 = 18.0;
+
+/// Width of a number beside a map that leaves room for the name of the axis, over the size of the font.
+const SHORT_NUMBER: f64 = 3.1;
 
 type Point = [f64; 2];
 
@@ -94,14 +97,16 @@ fn draw_map(
     draw_axes(picture, frame);
 }
 
-/// Draws outline and axes of a map of the square.
+/// Draws outline and axes of a map.
 pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     frame.outline(picture);
-    frame.label_below(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
-    frame.label_left(picture, Ticks::inside(-0.5, 0.5, 4).labelled());
+    let up = Ticks::inside(frame.y.0, frame.y.1, 4);
+    frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
+    frame.label_left(picture, up.labelled());
     let (x, y) = frame.middle();
+    let longer = SMALL * (up.widest() - SHORT_NUMBER).max(0.0);
     picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
-    picture.text("y", (frame.across.0 - 48.0, y), italic(NORMAL));
+    picture.text("y", (frame.across.0 - 48.0 - longer, y), italic(NORMAL));
 }
 
 /// Returns the part of the square that is in all half-planes.

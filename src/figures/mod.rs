@@ -4,6 +4,7 @@
 //! and a description for readers who cannot see it. Central is [`Picture`], to which all drawing functions add shapes.
 
 mod axes;
+mod boxes;
 mod camera;
 mod chart;
 mod contact;
@@ -14,13 +15,15 @@ mod maps;
 mod palette;
 mod panels;
 mod picture;
+mod plan;
 mod regions;
 mod square;
 mod surface;
 pub(crate) mod table;
 mod text;
+mod triangles;
 
-pub(crate) use camera::uphill;
+pub(crate) use camera::{uphill, uphill_on_mesh};
 pub(crate) use chart::charts;
 pub(crate) use contact::contact;
 pub(crate) use gradient::gradients;
@@ -28,11 +31,14 @@ pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
 pub(crate) use maps::maps_of_f;
 pub(crate) use picture::Picture;
+pub(crate) use plan::mesh_picture;
 pub(crate) use square::{grid, membrane};
 pub(crate) use surface::surfaces;
+pub(crate) use triangles::mesh_surfaces;
 
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;
+use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::saddle::{Iteration, Pair};
 
 /// One panel of [`surfaces`].
@@ -45,6 +51,21 @@ pub(crate) struct Surface<'a> {
     /// Boundary nodes that are drawn as in contact.
     pub(crate) in_contact: &'a [bool],
     /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`] hides least.
+    pub(crate) azimuth: f64,
+    /// Range of heights and colours; `None` for that of the data and zero.
+    pub(crate) range: Option<(f64, f64)>,
+}
+
+/// One panel of [`mesh_surfaces`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeshSurface<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) mesh: &'a PlaneMesh,
+    /// Heights at the nodes, dimensionless.
+    pub(crate) y: &'a [f64],
+    /// Nodes that are drawn as in contact.
+    pub(crate) in_contact: &'a [bool],
+    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill_on_mesh`] hides least.
     pub(crate) azimuth: f64,
     /// Range of heights and colours; `None` for that of the data and zero.
     pub(crate) range: Option<(f64, f64)>,
@@ -167,6 +188,12 @@ fn decade(value: f64) -> f64 {
 /// Returns the smallest and the largest of `values` and 0.
 pub(crate) fn range_with_zero(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     values.into_iter().fold((0.0, 0.0), |(lo, hi): (f64, f64), v| (lo.min(v), hi.max(v)))
+}
+
+/// Returns the smallest and the largest of `values`.
+fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    values.into_iter().fold(none, |(lo, hi), v| (lo.min(v), hi.max(v)))
 }
 
 #[cfg(test)]

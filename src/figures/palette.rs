@@ -63,6 +63,13 @@ pub(super) fn series(k: usize) -> RGBColor {
     OKABE_ITO[k % OKABE_ITO.len()]
 }
 
+/// Returns a light shade of colour `k` of [`series`], with the same ink legible on it on either page.
+pub(super) fn light(k: usize) -> RGBColor {
+    let RGBColor(red, green, blue) = series(k);
+    let [red, green, blue] = [red, green, blue].map(|channel| 255 - (255 - channel) / 5);
+    RGBColor(red, green, blue)
+}
+
 /// Scale of colours for values in a range.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ColourScale {

@@ -3,7 +3,11 @@
 use super::Stroke::{Line, Marked, Reference};
 use super::*;
 use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::multigrid::MultigridParams;
+use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::triangulated::MeshProblem;
 
 /// A picture under a title that needs escaping.
 pub(super) fn svg(picture: &Picture) -> String {
@@ -26,6 +30,71 @@ pub(super) fn committed() -> Vec<(String, String)> {
 pub(super) fn unusual() -> Vec<(String, String)> {
     let mut figures = unusual_scenes();
     figures.extend(unusual_charts());
+    figures.extend(meshes());
+    figures
+}
+
+/// Solution on a triangulation of the plane.
+pub(super) struct Solved {
+    pub(super) mesh: PlaneMesh,
+    pub(super) y: Vec<f64>,
+    pub(super) in_contact: Vec<bool>,
+}
+
+impl Solved {
+    /// Solves on a mesh refined `times` times.
+    pub(super) fn on(coarsest: &AnyMesh, times: usize, f: &str) -> Self {
+        let problem = MeshProblem::new(coarsest, times, f).unwrap();
+        let params = MultigridParams::default();
+        let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+        let nodes = problem.network().contact().iter().map(|contact| contact.node as usize);
+        let mut in_contact = vec![false; y.len()];
+        for (node, touches) in nodes.clone().zip(problem.judge(&y).in_contact(nodes, &y)) {
+            in_contact[node] = touches;
+        }
+        let AnyMesh::Plane(mesh) = problem.mesh else { panic!("a mesh in space") };
+        Self { mesh, y, in_contact }
+    }
+
+    pub(super) fn surface<'a>(&'a self, title: &'a str) -> MeshSurface<'a> {
+        let Self { mesh, y, in_contact } = self;
+        let azimuth = uphill_on_mesh(mesh, y);
+        MeshSurface { title, mesh, y, in_contact, azimuth, range: None }
+    }
+}
+
+/// A gear, with a free and a fixed part, in a file.
+fn gear() -> AnyMesh {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/gear.msh");
+    let mut gear = gmsh::read(&std::fs::read(path).unwrap()).unwrap();
+    gear.set_condition("hole", Condition::Free).unwrap();
+    gear
+}
+
+/// Meshes, and solutions on them.
+fn meshes() -> Vec<(String, String)> {
+    let [disc, lshape, annulus] =
+        ["disc", "lshape", "annulus"].map(|name| AnyMesh::built_in(name).unwrap());
+    let gear = gear();
+    let solved = [
+        ("disc", Solved::on(&disc, 4, "disc(0.4,0,0.4)=5; else=-1")),
+        ("lshape", Solved::on(&lshape, 4, "rect(-1,0,-1,0)=2; else=-2")),
+        ("annulus", Solved::on(&annulus, 3, "halfplane(1,0,0)=1; else=-2")),
+        ("gear", Solved::on(&gear, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
+    ];
+    let drawn =
+        solved.iter().map(|(name, solved)| (*name, mesh_surfaces(2, &[solved.surface(name)])));
+    let mut figures: Vec<_> =
+        drawn.map(|(name, picture)| (name.to_owned(), svg(&picture))).collect();
+    let coarse = [("disc", &disc), ("L-shape", &lshape), ("annulus", &annulus), ("gear", &gear)];
+    let plans: Vec<_> = coarse
+        .into_iter()
+        .filter_map(|(name, mesh)| match mesh {
+            AnyMesh::Plane(mesh) => Some((name, mesh)),
+            AnyMesh::Space(_) => None,
+        })
+        .collect();
+    figures.push(("plans".into(), svg(&mesh_picture(&plans))));
     figures
 }
 

@@ -2,6 +2,7 @@
 
 use super::samples::{committed, every, svg, unusual};
 use super::*;
+use signorini_mathematics::mesh::{MeshData, PlaneMesh};
 use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 
@@ -185,6 +186,55 @@ fn iteration(number: usize, first: f64) -> Iteration {
     Iteration { number, gradient_signed: size, gradient_abs: size, delta_a: size }
 }
 
+/// Returns the texts of a picture, none of which meets another one or leaves the picture.
+fn readable(name: &str, picture: &Picture) -> Vec<Text> {
+    let ((width, height), texts) = texts(&svg(picture));
+    for (k, text) in texts.iter().enumerate() {
+        let other = texts[..k].iter().find(|other| text.overlaps(other));
+        let inside = text.across.0 >= 0.0
+            && text.across.1 <= width
+            && text.down.0 >= 0.0
+            && text.down.1 <= height;
+        assert!(
+            inside && other.is_none(),
+            "{name}: {text:?} leaves the picture or meets {other:?}"
+        );
+    }
+    texts
+}
+
+/// Two triangles between opposite corners.
+fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> PlaneMesh {
+    let points = vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+    let cells = vec![[0, 1, 2], [0, 2, 3]];
+    MeshData { points, cells, ..MeshData::default() }.mesh().unwrap()
+}
+
+#[test]
+fn coordinates_of_any_size_neither_overlap_nor_run_out() {
+    for size in [1e-12, 1e-3, 0.3333, 1.0, 12_345.678, 1e6, 2.5e9] {
+        for (wide, high) in [(1.0, 1.0), (1.0, 0.1), (0.01, 1.0)] {
+            for shift in [-0.5, 0.0, 3.0] {
+                let low = [shift * size, -shift * size];
+                let mesh = &rectangle(low, [low[0] + wide * size, low[1] + high * size]);
+                let (y, in_contact) = (&[0.0, 1.0, 0.3, 0.0], &[true; 4]);
+                let panels = [-37.5, 52.5, 142.5].map(|azimuth| MeshSurface {
+                    title: "t",
+                    mesh,
+                    y,
+                    in_contact,
+                    azimuth,
+                    range: None,
+                });
+                let name = format!("{wide} x {high} times {size:e} at {shift}");
+                readable(&name, &mesh_surfaces(2, &panels[..1]));
+                readable(&name, &mesh_surfaces(3, &panels));
+                readable(&name, &mesh_picture(&[("t", mesh), ("u", mesh)]));
+            }
+        }
+    }
+}
+
 #[test]
 fn numbers_of_any_size_neither_overlap_nor_run_out() {
     let sizes =
@@ -194,18 +244,7 @@ fn numbers_of_any_size_neither_overlap_nor_run_out() {
     ranges.extend([(-1e9, 1.0), (-1.0, 1e9), (-3e-9, 7e6), (-1e150, 1e6), (-999_999.5, 1e6)]);
     for (low, high) in ranges {
         for (kind, picture) in scaled(low, high) {
-            let ((width, height), texts) = texts(&svg(&picture));
-            for (k, text) in texts.iter().enumerate() {
-                let other = texts[..k].iter().find(|other| text.overlaps(other));
-                let inside = text.across.0 >= 0.0
-                    && text.across.1 <= width
-                    && text.down.0 >= 0.0
-                    && text.down.1 <= height;
-                assert!(
-                    inside && other.is_none(),
-                    "{kind} of {low:e} to {high:e}: {text:?} leaves the picture or meets {other:?}"
-                );
-            }
+            let texts = readable(&format!("{kind} of {low:e} to {high:e}"), &picture);
             // At least two numbers beside a colour bar or an axis of values.
             let powers = texts.iter().filter(|text| text.words.contains("\u{b7}10")).count();
             assert!(kind == "history" || high < 1e6 || powers >= 2, "{kind} {low:e} {high:e}");

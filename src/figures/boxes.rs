@@ -1,0 +1,279 @@
+//! Boxes around surfaces: panels with a floor, two walls, axes and a colour bar, above a key common to all.
+
+use super::axes::{colour_bar, key};
+use super::camera::{Camera, UNIT, View};
+use super::palette::{CONTACT, ColourScale, INK, MUTED, RULE, SHADE};
+use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, bold, italic, plain};
+use super::range_with_zero;
+use super::text::{Ticks, number_width, short};
+
+/// Size of a panel in display pixels, where two are in a row.
+const PANEL: (f64, f64) = (390.0, 392.0);
+/// Height of the title and the colour bar of a panel, which do not shrink with it.
+const TEXT: f64 = 80.0;
+/// Height of a row of the key below the panels.
+const KEY: f64 = 22.0;
+/// Distance of the numbers from the vertical axis.
+const NUMBERS: f64 = 8.0;
+/// Room for the numbers to the right of the box.
+const NUMBER_RIGHT: f64 = 36.0;
+/// Room below the surface over the range of its heights, so that its lowest part is seen above the floor.
+const FLOOR_GAP: f64 = 0.18;
+/// Room above the surface over the range of its heights.
+const CEILING_GAP: f64 = 0.04;
+/// Places of the marks along a side of the floor, from its middle, over half of the side.
+const MARKS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+/// Least half side of a floor, so that the numbers along it do not meet: longer domains are drawn wider than they are.
+const LEAST_HALF: f64 = 0.2;
+/// Width of a number beside the floor that needs no more room than `-0.5`, over the size of the font.
+const SHORT_NUMBER: f64 = 2.5;
+
+/// Attributes of the lines between the cells of a surface: thin strokes both draw them and close the seams.
+pub(super) const CELL_LINES: &str = "stroke=\"#203038\" stroke-width=\"1\"";
+/// Width of the mark of contact in display pixels.
+pub(super) const CONTACT_WIDTH: f64 = 2.75;
+
+/// Rectangle below a surface, around the origin of the box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Floor {
+    /// Half of each side, at most 1/2.
+    half: [f64; 2],
+    /// Coordinates of the domain at both ends of each side.
+    ends: [(f64, f64); 2],
+}
+
+impl Floor {
+    /// Floor below the unit square around the origin.
+    pub(super) const SQUARE: Self = Self { half: [0.5; 2], ends: [(-0.5, 0.5); 2] };
+
+    /// Floor below the bounding box of points.
+    pub(super) fn around(points: &[[f64; 2]]) -> Self {
+        let ends = [0, 1].map(|d| super::range(points.iter().map(|point| point[d])));
+        let sides = ends.map(|(low, high)| high - low);
+        let longest = sides[0].max(sides[1]);
+        Self { half: sides.map(|side| (0.5 * side / longest).max(LEAST_HALF)), ends }
+    }
+
+    /// Returns the place of a point of the domain in the box.
+    pub(super) fn inside(&self, point: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|d| {
+            let (low, high) = self.ends[d];
+            self.half[d] * (2.0 * (point[d] - low) / (high - low) - 1.0)
+        })
+    }
+
+    /// Returns the places of the marks along a side.
+    fn marks(&self, d: usize) -> [f64; 5] {
+        MARKS.map(|t| t * self.half[d])
+    }
+
+    /// Returns the numbers at the first, the middle and the last mark of a side.
+    fn numbers(&self, d: usize) -> [String; 3] {
+        let (low, high) = self.ends[d];
+        // Three digits of the length of the side: of a rounded corner, no more can be seen.
+        let power = libm::floor(libm::log10(high - low)) as i32 - 2;
+        let unit = libm::exp10(f64::from(power));
+        [low, 0.5 * (low + high), high].map(|value| short((value / unit).round() * unit))
+    }
+}
+
+/// Panel with a surface in a box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Boxed<'a> {
+    pub(super) title: &'a str,
+    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis.
+    pub(super) azimuth: f64,
+    /// Ends of the range of colours, ascending.
+    pub(super) values: (f64, f64),
+    pub(super) floor: Floor,
+}
+
+/// Box into which a surface is painted.
+pub(super) struct Inside<'a> {
+    /// Position of the panel.
+    pub(super) panel: usize,
+    pub(super) view: &'a View,
+    pub(super) colours: ColourScale,
+    /// Size of the panel over that where two are in a row.
+    pub(super) scale: f64,
+}
+
+/// Returns a range, if none is given that of values and zero; around zero if the range is empty.
+pub(super) fn range_of_colours(given: Option<(f64, f64)>, values: &[f64]) -> (f64, f64) {
+    let range = given.unwrap_or_else(|| range_with_zero(values.iter().copied()));
+    if range.0 < range.1 { range } else { (-1.0, 1.0) }
+}
+
+/// Draws one box per panel, in rows of `columns`, each with a scale and a colour bar; `paint` draws what is inside.
+pub(super) fn in_boxes(
+    columns: usize,
+    panels: &[Boxed],
+    paint: impl Fn(&mut Picture, &Inside),
+) -> Picture {
+    let columns = columns.min(panels.len());
+    let rows = panels.len().div_ceil(columns);
+    let scale = (2.0 / columns as f64).min(1.0);
+    let (wide, high) = (scale * PANEL.0, scale * (PANEL.1 - TEXT) + TEXT);
+    let margin = 10.0;
+    let key_rows = if columns > 1 { 1.0 } else { 2.0 };
+    let mut picture = Picture::new(
+        2.0 * margin + columns as f64 * wide,
+        2.0 * margin + rows as f64 * high + KEY * key_rows,
+    );
+    for (k, panel) in panels.iter().enumerate() {
+        let left = margin + (k % columns) as f64 * wide;
+        let top = margin + (k / columns) as f64 * high;
+        let data = panel.values;
+        let span = data.1 - data.0;
+        let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
+        let ticks = Ticks::inside(heights.0, heights.1, 5);
+        let mut view = View {
+            camera: Camera::new(panel.azimuth),
+            origin: (left + 0.5 * wide + 12.0, top + 24.0 + 160.0 * scale),
+            unit: UNIT * scale,
+            half: panel.floor.half,
+            heights,
+        };
+        make_room(&mut view, (left, left + wide), NUMBERS + SMALL * ticks.widest());
+        let colours = ColourScale::Viridis { low: data.0, high: data.1 };
+        picture.text(panel.title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
+        walls(&mut picture, &view, &panel.floor, &ticks);
+        paint(&mut picture, &Inside { panel: k, view: &view, colours, scale });
+        axes(&mut picture, &view, &panel.floor, &ticks);
+        let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
+        colour_bar(&mut picture, bar, top + high - 44.0, colours, "v");
+    }
+    picture.group("stroke-linecap=\"round\"", |picture| {
+        let y = margin + rows as f64 * high + 12.0;
+        let x = margin + 76.0;
+        picture.path([(x, y), (x + 28.0, y)], CONTACT, CONTACT_WIDTH);
+        key(picture, (x + 38.0, y), "boundary in contact (multiplier a > 0)");
+        let units = if columns > 1 { (x + 390.0, y) } else { (x, y + 20.0) };
+        key(picture, units, "x, y and v are dimensionless");
+    });
+    picture
+}
+
+/// Draws the floor and the two far walls, with rules at the ticks.
+fn walls(picture: &mut Picture, view: &View, floor: &Floor, ticks: &Ticks) {
+    let [nx, ny] = view.nearest_corner();
+    let [hx, hy] = view.half;
+    let (low, high) = view.heights;
+    let corners = [[-hx, -hy, low], [hx, -hy, low], [hx, hy, low], [-hx, hy, low]];
+    picture.polygon(corners.map(|point| view.place(point)), SHADE);
+    for v in ticks.values() {
+        let line = [[-nx, ny, v], [-nx, -ny, v], [nx, -ny, v]];
+        let (color, width) = if v == 0.0 { (MUTED, 1.0) } else { (RULE, 0.75) };
+        picture.path(line.map(|point| view.place(point)), color, width);
+    }
+    for (x, y) in floor.marks(0).into_iter().zip(floor.marks(1)).skip(1).take(3) {
+        let across = [[x, ny, low], [x, -ny, low], [x, -ny, high]];
+        let along = [[nx, y, low], [-nx, y, low], [-nx, y, high]];
+        picture.path(across.map(|point| view.place(point)), RULE, 0.75);
+        picture.path(along.map(|point| view.place(point)), RULE, 0.75);
+    }
+    for [x, y] in [[-nx, ny], [-nx, -ny], [nx, -ny]] {
+        let edge = [[x, y, low], [x, y, high]];
+        picture.path(edge.map(|point| view.place(point)), MUTED, 0.75);
+    }
+    for v in [low, high] {
+        let edges = [[-nx, ny, v], [-nx, -ny, v], [nx, -ny, v]];
+        picture.path(edges.map(|point| view.place(point)), MUTED, 0.75);
+    }
+}
+
+/// Moves and narrows the box if the numbers at the vertical axis, `numbers` wide, would reach out of the panel.
+fn make_room(view: &mut View, (left, right): (f64, f64), numbers: f64) {
+    let [x, y] = leftmost(view);
+    let half = view.origin.0 - view.place([x, y, view.heights.0]).0;
+    if view.origin.0 - half - numbers < left {
+        let narrower = (0.5 * (right - left - numbers - NUMBER_RIGHT) / half).min(1.0);
+        view.unit *= narrower;
+        view.origin.0 = left + numbers + narrower * half;
+    }
+}
+
+/// Returns the leftmost corner of the floor in the picture: there the surface cannot hide the vertical axis.
+fn leftmost(view: &View) -> [f64; 2] {
+    let [nx, ny] = view.nearest_corner();
+    let low = view.heights.0;
+    let left = view.place([nx, -ny, low]).0 <= view.place([-nx, ny, low]).0;
+    if left { [nx, -ny] } else { [-nx, ny] }
+}
+
+/// Draws the near edges of the floor and the vertical axis, with ticks, numbers and names.
+fn axes(picture: &mut Picture, view: &View, floor: &Floor, ticks: &Ticks) {
+    let [nx, ny] = view.nearest_corner();
+    let (low, high) = view.heights;
+    let marks = floor.marks(0).map(|t| view.place([t, ny, low]));
+    let out = outward(view, [0.0, ny]);
+    FloorEdge { name: "x", marks, numbers: floor.numbers(0), out }.draw(picture);
+    let marks = floor.marks(1).map(|t| view.place([nx, t, low]));
+    let out = outward(view, [nx, 0.0]);
+    FloorEdge { name: "y", marks, numbers: floor.numbers(1), out }.draw(picture);
+    let [cx, cy] = leftmost(view);
+    let (bottom, top) = (view.place([cx, cy, low]), view.place([cx, cy, high]));
+    picture.path([bottom, top], INK, 1.0);
+    for (v, text) in ticks.labelled() {
+        let (x, y) = view.place([cx, cy, v]);
+        picture.path([(x - 5.0, y), (x, y)], INK, 1.0);
+        // Too near the floor, a number would collide with the first one there.
+        if y < bottom.1 - SMALL {
+            picture.text(&text, (x - NUMBERS, y), plain(SMALL).pos(END));
+        }
+    }
+    picture.text("v", (top.0, top.1 - 14.0), italic(NORMAL));
+}
+
+/// Returns the direction of (dx, dy) on the floor as a step of one display pixel in the picture.
+fn outward(view: &View, [dx, dy]: [f64; 2]) -> Place {
+    let low = view.heights.0;
+    let (from, to) = (view.place([0.0, 0.0, low]), view.place([dx, dy, low]));
+    let (px, py) = (to.0 - from.0, to.1 - from.1);
+    let length = (px * px + py * py).sqrt().max(1e-9);
+    (px / length, py / length)
+}
+
+/// Near edge of the floor with its name and numbers.
+struct FloorEdge {
+    name: &'static str,
+    marks: [Place; 5],
+    /// Numbers at the first, the middle and the last mark.
+    numbers: [String; 3],
+    /// Step of one display pixel away from the floor.
+    out: Place,
+}
+
+impl FloorEdge {
+    fn draw(&self, picture: &mut Picture) {
+        picture.path([self.marks[0], self.marks[4]], INK, 1.0);
+        for (mark, text) in self.marks.into_iter().step_by(2).zip(&self.numbers) {
+            picture.path([mark, self.stepped(mark, 5.0)], INK, 1.0);
+            let wider = 0.5 * SMALL * (number_width(text) - SHORT_NUMBER).max(0.0);
+            let by = 17.0 + wider * self.out.0.abs();
+            picture.text(text, self.stepped(mark, by), plain(SMALL));
+        }
+        picture.text(self.name, self.stepped(self.marks[1], 24.0), italic(NORMAL));
+    }
+
+    fn stepped(&self, at: Place, by: f64) -> Place {
+        (at.0 + by * self.out.0, at.1 + by * self.out.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_floor_has_the_coordinates_of_the_bounding_box() {
+        let floor = Floor::around(&[[1.0, -3.0], [5.0, -3.0], [2.0, -1.0]]);
+        assert_eq!(floor.half, [0.5, 0.25]);
+        assert_eq!(floor.inside([5.0, -2.0]), [0.5, 0.0]);
+        assert_eq!(floor.numbers(1), ["\u{2212}3", "\u{2212}2", "\u{2212}1"]);
+        let long = Floor::around(&[[0.0, 0.0], [100.0, 1.0 / 3.0]]);
+        assert_eq!(long.half, [0.5, LEAST_HALF]);
+        assert_eq!(long.numbers(1), ["0", "0.167", "0.333"]);
+        assert_eq!(Floor::SQUARE.numbers(0), ["\u{2212}0.5", "0", "0.5"]);
+    }
+}

@@ -1,0 +1,144 @@
+//! Meshes in the plane from above: triangles, parts of the boundary, regions.
+
+use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample};
+use super::boxes::CELL_LINES;
+use super::maps::draw_axes;
+use super::palette::{light, series};
+use super::panels::{Panels, title};
+use super::picture::Picture;
+use signorini_mathematics::mesh::{Condition, PlaneMesh};
+
+/// Side of a panel in display pixels.
+const SIDE: f64 = 288.0;
+/// Room around a mesh over its size.
+const ROOM: f64 = 0.05;
+/// Width of a key below a panel.
+const KEY: f64 = 350.0;
+/// Distance of the key from the panel.
+const KEY_GAP: f64 = 54.0;
+/// Most letters of a name in a key.
+const LETTERS: usize = 28;
+/// Number of the first shade of regions among the series, unlike the colours of the first parts.
+const FIRST_SHADE: usize = 4;
+
+/// Draws one mesh per panel, below its title, two in a row, each above a key of its parts and, if there are more than
+/// one, its regions.
+///
+/// All triangles are drawn: a mesh of more than 2500 makes a large file.
+pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
+    let keys: Vec<_> = panels.iter().map(|(_, mesh)| MeshKey::new(mesh)).collect();
+    let legends: Vec<_> = keys.iter().map(MeshKey::legend).collect();
+    let rows = legends.iter().map(|legend| legend.rows).max().unwrap_or(0);
+    let layout = Panels {
+        count: panels.len(),
+        side: SIDE,
+        margin: 20.0,
+        left: 66.0,
+        around: (92.0, 48.0 + KEY_GAP + LEGEND_ROW * rows as f64),
+        foot: 8.0,
+    };
+    let (width, height) = layout.size();
+    let mut picture = Picture::new(width, height);
+    for (k, ((text, mesh), legend)) in panels.iter().zip(&legends).enumerate() {
+        let [x, y] = square_around(mesh);
+        let frame = layout.frame(k, x, y);
+        title(&mut picture, &frame, text);
+        draw_axes(&mut picture, &frame);
+        draw_mesh(&mut picture, mesh, &frame);
+        legend.draw(&mut picture, (frame.across.0 - 30.0, frame.down.1 + KEY_GAP));
+    }
+    picture
+}
+
+/// Returns the ranges of x and y of a square with room around a mesh.
+fn square_around(mesh: &PlaneMesh) -> [(f64, f64); 2] {
+    let ends = [0, 1].map(|d| super::range(mesh.points().iter().map(|point| point[d])));
+    let longest = ends.iter().fold(0.0f64, |most, (low, high)| most.max(high - low));
+    let half = (0.5 + ROOM) * longest;
+    ends.map(|(low, high)| {
+        let middle = 0.5 * (low + high);
+        (middle - half, middle + half)
+    })
+}
+
+fn draw_mesh(picture: &mut Picture, mesh: &PlaneMesh, frame: &Frame) {
+    let place = |[x, y]: [f64; 2]| frame.at(x, y);
+    picture.group(CELL_LINES, |picture| {
+        for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
+            let color = light(FIRST_SHADE + region as usize);
+            picture.polygon(mesh.vertices(cell).map(place), color);
+        }
+    });
+    picture.group("stroke-linecap=\"round\"", |picture| {
+        for facet in mesh.facets() {
+            picture.path(mesh.corners(facet).map(place), series(facet.part as usize), 2.5);
+        }
+    });
+}
+
+/// Texts of the key of a mesh.
+struct MeshKey {
+    /// Name and condition of each part.
+    parts: Vec<String>,
+    /// Names of the regions, if there are more than one.
+    regions: Vec<String>,
+}
+
+impl MeshKey {
+    fn new(mesh: &PlaneMesh) -> Self {
+        let parts = mesh.parts().iter().map(|part| {
+            let condition = match part.condition {
+                Condition::Contact => "contact",
+                Condition::Free => "free",
+                Condition::Fixed => "fixed",
+            };
+            format!("{}: {condition}", cut(&part.name))
+        });
+        let regions = mesh.region_names().iter().map(|name| cut(name));
+        let regions = if mesh.region_names().len() > 1 { regions.collect() } else { Vec::new() };
+        Self { parts: parts.collect(), regions }
+    }
+
+    fn legend(&self) -> Legend<'_> {
+        let parts = self.parts.iter().enumerate().map(|(k, label)| Entry {
+            label,
+            color: series(k),
+            sample: Sample::Line,
+        });
+        let regions = self.regions.iter().enumerate().map(|(k, label)| Entry {
+            label,
+            color: light(FIRST_SHADE + k),
+            sample: Sample::Swatch,
+        });
+        Legend::of(parts.chain(regions), KEY)
+    }
+}
+
+/// Returns a name, without its end if it is long.
+fn cut(name: &str) -> String {
+    match name.char_indices().nth(LETTERS) {
+        Some((end, _)) => format!("{}…", &name[..end]),
+        None => name.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::samples::svg;
+    use signorini_mathematics::mesh::BuiltIn;
+
+    #[test]
+    fn all_triangles_edges_and_names_are_drawn() {
+        let mut mesh = BuiltIn::Annulus.plane().unwrap();
+        mesh.parts_mut()[0].condition = Condition::Free;
+        mesh.parts_mut()[1].name = "a".repeat(200);
+        let svg = svg(&mesh_picture(&[("annulus", &mesh)]));
+        assert_eq!(svg.matches("<polygon").count(), 24);
+        // An edge each, and one line of the key.
+        assert_eq!(svg.matches("stroke=\"#0072B2\"").count(), 13);
+        assert_eq!(svg.matches("stroke=\"#D55E00\"").count(), 13);
+        assert!(svg.contains(">inner: free</text>"));
+        assert!(svg.contains(&format!(">{}…: contact</text>", "a".repeat(LETTERS))));
+    }
+}

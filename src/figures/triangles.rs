@@ -1,0 +1,196 @@
+//! Solutions on triangulations of the plane as shaded surfaces, painted from the far triangles to the near ones.
+
+use super::MeshSurface;
+use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Floor, Inside, in_boxes, range_of_colours};
+use super::camera::{Vector, View, between, cross, dot};
+use super::palette::{CONTACT, ColourScale, lit};
+use super::picture::Picture;
+use signorini_mathematics::mesh::{Condition, centroid};
+use std::collections::BTreeSet;
+
+/// Draws one surface per panel, in rows of `columns`, as [`surfaces`](super::surfaces) does on the square.
+///
+/// Edges of the boundary in contact, those with both ends in contact, are marked on the surface. All triangles are drawn:
+/// a mesh of more than 2500 makes a large file, and should be given as a coarser one of its hierarchy.
+pub(crate) fn mesh_surfaces(columns: usize, panels: &[MeshSurface]) -> Picture {
+    let boxes: Vec<_> = panels.iter().map(boxed).collect();
+    in_boxes(columns, &boxes, |picture, inside| {
+        let floor = &boxes[inside.panel].floor;
+        let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
+        let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
+        picture.group(&lines, |picture| surface.paint(picture));
+    })
+}
+
+fn boxed<'a>(&MeshSurface { title, mesh, azimuth, range, y, .. }: &MeshSurface<'a>) -> Boxed<'a> {
+    let values = range_of_colours(range, y);
+    Boxed { title, azimuth, values, floor: Floor::around(mesh.points()) }
+}
+
+/// Numbers of the ends of an edge, the lower one first.
+type Ends = [u32; 2];
+
+/// Surface in its box.
+struct PaintedMesh<'a> {
+    view: &'a View,
+    colours: ColourScale,
+    panel: &'a MeshSurface<'a>,
+    /// (x, y, v) at the nodes, x and y in the box.
+    nodes: Vec<Vector>,
+    /// Triangles from the farthest to the nearest.
+    order: Vec<usize>,
+    /// Turn at which the last triangle at each node is painted.
+    last: Vec<usize>,
+}
+
+impl<'a> PaintedMesh<'a> {
+    fn new(panel: &'a MeshSurface<'a>, floor: &Floor, inside: &Inside<'a>) -> Self {
+        let &Inside { view, colours, .. } = inside;
+        let mesh = panel.mesh;
+        let in_box = |(&point, &v): (&[f64; 2], &f64)| {
+            let [x, y] = floor.inside(point);
+            [x, y, v]
+        };
+        let nodes: Vec<Vector> = mesh.points().iter().zip(panel.y).map(in_box).collect();
+        // Along a ray from the viewer, the place on the floor only becomes farther: heights do not matter.
+        let depth = |cell: &[u32; 3]| {
+            let [x, y] = centroid(cell.map(|node| {
+                let [x, y, _] = nodes[node as usize];
+                [x, y]
+            }));
+            dot([x, y, 0.0], view.camera.toward)
+        };
+        let depths: Vec<f64> = mesh.cells().iter().map(depth).collect();
+        let mut order: Vec<usize> = (0..depths.len()).collect();
+        order.sort_by(|&a, &b| depths[a].total_cmp(&depths[b]));
+        let mut last = vec![0; nodes.len()];
+        for (turn, &cell) in order.iter().enumerate() {
+            mesh.cells()[cell].iter().for_each(|&node| last[node as usize] = turn);
+        }
+        Self { view, colours, panel, nodes, order, last }
+    }
+
+    /// Paints triangles and contact in their order.
+    fn paint(&self, picture: &mut Picture) {
+        let contact = self.contact();
+        let mut marks: Vec<Vec<Ends>> = vec![Vec::new(); self.order.len() + 1];
+        for (turn, &cell) in self.order.iter().enumerate() {
+            let [a, b, c] = self.panel.mesh.cells()[cell];
+            for [a, b, opposite] in [[a, b, c], [b, c, a], [c, a, b]] {
+                if contact.contains(&[a.min(b), a.max(b)]) {
+                    // Not before the last triangle at the edge, which would cover half of the line.
+                    let visible = 1 + self.last[a as usize].max(self.last[b as usize]);
+                    let when = if self.hides([a, b], opposite) { turn } else { visible };
+                    marks[when].push([a, b]);
+                }
+            }
+        }
+        for (turn, edges) in marks.iter().enumerate() {
+            for edge in edges {
+                let places = edge.map(|node| self.view.place(self.nodes[node as usize]));
+                picture.path(places, CONTACT, CONTACT_WIDTH);
+            }
+            if let Some(&cell) = self.order.get(turn) {
+                self.triangle(picture, self.panel.mesh.cells()[cell]);
+            }
+        }
+    }
+
+    /// Edges of the boundary in contact.
+    fn contact(&self) -> BTreeSet<Ends> {
+        let MeshSurface { mesh, in_contact, .. } = self.panel;
+        let touches = mesh.facets().iter().filter(|facet| {
+            let ends = facet.nodes.iter().all(|&node| in_contact[node as usize]);
+            ends && mesh.condition(facet) == Condition::Contact
+        });
+        touches.map(|facet| facet.nodes).map(|[a, b]| [a.min(b), a.max(b)]).collect()
+    }
+
+    fn triangle(&self, picture: &mut Picture, cell: [u32; 3]) {
+        let corners = cell.map(|node| self.nodes[node as usize]);
+        let mean = corners.iter().map(|[_, _, v]| v).sum::<f64>() / 3.0;
+        let light = self.view.brightness(self.upward(cell));
+        picture
+            .polygon(corners.map(|xyv| self.view.place(xyv)), lit(self.colours.color(mean), light));
+    }
+
+    /// Normal of a triangle in the box, upwards.
+    fn upward(&self, cell: [u32; 3]) -> Vector {
+        let [a, b, c] = cell.map(|node| self.view.point(self.nodes[node as usize]));
+        let normal = cross(between(a, b), between(a, c));
+        if normal[2] < 0.0 { normal.map(|x| -x) } else { normal }
+    }
+
+    /// True if a triangle hides its edge `[a, b]`: the edge is on its far side, and the triangle is seen from below.
+    fn hides(&self, [a, b]: Ends, opposite: u32) -> bool {
+        let [p, q, r] = [a, b, opposite].map(|node| self.nodes[node as usize]);
+        let (along, inwards) = (between(p, q), between(p, r));
+        let turned = [along[1], -along[0], 0.0];
+        let toward = self.view.camera.toward;
+        let is_far = dot(turned, toward) * dot(turned, inwards) > 0.0;
+        is_far && dot(self.upward([a, b, opposite]), toward) < 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::samples::svg;
+    use signorini_mathematics::mesh::{BuiltIn, PlaneMesh, refine};
+
+    fn refined(domain: BuiltIn, times: usize) -> PlaneMesh {
+        let coarse = domain.plane().unwrap();
+        (0..times).fold(coarse, |mesh, _| refine(&mesh).unwrap().mesh)
+    }
+
+    fn drawn(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> String {
+        let panel = MeshSurface { title: "t", mesh, y, in_contact, azimuth: -37.5, range: None };
+        svg(&mesh_surfaces(2, &[panel]))
+    }
+
+    /// Number of lines in the colour of contact, without the one of the key.
+    fn marks(svg: &str) -> usize {
+        svg.matches("stroke=\"#D52B00\"").count() - 1
+    }
+
+    #[test]
+    fn edges_between_nodes_in_contact_are_marked_on_contact_parts_only() {
+        let mut mesh = refined(BuiltIn::Annulus, 1);
+        let y: Vec<f64> = mesh.points().iter().map(|[x, y]| x * x + y * y).collect();
+        let all = vec![true; y.len()];
+        assert_eq!(marks(&drawn(&mesh, &y, &all)), mesh.facets().len());
+        assert_eq!(marks(&drawn(&mesh, &y, &vec![false; y.len()])), 0);
+        for condition in [Condition::Free, Condition::Fixed] {
+            mesh.parts_mut()[0].condition = condition;
+            let outer = mesh.facets().iter().filter(|facet| facet.part == 1).count();
+            assert_eq!(marks(&drawn(&mesh, &y, &all)), outer);
+        }
+        // One end is no edge.
+        let node = mesh.facets().last().unwrap().nodes[0] as usize;
+        let one: Vec<bool> = (0..y.len()).map(|k| k == node).collect();
+        assert_eq!(marks(&drawn(&mesh, &y, &one)), 0);
+    }
+
+    #[test]
+    fn every_triangle_is_painted_once_and_the_same_data_give_the_same_bytes() {
+        let mesh = refined(BuiltIn::Disc, 2);
+        let y: Vec<f64> = mesh.points().iter().map(|[x, y]| x - y).collect();
+        let contact = vec![false; y.len()];
+        let svg = drawn(&mesh, &y, &contact);
+        // The floor is a polygon too.
+        assert_eq!(svg.matches("<polygon").count(), mesh.cells().len() + 1);
+        assert_eq!(svg, drawn(&mesh, &y, &contact));
+    }
+
+    #[test]
+    fn contact_behind_a_surface_that_rises_is_covered() {
+        let mesh = refined(BuiltIn::LShape, 0);
+        // The far side, y = 1, is low, and the surface before it high.
+        let y: Vec<f64> = mesh.points().iter().map(|[_, y]| -y).collect();
+        let touching: Vec<bool> = mesh.points().iter().map(|[_, y]| *y == 1.0).collect();
+        let svg = drawn(&mesh, &y, &touching);
+        let mark = svg.find("stroke=\"#D52B00\"").unwrap();
+        let last = svg.rfind("<polygon").unwrap();
+        assert!(marks(&svg) == 2 && mark < last);
+    }
+}

@@ -1,0 +1,188 @@
+//! Solutions on triangulations.
+
+use super::npy::{DOUBLE, INTEGER, doubles, npy};
+use super::vtk::Appended;
+use super::zip;
+use crate::mesh::{AnyMesh, Mesh};
+
+/// Solution on a mesh.
+#[derive(Clone, Copy)]
+pub struct MeshFields<'a> {
+    /// Mesh.
+    pub mesh: &'a AnyMesh,
+    /// v at the nodes.
+    pub v: &'a [f64],
+    /// Multiplier dv/dn at the nodes, zero where there is no contact.
+    pub multiplier: &'a [f64],
+    /// f on each cell.
+    pub f: &'a [f64],
+}
+
+impl MeshFields<'_> {
+    /// v alone, in NPY format.
+    pub fn npy(&self) -> Vec<u8> {
+        npy(DOUBLE, &[self.v.len()], doubles(self.v))
+    }
+
+    /// Mesh and solution in NPZ format, not compressed: `points`, one row of coordinates a node; `cells`, one row of nodes a
+    /// cell; `v` and `multiplier` at the nodes; `f` on the cells.
+    ///
+    /// None if they do not fit into the four gigabytes that such an archive may have.
+    pub fn npz(&self) -> Option<Vec<u8>> {
+        match self.mesh {
+            AnyMesh::Plane(mesh) => npz(mesh, self),
+            AnyMesh::Space(mesh) => npz(mesh, self),
+        }
+    }
+
+    /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from 0
+    /// on; raw little-endian numbers. In the plane z = 0.
+    pub fn vtu(&self, name: &str) -> Vec<u8> {
+        match self.mesh {
+            AnyMesh::Plane(mesh) => vtu(mesh, self, name),
+            AnyMesh::Space(mesh) => vtu(mesh, self, name),
+        }
+    }
+}
+
+fn npz<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    fields: &MeshFields<'_>,
+) -> Option<Vec<u8>> {
+    let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
+    zip::fits((D + 2) * nodes + (V + 1) * cells).then(|| {
+        zip::zip(&[
+            ("points.npy", npy(DOUBLE, &[nodes, D], doubles(mesh.points().as_flattened()))),
+            ("cells.npy", npy(INTEGER, &[cells, V], vertices(mesh))),
+            ("v.npy", fields.npy()),
+            ("multiplier.npy", npy(DOUBLE, &[nodes], doubles(fields.multiplier))),
+            ("f.npy", npy(DOUBLE, &[cells], doubles(fields.f))),
+        ])
+    })
+}
+
+/// VTK's number of a cell with V vertices: triangle or tetrahedron.
+const fn cell_type(vertices: usize) -> u8 {
+    if vertices == 3 { 5 } else { 10 }
+}
+
+fn vtu<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    fields: &MeshFields<'_>,
+    name: &str,
+) -> Vec<u8> {
+    let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
+    let in_space =
+        |point: &[f64; D]| [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes());
+    let ends = (1..=cells).map(|cell| ((V * cell) as i64).to_le_bytes());
+    // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes, and takes
+    // the first one in the text.
+    let mut arrays = Appended::default();
+    let region = mesh.regions().iter().map(|region| region.to_le_bytes());
+    let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);
+    let f = arrays.array("type=\"Float64\" Name=\"f\"", doubles(fields.f));
+    let multiplier =
+        arrays.array("type=\"Float64\" Name=\"multiplier\"", doubles(fields.multiplier));
+    let v = arrays.array("type=\"Float64\" Name=\"v\"", doubles(fields.v));
+    let types = (0..cells).map(|_| [cell_type(V)]);
+    let types = arrays.array("type=\"UInt8\" Name=\"types\"", types);
+    let offsets = arrays.array("type=\"Int64\" Name=\"offsets\"", ends);
+    let connectivity = arrays.array("type=\"Int64\" Name=\"connectivity\"", vertices(mesh));
+    let points = arrays.array(
+        "type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"",
+        mesh.points().iter().flat_map(in_space),
+    );
+    let body = format!(
+        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
+        <Points>\n{points}</Points>\n\
+        <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
+        <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
+        <CellData Scalars=\"f\">\n{f}{region}</CellData>\n\
+        </Piece>\n</UnstructuredGrid>\n"
+    );
+    arrays.file("UnstructuredGrid", name, &body)
+}
+
+/// Numbers of the vertices of all cells, as integers of 64 bits.
+fn vertices<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> impl Iterator<Item = [u8; 8]> {
+    mesh.cells().as_flattened().iter().map(|&node| i64::from(node).to_le_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Solution on a built-in mesh that is v = multiplier = node, f = cell.
+    struct Counted {
+        mesh: AnyMesh,
+        at_nodes: Vec<f64>,
+        on_cells: Vec<f64>,
+    }
+
+    impl Counted {
+        fn on(name: &str) -> Self {
+            let mesh = AnyMesh::built_in(name).unwrap();
+            let (nodes, cells) = (mesh.nodes() as u32, mesh.cells() as u32);
+            let (at_nodes, on_cells) = ((0..nodes).map(f64::from), (0..cells).map(f64::from));
+            Self { mesh, at_nodes: at_nodes.collect(), on_cells: on_cells.collect() }
+        }
+
+        fn fields(&self) -> MeshFields<'_> {
+            let Self { mesh, at_nodes, on_cells } = self;
+            MeshFields { mesh, v: at_nodes, multiplier: at_nodes, f: on_cells }
+        }
+    }
+
+    /// Bytes of the array of this name in a VTK XML file.
+    fn appended<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
+        let marker = b"<AppendedData encoding=\"raw\">\n_";
+        let start = file.windows(marker.len()).position(|part| part == marker).unwrap();
+        let (text, data) =
+            (std::str::from_utf8(&file[..start]).unwrap(), &file[start + marker.len()..]);
+        let tag = text.split('<').find(|tag| tag.contains(&format!("Name=\"{name}\""))).unwrap();
+        let offset = tag.split("offset=\"").nth(1).unwrap().split('"').next().unwrap();
+        let data = &data[offset.parse().unwrap()..];
+        let size = u64::from_le_bytes(data[..8].try_into().unwrap()) as usize;
+        &data[8..8 + size]
+    }
+
+    #[test]
+    fn arrays_of_a_vtk_file_are_where_the_text_says() {
+        for (name, vertices, kind) in [("annulus", 3, 5), ("ball", 4, 10)] {
+            let counted = Counted::on(name);
+            let (nodes, cells) = (counted.mesh.nodes(), counted.mesh.cells());
+            let file = counted.fields().vtu("a--b");
+            for (array, size) in [
+                ("points", 24 * nodes),
+                ("connectivity", 8 * vertices * cells),
+                ("offsets", 8 * cells),
+                ("types", cells),
+                ("v", 8 * nodes),
+                ("multiplier", 8 * nodes),
+                ("f", 8 * cells),
+                ("region", 2 * cells),
+            ] {
+                assert_eq!(appended(&file, array).len(), size, "{name} {array}");
+            }
+            assert!(appended(&file, "types").iter().all(|byte| *byte == kind));
+            let last = (vertices * cells) as u64;
+            assert!(appended(&file, "offsets").ends_with(&last.to_le_bytes()));
+            assert!(appended(&file, "v").ends_with(&((nodes - 1) as f64).to_le_bytes()));
+            assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
+            assert!(!file.windows(3).any(|part| part == b"a--"));
+        }
+    }
+
+    #[test]
+    fn arrays_for_numpy_have_rows_of_coordinates_and_of_vertices() {
+        let counted = Counted::on("lshape");
+        let archive = counted.fields().npz().unwrap();
+        for header in ["(8, 2), }", "(6, 3), }", "(8,), }", "(6,), }"] {
+            assert!(
+                archive.windows(header.len()).any(|part| part == header.as_bytes()),
+                "{header}"
+            );
+        }
+        assert_eq!(counted.fields().npy().len(), 128 + 8 * 8);
+    }
+}

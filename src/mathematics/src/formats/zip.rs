@@ -1,0 +1,72 @@
+//! ZIP archives of stored files (APPNOTE 6.3), without dates.
+
+/// First day that the format knows.
+const DATE: u16 = 1 << 5 | 1;
+/// Bytes for what an archive has beside the numbers: names, and headers of files.
+const HEADERS: usize = 4096;
+
+/// True if so many numbers of eight bytes, in a few files, fit into the four gigabytes that an archive may have.
+pub(super) fn fits(numbers: usize) -> bool {
+    u32::try_from(8 * numbers + HEADERS).is_ok()
+}
+
+/// Archive of files, each with its name.
+pub(super) fn zip(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let (mut archive, mut directory) = (Vec::new(), Vec::new());
+    for (name, bytes) in files {
+        let (offset, size, long) = (archive.len() as u32, bytes.len() as u32, name.len() as u16);
+        let sum = crc32(bytes);
+        // Version 2.0, no flags, stored, time and date; then sum and sizes, and the length of the name.
+        archive.extend(b"PK\x03\x04");
+        put(&mut archive, &[20, 0, 0, 0, DATE], &[sum, size, size]);
+        put(&mut archive, &[long, 0], &[]);
+        archive.extend(name.bytes());
+        archive.extend(bytes);
+        directory.extend(b"PK\x01\x02");
+        put(&mut directory, &[20, 20, 0, 0, 0, DATE], &[sum, size, size]);
+        put(&mut directory, &[long, 0, 0, 0, 0], &[0, offset]);
+        directory.extend(name.bytes());
+    }
+    let (count, offset) = (files.len() as u16, archive.len() as u32);
+    let size = directory.len() as u32;
+    archive.extend(directory);
+    archive.extend(b"PK\x05\x06");
+    put(&mut archive, &[0, 0, count, count], &[size, offset]);
+    put(&mut archive, &[0], &[]);
+    archive
+}
+
+/// Adds little-endian numbers of two and of four bytes.
+fn put(out: &mut Vec<u8>, short: &[u16], long: &[u32]) {
+    out.extend(short.iter().flat_map(|n| n.to_le_bytes()));
+    out.extend(long.iter().flat_map(|n| n.to_le_bytes()));
+}
+
+/// Checksum of ZIP archives: CRC-32 of ISO 3309.
+fn crc32(bytes: &[u8]) -> u32 {
+    const TABLE: [u32; 256] = {
+        let mut table = [0; 256];
+        let mut k = 0;
+        while k < 256 {
+            let (mut c, mut bit) = (k as u32, 0);
+            while bit < 8 {
+                c = if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 };
+                bit += 1;
+            }
+            table[k] = c;
+            k += 1;
+        }
+        table
+    };
+    !bytes.iter().fold(!0, |c: u32, &byte| TABLE[((c ^ u32::from(byte)) & 255) as usize] ^ (c >> 8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checksum_is_that_of_the_standard() {
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+    }
+}
