@@ -19,7 +19,7 @@ use crate::pipeline::error::{Error, Result};
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
-use domain::square;
+use domain::{Domain, square};
 use format::Format;
 use problem::Problem;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
@@ -104,7 +104,7 @@ pub(super) struct SolveArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write the solution: .vti for ParaView, .npz or .npy for NumPy, .svg for a picture
+    /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
     /// An .npz has v, multiplier and f, an .npy v alone. The ending alone, `vti`, names the file after the scene. The
     /// spectral solver's solution is written at the nodes of --h.
@@ -121,16 +121,14 @@ impl SolveArgs {
     fn file(&self, problem: &Problem) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
-        let on_cube = problem.domain.dimension() == 3;
-        let usual = if on_cube { "cube" } else { "solution" };
+        let usual = match &problem.domain {
+            Domain::Cube { .. } => "cube",
+            Domain::Square { .. } | Domain::Mesh(_) => "solution",
+        };
         let name = problem.scene.as_deref().unwrap_or(usual);
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        if on_cube && format == Format::Svg {
-            return Err(Error::input(
-                "--out: a solution on the cube has no picture; use .vti and open it in ParaView, or .npz",
-            ));
-        }
+        problem.domain.check_format(format)?;
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 

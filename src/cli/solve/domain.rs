@@ -241,6 +241,27 @@ impl Domain {
         Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }
 
+    /// Refuses a format in which the domain has no files.
+    pub(super) fn check_format(&self, format: Format) -> Result<()> {
+        let on_mesh = matches!(self, Self::Mesh(_));
+        let problem = match format {
+            Format::Svg if self.dimension() == 3 => {
+                let ending = if on_mesh { ".vtu" } else { ".vti" };
+                format!(
+                    "a solution in space has no picture; use {ending} and open it in ParaView, or .npz"
+                )
+            }
+            Format::Vti if on_mesh => {
+                "a solution on a mesh is written as .vtu, .npz or .npy".into()
+            }
+            Format::Vtu if !on_mesh => {
+                "a solution on a grid is written as .vti, .npz or .npy".into()
+            }
+            Format::Vti | Format::Vtu | Format::Npy | Format::Npz | Format::Svg => return Ok(()),
+        };
+        Err(Error::input(format!("--out: {problem}")))
+    }
+
     /// Returns the bytes of a file with the solution; the caller refuses a picture of the cube.
     pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
         let fields = match self {
@@ -253,7 +274,7 @@ impl Domain {
             Format::Npz => fields.npz().ok_or_else(|| {
                 Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vti")
             }),
-            Format::Vti => Ok(fields.vti(name)),
+            Format::Vti | Format::Vtu => Ok(fields.vti(name)),
             Format::Svg => {
                 let (grid, azimuth) = (square(n), uphill(square(n), &pair.y));
                 let (y, in_contact) = (&pair.y, &pair.in_contact(grid));

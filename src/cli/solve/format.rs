@@ -4,10 +4,12 @@ use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
 use std::path::Path;
 
-/// Format of a file, by its ending: VTK image data for ParaView, one NumPy array, several arrays, a picture.
+/// Format of a file, by its ending: VTK image data or, on a mesh, an unstructured grid for ParaView, one NumPy array,
+/// several arrays, a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
     Vti,
+    Vtu,
     Npy,
     Npz,
     Svg,
@@ -19,7 +21,9 @@ impl Format {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         Self::from_str(ending, false).map_err(|_| {
             let path = path.display();
-            Error::input(format!("--out {path}: unknown ending; use one of .vti, .npy, .npz, .svg"))
+            Error::input(format!(
+                "--out {path}: unknown ending; use one of .vti, .vtu, .npy, .npz, .svg"
+            ))
         })
     }
 }

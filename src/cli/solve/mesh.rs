@@ -2,8 +2,10 @@
 
 use super::SolveArgs;
 use super::format::Format;
+use crate::figures::{MeshSurface, mesh_surfaces, uphill_on_mesh};
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
+use signorini_mathematics::formats::MeshFields;
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::triangulated::MeshProblem;
@@ -12,8 +14,13 @@ use std::path::Path;
 /// Number of nodes up to which a mesh is refined if the user does not say how often.
 const USUAL_NODES: usize = 20_000;
 
+/// Most triangles of a picture, beside which it would grow too large; each refinement makes four of one.
+const MOST_TRIANGLES: usize = 2500;
+
 /// Problem on a mesh.
 pub(super) struct MeshDomain {
+    /// Mesh as it was read, with the conditions on its parts.
+    coarsest: AnyMesh,
     /// Problem with all refinements.
     pub problem: MeshProblem,
     /// File or built-in domain.
@@ -38,14 +45,55 @@ impl MeshDomain {
         let f = args.f.as_deref().unwrap_or_default();
         let problem =
             MeshProblem::new(&mesh, times, f).map_err(|e| Error::input(format!("{name}: {e}")))?;
-        Ok(Some(Self { problem, name }))
+        Ok(Some(Self { coarsest: mesh, problem, name }))
     }
 
     /// Returns the bytes of a file with the solution.
     pub(super) fn file(&self, kind: Format, pair: &Pair, name: &str) -> Result<Vec<u8>> {
-        let _ = (kind, pair, name);
-        Err(Error::input("--out: not yet"))
+        let Self { problem, coarsest, .. } = self;
+        let mut multiplier = vec![0.0; pair.y.len()];
+        for (contact, a) in problem.network().contact().iter().zip(&pair.a) {
+            multiplier[contact.node as usize] = *a;
+        }
+        let fields = MeshFields {
+            mesh: &problem.mesh,
+            v: &pair.y,
+            multiplier: &multiplier,
+            f: &problem.f.cells.mean,
+        };
+        match kind {
+            Format::Npy => Ok(fields.npy()),
+            Format::Npz => fields.npz().ok_or_else(|| {
+                Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vtu")
+            }),
+            Format::Vti | Format::Vtu => Ok(fields.vtu(name)),
+            Format::Svg => picture(coarsest, problem.levels.len() - 1, &fields, name),
+        }
     }
+}
+
+/// Draws the solution on the finest of the nested meshes whose triangles can be told apart.
+fn picture(
+    coarsest: &AnyMesh,
+    times: usize,
+    fields: &MeshFields<'_>,
+    title: &str,
+) -> Result<Vec<u8>> {
+    let refinements = (0..times)
+        .take_while(|&times| coarsest.cells() << (2 * (times + 1)) <= MOST_TRIANGLES)
+        .count();
+    let drawn = coarsest.refined(refinements).map_err(|e| Error::input(e.to_string()))?;
+    let AnyMesh::Plane(mesh) = &drawn else {
+        return Err(Error::input("--out: a solution in space has no picture"));
+    };
+    // The first nodes of a refined mesh are those of the coarser ones.
+    let nodes = mesh.points().len();
+    let y = &fields.v[..nodes];
+    let in_contact: Vec<bool> = fields.multiplier[..nodes].iter().map(|a| *a > 0.0).collect();
+    let azimuth = uphill_on_mesh(mesh, y);
+    let surface = MeshSurface { title, mesh, y, in_contact: &in_contact, azimuth, range: None };
+    let drawn = mesh_surfaces(1, &[surface]).svg(title, "Made by `signorini solve`.");
+    drawn.map(String::into_bytes).map_err(Error::input)
 }
 
 fn from_file(path: &Path) -> Result<AnyMesh> {

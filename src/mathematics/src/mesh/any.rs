@@ -1,6 +1,6 @@
 //! A mesh of either dimension.
 
-use super::{BUILT_IN, BuiltIn, Condition, Mesh, PlaneMesh, Round, SpaceMesh};
+use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, PlaneMesh, Round, SpaceMesh, refine};
 
 /// Mesh in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +92,21 @@ impl AnyMesh {
             Self::Plane(mesh) => mesh.width(),
             Self::Space(mesh) => mesh.width(),
         }
+    }
+
+    /// Mesh after some uniform refinements.
+    ///
+    /// # Errors
+    /// As [`refine`].
+    pub fn refined(&self, times: usize) -> Result<Self, MeshError> {
+        let mut mesh = self.clone();
+        for _ in 0..times {
+            mesh = match mesh {
+                Self::Plane(mesh) => Self::Plane(refine(&mesh)?.mesh),
+                Self::Space(mesh) => Self::Space(refine(&mesh)?.mesh),
+            };
+        }
+        Ok(mesh)
     }
 
     /// Sets the condition on a part of the boundary.
