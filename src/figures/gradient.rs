@@ -78,7 +78,7 @@ mod tests {
         let picture = gradients(&[panel]);
         let csv = picture.table.clone().unwrap();
         assert_eq!(csv.lines().count(), 1 + grid.nodes());
-        assert!(csv.contains("\none,2,2,-0.5\n"), "{csv}");
+        assert!(csv.starts_with("column,row,one\n") && csv.contains("\n2,2,-0.5\n"), "{csv}");
         let svg = picture.svg("t", "d").unwrap();
         let RGBColor(r, g, b) = color(-2);
         // In the map and in the bar.

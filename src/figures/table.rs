@@ -60,15 +60,27 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     csv
 }
 
-/// Returns the components of the gradient, node by node; columns are counted from the left, rows from below.
+/// Returns the components of the gradient, a row for each node and a column for each panel; columns of the grid are counted
+/// from the left, rows from below.
 pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
-    let mut csv = "panel,column,row,gradient\n".to_owned();
-    for GradientPanel { title, grid, gradient, .. } in panels {
-        let (title, side) = (quoted(title), grid.side());
-        for (k, component) in gradient.iter().enumerate() {
-            csv += &format!("{title},{},{},{component}\n", k % side, k / side);
+    let mut csv = "column,row".to_owned();
+    for panel in panels {
+        csv += &format!(",{}", quoted(panel.title));
+    }
+    let side = panels.iter().map(|panel| panel.grid.side()).max().unwrap_or(0);
+    for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
+        csv += &format!("\n{column},{row}");
+        for GradientPanel { grid, gradient, .. } in panels {
+            csv.push(',');
+            if column.max(row) < grid.side() {
+                // Six digits: a map needs no more, and the book carries the file.
+                let component = gradient[grid.index(column, row)];
+                let rounded: f64 = format!("{component:.5e}").parse().expect("a number");
+                csv += &rounded.to_string();
+            }
         }
     }
+    csv.push('\n');
     csv
 }
 

@@ -4,7 +4,7 @@
 //! other results. Run times are measured elsewhere, by `signorini bench`.
 //!
 //! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
-//! [`claims::claims`], [`cube::cube`], [`rounding::rounding`], [`stress::stress`], [`truth::truth`].
+//! [`claims::claims`], [`cube::cube`], [`domains::domains`], [`rounding::rounding`], [`stress::stress`], [`truth::truth`].
 
 pub mod accuracy;
 pub mod claims;

@@ -150,7 +150,9 @@ impl Progress {
             }
             match params.goal {
                 Goal::DiscretisationError => {
-                    let discretisation = (self.coarse_energy - iterate.energy()) / 3.0;
+                    // The energy's error falls by four from one network to the next. On a curved boundary the domain
+                    // changes as well, by as much.
+                    let discretisation = (self.coarse_energy - iterate.energy()).abs() / 3.0;
                     if lowered <= LAST_STEP * discretisation {
                         break MultigridStop::Converged;
                     }

@@ -2,15 +2,19 @@
 
 use super::{drawing, surface};
 use crate::figures::{
-    GradientPanel, Surface, gradients as draw_gradients, grid, membrane, range_with_zero, surfaces,
-    uphill,
+    GradientPanel, MeshSurface, Picture, Surface, gradients as draw_gradients, grid, membrane,
+    mesh_picture, mesh_surfaces, range_with_zero, surfaces, uphill, uphill_on_mesh,
 };
 use crate::pipeline::{Inputs, Task, parameters};
 use crate::replication::scene::Scene;
 use crate::replication::stages::solve;
 use serde_json::json;
 use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::multigrid::MultigridParams;
+use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::saddle::tolerance;
+use signorini_mathematics::triangulated::MeshProblem;
 use std::collections::BTreeMap;
 
 /// The task that draws, in a row per problem, the surface where the paper stopped, the solution, and the difference.
@@ -92,14 +96,65 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     Task { parameters: hashed, ..task }
 }
 
-/// The tasks that draw the problem and the grid; they read nothing.
-pub(super) fn drawings() -> [Task; 2] {
+/// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
+pub(super) fn drawings() -> [Task; 4] {
+    let domains = "Solutions on the L-shape, the disc and the annulus";
     [
+        drawing("domains", domains.into(), Vec::new(), |_| Ok(on_domains()?)),
+        drawing("meshes", "Meshes of three domains, refined once".into(), Vec::new(), |_| {
+            Ok(meshes()?)
+        }),
         drawing("membrane", "The square and its membrane".into(), Vec::new(), |_| Ok(membrane())),
         drawing("grid", "The coarsest grid, in the order of the sweep".into(), Vec::new(), |_| {
             Ok(grid())
         }),
     ]
+}
+
+/// Domains that are drawn: name, f, and number of refinements.
+const DRAWN: [(&str, &str, usize); 3] = [
+    ("lshape", "rect(-1,0,-1,0)=3; else=-2", 3),
+    ("disc", "rect(-1,0,-1,0)=-6; else=1", 3),
+    ("annulus", "rect(-1,0,-1,0)=-6; else=1", 2),
+];
+
+/// Draws the meshes of the domains, refined once.
+fn meshes() -> Result<Picture, String> {
+    let mut refined = Vec::new();
+    for (name, ..) in DRAWN {
+        let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
+        refined.push((name, coarsest.refined(1).map_err(|e| e.to_string())?));
+    }
+    let mut panels = Vec::new();
+    for (title, mesh) in &refined {
+        let AnyMesh::Plane(mesh) = mesh else { return Err(format!("{title} is no plane domain")) };
+        panels.push((*title, mesh));
+    }
+    Ok(mesh_picture(&panels))
+}
+
+/// Draws solutions on domains in the plane.
+fn on_domains() -> Result<Picture, String> {
+    let mut solved = Vec::new();
+    for (name, f, refinements) in DRAWN {
+        let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
+        let problem =
+            MeshProblem::new(&coarsest, refinements, f).map_err(|e| format!("{name}: {e}"))?;
+        let (y, _) =
+            solve_nested_networks(&problem.levels, &problem.f.load, &MultigridParams::default())
+                .map_err(|e| format!("{name}: {e}"))?;
+        let contact = problem.network().contact().iter().map(|contact| contact.node as usize);
+        let mut in_contact = vec![false; y.len()];
+        contact.for_each(|node| in_contact[node] = y[node] == 0.0);
+        solved.push((name, problem.mesh, y, in_contact));
+    }
+    let mut panels = Vec::new();
+    for (title, mesh, y, in_contact) in &solved {
+        let AnyMesh::Plane(mesh) = mesh else { return Err(format!("{title} is no plane domain")) };
+        let azimuth = uphill_on_mesh(mesh, y);
+        panels.push(MeshSurface { title, mesh, y, in_contact, azimuth, range: None });
+    }
+    Ok(mesh_surfaces(3, &panels))
 }
 
 /// The task that draws the gradient where the paper stopped, a map per problem.

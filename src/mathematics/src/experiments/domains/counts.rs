@@ -63,6 +63,52 @@ pub struct NumberingCounts {
     pub counts: Vec<usize>,
 }
 
+/// Comparisons of counts on the finest meshes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CountsSummary {
+    /// Number of pairs of a domain and an r.
+    pub rows: usize,
+    /// Number of these with fewer iterations under the signed rule than under the printed one.
+    pub earlier: usize,
+    /// Least change of the multiplier at the stop of the signed rule.
+    pub least_delta_a: f64,
+    /// Greatest ratio, less 1, between the counts of one domain under the printed rule for r from [`LARGE`] on.
+    pub printed_spread: f64,
+    /// Greatest ratio between the counts of two numberings for the same r.
+    pub numbering_factor: f64,
+}
+
+/// Least r from which on the method is near the projection.
+const LARGE: f64 = 10.0;
+
+impl CountsSummary {
+    pub(super) fn of(counts: &[CountedDomain], numberings: &[NumberingCounts]) -> Self {
+        let rows: Vec<_> = counts.iter().flat_map(|domain| &domain.rows).collect();
+        let spread = |domain: &CountedDomain| {
+            let rows = domain.rows.iter().filter(|row| row.r >= LARGE);
+            ratio(rows.filter_map(|row| row.printed.last()))
+        };
+        let of_r = |r: f64| {
+            ratio(numberings.iter().filter(|of| of.r == r).filter_map(|of| of.counts.last()))
+        };
+        Self {
+            rows: rows.len(),
+            earlier: rows.iter().filter(|row| row.signed.last() < row.printed.last()).count(),
+            least_delta_a: rows.iter().fold(f64::INFINITY, |least, row| row.delta_a.min(least)),
+            printed_spread: counts.iter().map(spread).fold(1.0, f64::max) - 1.0,
+            numbering_factor: numberings.iter().map(|of| of_r(of.r)).fold(1.0, f64::max),
+        }
+    }
+}
+
+/// Greatest of some counts over the least.
+fn ratio<'a>(counts: impl Iterator<Item = &'a usize>) -> f64 {
+    let counts: Vec<f64> = counts.map(|&count| count as f64).collect();
+    let (least, most) =
+        counts.iter().fold((f64::INFINITY, 1.0f64), |(l, m), &c| (c.min(l), c.max(m)));
+    if least.is_finite() { most / least } else { 1.0 }
+}
+
 /// Counts iterations on one domain.
 pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<CountedDomain, String> {
     let made = problem(domain, domain.first + plan.levels - 1)?;

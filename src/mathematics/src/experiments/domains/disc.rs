@@ -39,8 +39,9 @@ pub struct DiscLevel {
     pub multiplier: f64,
     /// Largest distance of an end of contact from the true one over the longest edge; none if all is in contact.
     pub ends: Option<f64>,
-    /// Orders of the errors of the energy, at the centre, on the rim and of the multiplier against the mesh before.
-    pub orders: Option<[f64; 4]>,
+    /// Orders of the errors of the energy, at the centre, on the rim and of the multiplier against the mesh before; none
+    /// of an error that is zero.
+    pub orders: Option<[Option<f64>; 4]>,
 }
 
 impl OnCells<2> for DiscProblem {
@@ -74,7 +75,7 @@ fn on_disc(problem: DiscProblem, refinements: usize) -> Result<DiscFindings, Str
                 before.rim / level.rim,
                 before.multiplier / level.multiplier,
             ]
-            .map(|ratio| libm::log2(ratio.abs()))
+            .map(|ratio| Some(libm::log2(ratio.abs())).filter(|order| order.is_finite()))
         });
         levels.push(level);
     }

@@ -11,7 +11,7 @@ use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-pub use counts::{CountedDomain, CountsRow, Numbering, NumberingCounts};
+pub use counts::{CountedDomain, CountsRow, CountsSummary, Numbering, NumberingCounts};
 pub use disc::{DiscFindings, DiscLevel};
 
 /// Input of the experiment.
@@ -76,10 +76,16 @@ pub struct DomainsFindings {
     pub counts: Vec<CountedDomain>,
     /// Counts for other numberings of the disc.
     pub numberings: Vec<NumberingCounts>,
+    /// Comparisons of the counts.
+    pub summary: CountsSummary,
     /// Cost of multigrid.
     pub cost: Vec<DomainCost>,
     /// Greatest work units to the discretisation error and to the rounding floor.
     pub most: [f64; 2],
+    /// Greatest effectivity.
+    pub effectivity: f64,
+    /// Greatest algebraic error at the discretisation error over the bound.
+    pub algebraic: f64,
 }
 
 /// Cost of multigrid on one domain.
@@ -95,13 +101,13 @@ pub struct DomainCost {
     pub work_units: [f64; 2],
     /// Steps on the finest mesh, to both goals.
     pub steps: [usize; 2],
-    /// Algebraic error over the discretisation error in the energy norm, at the first goal; the latter from the energies
-    /// on two meshes.
+    /// Algebraic error at the first goal over the guaranteed bound of the whole error, in the energy norm.
     pub algebraic: f64,
     /// KKT residual over the largest load, at the second goal.
     pub relative: f64,
-    /// Bound of the error over an estimate of it from the energies on two meshes.
-    pub effectivity: f64,
+    /// Guaranteed bound of the error over an estimate of the error, extrapolated from the energies on three meshes; none
+    /// where the domain changes with the mesh.
+    pub effectivity: Option<f64>,
 }
 
 /// Runs the experiment.
@@ -117,10 +123,14 @@ pub fn domains(plan: &DomainsPlan) -> Result<DomainsFindings, String> {
     for of in &cost {
         most = [0, 1].map(|goal| of.work_units[goal].max(most[goal]));
     }
+    let (counts, numberings) = (counts?, counts::numberings(plan)?);
     Ok(DomainsFindings {
         disc: disc::convergence(plan.disc)?,
-        counts: counts?,
-        numberings: counts::numberings(plan)?,
+        summary: CountsSummary::of(&counts, &numberings),
+        counts,
+        numberings,
+        effectivity: cost.iter().filter_map(|of| of.effectivity).fold(0.0, f64::max),
+        algebraic: cost.iter().fold(0.0, |most, of| of.algebraic.max(most)),
         cost,
         most,
     })
@@ -167,12 +177,18 @@ fn solved(problem: &MeshProblem, goal: Goal) -> Result<Solved, String> {
 }
 
 fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
-    let coarser = solved(&problem(domain, domain.refinements - 1)?, Goal::RoundingFloor)?;
+    let before = |less: usize| -> Result<f64, String> {
+        let problem = problem(domain, domain.refinements - less)?;
+        Ok(solved(&problem, Goal::RoundingFloor)?.energy)
+    };
+    let coarser = [before(2)?, before(1)?];
     let problem = problem(domain, domain.refinements)?;
     let [rough, exact] =
         [solved(&problem, Goal::DiscretisationError)?, solved(&problem, Goal::RoundingFloor)?];
-    // The error of the energy falls by four from one mesh to the next.
-    let discretisation = (coarser.energy - exact.energy) / 3.0;
+    // Aitken's extrapolation: the errors of the energy are taken for a geometric sequence.
+    let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.energy];
+    let remaining = second * second / (first - second);
+    let is_polygon = !["disc", "annulus", "ball"].contains(&domain.name.as_str());
     let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),
@@ -180,8 +196,8 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
         nodes: exact.y.len(),
         work_units: [rough.work_units, exact.work_units],
         steps: [rough.steps, exact.steps],
-        algebraic: ((rough.energy - exact.energy).max(0.0) / discretisation).sqrt(),
+        algebraic: (2.0 * (rough.energy - exact.energy).max(0.0)).sqrt() / bounds.error[1],
         relative: exact.relative,
-        effectivity: bounds.error[1] / (2.0 * discretisation).sqrt(),
+        effectivity: is_polygon.then(|| bounds.error[1] / (2.0 * remaining).sqrt()),
     })
 }
