@@ -30,17 +30,17 @@ const signorini = (() => {
       if (j === 0 || j === n) {
         const inward = j === 0 ? side : -side;
         const number = (i) => (j === 0 ? i : 3 * n - i);
-        relax(row, number(0), 1, 0.5 * (y[row + 1] + y[row + inward]) + load[row]);
+        relax(row, number(0), 1, load[row] + 0.5 * y[row + 1] + 0.5 * y[row + inward]);
         for (let k = row + 1; k < end; k++) {
-          relax(k, number(k - row), 2, 0.5 * (y[k - 1] + y[k + 1]) + y[k + inward] + load[k]);
+          relax(k, number(k - row), 2, load[k] + 0.5 * y[k + 1] + y[k + inward] + 0.5 * y[k - 1]);
         }
-        relax(end, number(n), 1, 0.5 * (y[end - 1] + y[end + inward]) + load[end]);
+        relax(end, number(n), 1, load[end] + 0.5 * y[end + inward] + 0.5 * y[end - 1]);
       } else {
-        relax(row, 4 * n - j, 2, 0.5 * (y[row - side] + y[row + side]) + y[row + 1] + load[row]);
+        relax(row, 4 * n - j, 2, load[row] + y[row + 1] + 0.5 * y[row + side] + 0.5 * y[row - side]);
         for (let k = row + 1; k < end; k++) {
-          y[k] = 0.25 * (((y[k - side] + y[k + side]) + (y[k + 1] + load[k])) + y[k - 1]);
+          y[k] = 0.25 * (load[k] + y[k + 1] + y[k + side] + y[k - side] + y[k - 1]);
         }
-        relax(end, n + j, 2, 0.5 * (y[end - side] + y[end + side]) + y[end - 1] + load[end]);
+        relax(end, n + j, 2, load[end] + 0.5 * y[end + side] + 0.5 * y[end - side] + y[end - 1]);
       }
     }
   }
@@ -70,19 +70,20 @@ const signorini = (() => {
       if (j === 0 || j === n) {
         const inward = j === 0 ? side : -side;
         const number = (k) => (j === 0 ? k - row : 3 * n - (k - row));
-        see(y[row] - 0.5 * (y[row + 1] + y[row + inward]) - load[row] - pull(row, number(row)));
+        see(y[row] - (load[row] + 0.5 * y[row + 1] + 0.5 * y[row + inward]) - pull(row, number(row)));
         for (let k = row + 1; k < end; k++) {
-          const along = 0.5 * (y[k - 1] + y[k + 1]);
-          see(2 * y[k] - along - y[k + inward] - load[k] - pull(k, number(k)));
+          const sum = load[k] + 0.5 * y[k + 1] + y[k + inward] + 0.5 * y[k - 1];
+          see(2 * y[k] - sum - pull(k, number(k)));
         }
-        see(y[end] - 0.5 * (y[end - 1] + y[end + inward]) - load[end] - pull(end, number(end)));
+        see(y[end] - (load[end] + 0.5 * y[end + inward] + 0.5 * y[end - 1]) - pull(end, number(end)));
       } else {
-        const along = (k) => 0.5 * (y[k - side] + y[k + side]);
-        see(2 * y[row] - along(row) - y[row + 1] - load[row] - pull(row, 4 * n - j));
+        const left = load[row] + y[row + 1] + 0.5 * y[row + side] + 0.5 * y[row - side];
+        see(2 * y[row] - left - pull(row, 4 * n - j));
         for (let k = row + 1; k < end; k++) {
-          see(4 * y[k] - (y[k - side] + y[k + side]) - (y[k - 1] + y[k + 1]) - load[k]);
+          see(4 * y[k] - (load[k] + y[k + 1] + y[k + side] + y[k - side] + y[k - 1]));
         }
-        see(2 * y[end] - along(end) - y[end - 1] - load[end] - pull(end, n + j));
+        const right = load[end] + 0.5 * y[end + side] + 0.5 * y[end - side] + y[end - 1];
+        see(2 * y[end] - right - pull(end, n + j));
       }
     }
     return [signed, absolute];

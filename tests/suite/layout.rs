@@ -1,6 +1,6 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 //!
-//! The first eight are a package of their own, the mathematics, which the program uses by its name.
+//! The first fourteen are a package of their own, the mathematics, which the program uses by its name.
 
 use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
