@@ -3,9 +3,9 @@
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, UNIT, View};
 use super::palette::{CONTACT, ColourScale, INK, MUTED, RULE, SHADE};
-use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, bold, italic, plain};
+use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, italic, plain};
 use super::range_with_zero;
-use super::text::{Ticks, number_width, short};
+use super::text::{Ticks, number_width, power_of_ten, short};
 
 /// Size of a panel in display pixels, where two are in a row.
 const PANEL: (f64, f64) = (390.0, 392.0);
@@ -24,9 +24,13 @@ const CEILING_GAP: f64 = 0.04;
 /// Places of the marks along a side of the floor, from its middle, over half of the side.
 const MARKS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 /// Least half side of a floor, so that the numbers along it do not meet: longer domains are drawn wider than they are.
-const LEAST_HALF: f64 = 0.2;
+const LEAST_HALF: f64 = 0.25;
+/// Half side of a floor from which on there is room for a number in the middle.
+const ROOMY_HALF: f64 = 0.36;
 /// Width of a number beside the floor that needs no more room than `-0.5`, over the size of the font.
 const SHORT_NUMBER: f64 = 2.5;
+/// Largest coordinates that are written without a power of ten.
+const PLAIN: std::ops::Range<f64> = 0.1..1e4;
 
 /// Attributes of the lines between the cells of a surface: thin strokes both draw them and close the seams.
 pub(super) const CELL_LINES: &str = "stroke=\"#203038\" stroke-width=\"1\"";
@@ -67,14 +71,27 @@ impl Floor {
         MARKS.map(|t| t * self.half[d])
     }
 
-    /// Returns the numbers at the first, the middle and the last mark of a side.
-    fn numbers(&self, d: usize) -> [String; 3] {
-        let (low, high) = self.ends[d];
-        // Three digits of the length of the side: of a rounded corner, no more can be seen.
-        let power = libm::floor(libm::log10(high - low)) as i32 - 2;
-        let unit = libm::exp10(f64::from(power));
-        [low, 0.5 * (low + high), high].map(|value| short((value / unit).round() * unit))
+    /// Returns the exponent of the power of ten by which the coordinates are divided before they are written; zero unless
+    /// they are long.
+    fn power(&self) -> i32 {
+        let largest = self.ends.iter().fold(0.0f64, |most, (a, b)| most.max(a.abs()).max(b.abs()));
+        if PLAIN.contains(&largest) { 0 } else { magnitude(largest) }
     }
+
+    /// Returns the numbers at the first, the middle and the last mark of a side.
+    ///
+    /// They have three digits of the length of the side: the eye sees no more.
+    fn numbers(&self, d: usize) -> [String; 3] {
+        let unit = libm::exp10(f64::from(self.power()));
+        let (low, high) = (self.ends[d].0 / unit, self.ends[d].1 / unit);
+        let digit = libm::exp10(f64::from(magnitude(high - low) - 2));
+        [low, 0.5 * (low + high), high].map(|value| short((value / digit).round() * digit))
+    }
+}
+
+/// Returns the exponent of the greatest power of ten up to a number.
+fn magnitude(number: f64) -> i32 {
+    libm::floor(libm::log10(number)) as i32
 }
 
 /// Panel with a surface in a box.
@@ -134,12 +151,17 @@ pub(super) fn in_boxes(
             half: panel.floor.half,
             heights,
         };
-        make_room(&mut view, (left, left + wide), NUMBERS + SMALL * ticks.widest());
+        make_room(&mut view, (left, left + wide), Room::around(&panel.floor, &ticks));
         let colours = ColourScale::Viridis { low: data.0, high: data.1 };
         picture.text(panel.title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
         walls(&mut picture, &view, &panel.floor, &ticks);
         paint(&mut picture, &Inside { panel: k, view: &view, colours, scale });
         axes(&mut picture, &view, &panel.floor, &ticks);
+        let power = panel.floor.power();
+        if power != 0 {
+            let text = format!("x, y / {}", power_of_ten(power));
+            picture.text(&text, (left + 8.0, top + high - 58.0), plain(SMALL).pos(START));
+        }
         let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
         colour_bar(&mut picture, bar, top + high - 44.0, colours, "v");
     }
@@ -182,14 +204,36 @@ fn walls(picture: &mut Picture, view: &View, floor: &Floor, ticks: &Ticks) {
     }
 }
 
-/// Moves and narrows the box if the numbers at the vertical axis, `numbers` wide, would reach out of the panel.
-fn make_room(view: &mut View, (left, right): (f64, f64), numbers: f64) {
+/// Room for numbers on both sides of a box.
+struct Room {
+    left: f64,
+    /// Room on the right; none is asked for if the numbers there are short.
+    right: Option<f64>,
+}
+
+impl Room {
+    fn around(floor: &Floor, ticks: &Ticks) -> Self {
+        let numbers = [floor.numbers(0), floor.numbers(1)].concat();
+        let widest = numbers.iter().map(|text| number_width(text)).fold(0.0, f64::max);
+        let left = NUMBERS + SMALL * ticks.widest();
+        if widest <= SHORT_NUMBER {
+            return Self { left, right: None };
+        }
+        let longer = SMALL * (widest - SHORT_NUMBER);
+        Self { left: left.max(NUMBER_RIGHT + longer), right: Some(NUMBER_RIGHT + longer) }
+    }
+}
+
+/// Moves and narrows the box if the numbers beside it would reach out of the panel.
+fn make_room(view: &mut View, (left, right): (f64, f64), room: Room) {
     let [x, y] = leftmost(view);
     let half = view.origin.0 - view.place([x, y, view.heights.0]).0;
-    if view.origin.0 - half - numbers < left {
-        let narrower = (0.5 * (right - left - numbers - NUMBER_RIGHT) / half).min(1.0);
+    let is_cut = room.right.is_some_and(|room| view.origin.0 + half + room > right);
+    if is_cut || view.origin.0 - half - room.left < left {
+        let beside = room.left + room.right.unwrap_or(NUMBER_RIGHT);
+        let narrower = (0.5 * (right - left - beside) / half).min(1.0);
         view.unit *= narrower;
-        view.origin.0 = left + numbers + narrower * half;
+        view.origin.0 = left + room.left + narrower * half;
     }
 }
 
@@ -205,12 +249,17 @@ fn leftmost(view: &View) -> [f64; 2] {
 fn axes(picture: &mut Picture, view: &View, floor: &Floor, ticks: &Ticks) {
     let [nx, ny] = view.nearest_corner();
     let (low, high) = view.heights;
-    let marks = floor.marks(0).map(|t| view.place([t, ny, low]));
-    let out = outward(view, [0.0, ny]);
-    FloorEdge { name: "x", marks, numbers: floor.numbers(0), out }.draw(picture);
-    let marks = floor.marks(1).map(|t| view.place([nx, t, low]));
-    let out = outward(view, [nx, 0.0]);
-    FloorEdge { name: "y", marks, numbers: floor.numbers(1), out }.draw(picture);
+    let edges = [
+        floor.marks(0).map(|t| view.place([t, ny, low])),
+        floor.marks(1).map(|t| view.place([nx, t, low])),
+    ];
+    for (d, marks) in edges.into_iter().enumerate() {
+        let name_mark = if floor.half[d] < ROOMY_HALF { 2 } else { 1 };
+        let out = outward(view, [[0.0, ny], [nx, 0.0]][d]);
+        let edge =
+            FloorEdge { name: ["x", "y"][d], name_mark, numbers: floor.numbers(d), marks, out };
+        edge.draw(picture);
+    }
     let [cx, cy] = leftmost(view);
     let (bottom, top) = (view.place([cx, cy, low]), view.place([cx, cy, high]));
     picture.path([bottom, top], INK, 1.0);
@@ -234,12 +283,14 @@ fn outward(view: &View, [dx, dy]: [f64; 2]) -> Place {
     (px / length, py / length)
 }
 
-/// Near edge of the floor with its name and numbers.
+/// Near edge of the floor.
 struct FloorEdge {
     name: &'static str,
-    marks: [Place; 5],
+    /// Position of the mark at which the name is written.
+    name_mark: usize,
     /// Numbers at the first, the middle and the last mark.
     numbers: [String; 3],
+    marks: [Place; 5],
     /// Step of one display pixel away from the floor.
     out: Place,
 }
@@ -247,13 +298,28 @@ struct FloorEdge {
 impl FloorEdge {
     fn draw(&self, picture: &mut Picture) {
         picture.path([self.marks[0], self.marks[4]], INK, 1.0);
-        for (mark, text) in self.marks.into_iter().step_by(2).zip(&self.numbers) {
+        let mut name_distance: f64 = 24.0;
+        for (k, text) in self.numbers.iter().enumerate() {
+            let mark = self.marks[2 * k];
             picture.path([mark, self.stepped(mark, 5.0)], INK, 1.0);
-            let wider = 0.5 * SMALL * (number_width(text) - SHORT_NUMBER).max(0.0);
-            let by = 17.0 + wider * self.out.0.abs();
-            picture.text(text, self.stepped(mark, by), plain(SMALL));
+            // Without room for a number in the middle, the name is there.
+            if 2 * k == self.name_mark {
+                continue;
+            }
+            let longer = SMALL * (number_width(text) - SHORT_NUMBER).max(0.0);
+            let (x, y) = self.stepped(mark, 17.0);
+            // The end towards the floor stays where that of a short number is.
+            let shift = 0.5 * longer * (2.0 * self.out.0).clamp(-1.0, 1.0);
+            picture.text(text, (x + shift, y), plain(SMALL));
+            if longer > 0.0 {
+                name_distance = 14.0;
+            }
         }
-        picture.text(self.name, self.stepped(self.marks[1], 24.0), italic(NORMAL));
+        picture.text(
+            self.name,
+            self.stepped(self.marks[self.name_mark], name_distance),
+            italic(NORMAL),
+        );
     }
 
     fn stepped(&self, at: Place, by: f64) -> Place {
@@ -275,5 +341,15 @@ mod tests {
         assert_eq!(long.half, [0.5, LEAST_HALF]);
         assert_eq!(long.numbers(1), ["0", "0.167", "0.333"]);
         assert_eq!(Floor::SQUARE.numbers(0), ["\u{2212}0.5", "0", "0.5"]);
+    }
+
+    #[test]
+    fn long_coordinates_are_numbers_over_a_power_of_ten() {
+        let floor = Floor::around(&[[0.0, 0.0], [1.0, 12345.0]]);
+        assert_eq!(floor.power(), 4);
+        let floor = Floor::around(&[[-2e-12, 0.0], [2e-12, 1e-12]]);
+        assert_eq!(floor.power(), -12);
+        assert_eq!(floor.numbers(0), ["\u{2212}2", "0", "2"]);
+        assert_eq!(floor.numbers(1), ["0", "0.5", "1"]);
     }
 }

@@ -104,9 +104,10 @@ pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
     frame.label_left(picture, up.labelled());
     let (x, y) = frame.middle();
-    let longer = SMALL * (up.widest() - SHORT_NUMBER).max(0.0);
+    let widest = up.widest();
+    let name = if widest > SHORT_NUMBER { 14.0 + SMALL * widest } else { 48.0 };
     picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
-    picture.text("y", (frame.across.0 - 48.0 - longer, y), italic(NORMAL));
+    picture.text("y", (frame.across.0 - name, y), italic(NORMAL));
 }
 
 /// Returns the part of the square that is in all half-planes.
