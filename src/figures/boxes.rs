@@ -2,10 +2,11 @@
 
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, UNIT, View};
+use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, INK, MUTED, RULE, SHADE};
 use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, italic, plain};
 use super::range_with_zero;
-use super::text::{Ticks, number_width, power_of_ten, short};
+use super::text::{Ticks, number_width, power_of_ten};
 
 /// Size of a panel in display pixels, where two are in a row.
 const PANEL: (f64, f64) = (390.0, 392.0);
@@ -21,78 +22,15 @@ const NUMBER_RIGHT: f64 = 36.0;
 const FLOOR_GAP: f64 = 0.18;
 /// Room above the surface over the range of its heights.
 const CEILING_GAP: f64 = 0.04;
-/// Places of the marks along a side of the floor, from its middle, over half of the side.
-const MARKS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
-/// Least half side of a floor, so that the numbers along it do not meet: longer domains are drawn wider than they are.
-const LEAST_HALF: f64 = 0.25;
 /// Half side of a floor from which on there is room for a number in the middle.
 const ROOMY_HALF: f64 = 0.36;
 /// Width of a number beside the floor that needs no more room than `-0.5`, over the size of the font.
 const SHORT_NUMBER: f64 = 2.5;
-/// Largest coordinates that are written without a power of ten.
-const PLAIN: std::ops::Range<f64> = 0.1..1e4;
 
 /// Attributes of the lines between the cells of a surface: thin strokes both draw them and close the seams.
 pub(super) const CELL_LINES: &str = "stroke=\"#203038\" stroke-width=\"1\"";
 /// Width of the mark of contact in display pixels.
 pub(super) const CONTACT_WIDTH: f64 = 2.75;
-
-/// Rectangle below a surface, around the origin of the box.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Floor {
-    /// Half of each side, at most 1/2.
-    half: [f64; 2],
-    /// Coordinates of the domain at both ends of each side.
-    ends: [(f64, f64); 2],
-}
-
-impl Floor {
-    /// Floor below the unit square around the origin.
-    pub(super) const SQUARE: Self = Self { half: [0.5; 2], ends: [(-0.5, 0.5); 2] };
-
-    /// Floor below the bounding box of points.
-    pub(super) fn around(points: &[[f64; 2]]) -> Self {
-        let ends = [0, 1].map(|d| super::range(points.iter().map(|point| point[d])));
-        let sides = ends.map(|(low, high)| high - low);
-        let longest = sides[0].max(sides[1]);
-        Self { half: sides.map(|side| (0.5 * side / longest).max(LEAST_HALF)), ends }
-    }
-
-    /// Returns the place of a point of the domain in the box.
-    pub(super) fn inside(&self, point: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|d| {
-            let (low, high) = self.ends[d];
-            self.half[d] * (2.0 * (point[d] - low) / (high - low) - 1.0)
-        })
-    }
-
-    /// Returns the places of the marks along a side.
-    fn marks(&self, d: usize) -> [f64; 5] {
-        MARKS.map(|t| t * self.half[d])
-    }
-
-    /// Returns the exponent of the power of ten by which the coordinates are divided before they are written; zero unless
-    /// they are long.
-    fn power(&self) -> i32 {
-        let largest = self.ends.iter().fold(0.0f64, |most, (a, b)| most.max(a.abs()).max(b.abs()));
-        if PLAIN.contains(&largest) { 0 } else { magnitude(largest) }
-    }
-
-    /// Returns the numbers at the first, the middle and the last mark of a side.
-    ///
-    /// They have three digits of the length of the side: the eye sees no more.
-    fn numbers(&self, d: usize) -> [String; 3] {
-        let unit = libm::exp10(f64::from(self.power()));
-        let (low, high) = (self.ends[d].0 / unit, self.ends[d].1 / unit);
-        let digit = libm::exp10(f64::from(magnitude(high - low) - 2));
-        [low, 0.5 * (low + high), high].map(|value| short((value / digit).round() * digit))
-    }
-}
-
-/// Returns the exponent of the greatest power of ten up to a number.
-fn magnitude(number: f64) -> i32 {
-    libm::floor(libm::log10(number)) as i32
-}
 
 /// Panel with a surface in a box.
 #[derive(Clone, Copy, Debug)]
@@ -324,32 +262,5 @@ impl FloorEdge {
 
     fn stepped(&self, at: Place, by: f64) -> Place {
         (at.0 + by * self.out.0, at.1 + by * self.out.1)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_floor_has_the_coordinates_of_the_bounding_box() {
-        let floor = Floor::around(&[[1.0, -3.0], [5.0, -3.0], [2.0, -1.0]]);
-        assert_eq!(floor.half, [0.5, 0.25]);
-        assert_eq!(floor.inside([5.0, -2.0]), [0.5, 0.0]);
-        assert_eq!(floor.numbers(1), ["\u{2212}3", "\u{2212}2", "\u{2212}1"]);
-        let long = Floor::around(&[[0.0, 0.0], [100.0, 1.0 / 3.0]]);
-        assert_eq!(long.half, [0.5, LEAST_HALF]);
-        assert_eq!(long.numbers(1), ["0", "0.167", "0.333"]);
-        assert_eq!(Floor::SQUARE.numbers(0), ["\u{2212}0.5", "0", "0.5"]);
-    }
-
-    #[test]
-    fn long_coordinates_are_numbers_over_a_power_of_ten() {
-        let floor = Floor::around(&[[0.0, 0.0], [1.0, 12345.0]]);
-        assert_eq!(floor.power(), 4);
-        let floor = Floor::around(&[[-2e-12, 0.0], [2e-12, 1e-12]]);
-        assert_eq!(floor.power(), -12);
-        assert_eq!(floor.numbers(0), ["\u{2212}2", "0", "2"]);
-        assert_eq!(floor.numbers(1), ["0", "0.5", "1"]);
     }
 }

@@ -8,6 +8,7 @@ mod boxes;
 mod camera;
 mod chart;
 mod contact;
+mod floor;
 mod gradient;
 mod history;
 mod identifiability;

@@ -62,16 +62,19 @@ fn square_around(mesh: &PlaneMesh) -> [(f64, f64); 2] {
 }
 
 fn draw_mesh(picture: &mut Picture, mesh: &PlaneMesh, frame: &Frame) {
-    let place = |[x, y]: [f64; 2]| frame.at(x, y);
     picture.group(CELL_LINES, |picture| {
         for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
             let color = light(FIRST_SHADE + region as usize);
-            picture.polygon(mesh.vertices(cell).map(place), color);
+            picture.polygon(mesh.vertices(cell).map(|[x, y]| frame.at(x, y)), color);
         }
     });
     picture.group("stroke-linecap=\"round\"", |picture| {
         for facet in mesh.facets() {
-            picture.path(mesh.corners(facet).map(place), series(facet.part as usize), 2.5);
+            picture.path(
+                mesh.corners(facet).map(|[x, y]| frame.at(x, y)),
+                series(facet.part as usize),
+                2.5,
+            );
         }
     });
 }

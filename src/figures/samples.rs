@@ -63,7 +63,7 @@ impl Solved {
     }
 }
 
-/// A gear, with a free and a fixed part, in a file.
+/// Gear whose hole is free, from a file.
 fn gear() -> AnyMesh {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/gear.msh");
     let mut gear = gmsh::read(&std::fs::read(path).unwrap()).unwrap();

@@ -1,8 +1,9 @@
 //! Figure 2: solutions on the square as shaded surfaces, painted from the far corner to the near one.
 
 use super::Surface;
-use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Floor, Inside, in_boxes, range_of_colours};
+use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
 use super::camera::{Vector, View, between, cross};
+use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::{Picture, Place};
 use signorini_mathematics::discrete::grid::Grid;

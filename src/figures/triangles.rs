@@ -1,8 +1,9 @@
 //! Solutions on triangulations of the plane as shaded surfaces, painted from the far triangles to the near ones.
 
 use super::MeshSurface;
-use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Floor, Inside, in_boxes, range_of_colours};
+use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
 use super::camera::{Vector, View, between, cross, dot};
+use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::Picture;
 use signorini_mathematics::mesh::{Condition, centroid};
@@ -47,20 +48,13 @@ impl<'a> PaintedMesh<'a> {
     fn new(panel: &'a MeshSurface<'a>, floor: &Floor, inside: &Inside<'a>) -> Self {
         let &Inside { view, colours, .. } = inside;
         let mesh = panel.mesh;
-        let in_box = |(&point, &v): (&[f64; 2], &f64)| {
+        let mut nodes = Vec::with_capacity(panel.y.len());
+        for (&point, &v) in mesh.points().iter().zip(panel.y) {
             let [x, y] = floor.inside(point);
-            [x, y, v]
-        };
-        let nodes: Vec<Vector> = mesh.points().iter().zip(panel.y).map(in_box).collect();
-        // Along a ray from the viewer, the place on the floor only becomes farther: heights do not matter.
-        let depth = |cell: &[u32; 3]| {
-            let [x, y] = centroid(cell.map(|node| {
-                let [x, y, _] = nodes[node as usize];
-                [x, y]
-            }));
-            dot([x, y, 0.0], view.camera.toward)
-        };
-        let depths: Vec<f64> = mesh.cells().iter().map(depth).collect();
+            nodes.push([x, y, v]);
+        }
+        let cells = mesh.cells().iter();
+        let depths: Vec<f64> = cells.map(|&cell| nearness(view, &nodes, cell)).collect();
         let mut order: Vec<usize> = (0..depths.len()).collect();
         order.sort_by(|&a, &b| depths[a].total_cmp(&depths[b]));
         let mut last = vec![0; nodes.len()];
@@ -130,6 +124,13 @@ impl<'a> PaintedMesh<'a> {
         let is_far = dot(turned, toward) * dot(turned, inwards) > 0.0;
         is_far && dot(self.upward([a, b, opposite]), toward) < 0.0
     }
+}
+
+/// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place there
+/// only becomes farther, whatever the heights.
+fn nearness(view: &View, nodes: &[Vector], cell: [u32; 3]) -> f64 {
+    let [x, y, _] = centroid(cell.map(|node| nodes[node as usize]));
+    dot([x, y, 0.0], view.camera.toward)
 }
 
 #[cfg(test)]

@@ -72,8 +72,6 @@ fn vtu<const D: usize, const V: usize>(
     name: &str,
 ) -> Vec<u8> {
     let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
-    let in_space =
-        |point: &[f64; D]| [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes());
     let ends = (1..=cells).map(|cell| ((V * cell) as i64).to_le_bytes());
     // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes, and takes
     // the first one in the text.
@@ -90,7 +88,7 @@ fn vtu<const D: usize, const V: usize>(
     let connectivity = arrays.array("type=\"Int64\" Name=\"connectivity\"", vertices(mesh));
     let points = arrays.array(
         "type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"",
-        mesh.points().iter().flat_map(in_space),
+        mesh.points().iter().flat_map(|point| in_space(point)),
     );
     let body = format!(
         "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
@@ -101,6 +99,11 @@ fn vtu<const D: usize, const V: usize>(
         </Piece>\n</UnstructuredGrid>\n"
     );
     arrays.file("UnstructuredGrid", name, &body)
+}
+
+/// Bytes of the coordinates of a point, z = 0 in the plane.
+fn in_space(point: &[f64]) -> [[u8; 8]; 3] {
+    [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes())
 }
 
 /// Numbers of the vertices of all cells, as integers of 64 bits.
