@@ -3,7 +3,8 @@
 use crate::bounds::Bounds;
 use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::kkt::{Judgement, judge_network};
+use crate::discrete::judging::judge_network;
+use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{

@@ -1,7 +1,6 @@
 //! One measure for every solver: how far a nodal vector is from the Karush-Kuhn-Tucker conditions.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::simd::Largest;
 use serde::{Deserialize, Serialize};
@@ -95,36 +94,6 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
     judge.judgement(n, y, flux, grid.boundary().map(|node| (node, grid.h())))
 }
 
-/// Judges the nodal vector `y` of a network, as [`judge`] does on the square; the flux is in the order of the contact
-/// nodes.
-///
-/// # Panics
-/// If a slice is not a nodal vector of the network.
-pub fn judge_network(network: &Network, y: &[f64], load: &[f64]) -> Judgement {
-    assert!(y.len() == network.nodes() && load.len() == y.len());
-    let mut gradient = vec![0.0; y.len()];
-    network.gradient(y, load, &mut gradient);
-    let mut judge = Judge { energy: network.energy(y, load), ..Judge::default() };
-    judge.load.see(1.0, load);
-    judge.value.see(1.0, y);
-    let mut flux = Vec::with_capacity(network.contact().len());
-    for contact in network.contact() {
-        let node = contact.node as usize;
-        judge.min_y = min(judge.min_y, y[node]);
-        judge.complementarity.put(min(y[node], gradient[node]));
-        flux.push(gradient[node]);
-        gradient[node] = 0.0;
-    }
-    for &node in network.fixed() {
-        judge.complementarity.put(y[node as usize]);
-        gradient[node as usize] = 0.0;
-    }
-    judge.stationarity.see(1.0, &gradient);
-    let cells = (y.len() as f64).sqrt() as usize;
-    let parts = network.contact().iter().map(|contact| (contact.node as usize, contact.measure));
-    judge.judgement(cells, y, flux, parts)
-}
-
 /// Residuals of the conditions for `y`, as [`judge`] finds it.
 ///
 /// # Panics
@@ -171,6 +140,25 @@ impl Judge {
             self.min_y = min(self.min_y, y[node]);
             self.complementarity.put(min(y[node], gradient[node]));
         }
+    }
+
+    /// Judge of nodes that are not in rows, where the `energy` is known: takes loads and values into account.
+    pub(crate) fn with_energy(energy: f64, y: &[f64], load: &[f64]) -> Self {
+        let mut judge = Self { energy, ..Self::default() };
+        judge.load.see(1.0, load);
+        judge.value.see(1.0, y);
+        judge
+    }
+
+    /// Takes into account a boundary node with y >= 0 and this gradient.
+    pub(crate) fn see_contact(&mut self, y: f64, gradient: f64) {
+        self.min_y = min(self.min_y, y);
+        self.complementarity.put(min(y, gradient));
+    }
+
+    /// Takes into account quantities that are zero at the solution.
+    pub(crate) fn see_residuals(&mut self, residuals: &[f64]) {
+        self.stationarity.see(1.0, residuals);
     }
 
     /// The judgement of `y` on a grid with `cells` cells per side, with the `flux` at the boundary nodes, which are given

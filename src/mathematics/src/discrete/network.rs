@@ -4,9 +4,6 @@
 //! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the boundary
 //! at a node takes the place of h.
 
-use super::cube;
-use super::grid::Grid;
-
 /// Node of the boundary where y must not be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactNode {
@@ -140,63 +137,13 @@ impl Network {
     }
 
     /// Replaces the nodes in contact.
-    fn set_contact(&mut self, contact: Vec<ContactNode>) {
+    pub(super) fn set_contact(&mut self, contact: Vec<ContactNode>) {
         self.places.fill(INNER);
         for (place, contact) in contact.iter().enumerate() {
             self.places[contact.node as usize] = place as u32;
         }
         self.fixed.iter().for_each(|&node| self.places[node as usize] = FIXED);
         self.contact = contact;
-    }
-
-    /// Network of the five-point matrix of the square: the paper's triangulation, with nodes and boundary nodes in the
-    /// order of [`Grid`].
-    pub fn of_square(grid: Grid) -> Self {
-        let node = |node| ContactNode { node: node as u32, measure: grid.h() };
-        Self::uniform(2, grid.cells(), 1.0, grid.boundary().map(node).collect())
-    }
-
-    /// Network of the seven-point matrix of the cube, with nodes and boundary nodes in the order of [`cube::Grid`].
-    pub fn of_cube(grid: cube::Grid) -> Self {
-        let node = |(node, measure)| ContactNode { node: node as u32, measure };
-        Self::uniform(3, grid.cells(), grid.h(), grid.boundary_shares().map(node).collect())
-    }
-
-    /// Network of the stencil on two or three axes with `n` cells each, whose couplings inside are 1, with all boundary
-    /// nodes in contact.
-    pub(crate) fn of_stencil(axes: usize, n: usize) -> Self {
-        let mut network = Self::uniform(axes, n, 1.0, Vec::new());
-        let inside = 2.0 * axes as f64;
-        let on_boundary = network.diagonal.iter().enumerate().filter(|(_, entry)| **entry < inside);
-        let node = |(node, _)| ContactNode { node: node as u32, measure: 1.0 };
-        let contact = on_boundary.map(node).collect();
-        network.set_contact(contact);
-        network
-    }
-
-    /// Network of the five- or seven-point stencil on two or three axes with `n` cells each, x fastest.
-    ///
-    /// Neighbours inside are coupled by `weight`, neighbours on the boundary by the part of `weight` that is the part
-    /// of their cells inside.
-    fn uniform(axes: usize, n: usize, weight: f64, contact: Vec<ContactNode>) -> Self {
-        let side = [n + 1, n + 1, if axes == 3 { n + 1 } else { 1 }];
-        let steps = [1, side[0], side[0] * side[1]];
-        let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-        let volume = 1.0 / n.pow(axes as u32) as f64;
-        let (mut couplings, mut masses) = (Vec::new(), Vec::new());
-        for node in 0..side.iter().product() {
-            let at: [usize; 3] = std::array::from_fn(|axis| node / steps[axis] % side[axis]);
-            masses.push(at[..axes].iter().map(|&i| share(i)).product::<f64>() * volume);
-            for axis in (0..axes).filter(|&axis| at[axis] < n) {
-                let across: f64 = (0..axes)
-                    .filter(|&other| other != axis)
-                    .map(|other| share(at[other]))
-                    .product();
-                let nodes = [node as u32, (node + steps[axis]) as u32];
-                couplings.push(Coupling { nodes, weight: weight * across });
-            }
-        }
-        Self::new(&couplings, contact, Vec::new(), masses)
     }
 
     /// Number of nodes, the length of a nodal vector.
@@ -321,38 +268,5 @@ impl Network {
             energy += y[node] * (0.5 * flow - load[node]);
         }
         energy
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_of_the_square_are_those_of_the_paper() {
-        let network = Network::of_square(Grid::new(4).unwrap());
-        let row = |node: usize| {
-            let Row { others, weights } = network.row(node);
-            (network.diagonal()[node], others.to_vec(), weights.to_vec())
-        };
-        assert_eq!(row(12), (4.0, vec![13, 17, 7, 11], vec![1.0; 4]));
-        assert_eq!(row(2), (2.0, vec![3, 7, 1], vec![0.5, 1.0, 0.5]));
-        assert_eq!(row(24), (1.0, vec![19, 23], vec![0.5; 2]));
-        assert_eq!(network.masses().iter().sum::<f64>(), 1.0);
-    }
-
-    #[test]
-    fn the_cube_has_the_gradient_of_its_own_rows() {
-        let grid = cube::Grid::new(3).unwrap();
-        let network = Network::of_cube(grid);
-        let y: Vec<_> = (0..64).map(|k| f64::from(k * k % 17)).collect();
-        let load: Vec<_> = (0..64).map(|k| f64::from(k % 5)).collect();
-        let judged = cube::judge(grid, &y, &load);
-        let mut gradient = vec![0.0; 64];
-        network.gradient(&y, &load, &mut gradient);
-        for (contact, flux) in network.contact().iter().zip(&judged.flux) {
-            assert!((gradient[contact.node as usize] - flux).abs() < 1e-13);
-        }
-        assert!((network.energy(&y, &load) - judged.energy).abs() < 1e-11 * judged.energy.abs());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
-use crate::discrete::kkt::judge_network;
+use crate::discrete::judging::judge_network;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::multigrid::active_set::active_set_on;

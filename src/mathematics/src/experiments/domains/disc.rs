@@ -1,6 +1,6 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
-use crate::discrete::kkt::judge_network;
+use crate::discrete::judging::judge_network;
 use crate::mesh::{BuiltIn, Mesh, OnCells, mesh_arcs, mesh_load, refined};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
