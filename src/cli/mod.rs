@@ -112,7 +112,7 @@ enum Command {
         The cube is [-0.5,0.5]^3; its regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
         halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc."
     )]
-    Solve(solve::SolveArgs),
+    Solve(Box<solve::SolveArgs>),
     /// Search for the right-hand sides of Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]
     Identify(identify::IdentifyArgs),

@@ -2,7 +2,7 @@
 
 use super::{
     Chart, ContactLine, ContactPanel, GradientPanel, HistoryPanel, HistoryRun,
-    IdentifiabilityPanel, Stroke,
+    IdentifiabilityPanel, MeshSurface, Stroke,
 };
 
 /// Quotes a cell of CSV if RFC 4180 asks for it.
@@ -74,14 +74,30 @@ pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
             csv.push(',');
             if column.max(row) < grid.side() {
                 // Six digits: a map needs no more, and the book carries the file.
-                let component = gradient[grid.index(column, row)];
-                let rounded: f64 = format!("{component:.5e}").parse().expect("a number");
-                csv += &rounded.to_string();
+                csv += &rounded(gradient[grid.index(column, row)], 6).to_string();
             }
         }
     }
     csv.push('\n');
     csv
+}
+
+/// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
+pub(super) fn of_mesh_surfaces(panels: &[MeshSurface]) -> String {
+    let mut csv = "panel,x,y,v\n".to_owned();
+    for MeshSurface { title, mesh, y, .. } in panels {
+        let title = quoted(title);
+        for (&[px, py], &v) in mesh.points().iter().zip(*y) {
+            let [px, py, v] = [px, py, v].map(|value| rounded(value, 4));
+            csv += &format!("{title},{px},{py},{v}\n");
+        }
+    }
+    csv
+}
+
+/// Number rounded to some significant digits.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().expect("a number")
 }
 
 /// Returns the number of counts that come out for each f.

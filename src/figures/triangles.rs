@@ -6,6 +6,7 @@ use super::camera::{Vector, View, between, cross, dot};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::Picture;
+use super::table::of_mesh_surfaces;
 use signorini_mathematics::mesh::{Condition, centroid};
 use std::collections::BTreeSet;
 
@@ -15,12 +16,14 @@ use std::collections::BTreeSet;
 /// a mesh of more than 2500 makes a large file, and should be given as a coarser one of its hierarchy.
 pub(crate) fn mesh_surfaces(columns: usize, panels: &[MeshSurface]) -> Picture {
     let boxes: Vec<_> = panels.iter().map(boxed).collect();
-    in_boxes(columns, &boxes, |picture, inside| {
+    let mut picture = in_boxes(columns, &boxes, |picture, inside| {
         let floor = &boxes[inside.panel].floor;
         let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
         let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
         picture.group(&lines, |picture| surface.paint(picture));
-    })
+    });
+    picture.table = Some(of_mesh_surfaces(panels));
+    picture
 }
 
 fn boxed<'a>(&MeshSurface { title, mesh, azimuth, range, y, .. }: &MeshSurface<'a>) -> Boxed<'a> {

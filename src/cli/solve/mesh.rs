@@ -150,7 +150,7 @@ fn nodes_after(mesh: &AnyMesh, times: usize) -> f64 {
 
 /// Number of refinements that keep a mesh small.
 fn usual_refinements(mesh: &AnyMesh) -> usize {
-    (1..).take_while(|&times| nodes_after(mesh, times) <= USUAL_NODES as f64).count()
+    (1..=20).take_while(|&times| nodes_after(mesh, times) <= USUAL_NODES as f64).count()
 }
 
 /// Refuses refinements that take more memory than there is.

@@ -144,8 +144,8 @@ impl MeshProblem {
             if !has_fixed[component] && !has_contact[component] {
                 return Err(MeshProblemError::Insulated(place));
             }
-            // Written so that NaN is refused.
-            if !has_fixed[component] && !(integral < -ROUNDING * self.f.size) {
+            let is_negative = integral < -ROUNDING * self.f.size;
+            if !has_fixed[component] && !is_negative {
                 return Err(MeshProblemError::NotCoercive { integral, place });
             }
         }

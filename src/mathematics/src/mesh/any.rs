@@ -177,8 +177,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
                 farthest = farthest.max(curve.distance(point));
             }
         }
-        // Written so that NaN is refused.
-        if !(farthest <= ON_CURVE * curve.radius) {
+        if farthest.is_nan() || farthest > ON_CURVE * curve.radius {
             return Err(PartError::OffCurve { name: name.into(), distance: farthest });
         }
         self.parts[part].curve = Some(curve);

@@ -107,8 +107,8 @@ impl<'a> Iterate<'a> {
                 NodeCondition::Contact(_) => self.y[node].min(-residual).abs(),
                 NodeCondition::Fixed => 0.0,
             };
-            // Written so that NaN is kept.
-            if !(violation <= largest) {
+            // The maximum would hide a NaN.
+            if violation > largest || violation.is_nan() {
                 largest = violation;
             }
         }
