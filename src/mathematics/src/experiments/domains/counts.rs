@@ -72,7 +72,7 @@ pub struct CountsSummary {
     pub earlier: usize,
     /// Least change of the multiplier at the stop of the signed rule.
     pub least_delta_a: f64,
-    /// Greatest ratio, less 1, between the counts of one domain under the printed rule for r from [`LARGE`] on.
+    /// Greatest ratio, less 1, between the counts of one domain under the printed rule for r from 10 on.
     pub printed_spread: f64,
     /// Greatest ratio between the counts of two numberings for the same r.
     pub numbering_factor: f64,
