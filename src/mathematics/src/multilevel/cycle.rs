@@ -134,11 +134,56 @@ impl<'a> Cycle<'a> {
         let coarse = &coarser[level - 1].values;
         let (old, new) = values.split_at_mut(coarse.len());
         old.iter_mut().zip(coarse).for_each(|(value, correction)| *value += correction);
-        for (value, &[a, b]) in new.iter_mut().zip(parents) {
-            *value += 0.5 * (coarse[a as usize] + coarse[b as usize]);
+        for ((value, &[a, b]), inverse) in new.iter_mut().zip(parents).zip(&inverse[coarse.len()..])
+        {
+            // Nodes that the sweep visits before a held one would read its value.
+            if *inverse != 0.0 {
+                *value += 0.5 * (coarse[a as usize] + coarse[b as usize]);
+            }
         }
         for node in (0..network.nodes()).rev() {
             values[node] = inverse[node] * network.row(node).add_to(load[node], values);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{AnyMesh, refined};
+
+    /// Product of two nodal vectors.
+    fn dot(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    #[test]
+    fn the_cycle_is_symmetric_and_positive() {
+        let Some(AnyMesh::Plane(mesh)) = AnyMesh::built_in("annulus") else { unreachable!() };
+        for (top, held_from, held_nodes) in
+            [(1, 30, 3), (2, 300, 3), (3, 0, 40), (3, 370, 3), (3, 300, 80)]
+        {
+            let (levels, _) = refined(&mesh, top).unwrap();
+            let network = &levels[top].network;
+            let nodes = network.nodes();
+            let count = network.contact().len();
+            let mut held = vec![false; nodes];
+            for k in held_from..held_from + held_nodes {
+                held[network.contact()[k % count].node as usize] = true;
+            }
+            let mut cycle = Cycle::new(&levels);
+            cycle.hold(top, &held);
+            let vector = |seed: usize| -> Vec<f64> {
+                let value = |k: usize| ((k * k + 3 * seed * k + seed) % 101) as f64 / 50.0 - 1.0;
+                (0..nodes).map(|k| if held[k] { 0.0 } else { value(k) }).collect()
+            };
+            let (u, v) = (vector(1), vector(2));
+            let of_u = cycle.apply(top, &u).to_vec();
+            let of_v = cycle.apply(top, &v).to_vec();
+            let (one, two) = (dot(&of_u, &v), dot(&u, &of_v));
+            let size = (dot(&of_u, &u) * dot(&of_v, &v)).sqrt();
+            assert!((one - two).abs() < 1e-12 * size, "{top} {held_from}: {one} {two} {size}");
+            assert!(dot(&of_u, &u) > 0.0 && dot(&of_v, &v) > 0.0);
         }
     }
 }
