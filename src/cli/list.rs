@@ -1,4 +1,4 @@
-//! `list`: the scenes of the project, the solvers, and the problems with known solutions.
+//! `list`: the scenes of the project, the solvers, the domains, and the problems with known solutions.
 
 use super::current_folder;
 use super::output::{columns, say, say_json, talk};
@@ -6,6 +6,7 @@ use crate::pipeline::error::Result;
 use crate::replication::project::Project;
 use clap::Args;
 use serde::Serialize;
+use signorini_mathematics::mesh::BUILT_IN;
 use signorini_mathematics::problem::{cube, exact};
 use signorini_mathematics::solvers::SOLVERS;
 
@@ -21,6 +22,7 @@ pub(super) struct ListArgs {
 struct Listed {
     scenes: Vec<Named>,
     solvers: Vec<Named>,
+    domains: Vec<Named>,
     /// Problems with known solutions on the square and on the cube, as in `exact(NAME)`.
     square: Vec<&'static str>,
     cube: Vec<&'static str>,
@@ -37,6 +39,7 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
     let listed = Listed {
         scenes: scenes(),
         solvers: solvers(),
+        domains: domains(),
         square: exact::Exact::ALL.map(exact::Exact::name).into(),
         cube: cube::Exact::ALL.map(cube::Exact::name).into(),
     };
@@ -70,6 +73,14 @@ fn solvers() -> Vec<Named> {
     named
 }
 
+fn domains() -> Vec<Named> {
+    let mut named = Vec::new();
+    for (name, domain) in BUILT_IN {
+        named.push(Named { name: name.into(), description: domain.description().into() });
+    }
+    named
+}
+
 impl Listed {
     fn text(&self) -> String {
         let mut text = String::new();
@@ -77,6 +88,7 @@ impl Listed {
             text += &format!("Scenes, for `run` and `solve`:\n{}\n", table(&self.scenes));
         }
         text += &format!("Solvers, for `solve --solver`:\n{}\n", table(&self.solvers));
+        text += &format!("Domains, for `solve --domain`:\n{}\n", table(&self.domains));
         text += "Problems with known solutions, for `solve --f 'exact(NAME)'`:\n";
         text +=
             &format!("  square: {}\n  cube:   {}\n", self.square.join(", "), self.cube.join(", "));

@@ -30,6 +30,16 @@ impl BuiltIn {
         BUILT_IN.iter().find(|(known, _)| *known == name).map(|(_, domain)| *domain)
     }
 
+    /// Domain in words.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Disc => "The unit disc, whose boundary is `rim`",
+            Self::LShape => "The square (-1, 1)^2 without its lower right quarter",
+            Self::Annulus => "The ring between the circles of radius 1/2, `inner`, and 1, `outer`",
+            Self::Ball => "The unit ball, whose boundary is `surface`",
+        }
+    }
+
     /// Coarsest mesh of a domain in the plane; none for one in space.
     pub fn plane(self) -> Option<PlaneMesh> {
         let data = match self {

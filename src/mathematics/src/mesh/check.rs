@@ -99,7 +99,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
                 let count = sides.entry(sorted(nodes)).or_default();
                 *count += 1;
                 if *count > 2 {
-                    let (cell, nodes) = (self.tags.cell(k), self.tags.all(nodes));
+                    let (cell, nodes) = (self.tags.cell(k), self.tags.all(sorted(nodes)));
                     return Err(MeshError::Overlap { cell, nodes });
                 }
             }
@@ -229,7 +229,8 @@ mod tests {
         let names: Vec<_> = mesh.parts().iter().map(|part| part.name.as_str()).collect();
         assert_eq!(names, ["south", "boundary"]);
         let parts: Vec<_> = mesh.facets().iter().map(|facet| (facet.nodes, facet.part)).collect();
-        assert_eq!(parts, [([1, 2], 1), ([0, 1], 0), ([2, 3], 1), ([0, 3], 1)]);
+        // Each edge runs in the sense of its triangle, with the domain on the left.
+        assert_eq!(parts, [([1, 2], 1), ([0, 1], 0), ([2, 3], 1), ([3, 0], 1)]);
         // A part that the data name `boundary` takes the unnamed edges.
         let mesh = MeshData { parts: vec![part("boundary")], ..square() }.mesh().unwrap();
         assert_eq!(mesh.parts().len(), 1);
