@@ -1,5 +1,7 @@
 //! A small project in a temporary folder, and the binary run in it.
 
+use proptest::prelude::ProptestConfig;
+use proptest::test_runner::RngSeed;
 use serde_json::Value;
 use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::problem::source::Source;
@@ -381,4 +383,14 @@ pub(crate) fn dom(browser: &Path, page: &Path, query: &str, budget: u32) -> Stri
 pub(crate) fn unescaped(text: &str) -> String {
     let pairs = [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
     pairs.into_iter().fold(text.into(), |text: String, (from, to)| text.replace(from, to))
+}
+
+/// Settings of a property test with the same cases every time: a failure is a failure for everyone.
+pub(crate) fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
+        ..ProptestConfig::default()
+    }
 }

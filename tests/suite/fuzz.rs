@@ -1,9 +1,9 @@
 //! Nonsense in every place where text or bytes are read: an answer or an error, never a panic.
 
-use crate::common::{EVERYTHING, Project, assert_same, promised, wanting};
+use crate::common::{EVERYTHING, Project, assert_same, config, promised, wanting};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use proptest::test_runner::{RngSeed, TestCaseError};
+use proptest::test_runner::TestCaseError;
 use signorini::replication::scene::Scene;
 use signorini_mathematics::problem::source::Source;
 use std::fs;
@@ -94,16 +94,6 @@ const PARTS: [&str; 34] = [
     "else=-1",
     "\u{2212}1",
 ];
-
-fn config(cases: u32) -> ProptestConfig {
-    // The same cases every time: a failure is a failure for everyone.
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(1),
-        ..ProptestConfig::default()
-    }
-}
 
 /// Replaces a piece of `text`, of up to `length` characters from `at`, by `word`.
 fn splice(text: &str, at: Index, length: usize, word: &str) -> String {

@@ -1,9 +1,9 @@
 //! Meshes from outside: broken files are refused in one line, and meshes that are valid pass however they are numbered.
 
-use crate::common::Dice;
+use crate::common::{Dice, config};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use proptest::test_runner::{RngSeed, TestCaseError};
+use proptest::test_runner::TestCaseError;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{
     AnyMesh, BuiltIn, Element, Facet, Mesh, MeshData, MeshError, refine,
@@ -39,15 +39,6 @@ static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     paths.sort();
     paths.into_iter().map(|path| fs::read(path).unwrap()).collect()
 });
-
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(1),
-        ..ProptestConfig::default()
-    }
-}
 
 /// Damage to a file.
 #[derive(Clone, Debug)]

@@ -148,6 +148,7 @@ impl Domain {
         match self {
             Self::Square { f, rule } => load(square(n), f, *rule),
             Self::Cube { f } => cube::exact_load(cube(n), f),
+            Self::Mesh(mesh) if n + 1 == mesh.problem.levels.len() => mesh.problem.f.load.clone(),
             Self::Mesh(mesh) => mesh.problem.loads().swap_remove(n),
         }
     }

@@ -5,8 +5,8 @@ use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
-use crate::discrete::nested::NestedNetwork;
-use crate::discrete::network::Network;
+use crate::discrete::nested::{NestedNetwork, restricted};
+use crate::discrete::network::{Network, count_components};
 use crate::mesh::{
     AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, mesh_arcs, mesh_load,
     refined,
@@ -88,12 +88,7 @@ impl MeshProblem {
 
     /// Load vectors of all levels, coarsest first: those of the coarser ones by the transpose of interpolation.
     pub fn loads(&self) -> Vec<Vec<f64>> {
-        let mut loads = vec![self.f.load.clone()];
-        for level in self.levels[1..].iter().rev() {
-            loads.push(level.restrict(&loads[loads.len() - 1]));
-        }
-        loads.reverse();
-        loads
+        restricted(&self.levels, self.f.load.clone())
     }
 
     /// Judges a nodal vector of the finest mesh, apart from the solvers.
@@ -124,7 +119,7 @@ impl MeshProblem {
     fn check_solvable(&self) -> Result<(), MeshProblemError> {
         let network = self.network();
         let components = network.components();
-        let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+        let count = count_components(&components);
         let mut integrals = vec![0.0; count];
         for (&component, load) in components.iter().zip(&self.f.load) {
             integrals[component as usize] += load;

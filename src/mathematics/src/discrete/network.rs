@@ -270,3 +270,8 @@ impl Network {
         energy
     }
 }
+
+/// Number of connected components, given that of each node, as [`Network::components`] numbers them.
+pub(crate) fn count_components(components: &[u32]) -> usize {
+    components.iter().max().map_or(0, |last| *last as usize + 1)
+}

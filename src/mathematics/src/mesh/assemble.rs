@@ -13,8 +13,15 @@ const RIGHT_ANGLE: f64 = 1e-14;
 /// # Panics
 /// If there are more couplings than 32 bits number.
 pub fn assemble<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Network {
+    assemble_edges(mesh, &Edges::new(mesh.points.len(), &mesh.cells))
+}
+
+/// As [`assemble`], for a mesh whose edges are known.
+pub(super) fn assemble_edges<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    edges: &Edges,
+) -> Network {
     let nodes = mesh.points.len();
-    let edges = Edges::new(nodes, &mesh.cells);
     let (mut weights, mut masses) = (vec![0.0; edges.len()], vec![0.0; nodes]);
     for cell in &mesh.cells {
         let element = Element::new(mesh.vertices(cell));

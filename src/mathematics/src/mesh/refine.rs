@@ -75,14 +75,21 @@ impl NodeNumbers<'_> {
 pub fn refine<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
 ) -> Result<Refined<D, V>, MeshError> {
+    refine_edges(mesh, &Edges::new(mesh.points.len(), &mesh.cells))
+}
+
+/// As [`refine`], for a mesh whose edges are known.
+pub(super) fn refine_edges<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    edges: &Edges,
+) -> Result<Refined<D, V>, MeshError> {
     let children = 1 << D;
     let entries = mesh.cells.len() * V * (V - 1) / 2;
     if mesh.points.len() + entries > u32::MAX as usize / 2 {
         return Err(MeshError::TooManyNodes { cells: children * mesh.cells.len() });
     }
-    let edges = Edges::new(mesh.points.len(), &mesh.cells);
     let (old, parents) = (mesh.points.len(), edges.ends());
-    let numbers = NodeNumbers { old, edges: &edges };
+    let numbers = NodeNumbers { old, edges };
     let mut points = Vec::with_capacity(old + parents.len());
     points.extend_from_slice(&mesh.points);
     points.extend(parents.iter().map(|&[a, b]| {

@@ -23,7 +23,7 @@ use super::input::{InputError, check_components, check_length};
 use super::layout::Dimension;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
-use crate::discrete::network::Network;
+use crate::discrete::network::{Network, count_components};
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_ON_SQUARE: usize = 256;
@@ -148,7 +148,7 @@ pub(crate) fn next_contact(
     load: &[f64],
 ) -> Vec<bool> {
     let mut next = vec![false; active.len()];
-    let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+    let count = count_components(components);
     let mut largest = vec![(f64::NEG_INFINITY, None); count];
     let mut is_held = vec![false; count];
     for &node in network.fixed() {

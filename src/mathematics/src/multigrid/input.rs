@@ -1,6 +1,6 @@
 //! Validation of the input of a solver: lengths, finite numbers, a load with a negative sum.
 
-use crate::discrete::network::Network;
+use crate::discrete::network::{Network, count_components};
 use crate::machine::simd::LANES;
 
 /// Reason for which a solver rejects its input.
@@ -70,7 +70,7 @@ pub(crate) fn check_components(
     components: &[u32],
     load: &[f64],
 ) -> Result<Vec<bool>, InputError> {
-    let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+    let count = count_components(components);
     let mut has_fixed = vec![false; count];
     for &node in network.fixed() {
         has_fixed[components[node as usize] as usize] = true;

@@ -151,11 +151,7 @@ impl<'a> Cycle<'a> {
 mod tests {
     use super::*;
     use crate::mesh::{AnyMesh, refined};
-
-    /// Product of two nodal vectors.
-    fn dot(a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
-    }
+    use crate::multilevel::iterate::dot;
 
     #[test]
     fn the_cycle_is_symmetric_and_positive() {

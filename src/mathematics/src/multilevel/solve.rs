@@ -3,7 +3,7 @@
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
 use crate::discrete::judging::judge_network;
-use crate::discrete::nested::NestedNetwork;
+use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::network::Network;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
@@ -37,7 +37,7 @@ pub fn solve_nested_networks(
     check_length(network.nodes(), load)?;
     let components = Components::of(levels, load)?;
     let scale = LoadStats::measure(load).scale();
-    let loads = restricted(levels, load, scale);
+    let loads = restricted(levels, load.iter().map(|value| value / scale).collect());
     let (mut y, direct) = active_set_on(&levels[0].network, &loads[0])?;
     let mut progress = Progress {
         stop: direct.stop,
@@ -71,16 +71,6 @@ pub fn solve_nested_networks(
         work_units: progress.work / network.nodes() as f64,
     };
     Ok((y, outcome))
-}
-
-/// Loads of all levels, over `scale`, coarsest first.
-fn restricted(levels: &[NestedNetwork], load: &[f64], scale: f64) -> Vec<Vec<f64>> {
-    let mut loads = vec![load.iter().map(|value| value / scale).collect::<Vec<_>>()];
-    for level in levels[1..].iter().rev() {
-        loads.push(level.restrict(&loads[loads.len() - 1]));
-    }
-    loads.reverse();
-    loads
 }
 
 /// Connected components of nested networks.
