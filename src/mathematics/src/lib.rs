@@ -17,7 +17,7 @@
 //! // The default is the paper's rule, f at the nodes, whose sum may be positive though the integral is not.
 //! let load = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::default() });
 //! let (y, outcome) = multigrid::solve_square(128, &load, None, &MultigridParams::default())?;
-//! assert!(kkt(grid, &y, &load).relative < 1e-10);
+//! assert!(kkt(grid, Law::SIGNORINI, &y, &load).relative < 1e-10);
 //! assert!(outcome.work_units < 60.0);
 //! let [low, high] = bounds(grid, &f, &y)?.energy;
 //! let truth = spectral(&f, spectral::SpectralParams::default())?;

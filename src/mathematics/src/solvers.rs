@@ -8,6 +8,7 @@ use crate::multigrid::square::Square;
 use crate::multigrid::{
     Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop, solve_cube, solve_square,
 };
+use crate::problem::law::Law;
 use crate::saddle::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -113,8 +114,12 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; down to 1/256, \
             on the cube to 1/24",
         run: SolverRun::Finest {
-            square: |n, load, _| active_set::<Square>(n, load).map(FinestRun::of_active_set),
-            cube: |n, load, _| active_set::<Cube>(n, load).map(FinestRun::of_active_set),
+            square: |n, load, _| {
+                active_set::<Square>(n, Law::SIGNORINI, load).map(FinestRun::of_active_set)
+            },
+            cube: |n, load, _| {
+                active_set::<Cube>(n, Law::SIGNORINI, load).map(FinestRun::of_active_set)
+            },
             takes_goal: false,
         },
         most_on_square: Some(MOST_ON_SQUARE),

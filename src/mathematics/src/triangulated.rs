@@ -12,6 +12,7 @@ use crate::mesh::{
     refined,
 };
 use crate::problem::cube::Body;
+use crate::problem::law::Law;
 use crate::problem::region::Region;
 use crate::problem::shape::{Shape, SourceError};
 
@@ -93,7 +94,7 @@ impl MeshProblem {
 
     /// Judges a nodal vector of the finest mesh, apart from the solvers.
     pub fn judge(&self, y: &[f64]) -> Judgement {
-        judge_network(self.network(), y, &self.f.load)
+        judge_network(self.network(), Law::SIGNORINI, y, &self.f.load)
     }
 
     /// Returns guaranteed bounds for a nodal vector of the finest mesh.

@@ -16,7 +16,7 @@ pub struct ContactArc {
 
 /// The arcs of boundary nodes [in contact](Judgement::in_contact), for the nodal vector `y` and its judgement.
 pub fn arcs(grid: Grid, y: &[f64], judgement: &Judgement) -> Vec<ContactArc> {
-    let (in_contact, flux) = (judgement.in_contact(grid.boundary(), y), &judgement.flux);
+    let (in_contact, flux) = (judgement.in_contact(), &judgement.flux);
     let y: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
     let nodes = flux.len();
     let carries = |b: usize| in_contact[b % nodes];

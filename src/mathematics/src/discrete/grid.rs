@@ -112,7 +112,7 @@ impl Grid {
     }
 
     /// Positions of the boundary nodes in a nodal vector, in boundary order.
-    pub fn boundary(self) -> impl Iterator<Item = usize> {
+    pub fn boundary(self) -> impl Iterator<Item = usize> + Clone {
         (0..self.boundary_nodes()).map(move |b| {
             let (i, j) = self.boundary_node(b);
             self.index(i, j)

@@ -3,9 +3,11 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::simd::Largest;
+use crate::problem::law::{BoundaryState, Law};
 use serde::{Deserialize, Serialize};
 
-/// Violations of the conditions `A y = F` inside and `y >= 0`, `A y - F >= 0`, complementary on the boundary.
+/// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
+/// `A y - F >= 0`, complementary.
 ///
 /// Computed from `y` and `F` alone: the multiplier of node i is the discrete flux `(A y - F)_i / h`,
 /// whatever multiplier a solver carried along.
@@ -17,7 +19,7 @@ pub struct Kkt {
     pub min_y: f64,
     /// Least multiplier on the boundary.
     pub min_lambda: f64,
-    /// Largest `|min(y, A y - F)|` over boundary nodes.
+    /// Largest natural residual of the law over boundary nodes, for the paper's law `|min(y, A y - F)|`.
     pub complementarity: f64,
     /// `max(stationarity, complementarity)`, the natural residual: zero at the solution only.
     pub natural: f64,
@@ -30,35 +32,45 @@ pub struct Kkt {
 pub struct Judgement {
     /// Residuals of the conditions.
     pub kkt: Kkt,
-    /// `1/2 <A y, y> - <F, y>`.
+    /// `1/2 <A y, y> - <F, y>` and the law's term.
     pub energy: f64,
     /// `A y - F` at the boundary nodes: a boundary vector, on the cube in the order of a nodal vector.
     pub flux: Vec<f64>,
-    /// Sum over the boundary nodes of y times the flux: zero at the solution, and elsewhere, if all other conditions
-    /// hold, a bound of the energy's error.
+    /// Sum over the boundary nodes of y times the flux, and of the law's term of the energy: zero at the solution, and
+    /// elsewhere, if all other conditions hold, a bound of the energy's error.
     pub work: f64,
+    /// State of each boundary node, in the order of the flux; rounding errors do not count.
+    pub states: Vec<BoundaryState>,
     /// Up to this, values of y and of the flux are [`rounding`] errors.
     pub rounding: f64,
+    /// Law by which the vector was judged.
+    law: Law,
 }
 
 impl Judgement {
-    /// Contact at the `boundary` nodes: where the flux is no less than `y`, up to rounding errors. Both are zero in a
-    /// corner without load between nodes in contact.
-    pub fn in_contact(&self, boundary: impl IntoIterator<Item = usize>, y: &[f64]) -> Vec<bool> {
-        let of_node = |(node, flux): (usize, &f64)| y[node] - flux <= self.rounding;
-        boundary.into_iter().zip(&self.flux).map(of_node).collect()
+    /// Contact at the boundary nodes, in the order of the flux: the nodes that stick. Under the paper's law, where the flux
+    /// is no less than `y`, up to rounding errors; both are zero in a corner without load between nodes in contact.
+    pub fn in_contact(&self) -> Vec<bool> {
+        self.states.iter().map(|state| *state == BoundaryState::Sticks).collect()
     }
 
     /// The multiplier at the boundary nodes, each given with the measure of its part of the boundary: the flux over
-    /// this measure, where the flux is more than `y`. It is zero elsewhere, where the flux of a solution is rounding
-    /// error.
+    /// this measure, an end of the law's interval where the flux of a solution is that end but for rounding errors.
     pub fn multiplier(
         &self,
         boundary: impl IntoIterator<Item = (usize, f64)>,
         y: &[f64],
     ) -> Vec<f64> {
         let of_node = |((node, measure), flux): ((usize, f64), &f64)| {
-            if flux - y[node] > self.rounding { flux.max(0.0) / measure } else { 0.0 }
+            let [above_lo, above_hi] =
+                [self.law.lo(), self.law.hi()].map(|end| flux - measure * end - y[node]);
+            if above_lo <= self.rounding {
+                self.law.lo()
+            } else if above_hi >= -self.rounding {
+                self.law.hi()
+            } else {
+                self.law.project(flux / measure)
+            }
         };
         boundary.into_iter().zip(&self.flux).map(of_node).collect()
     }
@@ -74,11 +86,11 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
     cells as f64 * f64::EPSILON * largest
 }
 
-/// Judges the nodal vector `y` for the load vector `load`.
+/// Judges the nodal vector `y` for the load vector `load` under a law.
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
-pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
+pub fn judge(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Judgement {
     assert!(y.len() == grid.nodes() && load.len() == y.len());
     let (n, side) = (grid.cells(), grid.side());
     let mut judge = Judge::default();
@@ -91,54 +103,49 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
             flux[grid.boundary_index(i, j)] = gradient[i];
         }
     }
-    judge.judgement(n, y, flux, grid.boundary().map(|node| (node, grid.h())))
+    let judged = JudgedValues { law, cells: n, y, flux };
+    judge.judgement(judged, grid.boundary().map(|node| (node, grid.h())))
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
-pub fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
-    judge(grid, y, load).kkt
+pub fn kkt(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Kkt {
+    judge(grid, law, y, load).kkt
 }
 
 /// A judgement that takes one row of nodes after the other into account.
+#[derive(Default)]
 pub(crate) struct Judge {
     energy: f64,
     stationarity: Largest,
     load: Largest,
     value: Largest,
-    complementarity: Largest,
-    min_y: f64,
 }
 
-impl Default for Judge {
-    fn default() -> Self {
-        let largest = Largest::default();
-        Self {
-            energy: 0.0,
-            stationarity: largest,
-            load: largest,
-            value: largest,
-            complementarity: largest,
-            min_y: f64::INFINITY,
-        }
-    }
+/// Values to be judged, with the flux at the boundary nodes.
+pub(crate) struct JudgedValues<'a> {
+    /// Law on the boundary.
+    pub(crate) law: Law,
+    /// Cells per side of the grid, or as many as would give as many nodes.
+    pub(crate) cells: usize,
+    /// Nodal vector.
+    pub(crate) y: &'a [f64],
+    /// `A y - F` at the boundary nodes.
+    pub(crate) flux: Vec<f64>,
 }
 
 impl Judge {
     /// Takes into account a row with the gradient `A y - F`; its ends lie on the boundary, the others if the row is
-    /// not `inner`.
+    /// not `inner`. What lies on the boundary is judged last, with its measure.
     pub(crate) fn see(&mut self, y: &[f64], gradient: &[f64], load: &[f64], inner: bool) {
         self.energy = add_energy(self.energy, y, gradient, load);
         self.load.see(1.0, load);
         self.value.see(1.0, y);
         let last = y.len() - 1;
-        let inside = if inner { 1..last } else { 0..0 };
-        self.stationarity.see(1.0, &gradient[inside.clone()]);
-        for node in (0..inside.start).chain(inside.end..=last) {
-            self.min_y = min(self.min_y, y[node]);
-            self.complementarity.put(min(y[node], gradient[node]));
+        if inner {
+            self.stationarity.see(1.0, &gradient[1..last]);
         }
     }
 
@@ -150,49 +157,42 @@ impl Judge {
         judge
     }
 
-    /// Takes into account a boundary node with y >= 0 and this gradient.
-    pub(crate) fn see_contact(&mut self, y: f64, gradient: f64) {
-        self.min_y = min(self.min_y, y);
-        self.complementarity.put(min(y, gradient));
-    }
-
     /// Takes into account quantities that are zero at the solution.
     pub(crate) fn see_residuals(&mut self, residuals: &[f64]) {
         self.stationarity.see(1.0, residuals);
     }
 
-    /// The judgement of `y` on a grid with `cells` cells per side, with the `flux` at the boundary nodes, which are given
-    /// as `parts`: positions in `y`, and measures of their parts of the boundary.
+    /// The judgement of values whose boundary nodes are given as `parts`, in the order of the flux: positions in `y`, and
+    /// measures of their parts of the boundary.
     pub(crate) fn judgement(
         &self,
-        cells: usize,
-        y: &[f64],
-        flux: Vec<f64>,
-        parts: impl IntoIterator<Item = (usize, f64)>,
+        JudgedValues { law, cells, y, flux }: JudgedValues<'_>,
+        parts: impl IntoIterator<Item = (usize, f64)> + Clone,
     ) -> Judgement {
-        let (mut min_lambda, mut work) = (f64::INFINITY, 0.0);
-        for (flux, (node, measure)) in flux.iter().zip(parts) {
+        let (mut min_y, mut min_lambda) = (f64::INFINITY, f64::INFINITY);
+        let (mut energy, mut work) = (self.energy, 0.0);
+        let mut complementarity = Largest::default();
+        for (flux, (node, measure)) in flux.iter().zip(parts.clone()) {
+            let potential = measure * law.potential(y[node]);
+            min_y = min(min_y, y[node]);
             min_lambda = min(min_lambda, flux / measure);
-            work += y[node] * flux;
+            complementarity.put(law.residual(y[node], *flux, measure));
+            energy += potential;
+            work += y[node] * flux + potential;
         }
         let mut largest = self.value;
         largest.see(1.0, &flux);
         let rounding = rounding(cells, largest.value());
-        Judgement { kkt: self.kkt(min_lambda), energy: self.energy, flux, work, rounding }
-    }
-
-    fn kkt(&self, min_lambda: f64) -> Kkt {
+        let of_node = |(flux, (node, measure)): (&f64, (usize, f64))| {
+            law.state(y[node], *flux, measure, rounding)
+        };
+        let states = flux.iter().zip(parts).map(of_node).collect();
         let [stationarity, complementarity, scale] =
-            [self.stationarity, self.complementarity, self.load].map(Largest::value);
+            [self.stationarity, complementarity, self.load].map(Largest::value);
         let natural = max(stationarity, complementarity);
-        Kkt {
-            stationarity,
-            min_y: self.min_y,
-            min_lambda,
-            complementarity,
-            natural,
-            relative: if natural == 0.0 { 0.0 } else { natural / scale },
-        }
+        let relative = if natural == 0.0 { 0.0 } else { natural / scale };
+        let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
+        Judgement { kkt, energy, flux, work, states, rounding, law }
     }
 }
 
@@ -216,17 +216,17 @@ mod tests {
         load[4] = -1.0;
         let mut y = vec![0.0; 9];
         y[4] = -0.25;
-        let solved = kkt(grid, &y, &load);
+        let solved = kkt(grid, Law::SIGNORINI, &y, &load);
         assert_eq!((solved.natural, solved.min_y, solved.min_lambda), (0.0, 0.0, 0.0));
         y[4] = 0.0;
-        assert_eq!(kkt(grid, &y, &load).stationarity, 1.0);
+        assert_eq!(kkt(grid, Law::SIGNORINI, &y, &load).stationarity, 1.0);
         y[4] = -0.25;
         y[1] = -0.5;
-        let infeasible = kkt(grid, &y, &load);
+        let infeasible = kkt(grid, Law::SIGNORINI, &y, &load);
         assert_eq!(infeasible.min_y, -0.5);
         assert!(infeasible.complementarity >= 0.5);
         load[3] = 7.0;
-        assert!(kkt(grid, &y, &load).min_lambda < -6.0);
+        assert!(kkt(grid, Law::SIGNORINI, &y, &load).min_lambda < -6.0);
     }
 
     #[test]
@@ -235,10 +235,10 @@ mod tests {
         for node in [0, 4] {
             let mut y = vec![0.0; 9];
             y[node] = f64::NAN;
-            assert!(kkt(grid, &y, &[1.0; 9]).natural.is_nan());
+            assert!(kkt(grid, Law::SIGNORINI, &y, &[1.0; 9]).natural.is_nan());
             let mut load = [1.0; 9];
             load[node] = f64::NAN;
-            assert!(kkt(grid, &[0.0; 9], &load).natural.is_nan());
+            assert!(kkt(grid, Law::SIGNORINI, &[0.0; 9], &load).natural.is_nan());
         }
     }
 }

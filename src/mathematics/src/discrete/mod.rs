@@ -10,7 +10,7 @@ pub mod load;
 pub mod nested;
 pub mod network;
 pub mod norms;
-mod stencils;
+pub(crate) mod stencils;
 pub mod stiffness;
 pub mod transfer;
 pub mod verdict;

@@ -4,7 +4,7 @@
 //! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the boundary
 //! at a node takes the place of h.
 
-/// Node of the boundary where y must not be negative.
+/// Node of the boundary where the law of the problem holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactNode {
     /// Number of the node.
@@ -20,7 +20,7 @@ pub enum NodeCondition {
     Inner,
     /// y = 0.
     Fixed,
-    /// y >= 0; the position of the node in [`Network::contact`].
+    /// The law of the problem; the position of the node in [`Network::contact`].
     Contact(usize),
 }
 
@@ -47,7 +47,7 @@ pub struct Network {
     weights: Vec<f64>,
     /// Diagonal of the stiffness matrix.
     diagonal: Vec<f64>,
-    /// Nodes in contact, in the order of a boundary vector.
+    /// Contact nodes, in the order of a boundary vector.
     contact: Vec<ContactNode>,
     /// Nodes at which y = 0.
     fixed: Vec<u32>,
@@ -184,9 +184,14 @@ impl Network {
         components
     }
 
-    /// Nodes in contact, in the order of a boundary vector.
+    /// Contact nodes, in the order of a boundary vector.
     pub fn contact(&self) -> &[ContactNode] {
         &self.contact
+    }
+
+    /// Contact nodes with the measures of their parts of the boundary.
+    pub fn contact_parts(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
+        self.contact.iter().map(|contact| (contact.node as usize, contact.measure))
     }
 
     /// Nodes at which y = 0.
@@ -260,7 +265,7 @@ impl Network {
         self.diagonal[node] * y[node] - self.row(node).add_to(load[node], y)
     }
 
-    /// Energy `1/2 <A y, y> - <F, y>`.
+    /// Energy `1/2 <A y, y> - <F, y>`, without the law's term.
     pub fn energy(&self, y: &[f64], load: &[f64]) -> f64 {
         let mut energy = 0.0;
         for node in 0..self.nodes() {

@@ -4,6 +4,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::machine::simd::{Largest, vectorised};
 use crate::problem::exact::{Exact, Sample};
+use crate::problem::law::Law;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -166,7 +167,7 @@ pub fn multiplier_error(
     exact: impl Fn([f64; 2], [f64; 2]) -> f64,
 ) -> f64 {
     let (n, h) = (grid.cells(), grid.h());
-    let flux = judge(grid, y, load).flux;
+    let flux = judge(grid, Law::SIGNORINI, y, load).flux;
     let at = |i: usize| i as f64 * h - 0.5;
     let mut square = 0.0;
     for k in 1..n {

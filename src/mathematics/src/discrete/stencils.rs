@@ -19,13 +19,16 @@ impl Network {
     }
 
     /// Network of the stencil on two or three axes with `n` cells each, whose couplings inside are 1, with all boundary
-    /// nodes in contact.
+    /// nodes in contact. Their measures are in units of `h^(axes - 1)`, as many as the parts of faces around the node.
     pub(crate) fn of_stencil(axes: usize, n: usize) -> Self {
         let mut network = Self::uniform(axes, n, 1.0, Vec::new());
         let inside = 2.0 * axes as f64;
         let on_boundary =
             network.diagonal().iter().enumerate().filter(|(_, entry)| **entry < inside);
-        let node = |(node, _)| ContactNode { node: node as u32, measure: 1.0 };
+        let node = |(node, entry): (usize, &f64)| {
+            let share = entry / inside;
+            ContactNode { node: node as u32, measure: 2.0 * share * faces(share) }
+        };
         let contact = on_boundary.map(node).collect();
         network.set_contact(contact);
         network
@@ -57,10 +60,23 @@ impl Network {
     }
 }
 
+/// Number of faces of the square or the cube on which a node lies, whose cell has this share inside: 1/2, 1/4 or 1/8.
+#[inline(always)]
+pub(crate) fn faces(share: f64) -> f64 {
+    if share == 0.5 {
+        1.0
+    } else if share == 0.25 {
+        2.0
+    } else {
+        3.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::discrete::network::Row;
+    use crate::problem::law::Law;
 
     #[test]
     fn rows_of_the_square_are_those_of_the_paper() {
@@ -81,7 +97,7 @@ mod tests {
         let network = Network::of_cube(grid);
         let y: Vec<_> = (0..64).map(|k| f64::from(k * k % 17)).collect();
         let load: Vec<_> = (0..64).map(|k| f64::from(k % 5)).collect();
-        let judged = cube::judge(grid, &y, &load);
+        let judged = cube::judge(grid, Law::SIGNORINI, &y, &load);
         let mut gradient = vec![0.0; 64];
         network.gradient(&y, &load, &mut gradient);
         for (contact, flux) in network.contact().iter().zip(&judged.flux) {

@@ -1,7 +1,8 @@
 //! Saddle-point methods run until a goal is reached that the methods themselves do not see.
 
 use crate::discrete::grid::Grid;
-use crate::saddle::{Method, Pair, Steps};
+use crate::problem::law::Law;
+use crate::saddle::{Duality, Method, Pair, Steps};
 
 /// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
 pub const fn loose_uzawa(weight: f64) -> Method {
@@ -34,6 +35,10 @@ pub struct CheckedRun<'a> {
 }
 
 impl CheckedRun<'_> {
+    fn duality(&self) -> Duality {
+        Duality { law: Law::SIGNORINI, r: self.r }
+    }
+
     /// Changes `pair` until `done`, which is given the number of sweeps so far; returns the number of sweeps.
     ///
     /// `None` if the method diverged, or the limit of sweeps was reached. `done` is called before the first sweep too.
@@ -45,7 +50,7 @@ impl CheckedRun<'_> {
         pair: &mut Pair,
         mut done: impl FnMut(usize, &Pair) -> bool,
     ) -> Option<usize> {
-        let mut steps = Steps::new(self.grid, self.load, self.method, self.r);
+        let mut steps = Steps::new(self.grid, self.load, self.method, self.duality());
         while !done(steps.sweeps(), pair) {
             let many = match self.method {
                 Method::ArrowHurwicz => (steps.sweeps() / self.checks.share).max(1),

@@ -4,6 +4,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::machine::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams, MultigridStop};
+use crate::problem::law::Law;
 use crate::saddle::batch::{AsDefined, End, Job, JobGoal, run};
 use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
@@ -61,7 +62,7 @@ struct Report<'a> {
 
 impl Report<'_> {
     fn judged(self, grid: Grid, load: &[f64]) -> Trial {
-        let judgement = judge(grid, self.y, load);
+        let judgement = judge(grid, Law::SIGNORINI, self.y, load);
         let kkt = judgement.kkt;
         let mut largest = Largest::default();
         largest.see(1.0, self.y);
@@ -71,7 +72,7 @@ impl Report<'_> {
             Claim::AtMost(bound) => bound,
             Claim::RoundingFloor => multigrid::ROUNDING_FLOOR * f64::EPSILON * size,
         });
-        let contact = judgement.in_contact(grid.boundary(), self.y);
+        let contact = judgement.in_contact();
         Trial {
             stop: self.stop,
             steps: self.steps,
@@ -96,12 +97,12 @@ fn finite(x: f64) -> Option<f64> {
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
 pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
-    let ends = run(grid, jobs, &mut AsDefined);
+    let ends = run(grid, Law::SIGNORINI, jobs, &mut AsDefined);
     jobs.iter().zip(ends).map(|(job, end)| saddle_trial(grid, job, &end)).collect()
 }
 
 fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
-    let stop = end.outcome(grid, job).stop;
+    let stop = end.outcome(grid, Law::SIGNORINI, job).stop;
     let claim = match job.goal {
         JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == StopReason::Converged => {
             Some(Claim::AtMost(tolerance * (1.0 / job.r).max(1.0)))

@@ -11,6 +11,7 @@ use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::{Method, Pair};
 use rayon::prelude::*;
@@ -110,7 +111,9 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
         for law in &mut laws {
             let target = law.target;
             total += run
-                .sweeps_until(&mut pair, |_, pair| kkt(grid, &pair.y, &load).relative <= target)
+                .sweeps_until(&mut pair, |_, pair| {
+                    kkt(grid, Law::SIGNORINI, &pair.y, &load).relative <= target
+                })
                 .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
             law.sweeps.push((grid.cells(), total));
         }

@@ -8,6 +8,7 @@ use super::{COARSEST, IdentifyError, Target};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
+use crate::problem::law::Law;
 use crate::saddle::Pair;
 use crate::saddle::batch::{AsDefined, GradientMeasure, LANES, Lanes, V};
 use std::ops::{Add, Mul};
@@ -104,7 +105,7 @@ impl<'a> Evaluator<'a> {
         };
         let level = |level| {
             let grid = grid(level);
-            let lanes = Lanes::new(grid, variant.order, variant.corner_weight());
+            let lanes = Lanes::new(grid, Law::SIGNORINI, variant.order, variant.corner_weight());
             Level { grid, lanes, witness: [0; LANES] }
         };
         let levels = (0..target.levels()).map(level).collect();

@@ -134,6 +134,7 @@ mod tests {
     use crate::discrete::load::{Diagonal, LoadRule, load};
     use crate::discrete::{cube, grid::Grid, norms};
     use crate::multigrid::{Goal, MultigridParams, solve_cube, solve_square};
+    use crate::problem::law::Law;
     use crate::problem::source::Source;
     use crate::problem::{cube::Exact as OnCube, exact::Exact};
     use crate::saddle::batch::{AsDefined, Job, JobGoal, run};
@@ -201,7 +202,7 @@ mod tests {
                     jobs.push(Job { load: &load, start: &start, method, r, goal, cap: 300 });
                 }
             }
-            run(grid, &jobs, &mut AsDefined)
+            run(grid, Law::SIGNORINI, &jobs, &mut AsDefined)
         });
     }
 

@@ -26,9 +26,7 @@ pub fn mesh_arcs(
 ) -> Vec<ContactArc> {
     let nodes = network.contact().iter().map(|contact| contact.node as usize);
     let mut force = vec![None; y.len()];
-    for ((node, touches), flux) in
-        nodes.clone().zip(judgement.in_contact(nodes.clone(), y)).zip(&judgement.flux)
-    {
+    for ((node, touches), flux) in nodes.clone().zip(judgement.in_contact()).zip(&judgement.flux) {
         force[node] = touches.then_some(*flux);
     }
     let boundary = BoundaryWalk::new(mesh, y);

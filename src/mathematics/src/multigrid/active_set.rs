@@ -1,17 +1,21 @@
 //! Primal-dual active set method with a direct solver, which checks multigrid.
 //!
 //! # Idea
-//! This is the semismooth Newton method for `l = max(0, l - c y)`, with the multiplier `l`. For a nonsingular M-matrix
+//! This is the semismooth Newton method for `l = P(l - c y)`, with the multiplier `l` and the projection P onto the
+//! interval of the law; for the paper's law P is `max(0, )`. For a nonsingular M-matrix, that law
 //! and a bound at every node it converges from every start in finitely many steps (Hintermüller, Ito and Kunisch 2002,
 //! theorem 3.2). Here the matrix is singular, and only boundary values are bounded: convergence is observed, not
 //! proved. Hence the limit on the number of steps, and the list of all contact sets so far.
 //!
 //! # Algorithm
-//! 1. Take all boundary nodes to be in contact.
-//! 2. Solve the linear problem with `y = 0` at the nodes in contact.
-//! 3. Remove the nodes with a negative multiplier from the contact set, and add those with a negative value. If the set
-//!    would be empty, keep the node with the largest multiplier: otherwise the next system is singular.
-//! 4. Stop if the contact set has not changed, or has returned to an earlier one; otherwise go to step 2.
+//! 1. See the problem as one under the law `[0, limit]`, and take all boundary nodes to stick.
+//! 2. Solve the linear problem with `y = 0` at the nodes that stick, and the flux `limit` at those that slip down.
+//! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value has
+//!    the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
+//!    of least energy: otherwise the next system is singular.
+//! 4. Stop if no state has changed. If all have returned to earlier ones, stop under the paper's law, where only rounding
+//!    errors can be the reason; under others, where the steps may go round in circles, relax the solution by
+//!    Gauss-Seidel sweeps, which lower the energy, and take the states from there. Go to step 2.
 //!
 //! # Cost
 //! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square, `O(n^7)`
@@ -23,20 +27,25 @@ use super::input::{InputError, check_components, check_length};
 use super::layout::Dimension;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
-use crate::discrete::network::{Network, count_components};
+use crate::discrete::network::{ContactNode, Network, NodeCondition, count_components};
+use crate::problem::law::{BoundaryState, Law};
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_ON_SQUARE: usize = 256;
 /// Cells per side of the finest grid of the cube whose matrix and factors are worth their memory: 160 MB.
 pub const MOST_ON_CUBE: usize = 24;
 
+/// Limit on the number of times that relaxation ends a return to earlier states.
+const MAX_RESTARTS: usize = 10;
+/// Number of Gauss-Seidel sweeps of the first relaxation.
+const RESTART_SWEEPS: usize = 20;
 /// Limit on the number of linear systems.
-const MAX_STEPS: usize = 100;
+const MAX_STEPS: usize = 200;
 
 /// Result of the active set method without the solution itself.
 #[derive(Clone, Copy, Debug)]
 pub struct ActiveSetOutcome {
-    /// `Converged` if a step left the contact set as it was; `RoundingFloor` if a step led to an earlier contact set,
+    /// `Converged` if a step left all states as they were; `RoundingFloor` if a step led to earlier states,
     /// which was seen only where multipliers or values are zero up to rounding errors.
     pub stop: MultigridStop,
     /// Number of linear systems solved.
@@ -45,13 +54,14 @@ pub struct ActiveSetOutcome {
     pub work: f64,
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary; see [`solve_square`](super::solve_square) for `A` and the layout of
-/// `load` and the solution. Starts from contact everywhere.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term on the boundary; see [`solve_square`](super::solve_square) for
+/// `A` and the layout of `load` and the solution. Starts with all boundary nodes at zero.
 ///
 /// # Errors
-/// If `n` is below 2, a length is wrong, a number is not finite, or the sum of the load is not negative.
+/// If `n` is below 2, a length is wrong, a number is not finite, or the flux cannot balance the load.
 pub fn active_set<D: Dimension>(
     n: usize,
+    law: Law,
     load: &[f64],
 ) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     if n < 2 {
@@ -62,113 +72,260 @@ pub fn active_set<D: Dimension>(
         2 => Network::of_square(Grid::new(n).expect(fits)),
         _ => Network::of_cube(cube::Grid::new(n).expect(fits)),
     };
-    on_network(&network, BandOrder::Natural, load)
+    on_network(&network, BandOrder::Natural, law, load)
 }
 
-/// Minimises `1/2 y'Ay - F'y` on any network, over `y >= 0` at its contact nodes and `y = 0` at its fixed nodes. Starts
-/// from contact everywhere.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its fixed
+/// nodes. Starts with all contact nodes at zero.
 ///
 /// # Errors
-/// If the length is wrong, a number is not finite, or without fixed nodes the sum of the load is not negative.
+/// If the length is wrong, a number is not finite, or in a component without fixed nodes the flux cannot balance the load.
 pub fn active_set_on(
     network: &Network,
+    law: Law,
     load: &[f64],
 ) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
-    on_network(network, BandOrder::Reordered, load)
+    on_network(network, BandOrder::Reordered, law, load)
 }
 
 fn on_network(
     network: &Network,
     order: BandOrder,
+    law: Law,
     load: &[f64],
 ) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     check_length(network.nodes(), load)?;
     let components = network.components();
-    check_components(network, &components, load)?;
+    check_components(network, &components, law, load)?;
+    let one_sided = law.one_sided(load);
+    let load = one_sided.load(load, network.contact_parts());
+    let problem =
+        StateProblem { network, components: &components, load: &load, limit: one_sided.limit };
     let mut direct = Direct::new(network, order);
-    let mut active = vec![false; load.len()];
-    let held = network.contact().iter().map(|contact| contact.node).chain(network.fixed().to_vec());
-    held.for_each(|node| active[node as usize] = true);
+    let mut states = problem.all_stick();
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
-    let mut steps = 0;
+    let (mut steps, mut restarts) = (0, 0);
+    // Each restart goes on where the last one ended, twice as long: the sweeps alone converge, if slowly.
+    let mut relaxed: Option<Vec<f64>> = None;
     let stop = loop {
         if steps == MAX_STEPS {
             break MultigridStop::CycleLimit;
         }
-        solve(network, &mut direct, load, &active, &mut y);
+        solve(&problem, &mut direct, &states, &mut y);
         steps += 1;
         if !y.iter().all(|value| value.is_finite()) {
             break MultigridStop::Diverged;
         }
-        let next = next_contact(network, &components, &active, &y, load);
-        if next == active {
+        let next = problem.next_states(&states, &y);
+        if next == states {
             break MultigridStop::Converged;
         }
-        if seen.contains(&next) {
+        if !seen.contains(&next) {
+            seen.push(std::mem::replace(&mut states, next));
+        } else if problem.limit.is_finite() && restarts < MAX_RESTARTS {
+            let relaxed = relaxed.get_or_insert_with(|| y.clone());
+            problem.relax(relaxed, RESTART_SWEEPS << restarts);
+            states = problem.states_of(relaxed);
+            seen.clear();
+            restarts += 1;
+        } else {
             break MultigridStop::RoundingFloor;
         }
-        seen.push(std::mem::replace(&mut active, next));
     };
     for contact in network.contact() {
         let value = &mut y[contact.node as usize];
-        *value = value.max(0.0);
+        *value = match states[contact.node as usize] {
+            BoundaryState::SlipsDown => value.min(0.0),
+            _ => value.max(0.0),
+        };
     }
+    y.iter_mut().for_each(|value| *value = one_sided.signed(*value));
     let work = steps as f64 * (direct.factor_work() + 2.0 * direct.solve_work());
     Ok((y, ActiveSetOutcome { stop, steps, work }))
 }
 
-/// Replaces `y` by the solution of `A y = F` with `y = 0` where `active`, with one step of iterative refinement.
-fn solve(network: &Network, direct: &mut Direct, load: &[f64], active: &[bool], y: &mut [f64]) {
-    let diagonal = network.diagonal().iter().zip(active);
-    direct.factor(diagonal.map(|(entry, active)| if *active { f64::INFINITY } else { *entry }));
+/// Replaces `y` by the solution with these states, with one step of iterative refinement.
+fn solve(problem: &StateProblem<'_>, direct: &mut Direct, states: &[BoundaryState], y: &mut [f64]) {
+    let network = problem.network;
+    let diagonal = network.diagonal().iter().zip(states);
+    direct.factor(diagonal.map(|(entry, state)| match state {
+        BoundaryState::Sticks => f64::INFINITY,
+        _ => *entry,
+    }));
+    let load = problem.load_with(states);
     y.fill(0.0);
     let mut correction = vec![0.0; y.len()];
     for _ in 0..2 {
-        network.gradient(y, load, &mut correction);
-        for (value, active) in correction.iter_mut().zip(active) {
-            *value = if *active { 0.0 } else { -*value };
+        network.gradient(y, &load, &mut correction);
+        for (value, state) in correction.iter_mut().zip(states) {
+            *value = if *state == BoundaryState::Sticks { 0.0 } else { -*value };
         }
         direct.solve(&mut correction);
         y.iter_mut().zip(&correction).for_each(|(value, correction)| *value += correction);
     }
 }
 
-/// Returns the contact set of the next step of the primal-dual active set method, where `y` is the solution with contact
-/// at the `active` nodes: active nodes whose multiplier is not negative, and other nodes whose value is negative. Fixed
-/// nodes stay active.
-///
-/// If there are none in a connected component, the active node with the largest multiplier, so that no system is singular;
-/// `components` has the component of each node.
-pub(crate) fn next_contact(
-    network: &Network,
-    components: &[u32],
-    active: &[bool],
-    y: &[f64],
-    load: &[f64],
-) -> Vec<bool> {
-    let mut next = vec![false; active.len()];
-    let count = count_components(components);
-    let mut largest = vec![(f64::NEG_INFINITY, None); count];
-    let mut is_held = vec![false; count];
-    for &node in network.fixed() {
-        next[node as usize] = true;
-        is_held[components[node as usize] as usize] = true;
+/// Problem under the law `[0, limit]`, whose solution is known from the states of its nodes. Inner nodes count as slipping
+/// up, fixed nodes as sticking.
+pub(crate) struct StateProblem<'a> {
+    pub network: &'a Network,
+    /// Connected component of each node.
+    pub components: &'a [u32],
+    pub load: &'a [f64],
+    /// Largest flux.
+    pub limit: f64,
+}
+
+impl StateProblem<'_> {
+    /// States with all contact nodes at zero.
+    pub(crate) fn all_stick(&self) -> Vec<BoundaryState> {
+        let mut states = vec![BoundaryState::SlipsUp; self.load.len()];
+        let contact = self.network.contact().iter().map(|contact| contact.node);
+        let zero = contact.chain(self.network.fixed().iter().copied());
+        zero.for_each(|node| states[node as usize] = BoundaryState::Sticks);
+        states
     }
-    for contact in network.contact() {
-        let node = contact.node as usize;
-        let component = components[node] as usize;
-        let gradient = network.gradient_at(node, y, load);
-        next[node] = if active[node] { gradient >= 0.0 } else { y[node] < 0.0 };
-        is_held[component] |= next[node];
-        if active[node] && gradient > largest[component].0 {
-            largest[component] = (gradient, Some(node));
+
+    /// Minimises the energy over one value after the other.
+    fn relax(&self, y: &mut [f64], sweeps: usize) {
+        let law = Law::new(0.0, self.limit).expect("a positive limit");
+        for _ in 0..sweeps {
+            for node in 0..y.len() {
+                let sum = self.network.row(node).add_to(self.load[node], y);
+                let diagonal = self.network.diagonal()[node];
+                y[node] = match self.network.condition(node) {
+                    NodeCondition::Inner => sum / diagonal,
+                    NodeCondition::Fixed => 0.0,
+                    NodeCondition::Contact(b) => {
+                        law.settle(sum, diagonal, self.network.contact()[b].measure)
+                    }
+                };
+            }
         }
     }
-    for ((_, keep), is_held) in largest.into_iter().zip(is_held) {
-        if let (Some(node), false) = (keep, is_held) {
-            next[node] = true;
+
+    /// States that belong to the signs of the values.
+    fn states_of(&self, y: &[f64]) -> Vec<BoundaryState> {
+        let mut states = self.all_stick();
+        for contact in self.network.contact() {
+            let value = y[contact.node as usize];
+            if value != 0.0 {
+                states[contact.node as usize] =
+                    if value > 0.0 { BoundaryState::SlipsUp } else { BoundaryState::SlipsDown };
+            }
+        }
+        states
+    }
+
+    /// Load with the flux of the nodes that slip down.
+    pub(crate) fn load_with(&self, states: &[BoundaryState]) -> Vec<f64> {
+        let mut load = self.load.to_vec();
+        for contact in self.network.contact() {
+            if states[contact.node as usize] == BoundaryState::SlipsDown {
+                load[contact.node as usize] += contact.measure * self.limit;
+            }
+        }
+        load
+    }
+
+    /// Returns the states of the next step of the primal-dual active set method, where `y` is the solution with the
+    /// present ones.
+    ///
+    /// Where the nodes of a connected component could then not balance the load, or none would stick, the solution is
+    /// shifted by the constant of least energy: in increasing order of their values, and for nodes at zero in decreasing
+    /// order of their multipliers, the nodes slip down until they balance the load, the next one sticks, and the others
+    /// slip up.
+    pub(crate) fn next_states(&self, states: &[BoundaryState], y: &[f64]) -> Vec<BoundaryState> {
+        let mut next = vec![BoundaryState::SlipsUp; states.len()];
+        let count = count_components(self.components);
+        let (mut balances, mut has_fixed) = (vec![Balance::default(); count], vec![false; count]);
+        for &node in self.network.fixed() {
+            next[node as usize] = BoundaryState::Sticks;
+            has_fixed[self.components[node as usize] as usize] = true;
+        }
+        for contact in self.network.contact() {
+            let node = contact.node as usize;
+            let gradient = self.network.gradient_at(node, y, self.load);
+            next[node] = match states[node] {
+                BoundaryState::Sticks if gradient < 0.0 => BoundaryState::SlipsUp,
+                BoundaryState::Sticks if gradient > contact.measure * self.limit => {
+                    BoundaryState::SlipsDown
+                }
+                BoundaryState::SlipsUp if y[node] >= 0.0 => BoundaryState::SlipsUp,
+                BoundaryState::SlipsDown if y[node] <= 0.0 => BoundaryState::SlipsDown,
+                _ => BoundaryState::Sticks,
+            };
+            balances[self.components[node] as usize].see(next[node], contact.measure);
+        }
+        let mut needed = vec![0.0; balances.len()];
+        for (&component, load) in self.components.iter().zip(self.load) {
+            needed[component as usize] -= load / self.limit;
+        }
+        for (component, (balance, needed)) in balances.iter().zip(needed).enumerate() {
+            if !has_fixed[component] && !balance.holds(needed) {
+                self.shift(component, needed, y, &mut next);
+            }
+        }
+        next
+    }
+
+    /// Sets the states of a component after the shift by the constant of least energy, where nodes with the measure
+    /// `needed` balance the load if they slip down.
+    fn shift(&self, component: usize, needed: f64, y: &[f64], next: &mut [BoundaryState]) {
+        let of_component =
+            |contact: &&ContactNode| self.components[contact.node as usize] as usize == component;
+        let mut order: Vec<ShiftedNode> = Vec::new();
+        for contact in self.network.contact().iter().filter(of_component) {
+            let node = contact.node as usize;
+            let multiplier = self.network.gradient_at(node, y, self.load);
+            order.push(ShiftedNode { node, measure: contact.measure, value: y[node], multiplier });
+        }
+        order.sort_by(|a, b| {
+            a.value.total_cmp(&b.value).then(b.multiplier.total_cmp(&a.multiplier))
+        });
+        let mut measure = 0.0;
+        for shifted in order {
+            let before = measure;
+            measure += shifted.measure;
+            next[shifted.node] = if measure < needed {
+                BoundaryState::SlipsDown
+            } else if before <= needed {
+                BoundaryState::Sticks
+            } else {
+                BoundaryState::SlipsUp
+            };
         }
     }
-    next
+}
+
+/// Contact node that is shifted with its component.
+struct ShiftedNode {
+    node: usize,
+    measure: f64,
+    value: f64,
+    multiplier: f64,
+}
+
+/// Measures of the boundary of a connected component by the states of its nodes.
+#[derive(Clone, Default)]
+pub(crate) struct Balance {
+    sticks: f64,
+    slips_down: f64,
+}
+
+impl Balance {
+    pub(crate) fn see(&mut self, state: BoundaryState, measure: f64) {
+        match state {
+            BoundaryState::Sticks => self.sticks += measure,
+            BoundaryState::SlipsDown => self.slips_down += measure,
+            BoundaryState::SlipsUp => {}
+        }
+    }
+
+    /// True if the nodes that stick can balance the load, given the measure that does so if it slips down.
+    pub(crate) fn holds(&self, needed: f64) -> bool {
+        let most = self.slips_down + self.sticks;
+        self.sticks > 0.0 && (self.slips_down..=most).contains(&needed)
+    }
 }

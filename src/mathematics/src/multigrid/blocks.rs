@@ -132,7 +132,7 @@ impl SlabBlock<'_> {
         // Local, so that the compiler keeps its fields in registers.
         let ContactFlags { flags, first: first_node } = &mut self.contact;
         let mut contact = ContactFlags { flags, first: *first_node };
-        if let Boundary::Obstacle = boundary {
+        if let Boundary::Law { .. } = boundary {
             for at in slab.rows::<D>() {
                 let black = &black[own.clone()][at.in_slab()];
                 for (m, node) in edges::<D>(at, Colour::Black) {

@@ -1,20 +1,20 @@
 //! Direct solution on the coarsest grid, of at most a few hundred nodes.
 
-use super::active_set::next_contact;
+use super::active_set::StateProblem;
 use super::direct::{BandOrder, Direct};
 use super::layout::{Dimension, boundary_number};
 use super::level::{Location, MultigridLevel};
 use super::stencil::{diagonal, inverse, multiplications_per_visit};
 use crate::discrete::network::Network;
+use crate::problem::law::BoundaryState;
+use std::sync::Arc;
 
 /// Limit on the number of active-set steps. There are at most a few dozen boundary nodes.
 const MAX_STEPS: usize = 60;
 
 /// The matrix of the coarsest grid and its factors for one set of springs.
 pub(super) struct Coarsest {
-    network: Network,
-    /// Connected component of each node: all are in the first.
-    components: Vec<u32>,
+    network: Arc<Network>,
     nodes: Vec<CoarsestNode>,
     /// One over the diagonal inside.
     inverse: f64,
@@ -77,9 +77,8 @@ impl Coarsest {
             factor_work: direct.factor_work() / multiplications_per_visit::<D>(),
             solve_work: direct.solve_work() / multiplications_per_visit::<D>(),
             x: vec![0.0; network.nodes()],
-            components: vec![0; network.nodes()],
             direct,
-            network,
+            network: Arc::new(network),
         }
     }
 
@@ -107,43 +106,73 @@ impl Coarsest {
             let fixed = node.boundary.is_some_and(|edge| level.inverse_diagonal[edge] == 0.0);
             *x = if fixed { 0.0 } else { node.load(level) };
         }
-        self.direct.solve(x);
-        for (&x, node) in x.iter().zip(&*nodes) {
+        self.solve_into(level)
+    }
+
+    /// Solves for the right-hand side in `x`, and sets the values of the level.
+    fn solve_into(&mut self, level: &mut MultigridLevel) -> f64 {
+        self.direct.solve(&mut self.x);
+        for (&x, node) in self.x.iter().zip(&self.nodes) {
             *node.value(level) = x;
         }
         self.solve_work
     }
 
-    /// Solves the Signorini problem by the primal-dual active set method. Returns the work in visits of unknowns.
+    /// Solves the problem under the law by the primal-dual active set method. Returns the work in visits of unknowns.
     ///
     /// See [`active_set`](super::active_set) on convergence.
     pub(super) fn solve_obstacle(&mut self, level: &mut MultigridLevel) -> f64 {
+        let network = Arc::clone(&self.network);
+        let components = vec![0; network.nodes()];
         let load: Vec<_> = self.nodes.iter().map(|node| node.load(level)).collect();
-        let mut active: Vec<_> = self.nodes.iter().map(|node| node.boundary.is_some()).collect();
+        // The measures of the network are twice as many as the faces of a node times its share.
+        let limit = 0.5 * level.limit;
+        let problem =
+            StateProblem { network: &network, components: &components, load: &load, limit };
+        let mut states = problem.all_stick();
         let mut work = 0.0;
         for _ in 0..MAX_STEPS {
-            self.put_contact(&active, level);
-            work += self.factor(level) + self.solve_linear(level);
-            let next = next_contact(&self.network, &self.components, &active, &self.x, &load);
-            if next == active {
+            work += self.solve_with(&problem, &states, level);
+            let next = problem.next_states(&states, &self.x);
+            if next == states {
                 break;
             }
-            active = next;
+            states = next;
         }
-        self.put_contact(&active, level);
-        for (x, node) in self.x.iter().zip(&self.nodes) {
+        self.put_contact(&states, level);
+        for ((x, node), state) in self.x.iter().zip(&self.nodes).zip(&states) {
             if node.boundary.is_some() {
-                *node.value(level) = x.max(0.0);
+                *node.value(level) = match state {
+                    BoundaryState::SlipsDown => x.min(0.0),
+                    _ => x.max(0.0),
+                };
             }
         }
         work
     }
 
-    /// Puts the `active` nodes in contact, and removes all springs from the other boundary nodes.
-    fn put_contact(&self, active: &[bool], level: &mut MultigridLevel) {
-        for (node, active) in self.nodes.iter().zip(active) {
+    /// Solves with these states. Returns the work in visits of unknowns.
+    fn solve_with(
+        &mut self,
+        problem: &StateProblem<'_>,
+        states: &[BoundaryState],
+        level: &mut MultigridLevel,
+    ) -> f64 {
+        self.put_contact(states, level);
+        let work = self.factor(level);
+        let load = problem.load_with(states);
+        for ((x, load), state) in self.x.iter_mut().zip(load).zip(states) {
+            *x = if *state == BoundaryState::Sticks { 0.0 } else { load };
+        }
+        work + self.solve_into(level)
+    }
+
+    /// Puts the nodes that stick in contact, and removes all springs from the other boundary nodes.
+    fn put_contact(&self, states: &[BoundaryState], level: &mut MultigridLevel) {
+        for (node, state) in self.nodes.iter().zip(states) {
             if let Some(edge) = node.boundary {
-                level.inverse_diagonal[edge] = if *active { 0.0 } else { self.inverse };
+                let sticks = *state == BoundaryState::Sticks;
+                level.inverse_diagonal[edge] = if sticks { 0.0 } else { self.inverse };
             }
         }
     }

@@ -16,16 +16,20 @@
 
 use super::geometry::{MultigridGeometry, Visits};
 use super::hierarchy::Hierarchy;
-use super::layout::{boundary_nodes, rows_per_slab};
-use super::pass::LevelProblem::{Correction, Obstacle};
+use super::layout::boundary_nodes;
+use super::pass::LevelProblem::{BoundaryLaw, Correction};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, LevelProblem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::stencil::for_each_boundary_node;
+use super::stencil::{boundary_parts, energy};
 
 /// Ratio of the natural residual to the load at which nested iteration leaves a grid.
 const SETTLED: f64 = 1.0;
+/// Relative difference of energies that rounding errors may make.
+const ENERGY_ROUNDING: f64 = 1e-12;
+/// Parts of a correction whose energies are compared.
+const SEARCHED_PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.015_625, 0.0];
 /// Limit on the number of cycles on one coarse grid of the nested iteration.
 const MAX_NESTED_CYCLES: usize = 30;
 
@@ -39,7 +43,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             self.obstacle_pass(l, &Self::smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
                 let smooth = Self::smooth_twice(Correct(G::OVERCORRECTION));
-                let residual = self.cycle(l, &smooth, G::DOUBLE_VISITS_BELOW);
+                self.find_correction(l, G::DOUBLE_VISITS_BELOW);
+                let residual = self.obstacle_pass(l, &smooth);
                 if residual <= SETTLED * self.levels[l].load_scale {
                     break;
                 }
@@ -54,16 +59,15 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         self.count(work);
     }
 
-    /// Applies one cycle to the obstacle problem of level `l`, whose residual has been restricted; returns the natural
-    /// residual of the red nodes. This is the central function of multigrid.
+    /// Finds the correction for level `l`, whose residual has been restricted, on the next coarser level. This is the
+    /// central function of multigrid; with a pass that adds the correction, smooths, and restricts the new residual, it is
+    /// one cycle.
     ///
-    /// Grids are visited twice from `double_visits_below` grids below `l` on. `smooth` adds the correction, smooths,
-    /// and restricts the new residual.
-    pub(super) fn cycle(&mut self, l: usize, smooth: &[Stage], double_visits_below: usize) -> f64 {
-        let level = &mut self.levels[l];
-        let n = level.n;
-        if !level.in_contact.contains(&true) {
-            self.lower_into_contact(l);
+    /// Grids are visited twice from `double_visits_below` grids below `l` on.
+    pub(super) fn find_correction(&mut self, l: usize, double_visits_below: usize) {
+        let n = self.levels[l].n;
+        if !self.is_balanced(l) {
+            self.shift_into_contact(l);
         }
         let (coarser, level) = self.levels.split_at_mut(l);
         let in_contact = &level[0].in_contact;
@@ -76,7 +80,28 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         }
         self.count(boundary_nodes::<G>(n) as f64);
         self.correct(l - 1, l.saturating_sub(double_visits_below), Visits::Double);
-        self.obstacle_pass(l, smooth)
+    }
+
+    /// Part of the correction for level `l` with the least energy: all of it, a half, a quarter, and so on, or nothing.
+    ///
+    /// Where the states of many nodes change together, the whole correction may enlarge the energy. A small part never
+    /// does, since the correction descends from the present values.
+    pub(super) fn search(&mut self, l: usize) -> f64 {
+        let before = self.levels[l].values[Black as usize].to_vec();
+        let (mut best, mut least) = (0.0, f64::INFINITY);
+        for part in SEARCHED_PARTS {
+            self.levels[l].values[Black as usize].copy_from_slice(&before);
+            self.pass(l, BoundaryLaw, &[Correct(part * G::OVERCORRECTION), Relax(Red, 1.0)]);
+            let energy = energy::<G>(&self.levels[l]);
+            if least - energy > ENERGY_ROUNDING * energy.abs() {
+                (best, least) = (part, energy);
+            }
+        }
+        self.levels[l].values[Black as usize].copy_from_slice(&before);
+        let nodes = self.levels[l].nodes as f64;
+        self.count(SEARCHED_PARTS.len() as f64 * nodes);
+        self.move_bytes(16.0 * SEARCHED_PARTS.len() as f64 * nodes);
+        best
     }
 
     /// Applies one cycle to the linear problem of level `l`, from zero. If `visits` is `Double`, coarser problems get
@@ -105,30 +130,57 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         self.pass(l, Correction, &last);
     }
 
-    /// Subtracts a constant such that the lowest boundary node has the value zero, and puts that node in contact.
-    ///
-    /// With an empty contact set the corrections would be unbounded. Since the sum of the load is negative, the
-    /// solution is zero somewhere on the boundary.
-    fn lower_into_contact(&mut self, l: usize) {
-        let level = &mut self.levels[l];
-        let (mut lowest, mut at) = (f64::INFINITY, 0);
-        let n = level.n;
-        for_each_boundary_node::<G>(n, |number, [i, r, s]| {
-            let value = level.value((s * rows_per_slab::<G>(n) + r) * (n + 1) + i);
-            if value < lowest {
-                (lowest, at) = (value, number);
+    /// True if nodes stick, and can balance the load together with those that slip.
+    fn is_balanced(&self, l: usize) -> bool {
+        let level = &self.levels[l];
+        if level.limit.is_infinite() {
+            return level.in_contact.contains(&true);
+        }
+        let (mut down, mut sticking) = (0.0, 0.0);
+        for (number, (node, measure)) in boundary_parts::<G>(level.n).into_iter().enumerate() {
+            if level.in_contact[number] {
+                sticking += measure;
+            } else if level.value(node) < 0.0 {
+                down += measure;
             }
-        });
-        rows::for_each(&mut level.values, |value| *value -= lowest);
-        level.in_contact[at] = true;
-        let nodes = level.nodes as f64;
+        }
+        sticking > 0.0 && (down..=down + sticking).contains(&self.balance)
+    }
+
+    /// Subtracts the constant that minimises the energy, which sets the boundary node to zero up to which, in increasing
+    /// order of the values, the nodes balance the load if they slip down; for the paper's law, the lowest. Puts that
+    /// node in contact.
+    ///
+    /// With an empty contact set the corrections would be unbounded. Since the flux can balance the load, the solution is
+    /// zero somewhere on the boundary.
+    fn shift_into_contact(&mut self, l: usize) {
+        let level = &mut self.levels[l];
+        let parts = boundary_parts::<G>(level.n);
+        let mut order: Vec<usize> = (0..parts.len()).collect();
+        order.sort_by(|&a, &b| level.value(parts[a].0).total_cmp(&level.value(parts[b].0)));
+        let (mut measure, mut at) = (0.0, order[0]);
+        for number in order {
+            (measure, at) = (measure + parts[number].1, number);
+            if measure >= self.balance {
+                break;
+            }
+        }
+        let zero = level.value(parts[at].0);
+        rows::for_each(&mut level.values, |value| *value -= zero);
+        let (nodes, has_limit) = (level.nodes as f64, level.limit.is_finite());
         self.count(0.25 * nodes);
         self.move_bytes(16.0 * nodes);
+        if has_limit {
+            // Where values have changed their sign, so has the flux: the residual is another one.
+            self.obstacle_pass(l, &[Relax(Red, 1.0), Relax(Black, 1.0), Restrict]);
+        }
+        let in_contact = &mut self.levels[l].in_contact;
+        in_contact[at] |= !in_contact.contains(&true);
     }
 
     /// Runs a pass on an obstacle problem, whose last stage restricts; returns the natural residual of the red nodes.
     pub(super) fn obstacle_pass(&mut self, l: usize, stages: &[Stage]) -> f64 {
-        self.pass(l, Obstacle, stages).expect("the last stage restricts")
+        self.pass(l, BoundaryLaw, stages).expect("the last stage restricts")
     }
 
     /// Runs a pass on level `l` and counts its work; returns the natural residual, as [`pass::run`].

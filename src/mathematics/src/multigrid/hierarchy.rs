@@ -4,17 +4,21 @@ use std::marker::PhantomData;
 
 use super::coarsest::Coarsest;
 use super::geometry::MultigridGeometry;
-use super::input::{InputError, check_length, check_start, nearest_sizes};
+use super::input::{InputError, LoadStats, check_length, check_start, nearest_sizes};
+use super::layout::Dimension;
 use super::level::MultigridLevel;
 use super::load;
 use super::pass;
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict};
 use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::stencil::{coupling, multiplications_per_visit};
-use super::stopping::{self, CyclePosition, CycledHierarchy, InitialState, IterationEnd};
+use super::stencil::{boundary_parts, coupling, multiplications_per_visit};
+use super::stopping::{
+    self, CyclePart, CyclePosition, CycledHierarchy, InitialState, IterationEnd,
+};
 use super::{Goal, MultigridOutcome, MultigridParams};
 use crate::machine::threads::among_threads;
+use crate::problem::law::{Law, OneSided};
 
 /// Preallocated grids for problems with `n` cells per side.
 pub(super) struct Hierarchy<G: MultigridGeometry> {
@@ -22,6 +26,10 @@ pub(super) struct Hierarchy<G: MultigridGeometry> {
     pub(super) levels: Vec<MultigridLevel>,
     pub(super) coarsest: Coarsest,
     pub(super) springs: SpringSource,
+    /// Problem as given, seen as the one that is solved.
+    one_sided: OneSided,
+    /// Measure of the boundary that balances the load if it slips down and all else slips up; zero for the paper's law.
+    pub(super) balance: f64,
     /// Power of two by which the load is divided, so that no residual overflows or underflows.
     scale: f64,
     /// Norm of the load on the finest grid but one, before a residual takes its place.
@@ -40,6 +48,11 @@ pub(super) struct SpringSource {
     pub(super) in_contact: Vec<bool>,
 }
 
+/// Measure of the boundary of the square or the cube.
+fn perimeter<D: Dimension>() -> f64 {
+    2.0 * D::AXES as f64
+}
+
 impl<G: MultigridGeometry> Hierarchy<G> {
     pub(super) fn allocate(n: usize) -> Result<Self, InputError> {
         let coarsest = G::coarsest(n).ok_or_else(|| InputError::GridSize {
@@ -52,6 +65,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new::<G>).collect(),
             coarsest: Coarsest::new::<G>(coarsest),
             springs: SpringSource { cells: None, in_contact: Vec::new() },
+            one_sided: OneSided { is_reflected: false, shift: 0.0, limit: f64::INFINITY },
+            balance: 0.0,
             scale: 1.0,
             coarse_load: 0.0,
             work_units: 0.0,
@@ -89,7 +104,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     ) -> Result<MultigridOutcome, InputError> {
         // The load is read in natural order and written in red and black rows, the solution the other way round.
         (self.work_units, self.traffic) = (0.0, 32.0);
-        self.set_load(load)?;
+        self.set_problem(load, params.law)?;
         let IterationEnd { stop, cycles, kkt } = if self.levels.len() == 1 {
             self.solve_coarsest();
             stopping::direct(self.full_residual() * self.scale, params.goal)
@@ -126,20 +141,39 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     /// Copies the solution in the order of the load.
     pub(super) fn write_solution(&self, solution: &mut [f64]) {
         let finest = self.finest();
-        rows::merge(finest.n, &finest.values, self.scale, solution);
+        rows::merge(finest.n, &finest.values, self.one_sided.signed(self.scale), solution);
+    }
+
+    /// Sets the scaled loads and limits of all grids.
+    fn set_problem(&mut self, load: &[f64], law: Law) -> Result<(), InputError> {
+        let (n, nodes) = (self.finest().n, self.finest().nodes);
+        check_length(nodes, load)?;
+        self.one_sided = law.one_sided(load);
+        if self.one_sided.is_same() {
+            self.set_load(load, law)?;
+        } else {
+            LoadStats::measure(load).check(law, perimeter::<G>())?;
+            let load = self.one_sided.load(load, boundary_parts::<G>(n));
+            self.set_load(&load, Law::SIGNORINI)?;
+        }
+        let limit = self.one_sided.limit / self.scale;
+        for level in &mut self.levels {
+            level.limit = 2.0 / level.n as f64 * limit;
+        }
+        Ok(())
     }
 
     /// Sets the scaled loads of all grids.
-    fn set_load(&mut self, load: &[f64]) -> Result<(), InputError> {
+    fn set_load(&mut self, load: &[f64], law: Law) -> Result<(), InputError> {
         let finest = self.levels.len() - 1;
-        check_length(self.levels[finest].nodes, load)?;
         let (coarser, top) = self.levels.split_at_mut(finest);
         let top = &mut top[0];
         let stats = match coarser.last_mut() {
             Some(coarse) => load::set_finest_two::<G>(load, top, coarse),
             None => load::set_finest::<G>(load, top),
         };
-        stats.check()?;
+        stats.check(law, perimeter::<G>())?;
+        self.balance = -stats.sum() / self.one_sided.limit;
         self.scale = stats.scale();
         rows::scale(&mut top.load, 1.0 / self.scale);
         top.load_scale = stats.largest / self.scale;
@@ -162,7 +196,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         let top = self.levels.last_mut().expect("at least one grid");
         check_start(top.nodes, start, self.scale)?;
         rows::split(top.n, start, &mut top.values);
-        rows::scale(&mut top.values, 1.0 / self.scale);
+        rows::scale(&mut top.values, self.one_sided.signed(1.0 / self.scale));
         Ok(())
     }
 
@@ -191,18 +225,29 @@ impl<G: MultigridGeometry> Hierarchy<G> {
 }
 
 impl<G: MultigridGeometry> CycledHierarchy for Hierarchy<G> {
-    fn cycle(&mut self, position: CyclePosition, part: f64) -> f64 {
-        let (finest, correct) = (self.levels.len() - 1, Correct(part * G::OVERCORRECTION));
+    fn cycle(&mut self, position: CyclePosition, part: CyclePart) -> f64 {
+        let finest = self.levels.len() - 1;
+        let double_visits_below = match position {
+            // Near-constant modes must converge in this cycle: double visits begin on a finer grid.
+            CyclePosition::Last => G::DOUBLE_VISITS_BELOW.min(2),
+            CyclePosition::Inner => G::DOUBLE_VISITS_BELOW,
+        };
+        self.find_correction(finest, double_visits_below);
+        let part = match part {
+            CyclePart::Fixed(part) => part,
+            CyclePart::LeastEnergy => self.search(finest),
+        };
+        let correct = Correct(part * G::OVERCORRECTION);
         match position {
             CyclePosition::Last => {
-                // Near-constant modes must converge in this cycle: double visits begin on a finer grid.
-                let smooth = [correct, Relax(Red, 1.0), Relax(Black, 1.0), Restrict];
-                self.cycle(finest, &smooth, G::DOUBLE_VISITS_BELOW.min(2))
+                self.obstacle_pass(finest, &[correct, Relax(Red, 1.0), Relax(Black, 1.0), Restrict])
             }
-            CyclePosition::Inner => {
-                self.cycle(finest, &Self::smooth_twice(correct), G::DOUBLE_VISITS_BELOW)
-            }
+            CyclePosition::Inner => self.obstacle_pass(finest, &Self::smooth_twice(correct)),
         }
+    }
+
+    fn has_limit(&self) -> bool {
+        self.one_sided.limit.is_finite()
     }
 
     fn smooth_residual(&mut self) -> f64 {

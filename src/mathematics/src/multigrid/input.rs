@@ -2,6 +2,7 @@
 
 use crate::discrete::network::{Network, count_components};
 use crate::machine::simd::LANES;
+use crate::problem::law::{Law, LawError};
 
 /// Reason for which a solver rejects its input.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
@@ -30,6 +31,9 @@ pub enum InputError {
     /// Sum of a load, which is zero or positive.
     #[error("the load sums to {0:e}: without a negative sum the problem has no unique solution")]
     NotCoercive(f64),
+    /// A load that the flux under another law than the paper's cannot balance.
+    #[error(transparent)]
+    Law(#[from] LawError),
 }
 
 fn in_words(numbers: &[usize]) -> String {
@@ -59,15 +63,16 @@ pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<
     if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
 }
 
-/// Checks that a load is finite, and that its sum is negative over each connected component without fixed nodes: the
-/// condition (2). `components` has the number of each node's component. Returns for each component whether it has a fixed
-/// node.
+/// Checks that a load is finite, and that the flux can balance it over each connected component without fixed nodes: for
+/// the paper's law, that its sum is negative, the condition (2). `components` has the number of each node's component.
+/// Returns for each component whether it has a fixed node.
 ///
 /// # Errors
-/// [`InputError::NotFinite`] and [`InputError::NotCoercive`].
+/// [`InputError::NotFinite`], [`InputError::NotCoercive`] and [`InputError::Law`].
 pub(crate) fn check_components(
     network: &Network,
     components: &[u32],
+    law: Law,
     load: &[f64],
 ) -> Result<Vec<bool>, InputError> {
     let count = count_components(components);
@@ -78,17 +83,21 @@ pub(crate) fn check_components(
     if !load.iter().sum::<f64>().is_finite() {
         return Err(InputError::NotFinite("load"));
     }
+    let mut measures = vec![0.0; count];
+    for contact in network.contact() {
+        measures[components[contact.node as usize] as usize] += contact.measure;
+    }
     if count == 1 && !has_fixed[0] {
-        LoadStats::measure(load).check()?;
+        LoadStats::measure(load).check(law, measures[0])?;
         return Ok(has_fixed);
     }
     let mut loads = vec![Vec::new(); count];
     for (&component, value) in components.iter().zip(load) {
         loads[component as usize].push(*value);
     }
-    for (load, has_fixed) in loads.iter().zip(&has_fixed) {
+    for ((load, has_fixed), measure) in loads.iter().zip(&has_fixed).zip(measures) {
         if !has_fixed {
-            LoadStats::measure(load).check()?;
+            LoadStats::measure(load).check(law, measure)?;
         }
     }
     Ok(has_fixed)
@@ -149,13 +158,21 @@ impl LoadStats {
         if NOT_RESCALED.contains(&self.largest) { 1.0 } else { power_of_two_near(self.largest) }
     }
 
-    /// Checks that all entries are finite and that their sum is negative.
-    pub(crate) fn check(&self) -> Result<(), InputError> {
-        let sum = self.sum + self.lost;
+    /// Sum of the entries.
+    pub(super) fn sum(&self) -> f64 {
+        self.sum + self.lost
+    }
+
+    /// Checks that all entries are finite, and that the flux through a boundary of this `perimeter` can balance their sum.
+    pub(crate) fn check(&self, law: Law, perimeter: f64) -> Result<(), InputError> {
+        let sum = self.sum();
         if !sum.is_finite() {
             return Err(InputError::NotFinite("load"));
         }
-        if sum >= 0.0 { Err(InputError::NotCoercive(sum)) } else { Ok(()) }
+        match law.check_solvable(sum, perimeter) {
+            Err(_) if law.is_signorini() => Err(InputError::NotCoercive(sum)),
+            checked => Ok(checked?),
+        }
     }
 }
 

@@ -22,9 +22,11 @@ pub(super) struct MultigridLevel {
     pub(super) load: [ColourRows; 2],
     /// Largest absolute value of the load before the division by the couplings.
     pub(super) load_scale: f64,
+    /// Limit of the flux into a node in one face, in units of the load; infinite for the paper's law.
+    pub(super) limit: f64,
     /// `1 / (2 d + spring)` for each boundary node, 0 for a node in contact.
     pub(super) inverse_diagonal: Vec<f64>,
-    /// Flag for each boundary node, true if `y = 0` and `A y >= F` at the last restriction.
+    /// Flag for each boundary node, true if `y = 0` and the flux inside the law's interval at the last restriction.
     pub(super) in_contact: Vec<bool>,
     /// Scratch memory for each block of slabs.
     pub(super) buffers: Vec<Buffers>,
@@ -40,6 +42,7 @@ impl MultigridLevel {
             values: [ColourRows::zeros(places), ColourRows::zeros(places)],
             load: [ColourRows::zeros(places), ColourRows::zeros(places)],
             load_scale: 0.0,
+            limit: f64::INFINITY,
             inverse_diagonal: vec![0.0; boundary_nodes::<D>(n)],
             in_contact: vec![false; boundary_nodes::<D>(n)],
             buffers: Vec::new(),

@@ -50,6 +50,7 @@ pub use input::InputError;
 pub(crate) use stopping::ROUNDING_FLOOR;
 pub use workspace::{Multigrid, solve_cube, solve_square};
 
+use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
 /// Reason for which multigrid or the active set method ended.
@@ -94,6 +95,8 @@ pub enum Goal {
 /// Parameters of multigrid.
 #[derive(Clone, Debug)]
 pub struct MultigridParams {
+    /// Law on the boundary.
+    pub law: Law,
     /// Goal at which the iteration stops.
     pub goal: Goal,
     /// Limit on the number of cycles on the finest grid.
@@ -102,7 +105,7 @@ pub struct MultigridParams {
 
 impl Default for MultigridParams {
     fn default() -> Self {
-        Self { goal: Goal::RoundingFloor, max_cycles: 60 }
+        Self { law: Law::SIGNORINI, goal: Goal::RoundingFloor, max_cycles: 60 }
     }
 }
 

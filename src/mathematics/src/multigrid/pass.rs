@@ -91,16 +91,16 @@ pub(super) fn traffic<D: Dimension>(stages: &[Stage]) -> f64 {
 /// Problem of which the values of a grid are the unknowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LevelProblem {
-    /// The Signorini problem of this grid.
-    Obstacle,
+    /// The problem of this grid, under the law.
+    BoundaryLaw,
     /// A correction for a finer grid: linear, with springs on the boundary.
     Correction,
 }
 
 /// Runs `stages` on `level`.
 ///
-/// If the problem is an obstacle problem and the last stage restricts, returns the natural residual
-/// `max |min(y, A y - F)|`, inside without the `min`, of the red nodes; otherwise `None`.
+/// If the problem is that under the law and the last stage restricts, returns the natural residual of the red nodes;
+/// otherwise `None`.
 pub(super) fn run<D: Weighting>(
     level: &mut MultigridLevel,
     coarse: &mut MultigridLevel,
@@ -110,9 +110,9 @@ pub(super) fn run<D: Weighting>(
     let count = blocks::<D>(level.n);
     level.reserve(count);
     let n = level.n;
-    let MultigridLevel { values, load, inverse_diagonal, in_contact, buffers, .. } = level;
+    let MultigridLevel { values, load, inverse_diagonal, in_contact, buffers, limit, .. } = level;
     let boundary = match problem {
-        LevelProblem::Obstacle => Boundary::Obstacle,
+        LevelProblem::BoundaryLaw => Boundary::Law { limit: *limit },
         LevelProblem::Correction => Boundary::Springs(inverse_diagonal),
     };
     let (load, coarse_values) = (rows::as_slices(load), rows::as_slices(&coarse.values));
@@ -121,7 +121,8 @@ pub(super) fn run<D: Weighting>(
     let coarse_load = &mut coarse.load;
     let output = PassOutput { n, values, in_contact, coarse_load, buffers };
     let natural = if count == 1 { pass.run_whole(output) } else { pass.run_blocks(output, count) };
-    let is_measured = problem == LevelProblem::Obstacle && matches!(stages, [.., Stage::Restrict]);
+    let is_measured =
+        problem == LevelProblem::BoundaryLaw && matches!(stages, [.., Stage::Restrict]);
     is_measured.then_some(natural)
 }
 
@@ -309,7 +310,7 @@ impl<D: Weighting> Pass<'_, D> {
     }
 }
 
-/// Natural residual `max |min(y, A y - F)|` over all nodes, interior ones without the `min`.
+/// Natural residual over all nodes: `max |A y - F|` inside, and that of the law on the boundary.
 pub(super) fn natural_residual<D: Dimension>(level: &MultigridLevel) -> f64 {
     let places = places_per_slab::<D>(level.n);
     let slabs = in_tasks((0..level.n + 1).into_par_iter(), 2 * places);
@@ -337,7 +338,7 @@ fn slab_residual<D: Dimension>(level: &MultigridLevel, s: usize, buffer: &mut [f
         for at in (Slab { n, s }).rows::<D>() {
             let row = StencilRow::new::<D>(at, colour, &level.load[own], other, 0);
             let (values, target) = (&values[at.in_slab()], &mut buffer[at.in_slab()]);
-            row.residual::<D>(Boundary::Obstacle, values, target, &mut report);
+            row.residual::<D>(Boundary::Law { limit: level.limit }, values, target, &mut report);
         }
     }
     natural.value()
@@ -375,7 +376,7 @@ pub(super) mod tests {
         ];
         let MultigridLevel { values, load, in_contact, buffers, .. } = &mut level;
         let (load, coarse_values) = (rows::as_slices(load), rows::as_slices(&coarse.values));
-        let equation = LevelEquation { load, boundary: Boundary::Obstacle };
+        let equation = LevelEquation { load, boundary: Boundary::Law { limit: f64::INFINITY } };
         let (stages, dimension) = (&stages, PhantomData);
         let pass = Pass::<D> { n, stages, equation, coarse_values, dimension };
         let coarse_load = &mut coarse.load;

@@ -1,14 +1,19 @@
 //! The five- or seven-point stencil on one row of one colour, and the condition at its boundary nodes.
 
-use super::layout::{At, Dimension, Slab, mirrored, row_from, rows_per_slab};
-use super::rows::{Colour, stride};
+use super::layout::{
+    At, Dimension, Slab, boundary_nodes, mirrored, row_from, rows_per_slab, share,
+};
+use super::level::MultigridLevel;
+use super::rows::{self, Colour, stride};
+use crate::discrete::stencils::faces;
 use crate::machine::simd::Largest;
 
 /// Boundary condition of a level.
 #[derive(Clone, Copy)]
 pub(super) enum Boundary<'a> {
-    /// `y >= 0`: the Signorini problem itself.
-    Obstacle,
+    /// The law `[0, limit]`: the problem itself. The limit is that of a node in one face, in units of the load; infinite for
+    /// the paper's law.
+    Law { limit: f64 },
     /// A linear correction problem; `1 / (2 d + spring)` for each boundary node, 0 in contact.
     Springs(&'a [f64]),
 }
@@ -29,11 +34,19 @@ pub(super) struct BoundaryNode {
     share: f64,
 }
 
+impl BoundaryNode {
+    /// Limit of the flux into the node, from that of a node in one face.
+    #[inline(always)]
+    fn limit(self, limit: f64) -> f64 {
+        limit * faces(self.share)
+    }
+}
+
 /// Residual at a boundary node.
 struct BoundaryResidual {
     /// Residual for the coarser grid; zero in contact, since no coarser correction moves such a node.
     truncated: f64,
-    /// Natural residual of an obstacle problem, in units of the load.
+    /// Natural residual under the law, in units of the load.
     natural: f64,
     in_contact: bool,
 }
@@ -43,7 +56,10 @@ impl Boundary<'_> {
     #[inline(always)]
     pub(super) fn relax<D: Dimension>(self, node: BoundaryNode, sum: f64) -> f64 {
         match self {
-            Boundary::Obstacle => (sum * inverse::<D>()).max(0.0),
+            Boundary::Law { limit } => {
+                let (up, down) = (sum, sum + node.limit(limit));
+                (up * inverse::<D>()).max((down * inverse::<D>()).min(0.0))
+            }
             Boundary::Springs(inverse) => sum * inverse[node.number],
         }
     }
@@ -57,11 +73,19 @@ impl Boundary<'_> {
         sum: f64,
     ) -> BoundaryResidual {
         match self {
-            Boundary::Obstacle => {
-                let residual = sum - diagonal::<D>() * value;
-                let natural = value.min(-residual * (node.share * coupling)).abs();
-                let in_contact = value == 0.0 && residual <= 0.0;
-                let truncated = if in_contact { 0.0 } else { residual };
+            Boundary::Law { limit } => {
+                let up = sum - diagonal::<D>() * value;
+                let down = up + node.limit(limit);
+                let [above, below] = [up, down].map(|residual| -residual * (node.share * coupling));
+                let natural = above.min(value.max(below)).abs();
+                let in_contact = value == 0.0 && up <= 0.0 && down >= 0.0;
+                let truncated = if in_contact {
+                    0.0
+                } else if value < 0.0 || (value == 0.0 && up < 0.0) {
+                    down
+                } else {
+                    up
+                };
                 BoundaryResidual { truncated, natural, in_contact }
             }
             Boundary::Springs(inverse) => match inverse[node.number] {
@@ -74,11 +98,12 @@ impl Boundary<'_> {
         }
     }
 
-    /// Value after a correction. Nodes in contact keep their value; an obstacle problem is projected.
+    /// Value after a correction. Nodes at zero keep their value; under the law no value changes its sign.
     #[inline(always)]
     pub(super) fn corrected(self, node: BoundaryNode, value: f64, correction: f64) -> f64 {
         match self {
-            Boundary::Obstacle if value > 0.0 => (value + correction).max(0.0),
+            Boundary::Law { .. } if value > 0.0 => (value + correction).max(0.0),
+            Boundary::Law { .. } if value < 0.0 => (value + correction).min(0.0),
             Boundary::Springs(inverse) if inverse[node.number] > 0.0 => value + correction,
             _ => value,
         }
@@ -146,6 +171,45 @@ pub(super) fn for_each_boundary_node<D: Dimension>(
     }
 }
 
+/// Boundary nodes in the order of their numbers: their positions in natural order, and the measures of their parts of the
+/// boundary.
+pub(super) fn boundary_parts<D: Dimension>(n: usize) -> Vec<(usize, f64)> {
+    let mut parts = Vec::with_capacity(boundary_nodes::<D>(n));
+    let face = (1.0 / n as f64).powi(D::AXES as i32 - 1);
+    for_each_boundary_node::<D>(n, |_, [i, r, s]| {
+        let across = if D::AXES == 2 { 1.0 } else { share(n, r) };
+        let share = share(n, i) * across * share(n, s);
+        parts.push((
+            (s * rows_per_slab::<D>(n) + r) * (n + 1) + i,
+            2.0 * share * faces(share) * face,
+        ));
+    });
+    parts
+}
+
+/// Energy of a level under the law, up to a factor, with one node after the other.
+pub(super) fn energy<D: Dimension>(level: &MultigridLevel) -> f64 {
+    let n = level.n;
+    let [mut values, mut load] = [vec![0.0; level.nodes], vec![0.0; level.nodes]];
+    rows::merge(n, &level.values, 1.0, &mut values);
+    rows::merge(n, &level.load, 1.0, &mut load);
+    let steps = [1, n + 1, (n + 1) * (n + 1)];
+    let mut energy = 0.0;
+    for (k, (value, load)) in values.iter().zip(&load).enumerate() {
+        let (mut flow, mut part) = (0.0, 1.0);
+        for step in &steps[..D::AXES] {
+            let i = k / step % (n + 1);
+            for neighbour in mirrored(n, i) {
+                flow += value - values[k - i * step + neighbour * step];
+            }
+            part *= share(n, i);
+        }
+        let limit = if part < 1.0 && *value < 0.0 { level.limit * faces(part) } else { 0.0 };
+        energy += part * value * (0.5 * flow - load - limit);
+    }
+    energy
+}
+
 /// Contact flags of consecutive boundary nodes.
 pub(super) struct ContactFlags<'a> {
     pub(super) flags: &'a mut [bool],
@@ -160,7 +224,7 @@ impl ContactFlags<'_> {
     }
 }
 
-/// Results that the residuals of an obstacle problem leave beside the residuals themselves.
+/// Results that the residuals under the law leave beside the residuals themselves.
 pub(super) struct ResidualReport<'a, 'f> {
     /// Largest natural residual so far, in units of the load.
     pub(super) natural: &'a mut Largest,
@@ -243,7 +307,7 @@ impl<'a> StencilRow<'a> {
         }
     }
 
-    /// Sets `target` to the residuals of the row, zero at nodes in contact. For an obstacle problem, adds natural
+    /// Sets `target` to the residuals of the row, zero at nodes in contact. Under the law, adds natural
     /// residuals and contact flags to the report.
     #[inline(always)]
     pub(super) fn residual<D: Dimension>(
@@ -260,13 +324,13 @@ impl<'a> StencilRow<'a> {
             |m, _, sum| sum - diagonal::<D>() * inside[m],
             |m, node, sum| {
                 let residual = boundary.residual::<D>(node, coupling, values[m], sum);
-                if let Boundary::Obstacle = boundary {
+                if let Boundary::Law { .. } = boundary {
                     report.add(node, &residual);
                 }
                 residual.truncated
             },
         );
-        if let Boundary::Obstacle = boundary
+        if let Boundary::Law { .. } = boundary
             && self.at.is_inner::<D>()
         {
             // The slice begins at the first place, which is aligned; a boundary node there is left out.

@@ -8,7 +8,8 @@
 //! 3. If the residual has hardly fallen, compare it with [`ROUNDING_FLOOR`] roundings; if it is below, check all nodes
 //!    and stop with `RoundingFloor`.
 //! 4. If the residual is that of two cycles before, two contact sets alternate: the next cycle applies half a
-//!    correction.
+//!    correction. Where the law limits the flux, and two cycles have hardly lowered the residual, all later ones apply
+//!    the part of the correction with the least energy.
 //!
 //! # Easily broken
 //! A check of all nodes costs a sweep of the finest grid, so it is made only where the result may depend on it.
@@ -24,6 +25,9 @@ use super::{Goal, MultigridParams, MultigridStop};
 const DISCRETISATION: f64 = 0.01;
 /// Reduction of the natural residual by a cycle from which on rounding errors are suspected.
 const STAGNATION: f64 = 0.5;
+/// Reduction of the natural residual by each of two cycles from which on, where values have both signs, the part of the
+/// correction is chosen by its energy.
+const STALLING: f64 = 0.3;
 /// Generous bound of the natural residual after exact minimisation at each node, in roundings of the largest value.
 pub(crate) const ROUNDING_FLOOR: f64 = 32.0;
 /// Relative difference between the residuals of this cycle and of two cycles before, below which two contact sets are
@@ -34,9 +38,10 @@ const DIVERGENCE: f64 = 1e12;
 
 /// Operations of a hierarchy of grids that the stopping test calls. Residuals are natural ones of the scaled load.
 pub(super) trait CycledHierarchy {
-    /// Applies one cycle on the finest grid with a multiple `part` of the correction, and returns the residual of the
-    /// red nodes.
-    fn cycle(&mut self, position: CyclePosition, part: f64) -> f64;
+    /// Applies one cycle on the finest grid with a part of the correction, and returns the residual of the red nodes.
+    fn cycle(&mut self, position: CyclePosition, part: CyclePart) -> f64;
+    /// True if the law limits the flux, so that values have both signs.
+    fn has_limit(&self) -> bool;
     /// Root mean square of the residual on the finest grid but one, over that of the load there.
     fn smooth_residual(&mut self) -> f64;
     /// Residual of all nodes.
@@ -52,6 +57,15 @@ pub(super) enum CyclePosition {
     Last,
     /// Other cycles follow.
     Inner,
+}
+
+/// Part of the correction that a cycle adds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum CyclePart {
+    /// This multiple of it.
+    Fixed(f64),
+    /// The part with the least energy.
+    LeastEnergy,
 }
 
 /// Quantities of the scaled problem before the first cycle.
@@ -88,14 +102,23 @@ pub(super) fn iterate(
     let diverging = DIVERGENCE * first.max(load);
     let (mut kkt, mut cycles) = (first, 0);
     let [mut previous, mut before] = [f64::INFINITY; 2];
+    let mut has_stalled = false;
     let stop = loop {
         if cycles == params.max_cycles {
             break MultigridStop::CycleLimit;
         }
         // Each of two contact sets may lead to the other; half a correction ends the alternation.
         let alternates = (kkt - before).abs() <= ALTERNATION * kkt;
+        has_stalled |= kkt > STALLING * previous && previous > STALLING * before;
+        let part = if has_stalled && grids.has_limit() {
+            CyclePart::LeastEnergy
+        } else if alternates {
+            CyclePart::Fixed(0.5)
+        } else {
+            CyclePart::Fixed(1.0)
+        };
         (before, previous) = (previous, kkt);
-        kkt = grids.cycle(position, if alternates { 0.5 } else { 1.0 });
+        kkt = grids.cycle(position, part);
         cycles += 1;
         if !kkt.is_finite() || kkt > diverging {
             break MultigridStop::Diverged;
@@ -151,7 +174,7 @@ mod tests {
         checks: Vec<f64>,
         rounding: f64,
         /// Multiples of the correction that were requested.
-        parts: Vec<f64>,
+        parts: Vec<CyclePart>,
     }
 
     impl ScriptedHierarchy {
@@ -161,7 +184,7 @@ mod tests {
 
         /// Iterates to the goal, and fails if a scripted residual is left over.
         fn iterate(mut self, scale: f64, goal: Goal) -> (MultigridStop, usize, f64) {
-            let params = MultigridParams { goal, max_cycles: 9 };
+            let params = MultigridParams { goal, max_cycles: 9, ..MultigridParams::default() };
             let end = iterate(&mut self, InitialState { scale, ..INITIAL }, &params);
             assert!(self.cycles.is_empty() && self.checks.is_empty());
             (end.stop, end.cycles, end.kkt)
@@ -169,9 +192,12 @@ mod tests {
     }
 
     impl CycledHierarchy for ScriptedHierarchy {
-        fn cycle(&mut self, _position: CyclePosition, part: f64) -> f64 {
+        fn cycle(&mut self, _position: CyclePosition, part: CyclePart) -> f64 {
             self.parts.push(part);
             self.cycles.pop().expect("a scripted cycle")
+        }
+        fn has_limit(&self) -> bool {
+            false
         }
         fn smooth_residual(&mut self) -> f64 {
             self.checks.pop().expect("a scripted check")
@@ -230,9 +256,9 @@ mod tests {
     }
 
     /// Multiples of the correction that are requested if the cycles leave these residuals, the first entry first.
-    fn requested_parts(mut cycles: Vec<f64>) -> Vec<f64> {
+    fn requested_parts(mut cycles: Vec<f64>) -> Vec<CyclePart> {
         cycles.reverse();
-        let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles: cycles.len() };
+        let params = MultigridParams { max_cycles: cycles.len(), ..MultigridParams::default() };
         let mut script = ScriptedHierarchy::new(cycles, vec![], 1e-12);
         iterate(&mut script, INITIAL, &params);
         script.parts
@@ -240,8 +266,11 @@ mod tests {
 
     #[test]
     fn alternating_residuals_halve_the_correction() {
-        assert_eq!(requested_parts(vec![0.3, 0.8, 0.3001, 0.01, 0.005]), [1.0, 1.0, 1.0, 0.5, 1.0]);
+        assert_eq!(
+            requested_parts(vec![0.3, 0.8, 0.3001, 0.01, 0.005]),
+            [1.0, 1.0, 1.0, 0.5, 1.0].map(CyclePart::Fixed)
+        );
         // Residuals of about the same size do not alternate.
-        assert_eq!(requested_parts(vec![0.3, 0.8, 0.302, 0.81]), [1.0; 4]);
+        assert_eq!(requested_parts(vec![0.3, 0.8, 0.302, 0.81]), [CyclePart::Fixed(1.0); 4]);
     }
 }

@@ -94,7 +94,7 @@ impl Multigrid {
         let outcome = among_threads(load.len(), || {
             let outcome = self.solve(load, start, params)?;
             self.write_solution(&mut solution);
-            Ok(outcome)
+            Ok::<_, InputError>(outcome)
         })?;
         Ok((solution, outcome))
     }

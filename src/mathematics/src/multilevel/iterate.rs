@@ -2,14 +2,37 @@
 
 use super::cycle::Cycle;
 use crate::discrete::network::{Network, NodeCondition};
+use crate::multigrid::active_set::Balance;
+use crate::problem::law::{BoundaryState, Law};
 
-/// Part of the boundary with y >= 0.
+/// Problem under the law `[0, limit]`.
 pub(super) struct ContactProblem<'a> {
     pub(super) network: &'a Network,
+    pub(super) law: Law,
     /// Number of the connected component of each contact node, in the order of the network.
     pub(super) components: &'a [u32],
     /// True for each component that has a fixed node.
     pub(super) has_fixed: &'a [bool],
+    /// Measure of the boundary of each component that balances the load if it slips down.
+    pub(super) needed: &'a [f64],
+}
+
+/// Relative difference of energies that rounding errors may make.
+const ENERGY_ROUNDING: f64 = 1e-12;
+
+/// Derivatives of the energy along a direction at its beginning, as long as no value changes its sign.
+struct Slope {
+    /// Minus the first derivative.
+    product: f64,
+    /// Second derivative.
+    curvature: f64,
+}
+
+/// Step length at which a value changes its sign.
+struct Bend {
+    at: f64,
+    /// Increase of the first derivative of the energy there.
+    slope: f64,
 }
 
 /// Nodal vector on the way to the solution of one network.
@@ -17,10 +40,12 @@ pub(super) struct Iterate<'a> {
     problem: &'a ContactProblem<'a>,
     load: &'a [f64],
     pub(super) y: Vec<f64>,
-    /// `F - A y`, at all nodes.
+    /// `F - A y`, at all nodes; at nodes that slip down with their flux.
     residual: Vec<f64>,
     /// Flag for each node, true if y = 0 is kept there.
     held: Vec<bool>,
+    /// Flag for each contact node, true if it slips down.
+    slips_down: Vec<bool>,
     direction: Vec<f64>,
     /// A times the direction.
     image: Vec<f64>,
@@ -41,51 +66,90 @@ impl<'a> Iterate<'a> {
             y,
             residual: zeros(),
             held: vec![false; nodes],
+            slips_down: vec![false; problem.network.contact().len()],
             direction: zeros(),
             image: zeros(),
             product: 0.0,
             work: 0.0,
         };
         iterate.relax();
-        iterate.lower_into_contact();
+        iterate.shift_into_contact();
         iterate.renew_residual();
         iterate
     }
 
-    /// One projected Gauss-Seidel sweep.
+    /// One Gauss-Seidel sweep: the energy is minimised over one value after the other.
     fn relax(&mut self) {
-        let network = self.problem.network;
+        let ContactProblem { network, law, .. } = *self.problem;
         for node in 0..self.y.len() {
             let sum = network.row(node).add_to(self.load[node], &self.y);
-            self.held[node] = match network.condition(node) {
-                NodeCondition::Inner => false,
-                NodeCondition::Contact(_) => sum <= 0.0,
-                NodeCondition::Fixed => true,
+            let diagonal = network.diagonal()[node];
+            self.y[node] = match network.condition(node) {
+                NodeCondition::Inner => sum / diagonal,
+                NodeCondition::Contact(b) => {
+                    let value = law.settle(sum, diagonal, network.contact()[b].measure);
+                    self.slips_down[b] = value < 0.0;
+                    self.held[node] = value == 0.0;
+                    value
+                }
+                NodeCondition::Fixed => {
+                    self.held[node] = true;
+                    0.0
+                }
             };
-            self.y[node] = if self.held[node] { 0.0 } else { sum / network.diagonal()[node] };
         }
         self.work += self.y.len() as f64;
     }
 
-    /// Subtracts a constant in each component without held nodes, such that the lowest contact node has the value zero,
-    /// and holds that node: the solution is zero somewhere on the boundary, since the sum of the load is negative.
-    fn lower_into_contact(&mut self) {
-        let ContactProblem { network, components, has_fixed } = *self.problem;
-        let mut lowest: Vec<Option<(f64, usize)>> = vec![None; has_fixed.len()];
-        let mut is_held = has_fixed.to_vec();
-        for (contact, &component) in network.contact().iter().zip(components) {
-            let (node, component) = (contact.node as usize, component as usize);
-            is_held[component] |= self.held[node];
-            if lowest[component].is_none_or(|(value, _)| self.y[node] < value) {
-                lowest[component] = Some((self.y[node], node));
+    /// Subtracts the constant of least energy in each component without fixed nodes that cannot balance its load: it sets the
+    /// contact node to zero up to which, in increasing order of the values, the nodes balance the load if they slip
+    /// down; for the paper's law, the lowest. Holds that node.
+    ///
+    /// True if there was such a component.
+    fn shift_into_contact(&mut self) -> bool {
+        let ContactProblem { network, law, components, has_fixed, .. } = *self.problem;
+        let mut balances = vec![Balance::default(); has_fixed.len()];
+        for (b, (contact, &component)) in network.contact().iter().zip(components).enumerate() {
+            let state = if self.held[contact.node as usize] {
+                BoundaryState::Sticks
+            } else if self.slips_down[b] {
+                BoundaryState::SlipsDown
+            } else {
+                BoundaryState::SlipsUp
+            };
+            balances[component as usize].see(state, contact.measure);
+        }
+        let mut is_shifted = false;
+        for (component, balance) in balances.iter().enumerate() {
+            let needed = self.problem.needed[component];
+            if has_fixed[component] || balance.holds(needed) {
+                continue;
+            }
+            let of_component = |b: &usize| components[*b] as usize == component;
+            let mut order: Vec<usize> = (0..components.len()).filter(of_component).collect();
+            let value = |b: usize| self.y[network.contact()[b].node as usize];
+            order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
+            let mut measure = 0.0;
+            let at = order.into_iter().find(|&b| {
+                measure += network.contact()[b].measure;
+                measure >= needed
+            });
+            let Some(at) = at else { continue };
+            let node = network.contact()[at].node as usize;
+            lower(network, node, self.y[node], &mut self.y);
+            self.y[node] = 0.0;
+            self.held[node] = true;
+            is_shifted = true;
+        }
+        if is_shifted && law.hi().is_finite() {
+            // Values may have changed their sign, or have left zero.
+            for (b, contact) in network.contact().iter().enumerate() {
+                let value = self.y[contact.node as usize];
+                self.slips_down[b] = value < 0.0;
+                self.held[contact.node as usize] = value == 0.0;
             }
         }
-        for (lowest, is_held) in lowest.into_iter().zip(is_held) {
-            if let (Some((value, node)), false) = (lowest, is_held) {
-                lower(network, node, value, &mut self.y);
-                self.held[node] = true;
-            }
-        }
+        is_shifted
     }
 
     /// Computes the residual from the nodal vector, and forgets the direction.
@@ -93,18 +157,33 @@ impl<'a> Iterate<'a> {
         let network = self.problem.network;
         network.gradient(&self.y, self.load, &mut self.residual);
         self.residual.iter_mut().for_each(|residual| *residual = -*residual);
+        for (contact, slips_down) in network.contact().iter().zip(&self.slips_down) {
+            if *slips_down {
+                self.residual[contact.node as usize] += contact.measure * self.problem.law.hi();
+            }
+        }
         self.product = 0.0;
         self.work += self.y.len() as f64;
     }
 
-    /// Natural residual `max(max |A y - F|, max |min(y, A y - F)|)`, the latter over contact nodes.
+    /// Flux of a contact node that slips down; zero for others.
+    #[inline(always)]
+    fn flux(&self, b: usize) -> f64 {
+        let measure = self.problem.network.contact()[b].measure;
+        if self.slips_down[b] { measure * self.problem.law.hi() } else { 0.0 }
+    }
+
+    /// Natural residual: the largest of `|A y - F|` and, over contact nodes, that of the law.
     pub(super) fn natural_residual(&self) -> f64 {
-        let network = self.problem.network;
+        let ContactProblem { network, law, .. } = *self.problem;
         let mut largest = 0.0;
         for (node, &residual) in self.residual.iter().enumerate() {
             let violation = match network.condition(node) {
                 NodeCondition::Inner => residual.abs(),
-                NodeCondition::Contact(_) => self.y[node].min(-residual).abs(),
+                NodeCondition::Contact(b) => {
+                    let gradient = self.flux(b) - residual;
+                    law.residual(self.y[node], gradient, network.contact()[b].measure)
+                }
                 NodeCondition::Fixed => 0.0,
             };
             // The maximum would hide a NaN.
@@ -123,10 +202,16 @@ impl<'a> Iterate<'a> {
         f64::EPSILON * largest
     }
 
-    /// Energy `1/2 <A y, y> - <F, y>`.
+    /// Energy `1/2 <A y, y> - <F, y>` with the law's term.
     pub(super) fn energy(&self) -> f64 {
         let terms = self.y.iter().zip(self.load).zip(&self.residual);
-        -0.5 * terms.map(|((y, load), residual)| y * (load + residual)).sum::<f64>()
+        let mut twice = terms.map(|((y, load), residual)| y * (load + residual)).sum::<f64>();
+        if self.problem.law.hi().is_finite() {
+            for (b, contact) in self.problem.network.contact().iter().enumerate() {
+                twice += self.y[contact.node as usize] * self.flux(b);
+            }
+        }
+        -0.5 * twice
     }
 
     /// Applies one step, and adapts the held nodes; returns by how much the step lowered the energy.
@@ -153,6 +238,7 @@ impl<'a> Iterate<'a> {
             return 0.0;
         }
         let length = product / curvature;
+        let before = self.problem.law.hi().is_finite().then(|| (self.energy(), self.y.clone()));
         for (y, direction) in self.y.iter_mut().zip(&self.direction) {
             *y += length * direction;
         }
@@ -163,43 +249,88 @@ impl<'a> Iterate<'a> {
         if self.adapt() {
             self.product = 0.0;
         }
+        if let Some((energy, y)) = before
+            && self.energy() - energy > ENERGY_ROUNDING * energy.abs()
+        {
+            self.y = y;
+            self.descend(Slope { product, curvature });
+        }
         0.5 * length * product
     }
 
-    /// Holds the contact nodes with negative values and releases those with a negative multiplier; true if there are any.
-    fn adapt(&mut self) -> bool {
-        let network = self.problem.network;
-        let mut changed = false;
+    /// Goes along the direction to the least energy, where each value that changes its sign bends it, and relaxes every
+    /// node: so the energy never grows.
+    fn descend(&mut self, Slope { product, curvature }: Slope) {
+        let ContactProblem { network, law, .. } = *self.problem;
+        let mut bends: Vec<Bend> = Vec::new();
         for contact in network.contact() {
+            let (y, direction) =
+                (self.y[contact.node as usize], self.direction[contact.node as usize]);
+            if y * direction < 0.0 {
+                let slope = contact.measure * law.hi() * direction.abs();
+                bends.push(Bend { at: -y / direction, slope });
+            }
+        }
+        bends.sort_by(|a, b| a.at.total_cmp(&b.at));
+        // Derivative of the energy along the direction, less the part that grows with the curvature.
+        let mut slope = -product;
+        let mut length = product / curvature;
+        for bend in bends {
+            if bend.at >= length {
+                break;
+            }
+            slope += bend.slope;
+            length = (-slope / curvature).max(bend.at);
+        }
+        for (y, direction) in self.y.iter_mut().zip(&self.direction) {
+            *y += length * direction;
+        }
+        self.relax();
+        self.shift_into_contact();
+        self.renew_residual();
+    }
+
+    /// Holds the contact nodes whose values have changed their sign, and releases those whose multiplier is outside the
+    /// interval of the law; true if there are any.
+    fn adapt(&mut self) -> bool {
+        let ContactProblem { network, law, .. } = *self.problem;
+        let mut changed = false;
+        for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node as usize;
-            if !self.held[node] && self.y[node] < 0.0 {
+            let value = self.y[node];
+            let has_crossed = if self.slips_down[b] { value > 0.0 } else { value < 0.0 };
+            if !self.held[node] && has_crossed {
+                self.residual[node] -= self.flux(b);
+                self.slips_down[b] = false;
                 self.held[node] = true;
-                self.change(node, -self.y[node]);
+                self.change(node, -value);
                 self.y[node] = 0.0;
                 changed = true;
             }
         }
-        for contact in network.contact() {
+        for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node as usize;
-            if self.held[node] && self.residual[node] > 0.0 {
+            let limit = contact.measure * law.hi();
+            if !self.held[node] || network.condition(node) == NodeCondition::Fixed {
+                continue;
+            }
+            let below = self.residual[node] + limit;
+            if self.residual[node] > 0.0 {
                 self.held[node] = false;
                 self.change(node, self.residual[node] / network.diagonal()[node]);
                 changed = true;
+            } else if below < 0.0 {
+                self.held[node] = false;
+                self.slips_down[b] = true;
+                self.residual[node] = below;
+                self.change(node, below / network.diagonal()[node]);
+                changed = true;
             }
         }
-        if changed {
-            self.lower_if_nothing_is_held();
-        }
-        changed
-    }
-
-    /// Lowers the components without held nodes into contact again.
-    fn lower_if_nothing_is_held(&mut self) {
-        let before = self.held.iter().filter(|held| **held).count();
-        self.lower_into_contact();
-        if self.held.iter().filter(|held| **held).count() > before {
+        if changed && self.shift_into_contact() {
             self.renew_residual();
         }
+        changed
     }
 
     /// Adds to the value of one node, and corrects the residuals around it.

@@ -8,6 +8,7 @@ use crate::discrete::network::Network;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
 use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, MultigridStop, ROUNDING_FLOOR};
+use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error is
 /// the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the discretisation
@@ -18,12 +19,12 @@ const NEAR_FLOOR: f64 = 1e3;
 /// Reduction of the residual in the time of a restart from which on it no longer falls.
 const STAGNATION: f64 = 0.5;
 
-/// Minimises `1/2 y'Ay - F'y` on the last of nested networks over `y >= 0` at its contact nodes and `y = 0` at its fixed
-/// nodes. `load` is the load vector F there. Returns the nodal vector, and the outcome without it.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
+/// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the outcome without it.
 ///
 /// # Errors
-/// If the length of `load` is wrong, a number is not finite, or the sum of the load over a connected component without
-/// fixed nodes is not negative.
+/// If the length of `load` is wrong, a number is not finite, or the flux cannot balance the load over a connected component
+/// without fixed nodes; for the paper's law, if its sum is not negative there.
 ///
 /// # Panics
 /// If there are no levels.
@@ -35,10 +36,20 @@ pub fn solve_nested_networks(
     let finest = levels.len() - 1;
     let network = &levels[finest].network;
     check_length(network.nodes(), load)?;
-    let components = Components::of(levels, load)?;
-    let scale = LoadStats::measure(load).scale();
-    let loads = restricted(levels, load.iter().map(|value| value / scale).collect());
-    let (mut y, direct) = active_set_on(&levels[0].network, &loads[0])?;
+    let components = Components::of(levels, params.law, load)?;
+    let one_sided = params.law.one_sided(load);
+    let shifted = one_sided.load(load, network.contact_parts());
+    let scale = LoadStats::measure(&shifted).scale();
+    let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());
+    let law_on = |network: &Network| {
+        // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
+        let longer = perimeter(&levels[finest].network) / perimeter(network);
+        Law::new(0.0, one_sided.limit / scale * longer)
+    };
+    let law = law_on(network)?;
+    let needed = components.needed(&loads[finest], law);
+    let (mut y, direct) =
+        active_set_on(&levels[0].network, law_on(&levels[0].network)?, &loads[0])?;
     let mut progress = Progress {
         stop: direct.stop,
         cycles: 0,
@@ -47,12 +58,18 @@ pub fn solve_nested_networks(
         work: direct.work / network.row_length(),
     };
     if finest == 0 {
-        progress.residual = judge_network(network, &y, &loads[0]).kkt.natural;
+        progress.residual = judge_network(network, law, &y, &loads[0]).kkt.natural;
     }
     let mut cycle = Cycle::new(levels);
     for level in 1..levels.len() {
         y = levels[level].interpolate(&y);
-        let problem = components.bounded(&levels[level].network, level);
+        let problem = ContactProblem {
+            network: &levels[level].network,
+            law: law_on(&levels[level].network)?,
+            components: &components.of_contact[level],
+            has_fixed: &components.has_fixed,
+            needed: &needed,
+        };
         let mut iterate = Iterate::new(&problem, &loads[level], y);
         if level < finest {
             iterate.step(&mut cycle, level);
@@ -63,7 +80,7 @@ pub fn solve_nested_networks(
         progress.work += iterate.work;
         y = iterate.y;
     }
-    y.iter_mut().for_each(|value| *value *= scale);
+    y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
     let outcome = MultigridOutcome {
         stop: progress.stop,
         cycles: progress.cycles,
@@ -73,17 +90,24 @@ pub fn solve_nested_networks(
     Ok((y, outcome))
 }
 
+/// Measure of the boundary in contact.
+fn perimeter(network: &Network) -> f64 {
+    network.contact().iter().map(|contact| contact.measure).sum()
+}
+
 /// Connected components of nested networks.
 struct Components {
     /// True for each component that has a fixed node.
     has_fixed: Vec<bool>,
     /// Component of each contact node, for each level.
     of_contact: Vec<Vec<u32>>,
+    /// Component of each node of the finest level.
+    of_nodes: Vec<u32>,
 }
 
 impl Components {
     /// Finds the components, and checks the load on the finest level.
-    fn of(levels: &[NestedNetwork], load: &[f64]) -> Result<Self, InputError> {
+    fn of(levels: &[NestedNetwork], law: Law, load: &[f64]) -> Result<Self, InputError> {
         let mut of_nodes = levels[0].network.components();
         let mut of_contact = Vec::new();
         for level in levels {
@@ -93,12 +117,17 @@ impl Components {
             let contact = level.network.contact().iter();
             of_contact.push(contact.map(|contact| of_nodes[contact.node as usize]).collect());
         }
-        let has_fixed = check_components(&levels[levels.len() - 1].network, &of_nodes, load)?;
-        Ok(Self { has_fixed, of_contact })
+        let has_fixed = check_components(&levels[levels.len() - 1].network, &of_nodes, law, load)?;
+        Ok(Self { has_fixed, of_contact, of_nodes })
     }
 
-    fn bounded<'a>(&'a self, network: &'a Network, level: usize) -> ContactProblem<'a> {
-        ContactProblem { network, components: &self.of_contact[level], has_fixed: &self.has_fixed }
+    /// Measure of the boundary of each component that balances this load on the finest level if it slips down.
+    fn needed(&self, load: &[f64], law: Law) -> Vec<f64> {
+        let mut needed = vec![0.0; self.has_fixed.len()];
+        for (&component, load) in self.of_nodes.iter().zip(load) {
+            needed[component as usize] -= load / law.hi();
+        }
+        needed
     }
 }
 

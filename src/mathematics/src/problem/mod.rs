@@ -1,9 +1,10 @@
-//! Problems: right-hand sides on the square and the cube, and problems with known solutions.
+//! Problems: right-hand sides on the square and the cube, the law on the boundary, and problems with known solutions.
 
 pub mod cube;
 pub mod disc;
 pub mod exact;
 mod field;
+pub mod law;
 pub mod region;
 pub mod shape;
 pub mod source;

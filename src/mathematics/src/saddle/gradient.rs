@@ -3,14 +3,28 @@
 use super::Pair;
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::residual_row;
+use crate::problem::law::Law;
 
-/// Replaces `a` by `(a - r y)^+` (12); returns the largest change, or `None` if a value is no longer finite.
-pub(super) fn dual_step(boundary: &[usize], r: f64, y: &[f64], a: &mut [f64]) -> Option<f64> {
+/// Parameters of the boundary term of (7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Duality {
+    /// Law on the boundary.
+    pub law: Law,
+    /// Duality parameter r > 0.
+    pub r: f64,
+}
+
+/// Replaces `a` by `P(a - r y)` (12); returns the largest change, or `None` if a value is no longer finite.
+pub(super) fn dual_step(
+    Duality { law, r }: Duality,
+    boundary: &[usize],
+    pair: &mut Pair,
+) -> Option<f64> {
     let (mut change, mut finite) = (0.0f64, true);
-    for (a, &node) in a.iter_mut().zip(boundary) {
-        let next = *a - r * y[node];
+    for (a, &node) in pair.a.iter_mut().zip(boundary) {
+        let next = *a - r * pair.y[node];
         finite &= next.is_finite();
-        let next = if next > 0.0 { next } else { 0.0 };
+        let next = law.project(next);
         change = change.max((next - *a).abs());
         *a = next;
     }
@@ -29,7 +43,7 @@ pub(super) struct Extrema {
 /// The gradient (8) of the modified functional with respect to y, evaluated row by row.
 pub(super) struct Gradient {
     grid: Grid,
-    r: f64,
+    duality: Duality,
     /// Lumped mass of the proximal term, added to the diagonal as in [`super::sweep::GaussSeidel`].
     shift: f64,
     row: Vec<f64>,
@@ -38,8 +52,8 @@ pub(super) struct Gradient {
 }
 
 impl Gradient {
-    pub(super) fn new(grid: Grid, r: f64, shift: f64) -> Self {
-        Self { grid, r, shift, row: vec![0.0; grid.side()], failed: 0 }
+    pub(super) fn new(grid: Grid, duality: Duality, shift: f64) -> Self {
+        Self { grid, duality, shift, row: vec![0.0; grid.side()], failed: 0 }
     }
 
     fn evaluate(&mut self, j: usize, load: &[f64], pair: &Pair) {
@@ -62,11 +76,11 @@ impl Gradient {
         }
     }
 
-    /// Subtracts `h (a - r y)^+`, the term of the boundary node in column `i` and row `j`, from the row.
+    /// Subtracts `h P(a - r y)`, the term of the boundary node in column `i` and row `j`, from the row.
     #[inline(always)]
     fn subtract_reaction(&mut self, i: usize, j: usize, pair: &Pair, y: f64) {
         let a = pair.a[self.grid.boundary_index(i, j)];
-        self.row[i] -= self.grid.h() * (a - self.r * y).max(0.0);
+        self.row[i] -= self.grid.h() * self.duality.law.project(a - self.duality.r * y);
     }
 
     /// True if every component, or its absolute value, is at most `tolerance`; NaN never is.

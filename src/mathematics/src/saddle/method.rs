@@ -19,13 +19,14 @@
 //! R. V. Namm and A. S. Tkachenko, Izv. vuzov. Matematika, 2010, no. 4, for the proximal term (the
 //! paper's refs 5 and 6); G. Woo, R. V. Namm, S. A. Sachkoff, Comput. Math. Math. Phys. 46 (2006) 23-33.
 
-use super::gradient::{Extrema, Gradient, dual_step};
+use super::gradient::{Duality, Extrema, Gradient, dual_step};
 use super::outcome::LastStep;
 use super::stopping::{StopReason, StopRule};
 use super::sweep::GaussSeidel;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::largest;
+use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -73,6 +74,8 @@ impl Method {
 pub struct Params {
     /// Method.
     pub method: Method,
+    /// Law on the boundary.
+    pub law: Law,
     /// Duality parameter r > 0, the step of the multiplier.
     pub r: f64,
     /// Bound of the stopping rule, evaluated after each step of the multiplier; the paper takes 10^-N on grid N.
@@ -83,10 +86,18 @@ pub struct Params {
     pub max_iterations: usize,
 }
 
+impl Params {
+    /// Parameters of the boundary term of (7).
+    pub(super) fn duality(&self) -> Duality {
+        Duality { law: self.law, r: self.r }
+    }
+}
+
 impl Default for Params {
     fn default() -> Self {
         Self {
             method: Method::ArrowHurwicz,
+            law: Law::SIGNORINI,
             r: 1.0,
             tolerance: 1e-5,
             rule: StopRule::Signed,
@@ -135,7 +146,7 @@ pub fn solve(
     pair: &mut Pair,
     mut monitor: Option<OnIteration>,
 ) -> SaddleRun {
-    let mut steps = Steps::new(grid, load, params.method, params.r);
+    let mut steps = Steps::new(grid, load, params.method, params.duality());
     let stop = loop {
         if let ControlFlow::Break(stop) = steps.step(pair, params.max_iterations) {
             break stop;
@@ -158,7 +169,7 @@ pub fn solve(
         gradient: steps.gradient.extrema(load, pair),
         stop,
     };
-    SaddleRun { outcome: Outcome::judge(grid, load, pair, &last), sweeps: steps.sweeps }
+    SaddleRun { outcome: Outcome::judge(grid, params.law, load, pair, &last), sweeps: steps.sweeps }
 }
 
 /// Solves by the paper's method whatever `params.method` says, without a monitor.
@@ -174,7 +185,7 @@ pub struct Steps<'a> {
     grid: Grid,
     load: &'a [f64],
     method: Method,
-    r: f64,
+    duality: Duality,
     /// Positions of the boundary nodes in a nodal vector, in boundary order.
     boundary: Vec<usize>,
     /// Gradient (8), without the proximal term.
@@ -199,19 +210,19 @@ impl<'a> Steps<'a> {
     /// Prepares the iteration, before its first step.
     ///
     /// # Panics
-    /// If `load` has the wrong length for `grid`, or `r` is not positive.
-    pub fn new(grid: Grid, load: &'a [f64], method: Method, r: f64) -> Self {
-        assert!(r > 0.0, "the duality parameter r must be positive");
+    /// If `load` has the wrong length for `grid`, or r is not positive.
+    pub fn new(grid: Grid, load: &'a [f64], method: Method, duality: Duality) -> Self {
+        assert!(duality.r > 0.0, "the duality parameter r must be positive");
         assert!(load.len() == grid.nodes());
         let shift = method.weight() * grid.h() * grid.h();
         Self {
             grid,
             load,
             method,
-            r,
+            duality,
             boundary: grid.boundary().collect(),
-            gradient: Gradient::new(grid, r, 0.0),
-            inner: Gradient::new(grid, r, shift),
+            gradient: Gradient::new(grid, duality, 0.0),
+            inner: Gradient::new(grid, duality, shift),
             bound: method.inner_bound(largest(load)),
             shift,
             target: load.to_vec(),
@@ -240,7 +251,7 @@ impl<'a> Steps<'a> {
                 return ControlFlow::Break(StopReason::IterationLimit);
             }
             self.sweeps += 1;
-            GaussSeidel::new(self.grid, &self.target, self.shift, self.r, &pair.a)
+            GaussSeidel::new(self.grid, &self.target, self.shift, self.duality, &pair.a)
                 .sweep(&mut pair.y);
             let Some(bound) = self.bound else { break };
             // A NaN spreads to the boundary within as many sweeps as there are rows.
@@ -252,7 +263,7 @@ impl<'a> Steps<'a> {
             }
         }
         self.iterations += 1;
-        let Some(delta_a) = dual_step(&self.boundary, self.r, &pair.y, &mut pair.a) else {
+        let Some(delta_a) = dual_step(self.duality, &self.boundary, pair) else {
             return ControlFlow::Break(StopReason::Diverged);
         };
         self.delta_a = delta_a;

@@ -9,6 +9,7 @@ mod plain;
 mod stopping;
 mod sweep;
 
+pub use gradient::Duality;
 pub use method::{Iteration, Method, OnIteration, Params, SaddleRun, Steps, arrow_hurwicz, solve};
 pub use network::{NetworkRun, solve_network, solve_networks};
 pub use outcome::Outcome;

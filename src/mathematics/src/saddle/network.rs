@@ -31,10 +31,10 @@ pub fn solve_network(
     params: &Params,
     pair: &mut Pair,
 ) -> NetworkRun {
-    let Params { method, r, .. } = *params;
+    let Params { method, law, r, .. } = *params;
     assert!(r > 0.0, "the duality parameter r must be positive");
     assert!(load.len() == network.nodes() && pair.y.len() == load.len());
-    let outer = Plain { network, load, r };
+    let outer = Plain { network, law, load, r };
     // The proximal term adds to the diagonal, and its centre to the load.
     let weight = method.weight();
     let shifted = (weight > 0.0).then(|| network.with_masses(weight));
@@ -49,7 +49,7 @@ pub fn solve_network(
                 *target = load[node] + weight * network.masses()[node] * pair.y[node];
             }
         }
-        let inner = Plain { network: inner_network, load: &target, r };
+        let inner = Plain { network: inner_network, law, load: &target, r };
         loop {
             if run.sweeps >= params.max_iterations {
                 return run;
@@ -116,6 +116,7 @@ pub fn solve_networks(
 mod tests {
     use super::*;
     use crate::discrete::grid::Grid;
+    use crate::problem::law::Law;
     use crate::saddle::{StopRule, solve};
 
     #[test]
@@ -124,10 +125,13 @@ mod tests {
         let network = Network::of_square(grid);
         let load: Vec<_> = (0..grid.nodes()).map(|k| ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
         let uzawa = |weight, loose| Method::Uzawa { weight, inner: 1e-4, loose };
-        for method in [Method::ArrowHurwicz, uzawa(0.0, false), uzawa(0.0, true), uzawa(2.0, false)]
-        {
+        let methods =
+            [Method::ArrowHurwicz, uzawa(0.0, false), uzawa(0.0, true), uzawa(2.0, false)];
+        let laws = [Law::SIGNORINI, Law::friction(0.4).unwrap(), Law::limited(0.5).unwrap()];
+        for (method, law) in methods.into_iter().flat_map(|method| laws.map(|law| (method, law))) {
             let params = Params {
                 method,
+                law,
                 r: 4.0,
                 tolerance: 1e-3,
                 rule: StopRule::Printed,
@@ -136,14 +140,14 @@ mod tests {
             let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero_on(&network));
             let expected = solve(grid, &load, &params, &mut on_grid, None);
             let run = solve_network(&network, &load, &params, &mut on_network);
-            assert_eq!(run.iterations, expected.outcome.iterations, "{method:?}");
-            assert_eq!(run.sweeps, expected.sweeps, "{method:?}");
+            assert_eq!(run.iterations, expected.outcome.iterations, "{method:?} {law}");
+            assert_eq!(run.sweeps, expected.sweeps, "{method:?} {law}");
             if method.weight() == 0.0 {
-                assert_eq!(on_network, on_grid, "{method:?}");
+                assert_eq!(on_network, on_grid, "{method:?} {law}");
             } else {
                 // The diagonal is divided by, not multiplied with its inverse.
                 let far = on_network.y.iter().zip(&on_grid.y).any(|(a, b)| (a - b).abs() > 1e-13);
-                assert!(!far, "{method:?}");
+                assert!(!far, "{method:?} {law}");
             }
         }
     }

@@ -6,6 +6,7 @@ use super::stopping::StopReason;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, Kkt, judge};
 use crate::discrete::verdict::Verdict;
+use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
 /// Outcome of a solve on one grid: the end of the iteration and the quality of the last pair.
@@ -47,8 +48,8 @@ pub(super) struct LastStep {
 
 impl Outcome {
     /// Judges `pair` after the last step of an iteration.
-    pub(super) fn judge(grid: Grid, load: &[f64], pair: &Pair, last: &LastStep) -> Self {
-        let Judgement { kkt, energy, work, .. } = judge(grid, &pair.y, load);
+    pub(super) fn judge(grid: Grid, law: Law, load: &[f64], pair: &Pair, last: &LastStep) -> Self {
+        let Judgement { kkt, energy, work, .. } = judge(grid, law, &pair.y, load);
         let reported = [energy, last.gradient.absolute, kkt.natural, kkt.min_lambda];
         let finite = reported.iter().all(|value| value.is_finite());
         Self {

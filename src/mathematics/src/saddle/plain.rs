@@ -1,19 +1,26 @@
 //! The paper's method (7)-(13) on any triangulation, node by node as the paper writes it: the definition.
 //!
 //! It looks for the saddle point of the modified Lagrange functional (7)
-//! `M(y, a) = 1/2 <A y, y> - <F, y> + 1 / (2 r) sum_b measure_b (((a_b - r y_b)^+)^2 - a_b^2)`,
-//! with y at all nodes and the multiplier `a >= 0` at the contact nodes b, whose parts of the boundary have these measures
+//! `M(y, a) = 1/2 <A y, y> - <F, y> + 1 / (2 r) sum_b measure_b (H(a_b - r y_b) - a_b^2)`,
+//! with y at all nodes and the multiplier a at the contact nodes b, whose parts of the boundary have these measures
 //! (on the square h, as in the paper): a Gauss-Seidel sweep (9)-(11) for y and a step (12) for a, until (13) holds. What
 //! else runs this method gives the same numbers to the last bit; the order of additions, that of
 //! [`Network`], is therefore part of the definition, and so is the numbering of the nodes.
+//!
+//! H has the derivative 2 P, where P is the projection onto the interval of the [law](crate::problem::law). The paper's law
+//! has `[0, inf)`: there P is `( )^+` and H its square. For friction P cuts off at both ends, and H is twice Huber's
+//! function.
 
 use super::{Pair, StopRule};
 use crate::discrete::network::{Network, NodeCondition};
+use crate::problem::law::{BoundaryRow, Law};
 
 /// The discrete problem with the duality parameter of (7).
 pub struct Plain<'a> {
     /// Stiffness matrix (5) and boundary.
     pub network: &'a Network,
+    /// Law on the boundary.
+    pub law: Law,
     /// Load vector F (6).
     pub load: &'a [f64],
     /// Duality parameter r > 0.
@@ -57,24 +64,23 @@ impl Plain<'_> {
         for node in 0..self.network.nodes() {
             let sum = self.network.row(node).add_to(self.load[node], y);
             let diagonal = self.network.diagonal()[node];
-            let psi = sum / diagonal;
             y[node] = match self.network.condition(node) {
-                NodeCondition::Inner => psi,
+                NodeCondition::Inner => sum / diagonal,
                 NodeCondition::Fixed => 0.0,
-                NodeCondition::Contact(b) if psi >= a[b] / self.r => psi,
                 NodeCondition::Contact(b) => {
                     let measure = self.network.contact()[b].measure;
-                    (sum + measure * a[b]) / (diagonal + measure * self.r)
+                    let row = BoundaryRow { sum, diagonal, measure, a: a[b], r: self.r };
+                    self.law.relax(row)
                 }
             };
         }
     }
 
-    /// Replaces `a` by `(a - r y)^+` (12); returns the largest change of a component, the paper's Delta a.
+    /// Replaces `a` by `P(a - r y)` (12); returns the largest change of a component, the paper's Delta a.
     pub fn dual_step(&self, pair: &mut Pair) -> f64 {
         let mut delta_a = 0.0f64;
         for (a, contact) in pair.a.iter_mut().zip(self.network.contact()) {
-            let next = (*a - self.r * pair.y[contact.node as usize]).max(0.0);
+            let next = self.law.project(*a - self.r * pair.y[contact.node as usize]);
             delta_a = delta_a.max((next - *a).abs());
             *a = next;
         }
@@ -114,7 +120,8 @@ impl Plain<'_> {
             NodeCondition::Fixed => 0.0,
             NodeCondition::Contact(b) => {
                 let measure = self.network.contact()[b].measure;
-                gradient - measure * (pair.a[b] - self.r * pair.y[node]).max(0.0)
+                let flux = self.law.project(pair.a[b] - self.r * pair.y[node]);
+                gradient - measure * flux
             }
         }
     }

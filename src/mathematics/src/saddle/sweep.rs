@@ -4,7 +4,9 @@
 //! one multiplication. A band of consecutive rows, each one column behind the row below, updates independent nodes at
 //! each step: this hides the latency and gives the same bits.
 
+use super::gradient::Duality;
 use crate::discrete::grid::Grid;
+use crate::problem::law::Law;
 use std::array::from_fn;
 
 /// Sweep with given data: the discrete problem, the multiplier, and the diagonals of its rows.
@@ -12,6 +14,7 @@ pub(super) struct GaussSeidel<'a> {
     grid: Grid,
     load: &'a [f64],
     a: &'a [f64],
+    law: Law,
     r: f64,
     h: f64,
     /// Diagonal of the rows of edge nodes.
@@ -45,14 +48,20 @@ fn interior(inverse: f64, load: f64, [east, north, south, west]: [f64; 4]) -> f6
 }
 
 impl<'a> GaussSeidel<'a> {
-    /// Sweep for the load vector, the boundary vector `a` of multipliers, and r > 0.
+    /// Sweep for the load vector, the boundary vector `a` of multipliers, the law, and r > 0.
     ///
     /// `shift` is added to the diagonal of interior rows, half of it on edges and a quarter at corners: the lumped mass
     /// of a proximal term, whose other half belongs in `load`. The paper's sweep has none.
-    pub(super) fn new(grid: Grid, load: &'a [f64], shift: f64, r: f64, a: &'a [f64]) -> Self {
+    pub(super) fn new(
+        grid: Grid,
+        load: &'a [f64],
+        shift: f64,
+        Duality { law, r }: Duality,
+        a: &'a [f64],
+    ) -> Self {
         let edge = SweepDiagonal::new(2.0 + 0.5 * shift);
         let corner = SweepDiagonal::new(1.0 + 0.25 * shift);
-        Self { grid, load, a, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
+        Self { grid, load, a, law, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
     }
 
     /// Replaces `y` by the result of one sweep.
@@ -113,13 +122,17 @@ impl<'a> GaussSeidel<'a> {
     /// Returns the minimiser (10), (11) at boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
     #[inline(always)]
     fn boundary(&self, b: usize, diagonal: SweepDiagonal, sum: f64) -> f64 {
+        let Self { law, r, h, .. } = *self;
         let a = self.a[b];
-        let psi = diagonal.inverse * sum;
-        if psi >= a / self.r {
-            psi
-        } else {
-            (sum + self.h * a) / (diagonal.value + self.h * self.r)
+        let up = diagonal.inverse * (sum + h * law.lo());
+        if up >= (a - law.lo()) / r {
+            return up;
         }
+        let down = diagonal.inverse * (sum + h * law.hi());
+        if down <= (a - law.hi()) / r {
+            return down;
+        }
+        (sum + h * a) / (diagonal.value + h * r)
     }
 
     /// Relaxes the interior node in column `i` and row `j`.
@@ -187,6 +200,7 @@ mod tests {
         #[test]
         fn bands_give_the_definition_to_the_last_bit(
             n in 2usize..40, seed in any::<u64>(), r in 1e-3..1e6f64, shift in 0.0..2.0f64,
+            friction in proptest::option::of(0.01..1.0f64),
         ) {
             let grid = Grid::new(n).unwrap();
             let mut state = seed;
@@ -195,20 +209,23 @@ mod tests {
                 (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
             };
             let load: Vec<f64> = (0..grid.nodes()).map(|_| random()).collect();
-            let a: Vec<f64> = (0..grid.boundary_nodes()).map(|_| random().max(0.0)).collect();
+            let law = friction.map_or(Law::SIGNORINI, |g| Law::friction(g).unwrap());
+            let duality = Duality { law, r };
+            let a: Vec<f64> =
+                (0..grid.boundary_nodes()).map(|_| law.project(random())).collect();
             let start: Vec<f64> = (0..grid.nodes()).map(|_| random()).collect();
             let mut defined = Pair { y: start.clone(), a: a.clone() };
             let mut banded = start.clone();
             let network = Network::of_square(grid);
-            let definition = Plain { network: &network, load: &load, r };
+            let definition = Plain { network: &network, law, load: &load, r };
             for _ in 0..3 {
                 definition.sweep(&mut defined);
-                GaussSeidel::new(grid, &load, 0.0, r, &a).sweep(&mut banded);
+                GaussSeidel::new(grid, &load, 0.0, duality, &a).sweep(&mut banded);
             }
             prop_assert_eq!(defined.y, banded);
             // With a proximal term, which the paper has not, row by row.
             let (mut plain, mut banded) = (start.clone(), start);
-            let data = GaussSeidel::new(grid, &load, shift, r, &a);
+            let data = GaussSeidel::new(grid, &load, shift, duality, &a);
             for _ in 0..3 {
                 data.relax_side_row(&mut plain, 0);
                 for j in 1..n {
@@ -224,7 +241,8 @@ mod tests {
     #[test]
     fn boundary_formula_is_continuous_where_it_switches() {
         let grid = Grid::new(4).unwrap();
-        let data = GaussSeidel::new(grid, &[0.0; 25], 0.0, 2.0, &[0.3; 16]);
+        let duality = Duality { law: Law::SIGNORINI, r: 2.0 };
+        let data = GaussSeidel::new(grid, &[0.0; 25], 0.0, duality, &[0.3; 16]);
         // psi = a / r exactly, and a hair below.
         let at = data.boundary(1, data.edge, 0.3);
         let below = data.boundary(1, data.edge, 0.3 - 1e-12);

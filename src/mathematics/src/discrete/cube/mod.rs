@@ -10,7 +10,8 @@ pub use load::{exact_load, integral};
 pub use norms::errors;
 
 use crate::discrete::grid::{GridError, MIN_CELLS};
-use crate::discrete::kkt::{Judge, Judgement};
+use crate::discrete::kkt::{Judge, JudgedValues, Judgement};
+use crate::problem::law::Law;
 
 /// The uniform grid with `n` cells of width `h = 1/n` along each side.
 ///
@@ -50,7 +51,7 @@ impl Grid {
     }
 
     /// Indices along x, y and z of each node, in the order of a nodal vector.
-    pub fn indices(self) -> impl Iterator<Item = [usize; 3]> {
+    pub fn indices(self) -> impl Iterator<Item = [usize; 3]> + Clone {
         let range = 0..=self.n;
         let planes = range.clone().flat_map(move |k| range.clone().map(move |j| (j, k)));
         planes.flat_map(move |(j, k)| (0..=self.n).map(move |i| [i, j, k]))
@@ -63,7 +64,7 @@ impl Grid {
 
     /// Positions of the boundary nodes in a nodal vector, each with the measure of its part of the boundary: h^2 on
     /// faces, half of it on each of the two that meet in edges, a quarter on each of the three in corners.
-    pub fn boundary_shares(self) -> impl Iterator<Item = (usize, f64)> {
+    pub fn boundary_shares(self) -> impl Iterator<Item = (usize, f64)> + Clone {
         let share = move |(node, at): (usize, [usize; 3])| {
             let faces = at.iter().filter(|&&i| i == 0 || i == self.n).count();
             // Of the cell around the node, each face halves the part inside, and the part of the other faces.
@@ -125,7 +126,7 @@ fn residual_row(grid: Grid, [j, k]: [usize; 2], y: &[f64], load: &[f64], out: &m
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
-pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
+pub fn judge(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Judgement {
     assert!(y.len() == grid.nodes() && load.len() == grid.nodes());
     let (n, side) = (grid.n, grid.n + 1);
     let (mut judge, mut gradient, mut flux) = (Judge::default(), vec![0.0; side], Vec::new());
@@ -140,7 +141,7 @@ pub fn judge(grid: Grid, y: &[f64], load: &[f64]) -> Judgement {
             false => flux.extend_from_slice(&gradient),
         }
     }
-    judge.judgement(n, y, flux, grid.boundary_shares())
+    judge.judgement(JudgedValues { law, cells: n, y, flux }, grid.boundary_shares())
 }
 
 #[cfg(test)]
@@ -177,12 +178,12 @@ mod tests {
         let load = load(grid, |_| -1.0);
         let mut y = vec![0.0; 27];
         y[13] = -0.125 / 3.0;
-        assert!(judge(grid, &y, &load).kkt.natural < 1e-16);
+        assert!(judge(grid, Law::SIGNORINI, &y, &load).kkt.natural < 1e-16);
         y[13] = 0.0;
-        assert_eq!(judge(grid, &y, &load).kkt.stationarity, 0.125);
+        assert_eq!(judge(grid, Law::SIGNORINI, &y, &load).kkt.stationarity, 0.125);
         y[4] = -1.0;
-        assert_eq!(judge(grid, &y, &load).kkt.min_y, -1.0);
+        assert_eq!(judge(grid, Law::SIGNORINI, &y, &load).kkt.min_y, -1.0);
         y[4] = f64::NAN;
-        assert!(judge(grid, &y, &load).kkt.natural.is_nan());
+        assert!(judge(grid, Law::SIGNORINI, &y, &load).kkt.natural.is_nan());
     }
 }

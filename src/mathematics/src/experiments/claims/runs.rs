@@ -6,6 +6,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::problems::{Discrete, Problem};
+use crate::problem::law::Law;
 use crate::saddle::batch::{AsDefined, End, Job, JobGoal, LANES, Nested, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use rayon::prelude::*;
@@ -180,7 +181,7 @@ impl<'a> ClaimCase<'a> {
             let goal = JobGoal::Kkt(target);
             jobs.push(Job { load, start, method, r: run.r, goal, cap: plan.cap });
         }
-        let ends = run(grid, &jobs, &mut AsDefined);
+        let ends = run(grid, Law::SIGNORINI, &jobs, &mut AsDefined);
         ends.iter().map(|end| vec![RunResult::new(grid, load, end)]).collect()
     }
 }
@@ -190,7 +191,7 @@ impl RunResult {
         Self {
             count: Count { iterations: end.sweeps, stop: end.stop },
             delta_a: end.delta_a,
-            kkt: kkt(grid, &end.pair.y, load).relative,
+            kkt: kkt(grid, Law::SIGNORINI, &end.pair.y, load).relative,
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::mesh::{BuiltIn, Mesh, OnCells, mesh_arcs, mesh_load, refined};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
+use crate::problem::law::Law;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -89,8 +90,8 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
     let (y, _) = solve_nested_networks(&levels, &load, &MultigridParams::default())
         .map_err(|e| e.to_string())?;
     let network = &levels[times].network;
-    let judged = judge_network(network, &y, &load);
-    let parts = network.contact().iter().map(|contact| (contact.node as usize, contact.measure));
+    let judged = judge_network(network, Law::SIGNORINI, &y, &load);
+    let parts = network.contact_parts();
     let multiplier = judged.multiplier(parts.clone(), &y);
     let (mut rim, mut square) = (0.0f64, 0.0);
     for ((node, measure), l) in parts.zip(&multiplier) {

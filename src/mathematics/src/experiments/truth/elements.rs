@@ -8,6 +8,7 @@ use crate::discrete::load::{self, LoadRule};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
 use crate::multigrid::{self, MultigridParams};
+use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
 /// One problem on all grids, solved by multigrid to the rounding floor.
@@ -107,7 +108,7 @@ impl ElementsLevel {
         let bilinear = Bounded::solve(known, grid, &against_hats, &load)?;
         let [low, high] = bounds.energy;
         let truth = known.solution();
-        let judgement = judge(grid, &y, &load);
+        let judgement = judge(grid, Law::SIGNORINI, &y, &load);
         let contact = arcs(grid, &y, &judgement);
         Ok(Self {
             cells,

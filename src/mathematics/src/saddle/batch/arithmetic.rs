@@ -1,6 +1,7 @@
 //! Numbers of all lanes, and the operations of the iteration that may be rounded in other ways.
 
 use super::LANES;
+use crate::problem::law::Law;
 use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
@@ -59,16 +60,10 @@ impl V {
         Self(from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
     }
 
-    /// In each lane, the lesser of two numbers; the other one where either is NaN.
+    /// In each lane, the point of the law's interval next to a flux.
     #[inline(always)]
-    pub(super) fn least(self, other: Self) -> Self {
-        Self(from_fn(|l| if self.0[l] < other.0[l] { self.0[l] } else { other.0[l] }))
-    }
-
-    /// The positive ones, zero for the others.
-    #[inline(always)]
-    pub(super) fn positive(self) -> Self {
-        self.greatest(Self::all(0.0))
+    pub(super) fn project(self, law: Law) -> Self {
+        Self(self.0.map(|flux| law.project(flux)))
     }
 }
 

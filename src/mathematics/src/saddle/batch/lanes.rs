@@ -6,6 +6,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::machine::simd::vectorised;
+use crate::problem::law::Law;
 use crate::saddle::Pair;
 use std::array::from_fn;
 
@@ -46,6 +47,7 @@ impl LaneEdge {
 /// The iterates of all lanes.
 pub struct Lanes {
     pub(super) grid: Grid,
+    pub(super) law: Law,
     order: Order,
     /// Weight of the multiplier in (7), h, and its weight at the corners.
     pub(super) weights: [f64; 2],
@@ -92,8 +94,8 @@ fn relaxed(centre: V, terms: [V; 5], arithmetic: &mut impl Arithmetic) -> V {
 }
 
 impl Lanes {
-    /// All lanes at zero, swept in this order, with the multiplier's weight at corners in units of h.
-    pub fn new(grid: Grid, order: Order, corner_weight: f64) -> Self {
+    /// All lanes at zero, under one law, swept in this order, with the multiplier's weight at corners in units of h.
+    pub fn new(grid: Grid, law: Law, order: Order, corner_weight: f64) -> Self {
         let n = grid.cells();
         let network = Network::of_square(grid);
         let edge = |(b, node): (usize, usize)| {
@@ -111,6 +113,7 @@ impl Lanes {
         let nodes = || vec![V::all(0.0); grid.nodes()];
         Self {
             grid,
+            law,
             order,
             weights: [1.0, corner_weight].map(|weight| grid.h() * weight),
             r: V::all(1.0),
@@ -298,14 +301,18 @@ impl Lanes {
                 true => (&self.corner, self.weights[1]),
             };
             let (a, r) = (&self.a[edge.place as usize], &self.r);
-            let psi = *inverse * sum;
-            let least = V(from_fn(|l| a.0[l] / r.0[l]));
-            let free: [bool; LANES] = from_fn(|l| psi.0[l] >= least.0[l]);
-            let next = match free.iter().all(|free| *free) {
-                true => psi,
+            let (lo, hi) = (self.law.lo(), self.law.hi());
+            let up = *inverse * (sum + V::all(h * lo));
+            let least = V(from_fn(|l| (a.0[l] - lo) / r.0[l]));
+            let slips_up: [bool; LANES] = from_fn(|l| up.0[l] >= least.0[l]);
+            let next = match slips_up.iter().all(|slips| *slips) {
+                true => up,
                 false => V(from_fn(|l| {
-                    let held = (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l]);
-                    if free[l] { psi.0[l] } else { held }
+                    let sticks = (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l]);
+                    let down = inverse.0[l] * (sum.0[l] + h * hi);
+                    let slips_down = down <= (a.0[l] - hi) / r.0[l];
+                    let other = if slips_down { down } else { sticks };
+                    if slips_up[l] { up.0[l] } else { other }
                 })),
             };
             self.y[node] = arithmetic.node(next);
@@ -334,7 +341,7 @@ impl Lanes {
             let next = V(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);
-            let next = next.positive();
+            let next = next.project(self.law);
             changes = (next - *a).abs().greatest(changes);
             *a = next;
         }

@@ -15,7 +15,7 @@ pub enum GradientMeasure {
     Printed,
     /// Component of the gradient with the proximal term.
     Inner,
-    /// `|A y - F|` inside, `|min(y, A y - F)|` on the boundary.
+    /// `|A y - F|` inside, the law's natural residual on the boundary.
     Kkt,
 }
 
@@ -197,7 +197,8 @@ impl Lanes {
         let diagonal = if edge.is_corner { 1.0 } else { 2.0 };
         let mut flux = here * diagonal - (((load + first) + second) + third);
         if measure == GradientMeasure::Kkt {
-            return here.least(flux).abs();
+            let h = self.weights[usize::from(edge.is_corner)];
+            return V(from_fn(|l| self.law.residual(here.0[l], flux.0[l], h)));
         }
         if measure == GradientMeasure::Inner {
             // As `Gradient` adds it: the mass of a row, less half of it at the row's ends.
@@ -211,7 +212,7 @@ impl Lanes {
         }
         let pull = self.a[edge.place as usize] - self.r * here;
         let h = V::all(self.weights[usize::from(edge.is_corner)]);
-        let value = flux - h * pull.positive();
+        let value = flux - h * pull.project(self.law);
         if measure == GradientMeasure::Signed { value } else { value.abs() }
     }
 }

@@ -16,7 +16,8 @@ pub use measure::GradientMeasure;
 
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::Prolongation;
-use crate::saddle::gradient::Gradient;
+use crate::problem::law::Law;
+use crate::saddle::gradient::{Duality, Gradient};
 use crate::saddle::outcome::LastStep;
 use crate::saddle::{Method, Outcome, Pair, StopReason, StopRule, tolerance};
 use std::array::from_fn;
@@ -70,22 +71,23 @@ impl End {
     }
 
     /// Converts to an [`Outcome`] that counts sweeps as iterations.
-    pub fn outcome(&self, grid: Grid, job: &Job) -> Outcome {
-        let gradient = Gradient::new(grid, job.r, 0.0).extrema(job.load, &self.pair);
+    pub fn outcome(&self, grid: Grid, law: Law, job: &Job) -> Outcome {
+        let gradient =
+            Gradient::new(grid, Duality { law, r: job.r }, 0.0).extrema(job.load, &self.pair);
         let last =
             LastStep { iterations: self.sweeps, delta_a: self.delta_a, gradient, stop: self.stop };
-        Outcome::judge(grid, job.load, &self.pair, &last)
+        Outcome::judge(grid, law, job.load, &self.pair, &last)
     }
 }
 
-/// Does all jobs; the ends are in the order of the jobs.
+/// Does all jobs under one law; the ends are in the order of the jobs.
 ///
 /// # Panics
 /// If a load vector or a start has the wrong length for `grid`.
-pub fn run(grid: Grid, jobs: &[Job], arithmetic: &mut impl Arithmetic) -> Vec<End> {
+pub fn run(grid: Grid, law: Law, jobs: &[Job], arithmetic: &mut impl Arithmetic) -> Vec<End> {
     let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
     let mut waiting = jobs.iter().enumerate();
-    let mut lanes = Lanes::new(grid, Order::Lexicographic, 1.0);
+    let mut lanes = Lanes::new(grid, law, Order::Lexicographic, 1.0);
     let mut runs: [Option<LaneRun>; LANES] = [const { None }; LANES];
     // Nodes that broke the bound on the inner gradient when last tried.
     let mut inner_witnesses = [0; LANES];
@@ -191,7 +193,7 @@ pub struct Nested<'a> {
     pub rule: StopRule,
 }
 
-/// Does all runs, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
+/// Does all runs under the paper's law, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
 /// grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
 ///
 /// # Panics
@@ -219,7 +221,7 @@ pub fn run_nested(
                 cap: cap(number, k),
             })
             .collect();
-        let ends = run(grid, &jobs, arithmetic);
+        let ends = run(grid, Law::SIGNORINI, &jobs, arithmetic);
         for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
             if k + 1 < grids.len() {
                 *pair = end.pair.prolonged(grid, prolongation);
@@ -242,6 +244,10 @@ mod tests {
         (grid, load(grid, &f, LoadRule::LumpedAverage {}), Pair::zero(grid))
     }
 
+    fn laws() -> [Law; 2] {
+        [Law::SIGNORINI, Law::friction(0.6).unwrap()]
+    }
+
     #[test]
     fn each_lane_is_arrow_hurwicz_to_the_last_bit() {
         let (grid, load, start) = setting();
@@ -250,15 +256,23 @@ mod tests {
             let (method, goal) = (Method::ArrowHurwicz, JobGoal::Rule(rule, 1e-4));
             Job { load: &load, start: &start, method, r, goal, cap: 1000 }
         };
-        let ends = run(grid, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
-        for ((r, rule), ours) in all().zip(ends) {
-            let params =
-                Params { r, rule, tolerance: 1e-4, max_iterations: 1000, ..Params::default() };
-            let mut pair = start.clone();
-            let theirs = arrow_hurwicz(grid, &load, &params, &mut pair);
-            assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
-            assert_eq!(ours.outcome(grid, &job((r, rule))), theirs);
-            assert_eq!(ours.pair, pair);
+        for law in laws() {
+            let ends = run(grid, law, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
+            for ((r, rule), ours) in all().zip(ends) {
+                let params = Params {
+                    law,
+                    r,
+                    rule,
+                    tolerance: 1e-4,
+                    max_iterations: 1000,
+                    ..Params::default()
+                };
+                let mut pair = start.clone();
+                let theirs = arrow_hurwicz(grid, &load, &params, &mut pair);
+                assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
+                assert_eq!(ours.outcome(grid, law, &job((r, rule))), theirs);
+                assert_eq!(ours.pair, pair);
+            }
         }
     }
 
@@ -274,7 +288,7 @@ mod tests {
                 // One sweep leaves numbers before the node; a cap of none is one as well.
                 for cap in [0, 1] {
                     let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap };
-                    let end = &run(grid, &[job], &mut AsDefined)[0];
+                    let end = &run(grid, Law::SIGNORINI, &[job], &mut AsDefined)[0];
                     assert!(end.stop != StopReason::Converged, "node {node}, {goal:?}");
                     assert_eq!(end.sweeps, 1);
                 }
@@ -291,18 +305,21 @@ mod tests {
             let goal = JobGoal::Rule(StopRule::Printed, 1e-4);
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
-        for (job, ours) in jobs.iter().zip(run(grid, &jobs, &mut AsDefined)) {
-            let params = Params {
-                method: job.method,
-                r: job.r,
-                tolerance: 1e-4,
-                rule: StopRule::Printed,
-                ..Params::default()
-            };
-            let mut pair = start.clone();
-            let run = solve(grid, &load, &params, &mut pair, None);
-            assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
-            assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
+        for law in laws() {
+            for (job, ours) in jobs.iter().zip(run(grid, law, &jobs, &mut AsDefined)) {
+                let params = Params {
+                    method: job.method,
+                    law,
+                    r: job.r,
+                    tolerance: 1e-4,
+                    rule: StopRule::Printed,
+                    ..Params::default()
+                };
+                let mut pair = start.clone();
+                let run = solve(grid, &load, &params, &mut pair, None);
+                assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
+                assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
+            }
         }
     }
 }

@@ -1,0 +1,441 @@
+//! The law on the boundary: the flux dv/dn stays in an interval, and v is not zero only where the flux is at an end of it.
+//!
+//! With the flux `l = dv/dn` in `[lo, hi]`:
+//!
+//! | state | v | l |
+//! | --- | --- | --- |
+//! | sticks | 0 | anything in `[lo, hi]` |
+//! | slips up | above 0 | `lo` |
+//! | slips down | below 0 | `hi` |
+//!
+//! The paper's problem (1) has `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g has
+//! `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*, 1981), and a membrane
+//! that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics and Physics*, 1976).
+//! The energy of the problem has the term `j(v)`, the largest of `-l v` over the interval.
+//! In the paper's formulas the projection onto the interval takes the place of `( )^+`.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Law on the boundary: the interval of the flux.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    lo: f64,
+    hi: f64,
+}
+
+/// Parameter of a law as texts and files have it; the paper's law has none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[serde(expecting = "a table such as { friction = 0.3 } or { limit = 2.0 }")]
+pub enum LawParameter {
+    /// Bound g of the friction: the flux lies in `[-g, g]`.
+    Friction(f64),
+    /// Largest flux: it lies in `[0, limit]`.
+    Limit(f64),
+}
+
+/// Numbers that make no law, or a law under which a problem has no solution.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LawError {
+    /// A parameter that is not a positive, finite number.
+    #[error("{name} = {value} must be a positive number, e.g. {name} = 0.3")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Ends of an interval that is empty, has no inner point, or is not bounded on either side.
+    #[error(
+        "the flux must lie between two numbers, the first smaller and at most one infinite, not {lo} and {hi}"
+    )]
+    Interval {
+        /// Lower end.
+        lo: f64,
+        /// Upper end.
+        hi: f64,
+    },
+    /// An integral of f that the flux cannot balance.
+    #[error(
+        "the integral of f is {integral:.4e}, but the flux through the boundary can only balance one between {least:.4e} and {most:.4e}; change f, or widen the law"
+    )]
+    Unbalanced {
+        /// Integral of f.
+        integral: f64,
+        /// Lower end of the integrals that can be balanced; not reached.
+        least: f64,
+        /// Upper end; not reached.
+        most: f64,
+    },
+}
+
+/// State of a boundary node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BoundaryState {
+    /// v = 0; for the paper's law, contact.
+    Sticks,
+    /// v > 0, with the least flux.
+    SlipsUp,
+    /// v < 0, with the largest flux.
+    SlipsDown,
+}
+
+/// A problem under a law as one for v or -v under the law `[0, limit]`, with another load: all that solvers have to know of
+/// a law is then one number.
+///
+/// The end of the interval with the smaller absolute value becomes 0. For friction, where both are as far from 0, it is the
+/// one that v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same numbers, and
+/// where v has one sign, the limit plays no part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OneSided {
+    /// True if the problem is that of -v.
+    pub is_reflected: bool,
+    /// Flux that is added to the load at the boundary, per length or area.
+    pub shift: f64,
+    /// Width of the interval; infinite for the paper's law.
+    pub limit: f64,
+}
+
+impl OneSided {
+    /// Load vector of the other problem, for the load vector F; `boundary` has the nodes with the measures of their
+    /// parts of the boundary.
+    pub fn load(self, load: &[f64], boundary: impl IntoIterator<Item = (usize, f64)>) -> Vec<f64> {
+        let mut shifted: Vec<f64> = load.iter().map(|value| self.signed(*value)).collect();
+        for (node, measure) in boundary {
+            shifted[node] += measure * self.shift;
+        }
+        shifted
+    }
+
+    /// Value of the problem as given for one of the other problem, or the other way round.
+    pub fn signed(self, value: f64) -> f64 {
+        if self.is_reflected { -value } else { value }
+    }
+
+    /// True if the other problem is the same one.
+    pub fn is_same(self) -> bool {
+        !self.is_reflected && self.shift == 0.0
+    }
+}
+
+/// Equation of one boundary unknown in the modified functional (7): `A_ii y = sum + measure l`, where the flux is l.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundaryRow {
+    /// Load less the products of the other values with their entries of A: `F_i - sum_j A_ij y_j`, j not i.
+    pub sum: f64,
+    /// Diagonal entry `A_ii`.
+    pub diagonal: f64,
+    /// Part of the boundary at the node, h on the square.
+    pub measure: f64,
+    /// Multiplier.
+    pub a: f64,
+    /// Duality parameter r > 0.
+    pub r: f64,
+}
+
+impl Law {
+    /// The paper's law: v >= 0, dv/dn >= 0, and one of both zero.
+    pub const SIGNORINI: Self = Self { lo: 0.0, hi: f64::INFINITY };
+
+    /// Law with the flux in `[lo, hi]`.
+    ///
+    /// # Errors
+    /// [`LawError::Interval`] unless `lo < hi` with at most one of them infinite.
+    pub fn new(lo: f64, hi: f64) -> Result<Self, LawError> {
+        let is_bounded = lo.is_finite() || hi.is_finite();
+        if lo < hi && is_bounded { Ok(Self { lo, hi }) } else { Err(LawError::Interval { lo, hi }) }
+    }
+
+    /// Friction: `|dv/dn| <= g`, with v against it where the flux is at the bound.
+    ///
+    /// # Errors
+    /// [`LawError::Parameter`] unless g is positive and finite.
+    pub fn friction(g: f64) -> Result<Self, LawError> {
+        let g = positive("friction", g)?;
+        Ok(Self { lo: -g, hi: g })
+    }
+
+    /// Limited flow: the paper's law, but with v < 0 where the flux is at the limit.
+    ///
+    /// # Errors
+    /// [`LawError::Parameter`] unless the limit is positive and finite.
+    pub fn limited(limit: f64) -> Result<Self, LawError> {
+        Ok(Self { lo: 0.0, hi: positive("limit", limit)? })
+    }
+
+    /// Least flux.
+    pub fn lo(self) -> f64 {
+        self.lo
+    }
+
+    /// Largest flux.
+    pub fn hi(self) -> f64 {
+        self.hi
+    }
+
+    /// True if the law is the paper's.
+    pub fn is_signorini(self) -> bool {
+        self == Self::SIGNORINI
+    }
+
+    /// Law of -v, if this is the law of v.
+    #[must_use]
+    pub fn reflected(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+
+    /// The problem under this law with the load vector `load` as one under the law `[0, limit]`.
+    pub fn one_sided(self, load: &[f64]) -> OneSided {
+        let is_reflected = if self.lo == -self.hi {
+            let mut largest = 0.0f64;
+            for value in load {
+                if value.abs() > largest.abs() {
+                    largest = *value;
+                }
+            }
+            largest < 0.0
+        } else {
+            self.lo.abs() > self.hi.abs()
+        };
+        let shift = if is_reflected { -self.hi } else { self.lo };
+        OneSided { is_reflected, shift, limit: self.hi - self.lo }
+    }
+
+    /// The point of the interval next to a flux, which takes the place of `( )^+` in (8) and (12).
+    #[inline(always)]
+    pub fn project(self, flux: f64) -> f64 {
+        let above = if flux > self.lo { flux } else { self.lo };
+        if above < self.hi { above } else { self.hi }
+    }
+
+    /// Minimiser (10), (11) of the modified functional over one boundary unknown.
+    #[inline(always)]
+    pub fn relax(self, row: BoundaryRow) -> f64 {
+        let BoundaryRow { sum, diagonal, measure, a, r } = row;
+        let up = (sum + measure * self.lo) / diagonal;
+        if up >= (a - self.lo) / r {
+            return up;
+        }
+        let down = (sum + measure * self.hi) / diagonal;
+        if down <= (a - self.hi) / r {
+            return down;
+        }
+        (sum + measure * a) / (diagonal + measure * r)
+    }
+
+    /// Minimiser of the energy over one boundary unknown, [`Law::relax`] as r grows: the diagonal entry times y is `sum` and
+    /// the flux times `measure`.
+    #[inline(always)]
+    pub fn settle(self, sum: f64, diagonal: f64, measure: f64) -> f64 {
+        let up = (sum + measure * self.lo) / diagonal;
+        let down = (sum + measure * self.hi) / diagonal;
+        up.max(down.min(0.0))
+    }
+
+    /// Natural residual at a boundary node where `gradient` is that of the energy without the boundary, `(A y - F)_i`: the
+    /// distance of the gradient from the point of `measure` times the interval that is next to `gradient - y`.
+    ///
+    /// For the paper's law `|min(y, gradient)|`.
+    #[inline(always)]
+    pub fn residual(self, y: f64, gradient: f64, measure: f64) -> f64 {
+        let above_lo = gradient - measure * self.lo;
+        let above_hi = gradient - measure * self.hi;
+        lesser(above_lo, greater(y, above_hi)).abs()
+    }
+
+    /// State at a boundary node, where differences up to `rounding` are rounding errors: a node sticks if its `flux` times
+    /// `measure` is strictly inside, and where flux and v are both undecided.
+    pub fn state(self, y: f64, gradient: f64, measure: f64, rounding: f64) -> BoundaryState {
+        if y - (gradient - measure * self.lo) > rounding {
+            BoundaryState::SlipsUp
+        } else if (gradient - measure * self.hi) - y > rounding {
+            BoundaryState::SlipsDown
+        } else {
+            BoundaryState::Sticks
+        }
+    }
+
+    /// Term j(v) of the energy, per length or area of the boundary. For an infinite end of the interval, which v of the
+    /// other sign violates, zero there.
+    #[inline(always)]
+    pub fn potential(self, v: f64) -> f64 {
+        let flux = if v > 0.0 { self.lo } else { self.hi };
+        if flux.is_finite() { -flux * v } else { 0.0 }
+    }
+
+    /// Checks that the flux through a boundary of this `perimeter` (in space, area) can balance the integral of f, both
+    /// ends left out: the condition (2).
+    ///
+    /// # Errors
+    /// [`LawError::Unbalanced`].
+    pub fn check_solvable(self, integral: f64, perimeter: f64) -> Result<(), LawError> {
+        let [least, most] = [-self.hi * perimeter, -self.lo * perimeter];
+        if least < integral && integral < most {
+            Ok(())
+        } else {
+            Err(LawError::Unbalanced { integral, least, most })
+        }
+    }
+}
+
+/// The paper's law.
+impl Default for Law {
+    fn default() -> Self {
+        Self::SIGNORINI
+    }
+}
+
+/// The interval, as it stands in messages.
+impl fmt::Display for Law {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_signorini() {
+            return out.write_str("Signorini");
+        }
+        if self.lo == -self.hi {
+            return write!(out, "friction {}", self.hi);
+        }
+        write!(out, "flux from {} to {}", self.lo, self.hi)
+    }
+}
+
+impl TryFrom<LawParameter> for Law {
+    type Error = LawError;
+
+    fn try_from(parameter: LawParameter) -> Result<Self, LawError> {
+        match parameter {
+            LawParameter::Friction(g) => Self::friction(g),
+            LawParameter::Limit(limit) => Self::limited(limit),
+        }
+    }
+}
+
+fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(LawError::Parameter { name, value })
+    }
+}
+
+/// The lesser of two, or NaN if either is: `f64::min` would hide a NaN.
+fn lesser(a: f64, b: f64) -> f64 {
+    if a <= b || a.is_nan() { a } else { b }
+}
+
+/// The greater of two, or NaN if either is.
+fn greater(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Value that the paper's formulas (10) and (11) give.
+    fn papers_relaxation(row: BoundaryRow) -> f64 {
+        let BoundaryRow { sum, diagonal, measure, a, r } = row;
+        let psi = sum / diagonal;
+        if psi >= a / r { psi } else { (sum + measure * a) / (diagonal + measure * r) }
+    }
+
+    /// Modified functional in one unknown, with twice Huber's function for the boundary.
+    fn functional(law: Law, row: BoundaryRow, y: f64) -> f64 {
+        let BoundaryRow { sum, diagonal, measure, a, r } = row;
+        let s = a - r * y;
+        let inside = law.project(s);
+        // The integral of 2 P(s) over s.
+        let h = inside * inside + 2.0 * inside * (s - inside);
+        0.5 * diagonal * y * y - sum * y + measure / (2.0 * r) * h
+    }
+
+    fn rows() -> impl Strategy<Value = BoundaryRow> {
+        (-2.0..2.0f64, 0.5..3.0f64, 0.01..1.0f64, -1.0..1.0f64, 1e-3..1e6f64)
+            .prop_map(|(sum, diagonal, measure, a, r)| BoundaryRow { sum, diagonal, measure, a, r })
+    }
+
+    proptest! {
+        #[test]
+        fn the_papers_law_gives_the_papers_bits(row in rows(), y in -1.0..1.0f64) {
+            let row = BoundaryRow { a: row.a.abs(), ..row };
+            let law = Law::SIGNORINI;
+            prop_assert_eq!(law.relax(row).to_bits(), papers_relaxation(row).to_bits());
+            prop_assert_eq!(law.project(row.sum).to_bits(), row.sum.max(0.0).to_bits());
+            let natural = y.min(row.sum).abs();
+            prop_assert_eq!(law.residual(y, row.sum, row.measure).to_bits(), natural.to_bits());
+        }
+
+        #[test]
+        fn a_relaxation_minimises_the_functional(
+            row in rows(), lo in -1.0..0.5f64, width in 0.01..2.0f64, other in -1.0..1.0f64,
+        ) {
+            let law = Law::new(lo, lo + width).unwrap();
+            let row = BoundaryRow { a: law.project(row.a), ..row };
+            let best = law.relax(row);
+            let least = functional(law, row, best);
+            let rounding = 1e-13 * (1.0 + least.abs() + 0.5 / row.r + row.r);
+            for y in [best + other, best + 1e-3 * other, -best] {
+                prop_assert!(functional(law, row, y) >= least - rounding);
+            }
+        }
+
+        #[test]
+        fn the_reflected_law_is_that_of_minus_v(row in rows(), lo in -1.0..0.5f64, y in -1.0..1.0f64) {
+            let law = Law::new(lo, 1.0).unwrap();
+            let reflected = BoundaryRow { sum: -row.sum, a: -row.a, ..row };
+            prop_assert_eq!(law.reflected().relax(reflected), -law.relax(row));
+            prop_assert_eq!(law.reflected().project(-row.sum), -law.project(row.sum));
+            prop_assert_eq!(law.reflected().potential(-y), law.potential(y));
+            let residual = law.reflected().residual(-y, -row.sum, row.measure);
+            prop_assert_eq!(residual, law.residual(y, row.sum, row.measure));
+        }
+
+        #[test]
+        fn the_residual_is_the_distance_from_the_law(
+            gradient in -1.0..1.0f64, y in -1.0..1.0f64, lo in -1.0..0.5f64, measure in 0.01..1.0f64,
+        ) {
+            let law = Law::new(lo, 0.6).unwrap();
+            let [least, most] = [measure * law.lo(), measure * law.hi()];
+            let expected = (gradient - (gradient - y).max(least).min(most)).abs();
+            prop_assert!((law.residual(y, gradient, measure) - expected).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn nan_is_never_hidden() {
+        for law in [Law::SIGNORINI, Law::friction(0.3).unwrap()] {
+            assert!(law.residual(f64::NAN, f64::NAN, 0.1).is_nan());
+            assert!(law.residual(0.0, f64::NAN, 0.1).is_nan());
+        }
+    }
+
+    #[test]
+    fn bad_laws_are_refused_with_one_line() {
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            for error in [Law::friction(value), Law::limited(value)].map(Result::unwrap_err) {
+                assert!(error.to_string().contains("must be a positive number"), "{error}");
+            }
+        }
+        let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
+        for [lo, hi] in [[1.0, 1.0], [2.0, 1.0], [f64::NAN, 1.0], [0.0, f64::NAN], unbounded] {
+            assert!(matches!(Law::new(lo, hi), Err(LawError::Interval { .. })), "{lo} {hi}");
+        }
+        let law = Law::friction(0.3).unwrap();
+        assert!(law.check_solvable(-1.19, 4.0).is_ok() && law.check_solvable(1.19, 4.0).is_ok());
+        let message = law.check_solvable(1.2, 4.0).unwrap_err().to_string();
+        assert!(message.contains("between -1.2") && !message.contains('\n'), "{message}");
+        assert!(Law::SIGNORINI.check_solvable(-1e-9, 4.0).is_ok());
+        assert!(Law::SIGNORINI.check_solvable(0.0, 4.0).is_err());
+    }
+
+    #[test]
+    fn states_follow_the_flux() {
+        let law = Law::friction(0.5).unwrap();
+        let state = |y: f64, flux: f64| law.state(y, 0.1 * flux, 0.1, 1e-12);
+        assert_eq!(state(0.0, 0.3), BoundaryState::Sticks);
+        assert_eq!(state(0.2, -0.5), BoundaryState::SlipsUp);
+        assert_eq!(state(-0.2, 0.5), BoundaryState::SlipsDown);
+    }
+}
