@@ -11,6 +11,7 @@ use signorini_mathematics::experiments::problems;
 use signorini_mathematics::machine::memory::LargePages;
 use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridOutcome, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use std::time::Instant;
 
@@ -82,7 +83,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         multigrid::solve_square(n, &load, None, &params).expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
-    let kkt = kkt(grid, &y, &given).relative;
+    let kkt = kkt(grid, Law::SIGNORINI, &y, &given).relative;
     println!("{{\"ns\": {ns}, \"whole_ns\": {}, \"kkt\": {kkt:e}}}", whole_ns.0);
 }
 

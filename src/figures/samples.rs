@@ -49,7 +49,7 @@ impl Solved {
         let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
         let nodes = problem.network().contact().iter().map(|contact| contact.node as usize);
         let mut in_contact = vec![false; y.len()];
-        for (node, touches) in nodes.clone().zip(problem.judge(&y).in_contact(nodes, &y)) {
+        for (node, touches) in nodes.zip(problem.judge(&y).in_contact()) {
             in_contact[node] = touches;
         }
         let AnyMesh::Plane(mesh) = problem.mesh else { panic!("a mesh in space") };

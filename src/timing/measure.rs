@@ -22,6 +22,7 @@ use signorini_mathematics::experiments::problems::{CONTACT, PAPER};
 use signorini_mathematics::experiments::work::{OnGrid, R};
 use signorini_mathematics::multigrid::{Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
 use signorini_mathematics::solvers::Solver;
@@ -249,7 +250,7 @@ fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached,
         goal: PUBLISHED.into(),
         error: level.error(&y),
         discretisation: level.discretisation,
-        kkt: kkt(level.grid, &y, &level.load).relative,
+        kkt: kkt(level.grid, Law::SIGNORINI, &y, &level.load).relative,
         seconds,
         spread,
     })
@@ -290,7 +291,7 @@ fn reached(
                 goal: name,
                 error: level.error(&y),
                 discretisation: level.discretisation,
-                kkt: kkt(level.grid, &y, &level.load).relative,
+                kkt: kkt(level.grid, Law::SIGNORINI, &y, &level.load).relative,
                 seconds,
                 spread,
             });

@@ -12,6 +12,7 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini_mathematics::discrete::stiffness::energy as discrete_energy;
 use signorini_mathematics::multigrid::{self, Goal, MultigridParams};
 use signorini_mathematics::problem::exact::{Exact, Sample};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::spectral::{self, spectral};
@@ -145,7 +146,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 0),
             (Goal::RoundingFloor, 1),
         ] {
-            let params = MultigridParams { goal, max_cycles };
+            let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
             let (y, _) = multigrid::solve_square(cells, &load, None, &params).unwrap();
             judge(&(rule, goal, max_cycles), &y);
         }
@@ -314,7 +315,7 @@ fn beside_a_circle_both_exact_loads_have_close_brackets() {
 /// The arcs of the solution for f, and its nodes in contact.
 fn contact(n: usize, f: &Source) -> (Vec<ContactArc>, usize) {
     let (grid, y) = solved(n, f, EXACT, Goal::RoundingFloor);
-    let judgement = judge(grid, &y, &load(grid, f, EXACT));
+    let judgement = judge(grid, Law::SIGNORINI, &y, &load(grid, f, EXACT));
     (arcs(grid, &y, &judgement), grid.boundary().filter(|&node| y[node] == 0.0).count())
 }
 

@@ -314,6 +314,11 @@ impl Dice {
     pub(crate) fn unit(&mut self) -> f64 {
         self.below(1 << 32) as f64 / 2f64.powi(32)
     }
+
+    /// A number between two others.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
 }
 
 /// Overlapping shapes with a negative integral, to two decimals.

@@ -10,6 +10,7 @@ use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::square::Square;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 
@@ -20,15 +21,15 @@ fn solutions(n: usize, load: &[f64]) -> Vec<Vec<f64>> {
     let params = MultigridParams::default();
     let mut solutions = vec![multigrid::solve_square(n, load, None, &params).unwrap().0];
     if n <= 64 {
-        solutions.push(active_set::<Square>(n, load).unwrap().0);
+        solutions.push(active_set::<Square>(n, Law::SIGNORINI, load).unwrap().0);
     }
     solutions
 }
 
 /// Contact at the boundary nodes as the judgement reads it and as pictures do, which must be the same.
 fn in_contact(grid: Grid, y: &[f64], load: &[f64]) -> Vec<bool> {
-    let judgement = judge(grid, y, load);
-    let contact = judgement.in_contact(grid.boundary(), y);
+    let judgement = judge(grid, Law::SIGNORINI, y, load);
+    let contact = judgement.in_contact();
     let a = judgement.multiplier(grid.boundary().map(|node| (node, grid.h())), y);
     assert_eq!(Pair { y: y.to_vec(), a }.in_contact(grid), contact);
     contact
@@ -69,7 +70,7 @@ fn no_corner_between_nodes_in_contact_is_a_gap() {
                     let grid = Grid::new(n).unwrap();
                     let load = load(grid, &f, rule);
                     for y in solutions(n, &load) {
-                        let arcs = arcs(grid, &y, &judge(grid, &y, &load));
+                        let arcs = arcs(grid, &y, &judge(grid, Law::SIGNORINI, &y, &load));
                         assert_eq!(arcs.len(), 1, "{f} 1/{n}: {arcs:?}");
                         assert!((arcs[0].force + integral(&f)).abs() < 1e-9 * value, "{f} 1/{n}");
                         let contact = in_contact(grid, &y, &load);
@@ -145,7 +146,7 @@ fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
         let load = cube::exact_load(grid, &f);
         let params = MultigridParams::default();
         let (y, _) = multigrid::solve_cube(n, &load, None, &params).unwrap();
-        let judgement = cube::judge(grid, &y, &load);
+        let judgement = cube::judge(grid, Law::SIGNORINI, &y, &load);
         let a = judgement.multiplier(grid.boundary_shares(), &y);
         let mut multiplier = vec![0.0; grid.nodes()];
         grid.boundary().into_iter().zip(&a).for_each(|(node, a)| multiplier[node] = *a);

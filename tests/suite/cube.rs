@@ -13,6 +13,7 @@ use signorini_mathematics::multigrid::{
     Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
 };
 use signorini_mathematics::problem::cube::Exact;
+use signorini_mathematics::problem::law::Law;
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).expect("fine enough")
@@ -23,7 +24,7 @@ fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
 }
 
 pub(crate) fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
-    judge(grid(n), y, load).kkt.natural
+    judge(grid(n), Law::SIGNORINI, y, load).kkt.natural
 }
 
 /// Loads of the problems with a formula for the solution, by name.
@@ -62,7 +63,8 @@ fn one_cycle_reaches_the_discretisation_error() {
             let squares = algebraic.iter().zip(grid.indices()).map(|(e, i)| grid.share(i) * e * e);
             let l2 = (grid.h().powi(3) * squares.sum::<f64>()).sqrt();
             // For zero load, the energy is half the square of the H1 seminorm.
-            let h1 = (2.0 * judge(grid, &algebraic, &vec![0.0; y.len()]).energy).sqrt();
+            let h1 =
+                (2.0 * judge(grid, Law::SIGNORINI, &algebraic, &vec![0.0; y.len()]).energy).sqrt();
             assert!(l2 < 0.25 * discretisation.l2, "{problem:?} {n} {}", l2 / discretisation.l2);
             assert!(
                 h1 < ALGEBRAIC * discretisation.h1,
@@ -141,7 +143,7 @@ proptest! {
         let load = random_load(n, &amplitudes, roughness, deficit_exponent);
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
         prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
-        let (oracle, _) = active_set::<Cube>(n, &load).expect("valid");
+        let (oracle, _) = active_set::<Cube>(n, Law::SIGNORINI, &load).expect("valid");
         let level = 2.0 * rounding_level::<Cube>(n, &oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
         prop_assert!(natural_residual(n, &oracle, &load) <= level);

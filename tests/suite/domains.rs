@@ -10,6 +10,7 @@ use signorini_mathematics::multigrid::{
     Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop, solve_cube,
     solve_square,
 };
+use signorini_mathematics::problem::law::Law;
 
 /// Name of a problem, and its load.
 type Named = (&'static str, Vec<f64>);
@@ -64,7 +65,7 @@ impl Domain for Square {
     }
 
     fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError> {
-        active_set::<Square>(n, load).map(|(y, _)| y)
+        active_set::<Square>(n, Law::SIGNORINI, load).map(|(y, _)| y)
     }
 
     fn workspace(n: usize) -> Result<Multigrid, InputError> {
@@ -98,7 +99,7 @@ impl Domain for Cube {
     }
 
     fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError> {
-        active_set::<Cube>(n, load).map(|(y, _)| y)
+        active_set::<Cube>(n, Law::SIGNORINI, load).map(|(y, _)| y)
     }
 
     fn workspace(n: usize) -> Result<Multigrid, InputError> {

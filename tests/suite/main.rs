@@ -26,6 +26,7 @@ mod identify;
 mod identify_cli;
 mod init;
 mod interruption;
+mod laws;
 mod layout;
 mod links;
 mod load_symmetry;

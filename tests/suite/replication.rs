@@ -10,6 +10,7 @@ use signorini_mathematics::discrete::network::{Network, NodeCondition};
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::{assemble, uniform_square};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{
     Monitor, Pair, Params, Plain, PlainEnd, StopReason, StopRule, arrow_hurwicz, on_nested,
@@ -62,7 +63,8 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let (made, made_pair) = solve_nested(grids, &loads, &params, scene.prolongation, &mut ());
         let (defined, pair) =
             on_nested(grids, &loads, scene.prolongation, |level, grid, load, pair| {
-                let definition = Plain { network: &Network::of_square(grid), load, r };
+                let definition =
+                    Plain { network: &Network::of_square(grid), law: Law::SIGNORINI, load, r };
                 (definition.iterate(rule, tolerance(level), CAP, pair), StopReason::Converged)
             });
         let made: Vec<_> = made
@@ -112,7 +114,7 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
                 let nodal = mesh.points().iter().zip(network.masses());
                 let load: Vec<f64> = nodal.map(|(point, mass)| f_at(point) * mass).collect();
                 let mut general = Pair { y: pair.y, a: reordered(grid, &network, &pair.a, true) };
-                let definition = Plain { network: &network, load: &load, r };
+                let definition = Plain { network: &network, law: Law::SIGNORINI, load: &load, r };
                 let end =
                     definition.iterate(StopRule::Signed, tolerance(k + 1), 100_000, &mut general);
                 counts.push(end.iterations);

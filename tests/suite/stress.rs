@@ -10,6 +10,7 @@ use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::experiments::rounding::{self, rounding};
 use signorini_mathematics::experiments::stress::{self, Stress, stress};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
 use std::sync::OnceLock;
 
@@ -230,7 +231,7 @@ proptest! {
         let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000, ..Params::default() };
         let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero(grid) };
         let outcome = arrow_hurwicz(grid, &load, &params, &mut pair);
-        let natural = kkt(grid, &pair.y, &load).natural;
+        let natural = kkt(grid, Law::SIGNORINI, &pair.y, &load).natural;
         prop_assert!(natural.is_finite());
         if outcome.stop == StopReason::Converged {
             let bound = tolerance * (1.0 / r).max(1.0);

@@ -8,6 +8,7 @@ use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, MultigridParams, MultigridStop, solve_cube};
 use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, solve_network};
 use signorini_mathematics::triangulated::MeshProblem;
 use std::f64::consts::PI;
@@ -105,7 +106,8 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
         let judged = problem.judge(&y);
         assert!(judged.kkt.relative < 1e-9, "{name}: {:?}", judged.kkt);
         if case % 4 == 0 {
-            let (direct, _) = active_set_on(problem.network(), &problem.f.load).unwrap();
+            let (direct, _) =
+                active_set_on(problem.network(), Law::SIGNORINI, &problem.f.load).unwrap();
             let largest = y.iter().fold(1.0f64, |most, y| most.max(y.abs()));
             let apart = y.iter().zip(&direct).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
             assert!(apart < 1e-9 * largest, "{name}: {apart:e}");

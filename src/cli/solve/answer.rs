@@ -112,7 +112,7 @@ impl Answer {
         let (n, y) = (problem.finest(), &solved.pair.y);
         let nodes = problem.domain.boundary(n);
         let Judgement { flux, .. } = &solved.judgement;
-        let in_contact = solved.judgement.in_contact(nodes.iter().copied(), y);
+        let in_contact = solved.judgement.in_contact();
         let contact = problem.domain.contact(n, y, &solved.judgement);
         let of_nodes = flux.iter().zip(&in_contact).filter(|(_, touches)| **touches);
         let force = match &contact {

@@ -17,6 +17,7 @@ use signorini_mathematics::discrete::transfer::prolong_boundary;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::formats::Fields;
 use signorini_mathematics::problem;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
@@ -154,11 +155,11 @@ impl Domain {
     }
 
     /// Judges a nodal vector, apart from the solvers.
-    pub(super) fn judge(&self, n: usize, y: &[f64], load: &[f64]) -> Judgement {
+    pub(super) fn judge(&self, n: usize, law: Law, y: &[f64], load: &[f64]) -> Judgement {
         match self {
-            Self::Square { .. } => judge(square(n), y, load),
-            Self::Cube { .. } => cube::judge(cube(n), y, load),
-            Self::Mesh(mesh) => judge_network(&mesh.problem.levels[n].network, y, load),
+            Self::Square { .. } => judge(square(n), law, y, load),
+            Self::Cube { .. } => cube::judge(cube(n), law, y, load),
+            Self::Mesh(mesh) => judge_network(&mesh.problem.levels[n].network, law, y, load),
         }
     }
 

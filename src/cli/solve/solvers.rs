@@ -86,7 +86,8 @@ impl Problem {
             return Err(self.diverged(end.cells, end.iterations));
         }
         let levels = outcomes.iter().map(Level::of_saddle_run).collect();
-        let judgement = self.domain.judge(self.finest(), &pair.y, &loads[loads.len() - 1]);
+        let judgement =
+            self.domain.judge(self.finest(), self.params.law, &pair.y, &loads[loads.len() - 1]);
         Ok(self.solved(levels, pair.y, judgement, None))
     }
 
@@ -100,7 +101,7 @@ impl Problem {
 
     /// Runs a solver that works on the finest grid alone.
     fn on_finest_grid(&self, solve: SolveOnGrid, load: &[f64]) -> Result<Solved> {
-        let run = solve(self.finest(), load, self.goal(load));
+        let run = solve(self.finest(), load, &self.multigrid_params(load));
         self.judged(run.map_err(|e| self.refused(&e))?, load)
     }
 
@@ -108,14 +109,10 @@ impl Problem {
     fn on_finest_mesh(&self, mesh: &MeshDomain, load: &[f64]) -> Result<Solved> {
         let problem = &mesh.problem;
         let run = match self.solver {
-            Solver::ActiveSet => {
-                active_set_on(problem.network(), load).map(FinestRun::of_active_set)
-            }
-            _ => {
-                let params =
-                    MultigridParams { goal: self.goal(load), ..MultigridParams::default() };
-                solve_nested_networks(&problem.levels, load, &params).map(FinestRun::of_multigrid)
-            }
+            Solver::ActiveSet => active_set_on(problem.network(), self.params.law, load)
+                .map(FinestRun::of_active_set),
+            _ => solve_nested_networks(&problem.levels, load, &self.multigrid_params(load))
+                .map(FinestRun::of_multigrid),
         };
         self.judged(run.map_err(|e| self.refused(&e))?, load)
     }
@@ -127,7 +124,8 @@ impl Problem {
         let (mut levels, mut diverged) = (Vec::new(), None);
         let networks = &mesh.problem.levels;
         let pair = solve_networks(networks, loads, &params, &mut |k, run, pair| {
-            let Judgement { kkt, energy, work, .. } = self.domain.judge(k, &pair.y, &loads[k]);
+            let Judgement { kkt, energy, work, .. } =
+                self.domain.judge(k, self.params.law, &pair.y, &loads[k]);
             let sum_load = sum(&loads[k]);
             let verdict = self.domain.verdict(sum_load, &kkt, energy, work);
             if run.stop == StopReason::Diverged {
@@ -151,14 +149,15 @@ impl Problem {
         Ok(self.solved(levels, pair.y, judgement, None))
     }
 
-    /// Goal of a solver on the finest grid.
-    fn goal(&self, load: &[f64]) -> Goal {
-        match (self.accuracy, self.tolerance) {
+    /// Law and goal of a solver on the finest grid.
+    fn multigrid_params(&self, load: &[f64]) -> MultigridParams {
+        let goal = match (self.accuracy, self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
             (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(load)),
             // The bracket of the energy is much narrower than the error.
             _ => Goal::RoundingFloor,
-        }
+        };
+        MultigridParams { law: self.params.law, goal, ..MultigridParams::default() }
     }
 
     /// Judges a run on the finest grid.
@@ -169,7 +168,7 @@ impl Problem {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
-        let judgement = self.domain.judge(n, &y, load);
+        let judgement = self.domain.judge(n, self.params.law, &y, load);
         let Judgement { kkt, energy, work, .. } = judgement;
         let sum_load = sum(load);
         let level = Level {

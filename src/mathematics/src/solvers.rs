@@ -6,9 +6,8 @@ use crate::multigrid::active_set::{ActiveSetOutcome, MOST_ON_CUBE, MOST_ON_SQUAR
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
 use crate::multigrid::{
-    Goal, InputError, MultigridOutcome, MultigridParams, MultigridStop, solve_cube, solve_square,
+    InputError, MultigridOutcome, MultigridParams, MultigridStop, solve_cube, solve_square,
 };
-use crate::problem::law::Law;
 use crate::saddle::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -72,8 +71,8 @@ pub enum SolverRun {
     Spectral,
 }
 
-/// Solve on the grid with this number of cells per side, for a load vector, to a goal.
-pub type SolveOnGrid = fn(usize, &[f64], Goal) -> Result<FinestRun, InputError>;
+/// Solve on the grid with this number of cells per side, for a load vector, with the law and the goal of these parameters.
+pub type SolveOnGrid = fn(usize, &[f64], &MultigridParams) -> Result<FinestRun, InputError>;
 
 /// Solvers, in the order of the help.
 pub const SOLVERS: [SolverEntry; 6] = [
@@ -114,11 +113,11 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; down to 1/256, \
             on the cube to 1/24",
         run: SolverRun::Finest {
-            square: |n, load, _| {
-                active_set::<Square>(n, Law::SIGNORINI, load).map(FinestRun::of_active_set)
+            square: |n, load, params| {
+                active_set::<Square>(n, params.law, load).map(FinestRun::of_active_set)
             },
-            cube: |n, load, _| {
-                active_set::<Cube>(n, Law::SIGNORINI, load).map(FinestRun::of_active_set)
+            cube: |n, load, params| {
+                active_set::<Cube>(n, params.law, load).map(FinestRun::of_active_set)
             },
             takes_goal: false,
         },
@@ -132,10 +131,10 @@ pub const SOLVERS: [SolverEntry; 6] = [
         in_words: "multigrid",
         description: "Full multigrid to the rounding floor: the fastest on a grid",
         run: SolverRun::Finest {
-            square: |n, load, goal| {
-                solve_square(n, load, None, &to(goal)).map(FinestRun::of_multigrid)
+            square: |n, load, params| {
+                solve_square(n, load, None, params).map(FinestRun::of_multigrid)
             },
-            cube: |n, load, goal| solve_cube(n, load, None, &to(goal)).map(FinestRun::of_multigrid),
+            cube: |n, load, params| solve_cube(n, load, None, params).map(FinestRun::of_multigrid),
             takes_goal: true,
         },
         most_on_square: None,
@@ -219,10 +218,6 @@ impl FinestRun {
     pub fn of_active_set((y, outcome): (Vec<f64>, ActiveSetOutcome)) -> Self {
         Self { y, iterations: outcome.steps, stop: outcome.stop, work_units: None }
     }
-}
-
-fn to(goal: Goal) -> MultigridParams {
-    MultigridParams { goal, ..MultigridParams::default() }
 }
 
 fn vectors(_: u8, _: u64) -> u64 {

@@ -15,6 +15,7 @@ use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
     Iteration, Monitor, Outcome, Pair, Params, Plain, StopReason, StopRule, solve_nested,
@@ -83,7 +84,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let (y, _) = multigrid::solve_square(grid.cells(), &load, None, &MultigridParams::default())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let parts = grid.boundary().map(|node| (node, grid.h()));
-    let a = judge(grid, &y, &load).multiplier(parts, &y);
+    let a = judge(grid, Law::SIGNORINI, &y, &load).multiplier(parts, &y);
     Ok(Pair { y, a })
 }
 
@@ -253,6 +254,7 @@ pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Strin
     let (grid, pair) = (scene.finest(), pair(inputs, scene, scene.stop[0])?);
     let load = load(grid, &scene.f, scene.load);
     let network = Network::of_square(grid);
-    let functional = Plain { network: &network, load: &load, r: scene.drawn_r() };
+    let functional =
+        Plain { network: &network, law: Law::SIGNORINI, load: &load, r: scene.drawn_r() };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }

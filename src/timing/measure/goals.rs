@@ -5,6 +5,8 @@ use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::saddle::{CheckInterval, CheckedRun, loose_uzawa};
 use signorini_mathematics::experiments::work::{OnGrid, R};
+use signorini_mathematics::multigrid::MultigridParams;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Method, Pair};
 use signorini_mathematics::solvers::{SolveOnGrid, Solver, SolverRun};
 
@@ -63,7 +65,8 @@ impl TimedGoal {
             Self::Finest { most, .. } if most.is_some_and(|most| grid.cells() > most) => None,
             Self::Finest { solve, goal, .. } => {
                 let goal = goal.unwrap_or(Goal::Floor).asked();
-                Some(solve(grid.cells(), load, goal).ok()?.y)
+                let params = MultigridParams { goal, ..MultigridParams::default() };
+                Some(solve(grid.cells(), load, &params).ok()?.y)
             }
         }
     }
@@ -77,7 +80,9 @@ fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>
             pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
         }
         let run = CheckedRun { grid: *grid, load, method, r: R, checks: CHECKS };
-        run.sweeps_until(&mut pair, |_, pair| kkt(*grid, &pair.y, load).relative <= target)?;
+        run.sweeps_until(&mut pair, |_, pair| {
+            kkt(*grid, Law::SIGNORINI, &pair.y, load).relative <= target
+        })?;
     }
     Some(pair.y)
 }

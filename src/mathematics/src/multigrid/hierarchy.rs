@@ -28,6 +28,8 @@ pub(super) struct Hierarchy<G: MultigridGeometry> {
     pub(super) springs: SpringSource,
     /// Problem as given, seen as the one that is solved.
     one_sided: OneSided,
+    /// Flow through the boundary that balances the load.
+    needed_flow: f64,
     /// Measure of the boundary that balances the load if it slips down and all else slips up; zero for the paper's law.
     pub(super) balance: f64,
     /// Power of two by which the load is divided, so that no residual overflows or underflows.
@@ -66,6 +68,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             coarsest: Coarsest::new::<G>(coarsest),
             springs: SpringSource { cells: None, in_contact: Vec::new() },
             one_sided: OneSided { is_reflected: false, shift: 0.0, limit: f64::INFINITY },
+            needed_flow: 0.0,
             balance: 0.0,
             scale: 1.0,
             coarse_load: 0.0,
@@ -105,13 +108,38 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         // The load is read in natural order and written in red and black rows, the solution the other way round.
         (self.work_units, self.traffic) = (0.0, 32.0);
         self.set_problem(load, params.law)?;
-        let IterationEnd { stop, cycles, kkt } = if self.levels.len() == 1 {
-            self.solve_coarsest();
-            stopping::direct(self.full_residual() * self.scale, params.goal)
-        } else {
-            self.solve_iteratively(start, params)?
-        };
+        let mut end = self.solve_prepared(start, params)?;
+        if self.is_limit_exceeded() {
+            self.set_problem(load, params.law)?;
+            self.set_limit(self.one_sided.limit);
+            end = self.solve_prepared(start, params)?;
+        }
+        let IterationEnd { stop, cycles, kkt } = end;
         Ok(MultigridOutcome { stop, cycles, kkt, work_units: self.work_units })
+    }
+
+    /// True if the flux somewhere exceeds the limit of the law, without which the problem has been solved: otherwise the
+    /// solution without the limit is the one with it.
+    fn is_limit_exceeded(&mut self) -> bool {
+        if self.one_sided.limit.is_infinite() {
+            return false;
+        }
+        let without = self.full_residual();
+        self.set_limit(self.one_sided.limit);
+        self.full_residual() > without
+    }
+
+    /// Solves the problem that has been set.
+    fn solve_prepared(
+        &mut self,
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<IterationEnd, InputError> {
+        if self.levels.len() > 1 {
+            return self.solve_iteratively(start, params);
+        }
+        self.solve_coarsest();
+        Ok(stopping::direct(self.full_residual() * self.scale, params.goal))
     }
 
     fn solve_iteratively(
@@ -144,7 +172,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         rows::merge(finest.n, &finest.values, self.one_sided.signed(self.scale), solution);
     }
 
-    /// Sets the scaled loads and limits of all grids.
+    /// Sets the scaled loads of all grids, without the limit of the law.
     fn set_problem(&mut self, load: &[f64], law: Law) -> Result<(), InputError> {
         let (n, nodes) = (self.finest().n, self.finest().nodes);
         check_length(nodes, load)?;
@@ -156,11 +184,16 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             let load = self.one_sided.load(load, boundary_parts::<G>(n));
             self.set_load(&load, Law::SIGNORINI)?;
         }
-        let limit = self.one_sided.limit / self.scale;
-        for level in &mut self.levels {
-            level.limit = 2.0 / level.n as f64 * limit;
-        }
+        self.set_limit(f64::INFINITY);
         Ok(())
+    }
+
+    /// Sets the largest flux on all grids.
+    fn set_limit(&mut self, limit: f64) {
+        for level in &mut self.levels {
+            level.limit = 2.0 / level.n as f64 * (limit / self.scale);
+        }
+        self.balance = self.needed_flow / limit;
     }
 
     /// Sets the scaled loads of all grids.
@@ -173,7 +206,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             None => load::set_finest::<G>(load, top),
         };
         stats.check(law, perimeter::<G>())?;
-        self.balance = -stats.sum() / self.one_sided.limit;
+        self.needed_flow = -stats.sum();
         self.scale = stats.scale();
         rows::scale(&mut top.load, 1.0 / self.scale);
         top.load_scale = stats.largest / self.scale;
@@ -247,7 +280,7 @@ impl<G: MultigridGeometry> CycledHierarchy for Hierarchy<G> {
     }
 
     fn has_limit(&self) -> bool {
-        self.one_sided.limit.is_finite()
+        self.finest().limit.is_finite()
     }
 
     fn smooth_residual(&mut self) -> f64 {

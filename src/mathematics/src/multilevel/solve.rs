@@ -33,52 +33,20 @@ pub fn solve_nested_networks(
     load: &[f64],
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-    let finest = levels.len() - 1;
-    let network = &levels[finest].network;
+    let network = &levels[levels.len() - 1].network;
     check_length(network.nodes(), load)?;
     let components = Components::of(levels, params.law, load)?;
     let one_sided = params.law.one_sided(load);
     let shifted = one_sided.load(load, network.contact_parts());
     let scale = LoadStats::measure(&shifted).scale();
     let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());
-    let law_on = |network: &Network| {
-        // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
-        let longer = perimeter(&levels[finest].network) / perimeter(network);
-        Law::new(0.0, one_sided.limit / scale * longer)
-    };
-    let law = law_on(network)?;
-    let needed = components.needed(&loads[finest], law);
-    let (mut y, direct) =
-        active_set_on(&levels[0].network, law_on(&levels[0].network)?, &loads[0])?;
-    let mut progress = Progress {
-        stop: direct.stop,
-        cycles: 0,
-        residual: 0.0,
-        coarse_energy: levels[0].network.energy(&y, &loads[0]),
-        work: direct.work / network.row_length(),
-    };
-    if finest == 0 {
-        progress.residual = judge_network(network, law, &y, &loads[0]).kkt.natural;
-    }
-    let mut cycle = Cycle::new(levels);
-    for level in 1..levels.len() {
-        y = levels[level].interpolate(&y);
-        let problem = ContactProblem {
-            network: &levels[level].network,
-            law: law_on(&levels[level].network)?,
-            components: &components.of_contact[level],
-            has_fixed: &components.has_fixed,
-            needed: &needed,
-        };
-        let mut iterate = Iterate::new(&problem, &loads[level], y);
-        if level < finest {
-            iterate.step(&mut cycle, level);
-            progress.coarse_energy = iterate.energy();
-        } else {
-            progress.run(&mut iterate, &mut cycle, &FinestTarget { level, scale, params });
-        }
-        progress.work += iterate.work;
-        y = iterate.y;
+    let nested = NestedProblem { levels, loads, components, scale };
+    let (mut y, mut progress) = nested.solve(f64::INFINITY, params)?;
+    let limit = one_sided.limit / scale;
+    if limit.is_finite() && nested.exceeds(limit, &y)? {
+        let work = progress.work;
+        (y, progress) = nested.solve(limit, params)?;
+        progress.work += work;
     }
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
     let outcome = MultigridOutcome {
@@ -88,6 +56,82 @@ pub fn solve_nested_networks(
         work_units: progress.work / network.nodes() as f64,
     };
     Ok((y, outcome))
+}
+
+/// Nested problems under a law `[0, limit]`.
+struct NestedProblem<'a> {
+    levels: &'a [NestedNetwork],
+    /// Scaled load of each level.
+    loads: Vec<Vec<f64>>,
+    components: Components,
+    /// Factor by which the load was divided.
+    scale: f64,
+}
+
+impl NestedProblem<'_> {
+    fn finest(&self) -> usize {
+        self.levels.len() - 1
+    }
+
+    /// Law on a level whose flux has this limit on the finest one.
+    fn law(&self, limit: f64, level: usize) -> Result<Law, InputError> {
+        let [finest, network] = [self.finest(), level].map(|level| &self.levels[level].network);
+        // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
+        Ok(Law::new(0.0, limit * (perimeter(finest) / perimeter(network)))?)
+    }
+
+    /// True if the flux of a nodal vector, solved for without a limit, exceeds this limit: otherwise it solves the problem
+    /// with the limit, too.
+    fn exceeds(&self, limit: f64, y: &[f64]) -> Result<bool, InputError> {
+        let finest = self.finest();
+        let (network, load) = (&self.levels[finest].network, &self.loads[finest]);
+        let [with, without] = [self.law(limit, finest)?, Law::SIGNORINI]
+            .map(|law| judge_network(network, law, y, load).kkt.natural);
+        Ok(with > without)
+    }
+
+    /// Solves on all levels with this limit, each level started from the next coarser one.
+    fn solve(
+        &self,
+        limit: f64,
+        params: &MultigridParams,
+    ) -> Result<(Vec<f64>, Progress), InputError> {
+        let Self { levels, loads, components, scale } = self;
+        let (finest, coarsest) = (self.finest(), &levels[0].network);
+        let needed = components.needed(&loads[finest], limit);
+        let law = self.law(limit, 0)?;
+        let (mut y, direct) = active_set_on(coarsest, law, &loads[0])?;
+        let judged = judge_network(coarsest, law, &y, &loads[0]);
+        let mut progress = Progress {
+            stop: direct.stop,
+            cycles: 0,
+            residual: judged.kkt.natural,
+            coarse_energy: judged.energy,
+            work: direct.work / levels[finest].network.row_length(),
+        };
+        let mut cycle = Cycle::new(levels);
+        for level in 1..levels.len() {
+            y = levels[level].interpolate(&y);
+            let problem = ContactProblem {
+                network: &levels[level].network,
+                law: self.law(limit, level)?,
+                components: &components.of_contact[level],
+                has_fixed: &components.has_fixed,
+                needed: &needed,
+            };
+            let mut iterate = Iterate::new(&problem, &loads[level], y);
+            if level < finest {
+                iterate.step(&mut cycle, level);
+                progress.coarse_energy = iterate.energy();
+            } else {
+                let target = FinestTarget { level, scale: *scale, params };
+                progress.run(&mut iterate, &mut cycle, &target);
+            }
+            progress.work += iterate.work;
+            y = iterate.y;
+        }
+        Ok((y, progress))
+    }
 }
 
 /// Measure of the boundary in contact.
@@ -121,11 +165,12 @@ impl Components {
         Ok(Self { has_fixed, of_contact, of_nodes })
     }
 
-    /// Measure of the boundary of each component that balances this load on the finest level if it slips down.
-    fn needed(&self, load: &[f64], law: Law) -> Vec<f64> {
+    /// Measure of the boundary of each component that balances this load on the finest level if it slips down, with this
+    /// limit of the flux.
+    fn needed(&self, load: &[f64], limit: f64) -> Vec<f64> {
         let mut needed = vec![0.0; self.has_fixed.len()];
         for (&component, load) in self.of_nodes.iter().zip(load) {
-            needed[component as usize] -= load / law.hi();
+            needed[component as usize] -= load / limit;
         }
         needed
     }

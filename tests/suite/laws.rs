@@ -1,0 +1,222 @@
+//! Laws on the boundary besides the paper's: solvers that agree, symmetries to the last bit, and known energies.
+
+use crate::common::Dice;
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::judging::judge_network;
+use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::network::Network;
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::mesh::{AnyMesh, refined};
+use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
+use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::multigrid::{InputError, MultigridParams, MultigridStop};
+use signorini_mathematics::multigrid::{MultigridOutcome, solve_cube, solve_square};
+use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::law::{BoundaryState, Law};
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::{Pair, Params, StopRule, solve, solve_nested};
+
+/// Problems with friction: name, f, the bound g, and the iterations of the paper's method under the printed rule with
+/// r = 1e6 on 1/4 to 1/64, as a program written apart from this one counts them.
+const FRICTION: [(&str, &str, f64, [usize; 5]); 6] = [
+    ("A", "quadrant(ll)=3; else=-1.002", 0.3, [1, 6, 44, 198, 882]),
+    ("B", "quadrant(ll)=-6; else=1.998", 0.6, [2, 10, 54, 223, 941]),
+    ("C", "else=1", 0.3, [1, 3, 25, 104, 652]),
+    ("D", "halfplane(1,0,0)=8; else=-8", 1.0, [3, 11, 56, 219, 1007]),
+    ("E", "rect(-0.5,0,-0.25,0.25)=6; else=-1", 0.25, [2, 13, 114, 604, 2623]),
+    ("F", "else=4", 1.01, [3, 11, 101, 659, 3508]),
+];
+
+const BILINEAR: LoadRule = LoadRule::Bilinear {};
+
+fn under(law: Law) -> MultigridParams {
+    MultigridParams { law, ..MultigridParams::default() }
+}
+
+fn load_of(n: usize, f: &str) -> (Grid, Vec<f64>) {
+    let grid = Grid::new(n).unwrap();
+    (grid, load(grid, &f.parse::<Source>().unwrap(), BILINEAR))
+}
+
+fn negative(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| -value).collect()
+}
+
+/// Load and law at random: in most cases the mean of f nearly vanishes, so that v has both signs.
+fn random_problem(network: &Network, dice: &mut Dice) -> (Law, Vec<f64>) {
+    let nodes = network.nodes();
+    let mut shape = vec![0.0; nodes];
+    // Two waves over the numbers of the nodes, one of them cut off: smooth and with jumps.
+    let [a, b, c] = [0, 1, 2].map(|_| dice.between(-1.0, 1.0));
+    for (node, value) in shape.iter_mut().enumerate() {
+        let t = node as f64 / nodes as f64;
+        *value = 8.0 * a * (6.0 * (t + b)).sin() + if t < c.abs() { 4.0 * c } else { -1.0 };
+    }
+    let total: f64 = network.masses().iter().sum();
+    let integral: f64 = shape.iter().zip(network.masses()).map(|(f, mass)| f * mass).sum();
+    let kept = if dice.between(0.0, 1.0) < 0.7 { dice.between(-0.05, 0.05) } else { 1.0 };
+    let mean = (1.0 - kept) * integral / total;
+    let load: Vec<f64> =
+        shape.iter().zip(network.masses()).map(|(f, mass)| (f - mean) * mass).collect();
+    let sum: f64 = load.iter().sum();
+    let perimeter: f64 = network.contact_parts().map(|(_, measure)| measure).sum();
+    // Just above the least bound that can balance the load, up to one under which most nodes stick.
+    let t = dice.between(0.0, 1.0);
+    let g = 1.001 * sum.abs() / perimeter + 1e-3 + 2.0 * t * t;
+    let law = if sum < 0.0 && dice.between(0.0, 1.0) < 0.2 {
+        Law::limited(2.0 * g)
+    } else {
+        Law::friction(g)
+    };
+    (law.unwrap(), load)
+}
+
+/// Fails unless multigrid and the active set method agree on random problems, some with both signs.
+fn compare(
+    network: &Network,
+    problems: usize,
+    mut solve: impl FnMut(&[f64], &MultigridParams) -> Result<(Vec<f64>, MultigridOutcome), InputError>,
+) {
+    let mut dice = Dice(network.nodes() as u64);
+    let mut with_both_signs = 0;
+    for problem in 0..problems {
+        let (law, load) = random_problem(network, &mut dice);
+        let (y, outcome) = solve(&load, &under(law)).unwrap();
+        assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{problem}: {law}");
+        let (expected, _) = active_set_on(network, law, &load).unwrap();
+        let judged = judge_network(network, law, &y, &load);
+        let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+        let far = y.iter().zip(&expected).any(|(a, b)| (a - b).abs() > 1e-8 * largest);
+        assert!(!far && judged.kkt.relative < 1e-8, "{problem}: {law} {:?}", judged.kkt);
+        let has = |state| judged.states.contains(&state);
+        let both = has(BoundaryState::SlipsUp) && has(BoundaryState::SlipsDown);
+        with_both_signs += usize::from(both);
+    }
+    assert!(with_both_signs * 8 > problems, "{with_both_signs} of {problems} have both signs");
+}
+
+#[test]
+fn multigrid_and_the_active_set_agree_on_random_laws() {
+    for (n, problems) in [(16, 150), (32, 100)] {
+        let network = Network::of_square(Grid::new(n).unwrap());
+        compare(&network, problems, |load, params| solve_square(n, load, None, params));
+    }
+    let network = Network::of_cube(cube::Grid::new(8).unwrap());
+    compare(&network, 60, |load, params| solve_cube(8, load, None, params));
+}
+
+#[test]
+fn so_they_do_on_meshes() {
+    for name in ["disc", "lshape", "annulus"] {
+        let AnyMesh::Plane(mesh) = AnyMesh::built_in(name).unwrap() else { panic!("in space") };
+        let (levels, _) = refined(&mesh, 3).unwrap();
+        compare(&levels[3].network, 60, |load, params| {
+            solve_nested_networks(&levels, load, params)
+        });
+    }
+}
+
+#[test]
+fn energies_with_friction_are_those_of_the_true_solutions() {
+    // By a spectral method in quadruple precision, written apart from this program.
+    for (at, expected) in [(0, -0.024_787_188_375_613_3), (3, -0.627_952_316_469_321_7)] {
+        let (name, f, g, _) = FRICTION[at];
+        let law = Law::friction(g).unwrap();
+        let energy = |n: usize| {
+            let (grid, load) = load_of(n, f);
+            let (y, _) = solve_square(n, &load, None, &under(law)).unwrap();
+            judge(grid, law, &y, &load).energy
+        };
+        // The error falls by four with each halving of h.
+        let [coarse, fine] = [512, 1024].map(energy);
+        let extrapolated = fine + (fine - coarse) / 3.0;
+        assert!((extrapolated - expected).abs() < 1e-8, "{name}: {extrapolated}");
+    }
+}
+
+#[test]
+fn the_papers_method_with_friction_has_the_counts_of_another_program() {
+    let grids = nested(&[4, 8, 16, 32, 64]).unwrap();
+    for (name, f, g, expected) in FRICTION {
+        let f: Source = f.parse().unwrap();
+        let loads: Vec<_> =
+            grids.iter().map(|&grid| load(grid, &f, LoadRule::LumpedAverage {})).collect();
+        let params = Params {
+            law: Law::friction(g).unwrap(),
+            r: 1e6,
+            rule: StopRule::Printed,
+            ..Params::default()
+        };
+        let (outcomes, _) = solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
+        let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
+        assert_eq!(counts, expected, "{name}");
+    }
+}
+
+#[test]
+fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
+    for (name, f, g, _) in FRICTION {
+        let law = Law::friction(g).unwrap();
+        let (grid, load) = load_of(32, f);
+        let opposite = negative(&load);
+        let [(y, _), (minus, _)] =
+            [&load, &opposite].map(|load| solve_square(32, load, None, &under(law)).unwrap());
+        assert!(negative(&y) == minus, "{name}: multigrid");
+        let [(y, _), (minus, _)] =
+            [&load, &opposite].map(|load| active_set::<Square>(32, law, load).unwrap());
+        assert!(negative(&y) == minus, "{name}: active set");
+        let params = Params { law, rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
+        let [(pair, run), (minus, other)] = [&load, &opposite].map(|load| {
+            let mut pair = Pair::zero(grid);
+            let run = solve(grid, load, &params, &mut pair, None);
+            (pair, run)
+        });
+        assert!((negative(&pair.y), negative(&pair.a)) == (minus.y, minus.a), "{name}");
+        assert_eq!(run.sweeps, other.sweeps, "{name}");
+    }
+}
+
+#[test]
+fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
+    for f in ["quadrant(ll)=-6; else=1.998", "disc(0.1,0.2,0.2)=5; else=-2"] {
+        let (grid, load) = load_of(32, f);
+        let (y, _) = solve_square(32, &load, None, &MultigridParams::default()).unwrap();
+        let judged = judge(grid, Law::SIGNORINI, &y, &load);
+        let most = judged.flux.iter().fold(0.0f64, |most, flux| most.max(*flux)) / grid.h();
+        let limited = Law::limited(1.0001 * most).unwrap();
+        assert!(y == solve_square(32, &load, None, &under(limited)).unwrap().0, "{f}");
+        let [(y, _), (z, _)] =
+            [Law::SIGNORINI, limited].map(|law| active_set::<Square>(32, law, &load).unwrap());
+        assert!(y == z, "{f}");
+        // A limit below the largest reaction is felt.
+        let felt = under(Law::limited(0.7 * most).unwrap());
+        assert!(y != solve_square(32, &load, None, &felt).unwrap().0, "{f}");
+    }
+}
+
+#[test]
+fn friction_where_v_has_one_sign_is_the_papers_problem_with_another_load() {
+    for (name, f, g, _) in FRICTION.into_iter().filter(|(name, ..)| "ACEF".contains(name)) {
+        let (grid, load) = load_of(32, f);
+        let law = Law::friction(g).unwrap();
+        let (y, _) = solve_square(32, &load, None, &under(law)).unwrap();
+        let mut less = load.clone();
+        grid.boundary().for_each(|node| less[node] -= grid.h() * g);
+        let (z, _) = solve_square(32, &less, None, &MultigridParams::default()).unwrap();
+        assert!(y == z, "{name}");
+        assert!(grid.boundary().all(|node| y[node] >= 0.0), "{name}");
+    }
+}
+
+#[test]
+fn loads_that_the_flux_cannot_balance_are_refused() {
+    let (_, load) = load_of(16, "else=4");
+    for law in [Law::friction(0.99), Law::limited(3.0)].map(Result::unwrap) {
+        let message = solve_square(16, &load, None, &under(law)).unwrap_err().to_string();
+        assert!(message.contains("the flux through the boundary can only balance"), "{message}");
+        assert_eq!(active_set::<Square>(16, law, &load).unwrap_err().to_string(), message);
+    }
+    assert!(solve_square(16, &load, None, &under(Law::friction(1.001).unwrap())).is_ok());
+}
