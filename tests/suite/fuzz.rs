@@ -58,12 +58,14 @@ const WORDS: [&str; 40] = [
 ];
 
 /// Parts of a right-hand side, and some that are none.
-const PARTS: [&str; 34] = [
+const PARTS: [&str; 36] = [
     "rect(",
     "disc(",
     "halfplane(",
     "quadrant(",
     "exact(",
+    "formula(",
+    "x*y",
     "else",
     "full-contact",
     "ll",

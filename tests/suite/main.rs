@@ -19,6 +19,7 @@ mod domains;
 mod engines;
 mod explore;
 mod faults;
+mod formulas;
 mod fuzz;
 mod grammar;
 mod hostile;

@@ -8,8 +8,8 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::network::{Network, count_components};
 use crate::mesh::{
-    AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, mesh_arcs, mesh_load,
-    refined,
+    AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, check_values,
+    mesh_arcs, mesh_load, refined,
 };
 use crate::problem::cube::Body;
 use crate::problem::region::Region;
@@ -36,7 +36,7 @@ pub enum MeshProblemError {
     /// The text is no f on the mesh.
     #[error(transparent)]
     Text(#[from] MeshSourceError),
-    /// f is too large or too small to compute with.
+    /// f is not finite, or too large or too small to compute with.
     #[error(transparent)]
     Scale(#[from] SourceError),
     /// No solution, or no unique one.
@@ -161,6 +161,9 @@ where
 {
     let (levels, mesh) = refined(coarsest, times)?;
     let load = mesh_load(&mesh, f);
+    if !load.size.is_finite() {
+        check_values(&mesh, f)?;
+    }
     f.check_scale(load.size)?;
     Ok((levels, mesh, load))
 }

@@ -30,7 +30,7 @@ pub use edges::Edges;
 pub use error::MeshError;
 pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
-pub use load::{CellData, MeshLoad, OnCells, mesh_load};
+pub use load::{CellData, MeshLoad, OnCells, check_values, mesh_load};
 pub use nested::refined;
 pub use refine::{Refined, refine};
 pub use source::{MeshSource, MeshSourceError};

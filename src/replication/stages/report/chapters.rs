@@ -218,7 +218,7 @@ fn values(f: &Source) -> Value {
         Source::Pieces { background, pieces } => json!({
             "piece": pieces.first().map(|(_, value)| *value), "elsewhere": background,
         }),
-        Source::Exact(_) => Value::Null,
+        Source::Exact(_) | Source::Formula(_) => Value::Null,
     }
 }
 
