@@ -135,7 +135,7 @@ enum Command {
     Certificate(certificate::CertificateArgs),
     /// List the scenes, the solvers, and the problems with known solutions
     List(list::ListArgs),
-    /// Begin a study of your own: one scene, one page, and a run that works
+    /// Begin a study of your own: two scenes, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
     Init(init::InitArgs),
     /// Remove from the cache what no scene needs any more

@@ -15,6 +15,7 @@ mod contact;
 mod cube;
 mod cube_loads;
 mod disks;
+mod domain_scenes;
 mod domains;
 mod engines;
 mod explore;

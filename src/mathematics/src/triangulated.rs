@@ -148,6 +148,22 @@ impl MeshProblem {
     }
 }
 
+/// Returns the means of f, given as text, over the cells of a mesh.
+///
+/// # Errors
+/// As [`MeshSource::read`].
+pub fn means_on(mesh: &AnyMesh, f: &str) -> Result<Vec<f64>, MeshSourceError> {
+    let means = match mesh {
+        AnyMesh::Plane(mesh) => {
+            mesh_load(mesh, &MeshSource::<Region>::read(f, mesh.region_names())?).cells.mean
+        }
+        AnyMesh::Space(mesh) => {
+            mesh_load(mesh, &MeshSource::<Body>::read(f, mesh.region_names())?).cells.mean
+        }
+    };
+    Ok(means)
+}
+
 /// Nested discrete problems, finest mesh, and f on it.
 type Prepared<const D: usize, const V: usize> = (Vec<NestedNetwork>, Mesh<D, V>, MeshLoad);
 

@@ -5,6 +5,7 @@
 mod any;
 mod arcs;
 mod assemble;
+mod boundary;
 mod builtin;
 mod check;
 mod curve;
@@ -23,6 +24,7 @@ mod uniform;
 pub use any::{AnyMesh, PartError};
 pub use arcs::mesh_arcs;
 pub use assemble::assemble;
+pub use boundary::{BoundaryCurve, boundary_curves};
 pub use builtin::{BUILT_IN, BuiltIn};
 pub(crate) use check::{sides_of, sorted};
 pub use curve::Round;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Outcome of a solve on one grid: the end of the iteration and the quality of the last pair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Cells per side of the grid.
+    /// Cells per side of the grid; of a mesh, the number of nodes.
     pub cells: usize,
     /// Steps of the multiplier done: the iterations of the paper.
     pub iterations: usize,
@@ -31,6 +31,9 @@ pub struct Outcome {
     pub kkt: Kkt,
     /// Sum over the boundary nodes of y times the gradient of the energy: zero at the solution.
     pub work: f64,
+    /// True if a part of the boundary is fixed: then every load has a solution.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_fixed_part: bool,
 }
 
 /// State of an iteration after its last step.
@@ -62,12 +65,14 @@ impl Outcome {
             sum_load: load.iter().sum(),
             kkt,
             work,
+            has_fixed_part: false,
         }
     }
 
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
-        Verdict::new(self.sum_load, &self.kkt, self.energy, self.work)
+        let sum_load = if self.has_fixed_part { -1.0 } else { self.sum_load };
+        Verdict::new(sum_load, &self.kkt, self.energy, self.work)
     }
 
     /// Name of the end of the iteration: `stop`, unless the verdict is that there is no solution.
