@@ -102,6 +102,9 @@ const rightHandSide = (() => {
     if (whole.startsWith("exact(") && whole.endsWith(")")) {
       throw new Error("this page has no f of known solutions; signorini solve --f has");
     }
+    if (whole.startsWith("formula(")) {
+      throw new Error("this page has no f by a formula; signorini solve --f has");
+    }
     const pieces = [];
     let background;
     for (const item of text.split(/[;\n]/).map(trim).filter((item) => item)) {

@@ -14,9 +14,10 @@ pub(super) struct InitArgs {
     folder: PathBuf,
 }
 
-/// Files of a new study: the shortest commented scene of this project, and a page that shows it.
-const FILES: [(&str, &str); 5] = [
+/// Files of a new study: the shortest commented scene of this project, one on another domain, and a page that shows them.
+const FILES: [(&str, &str); 6] = [
     ("pipeline/scenes/plate.toml", include_str!("../../pipeline/scenes/plate.toml")),
+    ("pipeline/scenes/disc.toml", include_str!("init/disc.toml")),
     ("report/book.toml", include_str!("init/book.toml")),
     ("report/templates/SUMMARY.md", include_str!("init/SUMMARY.md")),
     ("report/templates/plate.md", include_str!("init/plate.md")),
@@ -43,7 +44,7 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
         write_atomically(&folder.join(path), text.as_bytes()).map_err(elsewhere)?;
     }
     say(&format!(
-        "a study with one scene, pipeline/scenes/plate.toml, and one page, report/templates/plate.md\n\
+        "a study with two scenes in pipeline/scenes, plate and disc, and one page, report/templates/plate.md\n\
         next: cd {} && signorini run\n",
         quoted(folder)
     ))

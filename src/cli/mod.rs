@@ -108,9 +108,12 @@ enum Command {
         f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
         a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
-        problem with known solution: full-contact, torsion, free-segment, free-corner.\n\n\
+        problem with known solution: full-contact, torsion, free-segment, free-corner. formula(3*x*y - 1.1) is f \
+        by a formula in x and y, with + - * / ^, pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, atan2; \
+        integrals of it are by quadrature of degree 5.\n\n\
         The cube is [-0.5,0.5]^3; its regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
-        halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc."
+        halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc; \
+        a formula, in x, y and z, is taken at the nodes."
     )]
     Solve(Box<solve::SolveArgs>),
     /// Search for the right-hand sides of Figure 1 that give the published tables
@@ -132,7 +135,7 @@ enum Command {
     Certificate(certificate::CertificateArgs),
     /// List the scenes, the solvers, and the problems with known solutions
     List(list::ListArgs),
-    /// Begin a study of your own: one scene, one page, and a run that works
+    /// Begin a study of your own: two scenes, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
     Init(init::InitArgs),
     /// Remove from the cache what no scene needs any more

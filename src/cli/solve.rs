@@ -35,7 +35,7 @@ pub(super) struct SolveArgs {
     ///
     /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says.
     scene: Option<String>,
-    /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5'
+    /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
     #[arg(long)]
     f: Option<String>,
     /// A Gmsh file whose domain takes the place of the square: triangles or tetrahedra

@@ -1,4 +1,4 @@
-//! The boundary unrolled: solution, multiplier and contact along the four sides.
+//! The boundary unrolled: solution, multiplier and contact along the four sides of the square, or a closed curve.
 
 use super::axes::{Frame, LEGEND_ROW, Legend, key};
 use super::palette::{INK, MUTED, SHADE, series};
@@ -20,7 +20,8 @@ const ROW: f64 = 9.0;
 
 /// Draws y and the multiplier a along the boundary, one panel below the other.
 ///
-/// The abscissa s in [0, 4] runs anticlockwise from the lower left corner. A node in contact stands for the half cells
+/// The abscissa s is the arc length; on the square it runs anticlockwise from the lower left corner, on another domain
+/// with the domain on the left from the lowest node. A node in contact stands for the half cells
 /// on both of its sides. The band between the two plots has one bar per line; the ground is grey where all lines of the
 /// panel are in contact.
 pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
@@ -49,17 +50,18 @@ struct Plot {
 
 impl Plot {
     /// Lays out a plot of `values` between `across`, from `top` downwards.
-    fn new(across: (f64, f64), top: f64, (low, high): (f64, f64), ticks: Ticks) -> Self {
+    fn new(across: (f64, f64), top: f64, axes: [(f64, f64); 2], ticks: Ticks) -> Self {
+        let [x, (low, high)] = axes;
         // A margin, so that the frame does not hide a curve at zero.
         let margin = 0.08 * (high - low);
         let y = (low - margin, high + margin);
-        Self { frame: Frame { across, down: (top, top + PLOT), x: (0.0, 4.0), y }, ticks }
+        Self { frame: Frame { across, down: (top, top + PLOT), x, y }, ticks }
     }
 }
 
 /// Returns the range of the values of all lines, with zero, and longer than zero.
-fn range(lines: &[Vec<f64>]) -> (f64, f64) {
-    let (low, high) = range_with_zero(lines.iter().flatten().copied());
+fn range<'a>(lines: impl Iterator<Item = &'a Vec<f64>>) -> (f64, f64) {
+    let (low, high) = range_with_zero(lines.flatten().copied());
     (low, if high > low { high } else { low + 1.0 })
 }
 
@@ -69,56 +71,67 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     let labels = panel.lines.iter().map(|line| &*line.label);
     let legend = Legend::new(labels, WIDTH - 100.0);
     legend.draw(picture, (ACROSS.0, top + 38.0));
-    let grid = panel.grid;
     let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
     let band = ROW * panel.lines.len() as f64 + 16.0;
-    let (mut traces, mut multipliers, mut in_contact) = (Vec::new(), Vec::new(), Vec::new());
-    for ContactLine { pair, .. } in &panel.lines {
-        traces.push(grid.boundary().map(|node| pair.y[node]).collect::<Vec<f64>>());
-        multipliers.push(pair.a.clone());
-        in_contact.push(pair.in_contact(grid));
-    }
-    let (range_y, range_a) = (range(&traces), range(&multipliers));
+    let lines = &panel.lines;
+    let range_y = range(lines.iter().map(|line| &line.y));
+    let range_a = range(lines.iter().map(|line| &line.a));
     let ticks_y = Ticks::inside(range_y.0, range_y.1, 5);
     let ticks_a = Ticks::inside(range_a.0, range_a.1, 5);
     let longest = SMALL * ticks_y.widest().max(ticks_a.widest());
     let across = (ACROSS.0.max(NAME + NAME_ROOM + longest), ACROSS.1);
-    let upper = Plot::new(across, top, range_y, ticks_y);
+    let x = (0.0, panel.length);
+    let upper = Plot::new(across, top, [x, range_y], ticks_y);
     let lower_top = top + PLOT + band;
-    let lower = Plot::new(across, lower_top, range_a, ticks_a);
+    let lower = Plot::new(across, lower_top, [x, range_a], ticks_a);
 
-    let nodes = grid.boundary_nodes();
-    let everywhere: Vec<bool> = (0..nodes).map(|b| in_contact.iter().all(|line| line[b])).collect();
+    let everywhere: Vec<bool> =
+        (0..panel.places.len()).map(|b| lines.iter().all(|line| line.in_contact[b])).collect();
     let whole = Frame { down: (top, lower_top + PLOT), ..upper.frame };
-    for arc in arcs(&runs(&everywhere), grid.cells()) {
+    for arc in arcs(&runs(&everywhere), panel) {
         whole.band(picture, arc, SHADE);
     }
-    draw_plot(picture, "y", &upper, &traces, grid.h());
-    draw_plot(picture, "a", &lower, &multipliers, grid.h());
-    for (k, in_contact) in in_contact.iter().enumerate() {
+    draw_plot(picture, "y", &upper, panel, |line| &line.y);
+    draw_plot(picture, "a", &lower, panel, |line| &line.a);
+    for (k, line) in lines.iter().enumerate() {
         let y = top + PLOT + 8.0 + ROW * k as f64;
-        for (from, to) in arcs(&runs(in_contact), grid.cells()) {
+        for (from, to) in arcs(&runs(&line.in_contact), panel) {
             picture.rect((whole.right(from), y + 1.5), (whole.right(to), y + ROW - 1.5), series(k));
         }
     }
     let middle = top + PLOT + 0.5 * band;
     picture.text("contact", (across.0 - 8.0, middle), plain(SMALL).pos(END).color(&MUTED));
-    name_sides(picture, &whole);
+    if panel.has_sides {
+        name_sides(picture, &whole);
+    } else {
+        whole.label_below(picture, Ticks::inside(0.0, panel.length, 8).labelled());
+        picture.text("s", (whole.middle().0, whole.down.1 + 31.0), italic(NORMAL));
+    }
     whole.down.1 + 56.0
 }
 
-/// Draws the curves of one quantity, given at the boundary nodes, `h` apart.
-fn draw_plot(picture: &mut Picture, name: &str, plot: &Plot, curves: &[Vec<f64>], h: f64) {
+/// Draws the curves of one quantity.
+fn draw_plot(
+    picture: &mut Picture,
+    name: &str,
+    plot: &Plot,
+    panel: &ContactPanel,
+    values: fn(&ContactLine) -> &Vec<f64>,
+) {
     let Plot { frame, ticks } = plot;
     frame.rules(picture, ticks.values());
     frame.label_left(picture, ticks.labelled());
     picture.text(name, (NAME, frame.middle().1), italic(NORMAL));
-    frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
-    for (k, values) in curves.iter().enumerate() {
-        // Closed: s = 4 is the corner s = 0 again.
-        let places = (0..=values.len()).map(|b| frame.at(b as f64 * h, values[b % values.len()]));
+    if panel.has_sides {
+        frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
+    }
+    for (k, line) in panel.lines.iter().enumerate() {
+        // Closed: the end of the curve is the first node again.
+        let ends = values(line).first().map(|&value| (panel.length, value));
+        let inner = panel.places.iter().copied().zip(values(line).iter().copied());
+        let places = inner.chain(ends).map(|(s, value)| frame.at(s, value));
         // The first lines are thicker, so that a later one on top does not hide them.
-        let thick = 1.5 + 0.75 * (curves.len() - 1 - k).min(3) as f64;
+        let thick = 1.5 + 0.75 * (panel.lines.len() - 1 - k).min(3) as f64;
         picture.path(places, series(k), thick);
     }
     frame.outline(picture);
@@ -157,39 +170,44 @@ fn runs(in_contact: &[bool]) -> Vec<[usize; 2]> {
     runs
 }
 
-/// Returns the intervals of s in [0, 4] in which the boundary is in contact, from the [`runs`] of nodes.
+/// Returns the intervals of s in which the boundary is in contact, from the [`runs`] of nodes.
 ///
 /// Each node stands for the half cells on both of its sides; the first node is also the last.
-fn arcs(runs: &[[usize; 2]], cells: usize) -> Vec<(f64, f64)> {
+fn arcs(runs: &[[usize; 2]], panel: &ContactPanel) -> Vec<(f64, f64)> {
     let mut arcs = Vec::new();
     for [first, end] in runs {
-        arcs.push((half_cell_before(*first, cells), half_cell_before(*end, cells)));
+        arcs.push((half_cell_before(*first, panel), half_cell_before(*end, panel)));
     }
     if runs.first().is_some_and(|run| run[0] == 0) {
-        let half = half_cell_before(4 * cells, cells);
+        let half = half_cell_before(panel.places.len(), panel);
         match arcs.last_mut() {
-            Some(last) if last.1 == half => last.1 = 4.0,
-            _ => arcs.push((half, 4.0)),
+            Some(last) if last.1 == half => last.1 = panel.length,
+            _ => arcs.push((half, panel.length)),
         }
     }
     arcs
 }
 
-/// Returns s at the middle of the cell before a boundary node, or 0 before the first.
-fn half_cell_before(node: usize, cells: usize) -> f64 {
-    ((node as f64 - 0.5) / cells as f64).max(0.0)
+/// Returns s at the middle of the cell before a node, or 0 before the first; the last cell ends at the first node.
+fn half_cell_before(node: usize, ContactPanel { places, length, .. }: &ContactPanel) -> f64 {
+    match node.checked_sub(1) {
+        None => 0.0,
+        Some(before) => 0.5 * (places[before] + places.get(node).unwrap_or(length)),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use signorini_mathematics::discrete::grid::Grid;
 
     #[test]
     fn contact_wraps_around_the_first_corner() {
-        assert!(arcs(&[], 4).is_empty());
-        assert_eq!(arcs(&[[0, 1]], 4), [(0.0, 0.125), (3.875, 4.0)]);
-        assert_eq!(arcs(&[[0, 1], [5, 7]], 4)[1], (1.125, 1.625));
-        assert_eq!(arcs(&[[0, 16]], 4), [(0.0, 4.0)]);
+        let square = ContactPanel::of_square("t", Grid::new(4).unwrap(), Vec::new());
+        assert!(arcs(&[], &square).is_empty());
+        assert_eq!(arcs(&[[0, 1]], &square), [(0.0, 0.125), (3.875, 4.0)]);
+        assert_eq!(arcs(&[[0, 1], [5, 7]], &square)[1], (1.125, 1.625));
+        assert_eq!(arcs(&[[0, 16]], &square), [(0.0, 4.0)]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Figure 1: maps of the piecewise constant right-hand sides.
+//! Figure 1: maps of right-hand sides.
 
 use super::axes::{Frame, colour_bar};
 use super::palette::{ColourScale, INK, legible_on};
@@ -85,7 +85,7 @@ fn draw_map(
             }
             label_regions(picture, frame, values, colours);
         }
-        Source::Exact(_) => {
+        Source::Exact(_) | Source::Formula(_) => {
             let (_, limit) = colours.range();
             let shades: Vec<_> = values
                 .iter()

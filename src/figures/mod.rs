@@ -13,6 +13,7 @@ mod gradient;
 mod history;
 mod identifiability;
 mod maps;
+mod mesh_map;
 mod palette;
 mod panels;
 mod picture;
@@ -31,6 +32,7 @@ pub(crate) use gradient::gradients;
 pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
 pub(crate) use maps::maps_of_f;
+pub(crate) use mesh_map::mesh_map;
 pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
 pub(crate) use square::{grid, membrane};
@@ -94,9 +96,22 @@ pub(crate) struct HistoryRun {
 #[derive(Clone, Debug)]
 pub(crate) struct ContactPanel<'a> {
     pub(crate) title: &'a str,
-    pub(crate) grid: Grid,
+    /// Arc lengths of the nodes of a closed curve of the boundary, from 0 on.
+    pub(crate) places: Vec<f64>,
+    /// Length of the curve.
+    pub(crate) length: f64,
+    /// True on the square, whose sides and corners are named.
+    pub(crate) has_sides: bool,
     /// Solutions compared.
     pub(crate) lines: Vec<ContactLine>,
+}
+
+impl<'a> ContactPanel<'a> {
+    /// The boundary of the square, from the lower left corner on.
+    pub(crate) fn of_square(title: &'a str, grid: Grid, lines: Vec<ContactLine>) -> Self {
+        let places = (0..grid.boundary_nodes()).map(|b| b as f64 * grid.h()).collect();
+        Self { title, places, length: 4.0, has_sides: true, lines }
+    }
 }
 
 /// Solution along the boundary.
@@ -104,8 +119,20 @@ pub(crate) struct ContactPanel<'a> {
 pub(crate) struct ContactLine {
     /// Name in the legend.
     pub(crate) label: String,
-    /// Solution y, and the multiplier a or the flux dy/dn.
-    pub(crate) pair: Pair,
+    /// Solution at the nodes of the curve.
+    pub(crate) y: Vec<f64>,
+    /// Multiplier, or flux dy/dn, at these nodes.
+    pub(crate) a: Vec<f64>,
+    /// Contact at these nodes.
+    pub(crate) in_contact: Vec<bool>,
+}
+
+impl ContactLine {
+    /// The pair of a grid of the square, along the boundary.
+    pub(crate) fn of_square(label: String, grid: Grid, pair: &Pair) -> Self {
+        let y = grid.boundary().map(|node| pair.y[node]).collect();
+        Self { label, y, a: pair.a.clone(), in_contact: pair.in_contact(grid) }
+    }
 }
 
 /// One panel of [`gradients`].

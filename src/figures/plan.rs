@@ -51,7 +51,7 @@ pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
 }
 
 /// Returns the ranges of x and y of a square with room around a mesh.
-fn square_around(mesh: &PlaneMesh) -> [(f64, f64); 2] {
+pub(super) fn square_around(mesh: &PlaneMesh) -> [(f64, f64); 2] {
     let ends = [0, 1].map(|d| super::range(mesh.points().iter().map(|point| point[d])));
     let longest = ends.iter().fold(0.0f64, |most, (low, high)| most.max(high - low));
     let half = (0.5 + ROOM) * longest;

@@ -122,8 +122,8 @@ fn unusual_scenes() -> Vec<(String, String)> {
     }
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
-            .map(|label| ContactLine { label: label.into(), pair: pair.clone() });
-    let panel = ContactPanel { title, grid, lines: lines.into() };
+            .map(|label| ContactLine::of_square(label.into(), grid, &pair));
+    let panel = ContactPanel::of_square(title, grid, lines.into());
     figures.push(("lines".into(), svg(&contact(&[panel]))));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {

@@ -45,14 +45,13 @@ pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     csv
 }
 
-/// Returns trace and multiplier at the boundary nodes, by arc length from the lower left corner.
+/// Returns trace and multiplier at the boundary nodes, by arc length.
 pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     let mut csv = "panel,run,s,y,a\n".to_owned();
     for panel in panels {
-        for ContactLine { label, pair } in &panel.lines {
+        for ContactLine { label, y, a, .. } in &panel.lines {
             let names = [panel.title, label].map(quoted).join(",");
-            for ((b, node), a) in panel.grid.boundary().enumerate().zip(&pair.a) {
-                let (s, y) = (b as f64 * panel.grid.h(), pair.y[node]);
+            for ((s, y), a) in panel.places.iter().zip(y).zip(a) {
                 csv += &format!("{names},{s},{y},{a}\n");
             }
         }

@@ -165,8 +165,8 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let in_contact = &pair.in_contact(grid);
     let [front, lower_left, lower_right, upper_right] = [0.0, -37.5, 52.5, 142.5]
         .map(|azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None });
-    let line = ContactLine { label: "l".into(), pair: pair.clone() };
-    let panel = ContactPanel { title: "t", grid, lines: vec![line] };
+    let line = ContactLine::of_square("l".into(), grid, &pair);
+    let panel = ContactPanel::of_square("t", grid, vec![line]);
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
     let run = HistoryRun { label: "r".into(), levels };
@@ -274,8 +274,8 @@ fn what_cannot_be_drawn_is_refused() {
     svg(&surface(grid, &pair));
     pair.y[4] = f64::NAN;
     assert!(refusal(&surface(grid, &pair)).contains("not a finite number"));
-    let line = ContactLine { label: "l".into(), pair };
-    let panel = ContactPanel { title: "t", grid, lines: vec![line] };
+    let line = ContactLine::of_square("l".into(), grid, &pair);
+    let panel = ContactPanel::of_square("t", grid, vec![line]);
     assert!(refusal(&contact(&[panel])).contains("not a finite number"));
     assert!(refusal(&chart(Some((1.0, 0.0)))).contains("not a finite number"));
     assert!(refusal(&chart(None)).contains("nothing to draw"));

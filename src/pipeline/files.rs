@@ -189,7 +189,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
 }
 
 /// True if a path with `/` is a single line, and on every system leads to a place below its start.
-pub(super) fn is_plain(path: &str) -> bool {
+pub(crate) fn is_plain(path: &str) -> bool {
     !path.is_empty()
         && !path.contains('\\')
         && !path.contains(char::is_control)

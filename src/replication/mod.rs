@@ -3,6 +3,7 @@
 //! Central are `stages::plan`, which turns scenes into tasks, and `Paper::compare`, which compares the tables.
 
 pub mod comparison;
+pub mod domain;
 pub(crate) mod identified;
 pub mod paper;
 pub mod project;

@@ -233,7 +233,10 @@ fn read_scenes(root: &Path, wanted: impl Fn(&str) -> bool) -> Result<(Vec<Scene>
             return Err(Error::input(format!("the name of {path} is not UTF-8; rename it")));
         }
         let text = read_text(&path)?;
-        scenes.push(Scene::parse(&name, &text)?);
+        let mut scene = Scene::parse(&name, &text)?;
+        scene.read_domain(root)?;
+        files.extend(scene.domain.iter().flat_map(|domain| domain.files.clone()));
+        scenes.push(scene);
         files.insert(format!("{SCENES}/{name}.toml"), text.into_bytes());
     }
     scenes.sort_by(|a, b| a.name.cmp(&b.name));

@@ -1,6 +1,7 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
+use crate::replication::domain::{DomainSettings, SceneDomain};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, integral};
@@ -10,7 +11,9 @@ use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::path::Path;
 
 /// Output for which a scene may ask; no other output is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -48,7 +51,10 @@ pub struct Scene {
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// Right-hand side.
+    /// Domain in place of the square, with f on it.
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub domain: Option<SceneDomain>,
+    /// Right-hand side on the square; zero if there is a domain, which has an f of its own.
     pub f: Source,
     /// Quadrature of the load vector.
     #[serde(default)]
@@ -56,7 +62,7 @@ pub struct Scene {
     /// Interpolation to the next grid.
     #[serde(default)]
     pub prolongation: Prolongation,
-    /// Nested grids, coarsest first.
+    /// Nested grids of the square, coarsest first; none if there is a domain.
     #[serde(skip_serializing, default = "paper_grids", deserialize_with = "grids")]
     pub grids: Vec<Grid>,
     /// Duality parameters.
@@ -72,6 +78,54 @@ pub struct Scene {
     pub outputs: Vec<Output>,
     /// The r whose solution is drawn; always set in a scene that was [parsed](Scene::parse).
     draw_r: Option<f64>,
+}
+
+/// Scene on a domain, as its file has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DomainScene {
+    title: String,
+    f: String,
+    domain: DomainSettings,
+    #[serde(default = "paper_r")]
+    r: Vec<f64>,
+    #[serde(default = "paper_stop")]
+    stop: Vec<StopRule>,
+    #[serde(default = "default_limit")]
+    max_iterations: usize,
+    outputs: Vec<Output>,
+    draw_r: Option<f64>,
+}
+
+/// Keys of a scene on the square that mean nothing on other domains.
+const OF_THE_SQUARE: [&str; 4] = ["grids", "load", "prolongation", "paper_table"];
+
+/// Outputs of a scene on the square that other domains do not have, each with the reason.
+const NOT_ON_DOMAINS: [(Output, &str); 2] = [
+    (Output::History, "the method keeps no residuals on meshes"),
+    (Output::Identify, "no table was published"),
+];
+
+impl From<DomainScene> for Scene {
+    fn from(scene: DomainScene) -> Self {
+        let DomainScene { title, f, domain, r, stop, max_iterations, outputs, draw_r } = scene;
+        let f = f.split_whitespace().collect::<Vec<_>>().join(" ");
+        Self {
+            name: String::new(),
+            title,
+            paper_table: None,
+            domain: Some(SceneDomain { settings: domain, f, files: BTreeMap::new() }),
+            f: Source::constant(0.0),
+            load: LoadRule::default(),
+            prolongation: Prolongation::default(),
+            grids: Vec::new(),
+            r,
+            stop,
+            max_iterations,
+            outputs,
+            draw_r,
+        }
+    }
 }
 
 fn paper_grids() -> Vec<Grid> {
@@ -101,28 +155,51 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
-        let mut scene: Self = from_toml(&what, text)?;
+        let keys: toml::Table = toml::from_str(text).unwrap_or_default();
+        let mut scene = match keys.contains_key("domain") {
+            false => from_toml::<Self>(&what, text)?,
+            true => {
+                if let Some(key) = OF_THE_SQUARE.iter().find(|key| keys.contains_key(**key)) {
+                    return Err(Error::input(format!(
+                        "{what}: `{key}` is for the square; leave it out beside `domain`, whose meshes are its refinements"
+                    )));
+                }
+                from_toml::<DomainScene>(&what, text)?.into()
+            }
+        };
         scene.name = name.into();
         scene.complete().map_err(|e| Error::input(format!("{what}: {e}")))?;
         Ok(scene)
     }
 
+    /// Reads the mesh of the domain, if the scene has one, from the project in `root`, and checks it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] and [`Error::Io`]: no mesh or one that does not fit the scene.
+    pub(crate) fn read_domain(&mut self, root: &Path) -> Result<()> {
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        let named = |e| match e {
+            Error::Input(text) => Error::input(format!("scene `{}`: {text}", self.name)),
+            other => other,
+        };
+        domain.read(root).map_err(named)?;
+        let dimension = domain.check().map_err(named)?;
+        let mut pictures = [Output::Source, Output::Surface, Output::Contact].iter();
+        match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
+            None => Ok(()),
+            Some(output) => Err(Error::input(format!(
+                "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look at the solution with `signorini solve {name} --out {name}.vtu`",
+                name = self.name
+            ))),
+        }
+    }
+
     /// Fills in the values that follow from others, and makes the checks that a parser cannot.
     fn complete(&mut self) -> std::result::Result<(), Failure> {
-        // A known solution is proof enough, and its integral takes milliseconds on every command.
-        if self.f.exact().is_none() {
-            solvable(&self.f, [integral(&self.f), integral(&self.f.absolute())])?;
-        }
+        self.check_on_domain()?;
         if self.r.is_empty() || self.stop.is_empty() {
             let example = "r = [10], stop = [\"signed\"]";
             return Err(format!("`r` and `stop` must not be empty; e.g. {example}").into());
-        }
-        let finest = self.finest().cells();
-        if finest > MAX_CELLS {
-            return Err(format!(
-                "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
-            )
-            .into());
         }
         for &r in &self.r {
             positive_r(r)?;
@@ -161,6 +238,32 @@ impl Scene {
         Ok(())
     }
 
+    /// Makes the checks that concern the square or, on another domain, do not need the mesh.
+    fn check_on_domain(&self) -> std::result::Result<(), Failure> {
+        if self.domain.is_some() {
+            let mut refused = NOT_ON_DOMAINS.iter();
+            return match refused.find(|(output, _)| self.outputs.contains(output)) {
+                None => Ok(()),
+                Some((output, reason)) => {
+                    Err(format!("`{output}` is for the square: {reason}; drop it from `outputs`")
+                        .into())
+                }
+            };
+        }
+        // A known solution is proof enough, and its integral takes milliseconds on every command.
+        if self.f.exact().is_none() {
+            solvable(&self.f, [integral(&self.f), integral(&self.f.absolute())])?;
+        }
+        let finest = self.finest().cells();
+        if finest > MAX_CELLS {
+            return Err(format!(
+                "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
+            )
+            .into());
+        }
+        Ok(())
+    }
+
     /// Returns the r whose solution is drawn: the middle one, unless the scene names another.
     pub(crate) fn drawn_r(&self) -> f64 {
         self.draw_r.unwrap_or(self.r[self.r.len() / 2])
@@ -189,7 +292,7 @@ impl Scene {
         })
     }
 
-    /// Returns the finest grid.
+    /// Returns the finest grid of a scene on the square.
     pub fn finest(&self) -> Grid {
         *self.grids.last().expect("validated: at least one grid")
     }

@@ -13,6 +13,10 @@ const SCENE: &str = "title = \"t\"\npaper_table = 1\nf = \"rect(-0.25,0.25,-0.25
     grids = [4, 8, 16]\nr = [1e6, 10, 0.5]\nstop = [\"signed\", \"printed\"]\nmax_iterations = 100\n\
     outputs = [\"table\", \"surface\"]\ndraw_r = 10\n";
 
+const ON_DOMAIN: &str = "title = \"t\"\nf = \"rect(-1,0,-1,0)=-6; else=1\"\n\
+    domain = { name = \"disc\", refine = 3, free = [], curve = { rim = [0, 0, 1] } }\n\
+    r = [10]\nstop = [\"signed\"]\noutputs = [\"table\", \"contact\"]\n";
+
 /// Words that a scene is made of, and some that break it.
 const WORDS: [&str; 40] = [
     "title",
@@ -58,12 +62,14 @@ const WORDS: [&str; 40] = [
 ];
 
 /// Parts of a right-hand side, and some that are none.
-const PARTS: [&str; 34] = [
+const PARTS: [&str; 36] = [
     "rect(",
     "disc(",
     "halfplane(",
     "quadrant(",
     "exact(",
+    "formula(",
+    "x*y",
     "else",
     "full-contact",
     "ll",
@@ -148,6 +154,7 @@ fn answers(text: &str) -> Result<(), TestCaseError> {
 #[test]
 fn the_seed_of_the_mutations_is_a_valid_scene() {
     Scene::parse("name", SCENE).unwrap();
+    Scene::parse("name", ON_DOMAIN).unwrap();
 }
 
 proptest! {
@@ -157,8 +164,11 @@ proptest! {
     fn a_mutated_scene_is_read_or_refused(
         edits in prop::collection::vec((any::<Index>(), 0..12usize, select(WORDS.to_vec())), 1..5)
     ) {
-        let text = edits.into_iter().fold(SCENE.to_owned(), |text, (at, length, word)| splice(&text, at, length, word));
-        answers(&text)?;
+        for seed in [SCENE, ON_DOMAIN] {
+            let edits = edits.clone().into_iter();
+            let text = edits.fold(seed.to_owned(), |text, (at, length, word)| splice(&text, at, length, word));
+            answers(&text)?;
+        }
     }
 
     #[test]

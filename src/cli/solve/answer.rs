@@ -256,7 +256,7 @@ impl Answer {
             text.push('\n');
         }
         if !self.last().verdict.is_failure() || problem.accuracy.is_some() {
-            text += &bound::text(&self.bounds, self.errors.is_some());
+            text += &bound::text(&self.bounds, problem.domain.is_smooth());
         }
         for warning in &self.warnings {
             text += &format!("warning: {warning}\n");

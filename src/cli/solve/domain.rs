@@ -10,11 +10,10 @@ use signorini_mathematics::discrete::contact::{ContactArc, arcs};
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
-use signorini_mathematics::discrete::kkt::{Judgement, Kkt, judge};
+use signorini_mathematics::discrete::kkt::{Judgement, judge};
 use signorini_mathematics::discrete::load::{self, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
-use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::formats::Fields;
 use signorini_mathematics::problem;
 use signorini_mathematics::problem::law::Law;
@@ -138,11 +137,20 @@ impl Domain {
     /// smooth f, for which quadrature has an error of its own.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
         let smooth = match self {
-            Self::Square { f, .. } => f.exact().is_some(),
-            Self::Cube { f } => f.exact().is_some(),
+            Self::Square { .. } | Self::Cube { .. } => self.is_smooth(),
+            // The integral is the sum of the load vector.
             Self::Mesh(_) => false,
         };
         (!smooth).then(|| self.slack(n))
+    }
+
+    /// True if f is integrated by quadrature, with an error.
+    pub(super) fn is_smooth(&self) -> bool {
+        match self {
+            Self::Square { f, .. } => f.is_smooth(),
+            Self::Cube { f } => f.is_smooth(),
+            Self::Mesh(mesh) => mesh.problem.f.cells.deviation.is_some(),
+        }
     }
 
     pub(super) fn load(&self, n: usize) -> Vec<f64> {
@@ -163,11 +171,11 @@ impl Domain {
         }
     }
 
-    /// Judges a nodal vector by the sum of its load vector, its residuals, its energy and the work of its reactions. With a
-    /// fixed part of the boundary every load has a solution.
-    pub(super) fn verdict(&self, sum_load: f64, kkt: &Kkt, energy: f64, work: f64) -> Verdict {
-        let sum_load = if self.has_fixed_part() { -1.0 } else { sum_load };
-        Verdict::new(sum_load, kkt, energy, work)
+    /// True if the discrete problem with this sum of its load vector has a solution: a part of the boundary is fixed, or
+    /// the flux can balance the load.
+    pub(super) fn has_solution(&self, n: usize, law: Law, sum_load: f64) -> bool {
+        let perimeter = self.boundary_parts(n).into_iter().map(|(_, measure)| measure).sum();
+        self.has_fixed_part() || law.check_solvable(sum_load, perimeter).is_ok()
     }
 
     /// True if v = 0 on a part of the boundary.
@@ -185,10 +193,7 @@ impl Domain {
         match self {
             Self::Square { .. } => square(n).boundary().map(|node| (node, square(n).h())).collect(),
             Self::Cube { .. } => cube(n).boundary_shares().collect(),
-            Self::Mesh(mesh) => {
-                let contact = mesh.problem.levels[n].network.contact().iter();
-                contact.map(|contact| (contact.node as usize, contact.measure)).collect()
-            }
+            Self::Mesh(mesh) => mesh.problem.levels[n].network.contact_parts().collect(),
         }
     }
 

@@ -4,18 +4,14 @@ use super::SolveArgs;
 use super::format::Format;
 use crate::figures::{MeshSurface, mesh_surfaces, uphill_on_mesh};
 use crate::pipeline::error::{Error, Result};
+use crate::replication::domain::{DomainSettings, drawn, nodes_after};
+use crate::replication::scene::Scene;
 use crate::timing::machine;
 use signorini_mathematics::formats::MeshFields;
-use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::triangulated::MeshProblem;
-use std::path::Path;
-
-/// Number of nodes up to which a mesh is refined if the user does not say how often.
-const USUAL_NODES: usize = 20_000;
-
-/// Most triangles of a picture, beside which it would grow too large; each refinement makes four of one.
-const MOST_TRIANGLES: usize = 2500;
+use std::collections::BTreeMap;
 
 /// Problem on a mesh.
 pub(super) struct MeshDomain {
@@ -23,38 +19,33 @@ pub(super) struct MeshDomain {
     coarsest: AnyMesh,
     /// Problem with all refinements.
     pub problem: MeshProblem,
-    /// File or built-in domain.
+    /// Scene, file or built-in domain.
     pub name: String,
 }
 
 impl MeshDomain {
-    /// Reads the mesh that the arguments name, if they name one, and refines it.
-    pub(super) fn read(args: &SolveArgs) -> Result<Option<Self>> {
-        let (name, mut mesh) = match (&args.mesh, &args.domain) {
-            (Some(path), _) => (path.display().to_string(), from_file(path)?),
-            (None, Some(name)) => (name.clone(), built_in(name)?),
-            (None, None) => return Ok(None),
+    /// Reads the mesh that the arguments or the scene name, if they name one, and refines it.
+    pub(super) fn read(
+        args: &SolveArgs,
+        scene: Option<&Scene>,
+        overridden: &mut Vec<String>,
+    ) -> Result<Option<Self>> {
+        let Some(NamedDomain { name, settings, coarsest, f }) =
+            NamedDomain::read(args, scene, overridden)?
+        else {
+            return Ok(None);
         };
-        set_conditions(&mut mesh, "--free", &args.free, Condition::Free)?;
-        set_conditions(&mut mesh, "--fixed", &args.fixed, Condition::Fixed)?;
-        for curve in &args.curve {
-            set_curve(&mut mesh, curve)?;
-        }
-        let times = args.refine.map_or_else(|| usual_refinements(&mesh), usize::from);
-        check_memory(&mesh, times)?;
-        let f = args.f.as_deref().unwrap_or_default();
-        let problem =
-            MeshProblem::new(&mesh, times, f).map_err(|e| Error::input(format!("{name}: {e}")))?;
-        Ok(Some(Self { coarsest: mesh, problem, name }))
+        let times = settings.refinements(&coarsest);
+        check_memory(&coarsest, times)?;
+        let problem = MeshProblem::new(&coarsest, times, &f)
+            .map_err(|e| Error::input(format!("{name}: {e}")))?;
+        Ok(Some(Self { coarsest, problem, name }))
     }
 
     /// Returns the bytes of a file with the solution.
     pub(super) fn file(&self, kind: Format, pair: &Pair, name: &str) -> Result<Vec<u8>> {
         let Self { problem, coarsest, .. } = self;
-        let mut multiplier = vec![0.0; pair.y.len()];
-        for (contact, a) in problem.network().contact().iter().zip(&pair.a) {
-            multiplier[contact.node as usize] = *a;
-        }
+        let multiplier = pair.multiplier_on(problem.network());
         let fields = MeshFields {
             mesh: &problem.mesh,
             v: &pair.y,
@@ -79,10 +70,7 @@ fn picture(
     fields: &MeshFields<'_>,
     title: &str,
 ) -> Result<Vec<u8>> {
-    let refinements = (0..times)
-        .take_while(|&times| coarsest.cells() << (2 * (times + 1)) <= MOST_TRIANGLES)
-        .count();
-    let drawn = coarsest.refined(refinements).map_err(|e| Error::input(e.to_string()))?;
+    let drawn = drawn(coarsest, times)?;
     let AnyMesh::Plane(mesh) = &drawn else {
         return Err(Error::input("--out: a solution in space has no picture"));
     };
@@ -96,61 +84,73 @@ fn picture(
     drawn.map(String::into_bytes).map_err(Error::input)
 }
 
-fn from_file(path: &Path) -> Result<AnyMesh> {
-    let refused = |e: &dyn std::fmt::Display| Error::input(format!("{}: {e}", path.display()));
-    let bytes = std::fs::read(path).map_err(|e| refused(&e))?;
-    gmsh::read(&bytes).map_err(|e| refused(&e))
+/// Domain as the arguments or the scene name it.
+struct NamedDomain {
+    name: String,
+    settings: DomainSettings,
+    coarsest: AnyMesh,
+    /// f, as text.
+    f: String,
 }
 
-fn built_in(name: &str) -> Result<AnyMesh> {
-    AnyMesh::built_in(name).ok_or_else(|| {
-        let names = AnyMesh::built_in_names().join(", ");
-        Error::input(format!(
-            "--domain {name}: no such domain; choose one of {names}, or give a file with --mesh"
-        ))
-    })
-}
-
-fn set_conditions(
-    mesh: &mut AnyMesh,
-    option: &str,
-    parts: &[String],
-    condition: Condition,
-) -> Result<()> {
-    for part in parts {
-        let set = mesh.set_condition(part, condition);
-        set.map_err(|e| Error::input(format!("{option} {part}: {e}")))?;
+impl NamedDomain {
+    fn read(
+        args: &SolveArgs,
+        scene: Option<&Scene>,
+        overridden: &mut Vec<String>,
+    ) -> Result<Option<Self>> {
+        if let Some(scene) = scene {
+            return Self::of_scene(args, scene, overridden);
+        }
+        let mut settings = DomainSettings {
+            mesh: args.mesh.as_ref().map(|path| path.display().to_string()),
+            name: args.domain.clone(),
+            refine: args.refine,
+            free: args.free.clone(),
+            fixed: args.fixed.clone(),
+            curve: BTreeMap::new(),
+        };
+        let Some(name) = settings.mesh.clone().or(settings.name.clone()) else { return Ok(None) };
+        for text in &args.curve {
+            let (part, numbers) = curve(text)?;
+            settings.curve.insert(part, numbers);
+        }
+        let refused = |e| Error::input(format!("{name}: {e}"));
+        let file = args.mesh.as_ref().map(std::fs::read).transpose().map_err(refused)?;
+        let coarsest = settings.coarsest(file.as_deref(), "--")?;
+        let f = args.f.clone().unwrap_or_default();
+        Ok(Some(Self { name, settings, coarsest, f }))
     }
-    Ok(())
+
+    fn of_scene(
+        args: &SolveArgs,
+        scene: &Scene,
+        overridden: &mut Vec<String>,
+    ) -> Result<Option<Self>> {
+        let Some(domain) = &scene.domain else { return Ok(None) };
+        let coarsest = domain.coarsest(&domain.files)?;
+        let mut settings = domain.settings.clone();
+        let of_scene = settings.refinements(&coarsest);
+        if let Some(refine) = args.refine.filter(|&refine| usize::from(refine) != of_scene) {
+            overridden.push(format!("refine {refine} instead of {of_scene}"));
+            settings.refine = Some(refine);
+        }
+        Ok(Some(Self { name: scene.name.clone(), settings, coarsest, f: domain.f.clone() }))
+    }
 }
 
-/// Reads `PART=NUMBERS`, and puts the part on that curve.
-fn set_curve(mesh: &mut AnyMesh, text: &str) -> Result<()> {
-    let wrong = || {
+/// Reads `PART=NUMBERS`: a part of the boundary, and the numbers of the curve on which it lies.
+fn curve(text: &str) -> Result<(String, Vec<f64>)> {
+    let read = || {
+        let (part, numbers) = text.split_once('=')?;
+        let numbers = numbers.split(',').map(|number| number.trim().parse().ok());
+        Some((part.trim().to_owned(), numbers.collect::<Option<_>>()?))
+    };
+    read().ok_or_else(|| {
         Error::input(format!(
             "--curve {text}: write PART=NUMBERS, e.g. hole=0,0,0.3 for a circle of radius 0.3 around (0, 0)"
         ))
-    };
-    let (part, numbers) = text.split_once('=').ok_or_else(wrong)?;
-    let numbers: Vec<f64> = numbers
-        .split(',')
-        .map(|number| number.trim().parse().ok().filter(|number: &f64| number.is_finite()))
-        .collect::<Option<_>>()
-        .ok_or_else(wrong)?;
-    mesh.set_curve(part.trim(), &numbers).map_err(|e| Error::input(format!("--curve {text}: {e}")))
-}
-
-/// Number of nodes after some refinements: each multiplies the number of cells, and in the end of nodes, by 4 or 8.
-fn nodes_after(mesh: &AnyMesh, times: usize) -> f64 {
-    let factor = if mesh.dimension() == 2 { 4f64 } else { 8.0 };
-    let nodes_per_cell = if mesh.dimension() == 2 { 0.5 } else { 1.0 / 6.0 };
-    let cells = mesh.cells() as f64 * factor.powi(times as i32);
-    (nodes_per_cell * cells).max(mesh.nodes() as f64)
-}
-
-/// Number of refinements that keep a mesh small.
-fn usual_refinements(mesh: &AnyMesh) -> usize {
-    (1..=20).take_while(|&times| nodes_after(mesh, times) <= USUAL_NODES as f64).count()
+    })
 }
 
 /// Refuses refinements that take more memory than there is.

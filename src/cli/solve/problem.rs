@@ -56,8 +56,9 @@ impl Problem {
         let integral = domain.solvable()?;
         let solver = args.solver.unwrap_or(default_solver(args));
         check_solver_options(args, solver)?;
+        check_mesh_options(args, &domain)?;
         let given = args.h.as_deref().map(cells).transpose()?;
-        let of_scene = scene.map(|s| s.finest().cells());
+        let of_scene = scene.filter(|s| s.domain.is_none()).map(|s| s.finest().cells());
         let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), &mut overridden)
             .unwrap_or(DEFAULT_CELLS);
         let grids = match &domain {
@@ -177,7 +178,6 @@ fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
         ("--recover", args.recover, &Solver::ON_GRIDS),
     ];
     check_options("--solver", solver, &options)?;
-    check_mesh_options(args)?;
     let of_the_file =
         [("--recover", args.recover), ("--h", args.h.is_some() && solver == Solver::Spectral)];
     match of_the_file.iter().find(|(_, given)| *given && args.out.is_none()) {
@@ -188,25 +188,41 @@ fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     }
 }
 
-/// Refuses an option about a mesh where there is none.
-fn check_mesh_options(args: &SolveArgs) -> Result<()> {
-    let options = [
-        ("--refine", args.refine.is_some()),
+/// Refuses an option about a mesh where there is none, or one about the square on the domain of a scene.
+fn check_mesh_options(args: &SolveArgs, domain: &Domain) -> Result<()> {
+    let parts = [
         ("--free", !args.free.is_empty()),
         ("--fixed", !args.fixed.is_empty()),
         ("--curve", !args.curve.is_empty()),
     ];
-    let has_mesh = args.mesh.is_some() || args.domain.is_some();
-    match options.iter().find(|(_, given)| *given && !has_mesh) {
+    let refine = ("--refine", args.refine.is_some());
+    let of_the_square = [
+        ("--h", args.h.is_some()),
+        ("--load", args.load.is_some()),
+        ("--accuracy", args.accuracy.is_some()),
+        ("--accuracy-energy", args.accuracy_energy.is_some()),
+        ("--recover", args.recover),
+    ];
+    let on_mesh = matches!(domain, Domain::Mesh(_));
+    let (refused, remedy) = match (on_mesh, args.scene.is_some()) {
+        (true, false) => return Ok(()),
+        (true, true) => (
+            [&parts[..], &of_the_square].concat(),
+            "does not go with the domain of a scene; leave it out, or change the scene",
+        ),
+        (false, _) => (
+            [&parts[..], &[refine]].concat(),
+            "is about a mesh; add --mesh FILE or --domain NAME, or leave it out",
+        ),
+    };
+    match refused.iter().find(|(_, given)| *given) {
         None => Ok(()),
-        Some((option, _)) => Err(Error::input(format!(
-            "{option} is about a mesh; add --mesh FILE or --domain NAME, or leave it out"
-        ))),
+        Some((option, _)) => Err(Error::input(format!("{option} {remedy}"))),
     }
 }
 
 fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {
-    if let Some(mesh) = MeshDomain::read(args)? {
+    if let Some(mesh) = MeshDomain::read(args, scene, overridden)? {
         return Ok(Domain::Mesh(Box::new(mesh)));
     }
     if let Some(text) = &args.cube {

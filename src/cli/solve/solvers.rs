@@ -8,6 +8,7 @@ use super::problem::Problem;
 use crate::pipeline::error::{Error, Result};
 use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::{largest, sum};
+use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, MultigridStop};
 use signorini_mathematics::multilevel::solve_nested_networks;
@@ -127,7 +128,8 @@ impl Problem {
             let Judgement { kkt, energy, work, .. } =
                 self.domain.judge(k, self.params.law, &pair.y, &loads[k]);
             let sum_load = sum(&loads[k]);
-            let verdict = self.domain.verdict(sum_load, &kkt, energy, work);
+            let has_solution = self.domain.has_solution(k, self.params.law, sum_load);
+            let verdict = Verdict::new(has_solution, &kkt, energy, work);
             if run.stop == StopReason::Diverged {
                 diverged = Some((k, run.iterations));
             }
@@ -171,6 +173,7 @@ impl Problem {
         let judgement = self.domain.judge(n, self.params.law, &y, load);
         let Judgement { kkt, energy, work, .. } = judgement;
         let sum_load = sum(load);
+        let has_solution = self.domain.has_solution(n, self.params.law, sum_load);
         let level = Level {
             number: n,
             iterations,
@@ -179,7 +182,7 @@ impl Problem {
             energy,
             sum_load,
             kkt,
-            verdict: self.domain.verdict(sum_load, &kkt, energy, work),
+            verdict: Verdict::new(has_solution, &kkt, energy, work),
         };
         Ok(self.solved(vec![level], y, judgement, work_units))
     }

@@ -8,8 +8,8 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::network::{Network, count_components};
 use crate::mesh::{
-    AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, mesh_arcs, mesh_load,
-    refined,
+    AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, check_values,
+    mesh_arcs, mesh_load, refined,
 };
 use crate::problem::cube::Body;
 use crate::problem::law::Law;
@@ -37,7 +37,7 @@ pub enum MeshProblemError {
     /// The text is no f on the mesh.
     #[error(transparent)]
     Text(#[from] MeshSourceError),
-    /// f is too large or too small to compute with.
+    /// f is not finite, or too large or too small to compute with.
     #[error(transparent)]
     Scale(#[from] SourceError),
     /// No solution, or no unique one.
@@ -149,6 +149,22 @@ impl MeshProblem {
     }
 }
 
+/// Returns the means of f, given as text, over the cells of a mesh.
+///
+/// # Errors
+/// As [`MeshSource::read`].
+pub fn means_on(mesh: &AnyMesh, f: &str) -> Result<Vec<f64>, MeshSourceError> {
+    let means = match mesh {
+        AnyMesh::Plane(mesh) => {
+            mesh_load(mesh, &MeshSource::<Region>::read(f, mesh.region_names())?).cells.mean
+        }
+        AnyMesh::Space(mesh) => {
+            mesh_load(mesh, &MeshSource::<Body>::read(f, mesh.region_names())?).cells.mean
+        }
+    };
+    Ok(means)
+}
+
 /// Nested discrete problems, finest mesh, and f on it.
 type Prepared<const D: usize, const V: usize> = (Vec<NestedNetwork>, Mesh<D, V>, MeshLoad);
 
@@ -162,6 +178,9 @@ where
 {
     let (levels, mesh) = refined(coarsest, times)?;
     let load = mesh_load(&mesh, f);
+    if !load.size.is_finite() {
+        check_values(&mesh, f)?;
+    }
     f.check_scale(load.size)?;
     Ok((levels, mesh, load))
 }

@@ -1,6 +1,7 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
 mod book;
+mod on_mesh;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
@@ -86,6 +87,7 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     for scene in &scenes {
         let mut read = serde_json::json!({ "title": scene.title });
         match output {
+            _ if scene.domain.is_some() => read["domain"] = serde_json::json!(scene.domain),
             Output::Source | Output::Identify => read["f"] = scene.f.to_string().into(),
             _ => read["grids"] = scene.grids.iter().map(|grid| grid.cells()).collect(),
         }
@@ -94,8 +96,10 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
         }
     }
     let needs = scenes.iter().flat_map(|scene| needs(output, scene)).collect();
-    let task = drawing(name, title, needs, move |inputs| Ok(draw(output, &scenes, inputs)?));
-    Task { parameters: hashed, ..task }
+    let domains = scenes.iter().filter_map(|scene| scene.domain.as_ref());
+    let files = domains.flat_map(|domain| domain.files.clone()).collect();
+    let task = drawing(name, title, needs, move |inputs| draw(output, &scenes, inputs));
+    Task { parameters: hashed, files, ..task }
 }
 
 /// Ids of the tasks from whose artifacts the figure of a scene is drawn.
@@ -142,7 +146,16 @@ fn surface(scene: &Scene) -> String {
     solve::id(scene, scene.stop[0], scene.drawn_r())
 }
 
-fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
+fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
+    if let [scene] = scenes
+        && let Some(domain) = &scene.domain
+    {
+        return on_mesh::draw(output, scene, domain, inputs);
+    }
+    Ok(draw_on_square(output, scenes, inputs)?)
+}
+
+fn draw_on_square(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     match output {
         Output::Source | Output::Table => {
             let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
@@ -205,13 +218,11 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
 fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, String> {
     let mut lines = Vec::new();
     for &stop in &scene.stop {
-        let mut label = format!("stop: {stop}, r = {}", scene.drawn_r());
-        if let Some(end) = solve::no_solution(inputs, scene, stop)? {
-            label += &format!(", {end}");
-        }
-        lines.push(ContactLine { label, pair: solve::pair(inputs, scene, stop)? });
+        let label = solve::label(inputs, scene, stop)?;
+        let pair = solve::pair(inputs, scene, stop)?;
+        lines.push(ContactLine::of_square(label, scene.finest(), &pair));
     }
-    Ok(ContactPanel { title: &scene.title, grid: scene.finest(), lines })
+    Ok(ContactPanel::of_square(&scene.title, scene.finest(), lines))
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

@@ -39,7 +39,8 @@ pub(super) fn task(project: &Project) -> Option<Task> {
 
 /// Table with one row per problem, stopping rule, r and grid.
 ///
-/// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side) and `tolerance` identify the solve.
+/// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and `tolerance` identify
+/// the solve.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::end) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
@@ -134,7 +135,22 @@ struct GridSolve<'a> {
     outcome: Outcome,
 }
 
+/// Size of a grid or mesh.
+struct GridSize {
+    /// Cells per side of a grid of the square.
+    cells: Option<i64>,
+    nodes: i64,
+}
+
 impl GridSolve<'_> {
+    fn size(&self) -> GridSize {
+        let size = self.outcome.cells as i64;
+        match self.scene.domain {
+            None => GridSize { cells: Some(size), nodes: (size + 1) * (size + 1) },
+            Some(_) => GridSize { cells: None, nodes: size },
+        }
+    }
+
     /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
     fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
         let table = paper.published(self.scene.paper_table?).ok()?;
@@ -177,7 +193,8 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "problem" => column(solves, |solve| &*solve.scene.name),
         "rule" => column(solves, |solve| solve.rule.name()),
         "r" => column(solves, |solve| solve.r),
-        "cells" => column(solves, |solve| solve.outcome.cells as i64),
+        "cells" => column(solves, |solve| solve.size().cells),
+        "nodes" => column(solves, |solve| solve.size().nodes),
         "tolerance" => column(solves, |solve| tolerance(solve.level)),
         "iterations" => column(solves, |solve| solve.outcome.iterations as i64),
         "stop" => column(solves, |solve| solve.outcome.end()),

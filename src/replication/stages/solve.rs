@@ -2,6 +2,8 @@
 //!
 //! Central is `solve`, which runs the paper's method for one cell.
 
+pub(super) mod on_mesh;
+
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -71,7 +73,10 @@ pub(super) fn tasks(scene: &Scene, stop: StopRule) -> Vec<Task> {
     for &r in &scene.r {
         let cell = cell(scene, stop, r);
         if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(task(scene, cell));
+            tasks.push(match &scene.domain {
+                None => task(scene, cell),
+                Some(domain) => on_mesh::task(id(scene, stop, r), domain, &cell),
+            });
         }
     }
     tasks
@@ -158,8 +163,7 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
     let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: recorder.errors };
     let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);
     if cell.keep_pair {
-        let bytes = pair.y.iter().chain(&pair.a).flat_map(|v| v.to_le_bytes()).collect();
-        artifacts.insert(PAIR.into(), bytes);
+        artifacts.insert(PAIR.into(), pair_bytes(&pair));
     }
     if cell.keep_history {
         artifacts.insert(HISTORY.into(), to_json(&recorder.history));
@@ -204,6 +208,15 @@ pub(super) fn no_solution(
     Ok((end != CONVERGED).then(|| end.replace('-', " ")))
 }
 
+/// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
+pub(super) fn label(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<String, String> {
+    let label = format!("stop: {stop}, r = {}", scene.drawn_r());
+    Ok(match no_solution(inputs, scene, stop)? {
+        Some(end) => format!("{label}, {end}"),
+        None => label,
+    })
+}
+
 /// [End](Outcome::end) of an iteration with a solution.
 const CONVERGED: &str = "converged";
 
@@ -239,13 +252,23 @@ pub(crate) fn without_solution(
 /// Returns the pair where a rule stops on the finest grid, with the r that is drawn.
 pub(super) fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
     let grid = scene.finest();
-    let (chunks, _) = artifact(inputs, &id(scene, stop, scene.drawn_r()), PAIR)?.as_chunks();
+    pair_of(inputs, &id(scene, stop, scene.drawn_r()), [grid.nodes(), grid.boundary_nodes()])
+}
+
+/// Returns the pair of a task, y and a of these lengths.
+fn pair_of(inputs: &Inputs, task: &str, [nodes, on_boundary]: [usize; 2]) -> Result<Pair, String> {
+    let (chunks, _) = artifact(inputs, task, PAIR)?.as_chunks();
     let values: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
-    if values.len() != grid.nodes() + grid.boundary_nodes() {
-        return Err(format!("{PAIR} is not for grid 1/{}", grid.cells()));
+    if values.len() != nodes + on_boundary {
+        return Err(format!("{PAIR} of {task} is for another grid"));
     }
-    let (y, a) = values.split_at(grid.nodes());
+    let (y, a) = values.split_at(nodes);
     Ok(Pair { y: y.to_vec(), a: a.to_vec() })
+}
+
+/// Returns the bytes of the artifact [`PAIR`].
+fn pair_bytes(pair: &Pair) -> Vec<u8> {
+    pair.y.iter().chain(&pair.a).flat_map(|v| v.to_le_bytes()).collect()
 }
 
 /// Returns the components of the gradient (8) at the nodes of the finest grid where the first rule stops, with the r

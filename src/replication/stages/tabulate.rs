@@ -20,12 +20,23 @@ pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
     let needs: Vec<String> = solve::ids(scene, stop).collect();
     let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
     let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
+    let on_square = scene.domain.is_none();
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
+        let names = match on_square {
+            true => cells.iter().map(|n| format!("1/{n}")).collect(),
+            false => meshes(inputs, &needs[0])?,
+        };
         Ok(Artifacts::from([(
             TABLE.into(),
-            csv(table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &cells)?)?,
+            csv(table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names)?)?,
         )]))
     })
+}
+
+/// Names of the nested meshes of a solve: their numbers of nodes.
+fn meshes(inputs: &Inputs, task: &str) -> Result<Vec<String>, String> {
+    let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
+    Ok(levels.iter().map(|level| format!("{} nodes", level.cells)).collect())
 }
 
 /// The rows of a table, one from each of the tasks `solves`.
@@ -54,29 +65,30 @@ fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, St
     Ok(ends)
 }
 
-/// Table in the paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ...), and `delta_a`.
+/// Table in the paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ..., or `25 nodes`, ...), and
+/// `delta_a`.
 ///
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
 /// ended without a solution of the discrete problem, a column `stop 1/4` holds the `ends`.
-fn table(rows: &[Row], ends: &[Vec<&str>], cells: &[usize]) -> PolarsResult<DataFrame> {
+fn table(rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> PolarsResult<DataFrame> {
     let mut columns: Vec<Column> =
         vec![Column::new("r".into(), rows.iter().map(|row| row.r).collect::<Vec<_>>())];
-    for (level, n) in cells.iter().enumerate() {
+    for (level, grid) in grids.iter().enumerate() {
         let counts: Vec<u64> = rows.iter().map(|row| row.counts[level] as u64).collect();
-        columns.push(Column::new(format!("1/{n}").into(), counts));
+        columns.push(Column::new(grid.into(), counts));
     }
     let delta_a: Vec<f64> = rows.iter().map(|row| row.delta_a).collect();
     columns.push(Column::new("delta_a".into(), delta_a));
-    for (level, n) in cells.iter().enumerate() {
+    for (level, grid) in grids.iter().enumerate() {
         let capped: Vec<bool> = rows.iter().map(|row| row.capped[level]).collect();
         if capped.contains(&true) {
-            columns.push(Column::new(format!("capped 1/{n}").into(), capped));
+            columns.push(Column::new(format!("capped {grid}").into(), capped));
         }
     }
-    for (level, n) in cells.iter().enumerate() {
+    for (level, grid) in grids.iter().enumerate() {
         let ends: Vec<&str> = ends.iter().map(|ends| ends[level]).collect();
         if ends.iter().any(|end| ["no-solution", "not-solved"].contains(end)) {
-            columns.push(Column::new(format!("stop 1/{n}").into(), ends));
+            columns.push(Column::new(format!("stop {grid}").into(), ends));
         }
     }
     DataFrame::new(rows.len(), columns)
@@ -99,7 +111,10 @@ mod tests {
             0.5,3,55,0.000353,true,converged
         "]]
         .assert_eq(
-            std::str::from_utf8(&csv(table(&rows, &ends, &[4, 8]).unwrap()).unwrap()).unwrap(),
+            std::str::from_utf8(
+                &csv(table(&rows, &ends, &["1/4".into(), "1/8".into()]).unwrap()).unwrap(),
+            )
+            .unwrap(),
         );
     }
 }

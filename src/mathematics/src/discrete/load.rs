@@ -5,7 +5,6 @@ mod exact;
 use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
 use crate::machine::threads::{TASK, in_tasks};
-use crate::problem::exact::Exact;
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
 use exact::exact;
@@ -87,7 +86,9 @@ pub fn integral(f: &Source) -> f64 {
             });
             rows.sum()
         }
-        Source::Exact(_) => exact(grid(64), f, Some(Diagonal::Rising)).iter().sum(),
+        Source::Exact(_) | Source::Formula(_) => {
+            exact(grid(64), f, Some(Diagonal::Rising)).iter().sum()
+        }
     }
 }
 
@@ -138,10 +139,10 @@ fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f6
                         row[region.along(&xs, [ys[j]])].fill(*value);
                     }
                 }
-                Source::Exact(exact) => {
+                Source::Exact(_) | Source::Formula(_) => {
                     let y = grid.coordinate(j);
                     for (i, value) in row.iter_mut().enumerate() {
-                        *value = exact.source(grid.coordinate(i), y);
+                        *value = f.at([grid.coordinate(i), y]);
                     }
                 }
             }
@@ -153,7 +154,7 @@ fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f6
 /// Means of f over the cells of a grid, row by row.
 enum Means<'a> {
     Pieces(Cells<'a>),
-    Exact(Exact, Grid),
+    Smooth(&'a Source, Grid),
 }
 
 impl<'a> Means<'a> {
@@ -162,7 +163,7 @@ impl<'a> Means<'a> {
             Source::Pieces { background, pieces } => {
                 Self::Pieces(Cells::new(grid, *background, pieces))
             }
-            Source::Exact(exact) => Self::Exact(*exact, grid),
+            Source::Exact(_) | Source::Formula(_) => Self::Smooth(f, grid),
         }
     }
 
@@ -173,7 +174,7 @@ impl<'a> Means<'a> {
                 cells.row(j, row, |i, cell| cut.push((i, cell.moments().f[0])));
                 cut.iter().for_each(|&(i, mean)| row[i] = mean);
             }
-            Self::Exact(exact, grid) => {
+            Self::Smooth(f, grid) => {
                 // Gauss' rule with two points along each axis.
                 let step = grid.h() / 12f64.sqrt();
                 let points = |k: usize| {
@@ -181,7 +182,7 @@ impl<'a> Means<'a> {
                     [middle - step, middle + step]
                 };
                 for (i, mean) in row.iter_mut().enumerate() {
-                    let at = |y: f64| points(i).map(|x| exact.source(x, y)).iter().sum::<f64>();
+                    let at = |y: f64| points(i).map(|x| f.at([x, y])).iter().sum::<f64>();
                     *mean = points(j).map(at).iter().sum::<f64>() / 4.0;
                 }
             }

@@ -15,7 +15,8 @@ const ROUGH: f64 = 0.1;
 /// Verdict on a nodal vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// The load vector sums to a non-negative number, so that the discrete problem has no solution.
+    /// The flux through the boundary cannot balance the load vector, so that the discrete problem has no solution; under the
+    /// paper's law, since it sums to a non-negative number.
     NoSolution,
     /// The conditions of the solution are violated.
     NotSolved(Violation),
@@ -42,10 +43,10 @@ pub enum Violation {
 }
 
 impl Verdict {
-    /// Judges a nodal vector by the sum of its load vector, its `kkt`, its `energy`, and its `work`, which is the sum of
-    /// v r over the boundary, r the gradient of the energy.
-    pub fn new(sum_load: f64, kkt: &Kkt, energy: f64, work: f64) -> Self {
-        if sum_load >= 0.0 {
+    /// Judges a nodal vector of a problem that has a solution or none by its `kkt`, its `energy`, and its `work`, which is
+    /// the sum of v r over the boundary, r the gradient of the energy, with the law's term.
+    pub fn new(has_solution: bool, kkt: &Kkt, energy: f64, work: f64) -> Self {
+        if !has_solution {
             Self::NoSolution
         } else if kkt.relative.is_nan() || kkt.relative > SOLVED {
             Self::NotSolved(Violation::Residual(kkt.relative))
@@ -108,7 +109,9 @@ mod tests {
 
     #[test]
     fn each_condition_has_its_verdict() {
-        let verdict = |sum, relative, energy, work| Verdict::new(sum, &kkt(relative), energy, work);
+        let verdict = |sum: f64, relative, energy, work| {
+            Verdict::new(sum < 0.0, &kkt(relative), energy, work)
+        };
         assert_eq!(verdict(-1.0, 1e-12, -1.0, 0.0), Verdict::Solved);
         assert_eq!(verdict(-1.0, 0.2, -1.0, 0.0), Verdict::Rough);
         assert_eq!(verdict(0.0, 1e-12, -1.0, 0.0), Verdict::NoSolution);

@@ -1,19 +1,16 @@
 //! Contact on the boundary of a domain in the plane as arcs, with their forces, and where they end between nodes.
 
-use super::{Element, PlaneMesh};
+use super::PlaneMesh;
+use super::boundary::{BoundaryLinks, NONE};
 use crate::discrete::contact::{ContactArc, reach};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::network::Network;
 
-/// No node.
-const NONE: usize = usize::MAX;
-
-/// BoundaryWalk with the neighbours of each of its nodes, in the direction that has the domain on the left.
+/// Walk along the boundary.
 struct BoundaryWalk<'a> {
     mesh: &'a PlaneMesh,
     y: &'a [f64],
-    before: Vec<usize>,
-    after: Vec<usize>,
+    links: BoundaryLinks,
 }
 
 /// Returns the arcs of boundary nodes [in contact](Judgement::in_contact), for a nodal vector and its judgement, each in
@@ -32,7 +29,8 @@ pub fn mesh_arcs(
     let boundary = BoundaryWalk::new(mesh, y);
     let mut arcs = Vec::new();
     for start in nodes.clone() {
-        let begins = boundary.before.get(start).is_some_and(|&p| p == NONE || force[p].is_none());
+        let begins =
+            boundary.links.before.get(start).is_some_and(|&p| p == NONE || force[p].is_none());
         if force[start].is_some() && begins {
             arcs.push(boundary.arc(start, &mut force));
         }
@@ -48,16 +46,7 @@ pub fn mesh_arcs(
 
 impl<'a> BoundaryWalk<'a> {
     fn new(mesh: &'a PlaneMesh, y: &'a [f64]) -> Self {
-        let (mut before, mut after) = (vec![NONE; y.len()], vec![NONE; y.len()]);
-        let is_mirrored = Element::new(mesh.vertices(&mesh.cells[0])).is_mirrored;
-        for facet in &mesh.facets {
-            let [mut from, mut to] = facet.nodes.map(|node| node as usize);
-            if is_mirrored {
-                (from, to) = (to, from);
-            }
-            (after[from], before[to]) = (to, from);
-        }
-        Self { mesh, y, before, after }
+        Self { mesh, y, links: BoundaryLinks::new(mesh) }
     }
 
     /// Follows the arc from its first node, and removes its forces.
@@ -68,13 +57,13 @@ impl<'a> BoundaryWalk<'a> {
             && let Some(of_node) = force[node].take()
         {
             (last, sum) = (node, sum + of_node);
-            node = self.after[node];
+            node = self.links.after[node];
         }
         if node == start && last != start {
             let point = self.mesh.points[start];
             return ContactArc { from: point, to: point, force: sum };
         }
-        let mut ends = [(start, &self.before), (last, &self.after)]
+        let mut ends = [(start, &self.links.before), (last, &self.links.after)]
             .map(|(node, next)| self.beyond(node, next));
         if start == last && ends.iter().all(|(part, _)| *part == 0.0) {
             // No ends can be told around this one node, and an arc without length would stand for all of a curve.

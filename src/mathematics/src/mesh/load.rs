@@ -4,6 +4,7 @@
 
 use super::quadrature::{QuadraturePoint, quadrature};
 use super::{Element, Mesh};
+use crate::problem::shape::SourceError;
 
 /// Value of f at a point of a cell, given by its number and the point.
 pub trait OnCells<const D: usize> {
@@ -31,6 +32,24 @@ pub struct MeshLoad {
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
+}
+
+/// Checks the values of f at the points of the quadrature.
+///
+/// # Errors
+/// [`SourceError::NoValue`] with the first point where f is not finite.
+pub fn check_values<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    f: &impl OnCells<D>,
+) -> Result<(), SourceError> {
+    let points = quadrature::<V>();
+    for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
+        for point in &points {
+            let point = combination(point, mesh.vertices(cell));
+            SourceError::check_value(f.at(region, point), &point)?;
+        }
+    }
+    Ok(())
 }
 
 /// Integrates f over all cells.

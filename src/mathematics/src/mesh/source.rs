@@ -1,7 +1,7 @@
-//! f on a mesh as text: by named regions, by shapes, or as a known solution's.
+//! f on a mesh as text: by named regions, by shapes, by a formula, or as a known solution's.
 //!
-//! `region(name)=v` is f on all cells of that region, whatever the shapes say; the rest of the text is that of a
-//! [`Source`].
+//! `region(name)=v` is f on all cells of that region, whatever the shapes say; v is a number or a formula. The rest of
+//! the text is that of a [`Source`].
 
 use super::load::OnCells;
 use crate::problem::shape::{Shape, SourceError};
@@ -10,8 +10,8 @@ use crate::problem::source::Source;
 /// f on a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshSource<S: Shape> {
-    /// Value on each region; none where the shapes say it.
-    regions: Vec<Option<f64>>,
+    /// f on each region; none where the rest says it.
+    regions: Vec<Option<Source<S>>>,
     /// f where no region has a value.
     rest: Source<S>,
     /// Text, in one line.
@@ -53,11 +53,9 @@ impl<S: Shape> MeshSource<S> {
                 regions: region_names.join(", "),
             })?;
             // A value alone, `else=v`, is a constant.
-            let Source::Pieces { background, .. } = format!("else={value}").parse::<Source<S>>()?
-            else {
-                continue;
-            };
-            regions[found] = Some(background);
+            let is_formula = value.starts_with("formula(");
+            let text = if is_formula { value.to_owned() } else { format!("else={value}") };
+            regions[found] = Some(text.parse()?);
         }
         let complete = rest.is_empty() && regions.iter().all(Option::is_some);
         let rest =
@@ -76,8 +74,9 @@ impl<S: Shape> MeshSource<S> {
     /// # Errors
     /// [`SourceError::Scale`].
     pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
-        let largest = self.regions.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
-        Source::<S>::constant(largest.max(self.rest.largest())).check_scale(integral_of_size)
+        let parts = self.regions.iter().flatten().chain([&self.rest]);
+        let sizes = parts.map(|f| f.largest().unwrap_or(integral_of_size));
+        Source::<S>::constant(sizes.fold(0.0, f64::max)).check_scale(integral_of_size)
     }
 }
 
@@ -90,7 +89,7 @@ fn region(item: &str) -> Option<(&str, &str)> {
 
 impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for MeshSource<S> {
     fn at(&self, region: u16, point: [f64; D]) -> f64 {
-        self.regions[region as usize].unwrap_or_else(|| self.rest.at(point))
+        self.regions[region as usize].as_ref().unwrap_or(&self.rest).at(point)
     }
 }
 
@@ -112,6 +111,8 @@ mod tests {
         assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2]), f.at(1, [2.0; 2])], [-0.25, 2.0, -1.0]);
         assert_eq!(f.text(), "region(core)=-1/4; disc(0,0,1)=2; else=-1");
         assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=2", &names).is_ok());
+        let f = MeshSource::<Region>::read("region(core)=formula(x*y); else=-1", &names).unwrap();
+        assert_eq!([f.at(0, [2.0, 3.0]), f.at(1, [2.0, 3.0])], [6.0, -1.0]);
         for wrong in ["region(core)=1", "region(x)=1; else=2", "region(core)=x; else=1", "hello"] {
             let message = MeshSource::<Region>::read(wrong, &names).unwrap_err().to_string();
             assert!(!message.contains('\n'), "{message}");

@@ -272,11 +272,11 @@ impl Law {
     /// [`LawError::Unbalanced`].
     pub fn check_solvable(self, integral: f64, perimeter: f64) -> Result<(), LawError> {
         let [least, most] = [-self.hi * perimeter, -self.lo * perimeter];
-        if least < integral && integral < most {
-            Ok(())
-        } else {
-            Err(LawError::Unbalanced { integral, least, most })
+        // NaN is left to the checks of numbers.
+        if integral <= least || integral >= most {
+            return Err(LawError::Unbalanced { integral, least, most });
         }
+        Ok(())
     }
 }
 

@@ -4,6 +4,7 @@ pub mod cube;
 pub mod disc;
 pub mod exact;
 mod field;
+pub mod formula;
 pub mod law;
 pub mod region;
 pub mod shape;

@@ -53,6 +53,7 @@ impl Region {
 impl Shape for Region {
     type Point = [f64; 2];
     type Exact = Exact;
+    const DIMENSION: usize = 2;
     const EXAMPLE: &'static str = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1";
 
     fn contains(&self, [x, y]: [f64; 2]) -> bool {

@@ -6,9 +6,11 @@ use std::ops::Range;
 /// A closed convex set on which f may be constant.
 pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
     /// A point of the square or the cube.
-    type Point: Copy;
+    type Point: Copy + AsRef<[f64]>;
     /// The problems there whose solutions are known.
     type Exact: Known<Self::Point>;
+    /// Number of coordinates of a point.
+    const DIMENSION: usize;
     /// A right-hand side, for messages.
     const EXAMPLE: &'static str;
 
@@ -155,6 +157,25 @@ pub enum SourceError {
         what: &'static str,
         /// Size of the quantity.
         size: f64,
+    },
+    /// A text that is no formula.
+    #[error("formula `{formula}`: {reason}; write e.g. 'formula(3*x*y - 1.1)'")]
+    Formula {
+        /// Text of the formula, or its beginning.
+        formula: String,
+        /// Fault of the text.
+        reason: String,
+    },
+    /// A formula beside other parts of f.
+    #[error("a formula stands alone, as all of f; write e.g. 'formula(3*x*y - 1.1)'")]
+    NotAlone,
+    /// A point at which f is not finite.
+    #[error("f is {value} at ({point}); give a formula with finite values on the whole domain")]
+    NoValue {
+        /// Value of f.
+        value: f64,
+        /// Coordinates of the point.
+        point: String,
     },
     /// A name that is no known exact problem.
     #[error("`{name}` is no exact problem; choose one of {names}")]

@@ -1,5 +1,9 @@
-//! Right-hand sides f: piecewise constants written as `rect(x0,x1,y0,y1)=v; else=v`, or a named exact problem.
+//! Right-hand sides f: piecewise constants written as `rect(x0,x1,y0,y1)=v; else=v`, a named exact problem, or a
+//! `formula(3*x*y - 1.1)`.
+//!
+//! What is not constant on pieces is smooth: all that computes with f takes the values at points, by [`Source::at`].
 
+use crate::problem::formula::Formula;
 pub use crate::problem::region::Region;
 use crate::problem::shape::{Known, SCALE, Shape, SourceError, Written, number};
 use std::fmt;
@@ -17,6 +21,8 @@ pub enum Source<S: Shape = Region> {
     },
     /// The right-hand side that belongs to a known solution.
     Exact(S::Exact),
+    /// A formula in the coordinates.
+    Formula(Formula),
 }
 
 /// Side from which f is taken at a point that lies on a jump: a limit along that diagonal.
@@ -47,8 +53,13 @@ impl<S: Shape> Source<S> {
     pub fn exact(&self) -> Option<S::Exact> {
         match self {
             Self::Exact(exact) => Some(*exact),
-            Self::Pieces { .. } => None,
+            Self::Pieces { .. } | Self::Formula(_) => None,
         }
+    }
+
+    /// True if f is not constant on pieces, so that its integrals are by quadrature.
+    pub fn is_smooth(&self) -> bool {
+        !matches!(self, Self::Pieces { .. })
     }
 
     /// The pieces that lie outside the domain, where they change nothing.
@@ -58,7 +69,7 @@ impl<S: Shape> Source<S> {
         outside.map(|(shape, _)| shape.to_string()).collect()
     }
 
-    /// |f| for constant pieces; a named problem, whose integral is far from zero, is left as it is.
+    /// |f| for constant pieces and formulas; a named problem, whose integral is far from zero, is left as it is.
     pub fn absolute(&self) -> Self {
         match self {
             Self::Pieces { background, pieces } => Self::Pieces {
@@ -66,25 +77,33 @@ impl<S: Shape> Source<S> {
                 pieces: pieces.iter().map(|(shape, value)| (*shape, value.abs())).collect(),
             },
             Self::Exact(_) => self.clone(),
+            Self::Formula(formula) => Self::Formula(formula.absolute()),
         }
     }
 
-    /// Largest absolute value of a piece or of the background; a known solution has an f of ordinary size, 1.
-    pub fn largest(&self) -> f64 {
+    /// Largest absolute value of a piece or of the background; a known solution has an f of ordinary size, 1. `None`
+    /// for a formula.
+    pub fn largest(&self) -> Option<f64> {
         match self {
             Self::Pieces { background, pieces } => {
-                pieces.iter().fold(background.abs(), |most, (_, value)| most.max(value.abs()))
+                Some(pieces.iter().fold(background.abs(), |most, (_, value)| most.max(value.abs())))
             }
-            Self::Exact(_) => 1.0,
+            Self::Exact(_) => Some(1.0),
+            Self::Formula(_) => None,
         }
     }
 
-    /// Checks that f, with this integral of |f| or its negative, is of a size that all solvers compute with: [`SCALE`].
+    /// Checks that f, with this integral of |f| or its negative, is of a size that all solvers compute with, [`SCALE`], and
+    /// that a formula has values on the square or the cube.
     ///
     /// # Errors
-    /// [`SourceError::Scale`]. f = 0 passes: the condition (2) excludes it.
+    /// [`SourceError::Scale`], [`SourceError::NoValue`]. f = 0 passes: the condition (2) excludes it.
     pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
-        let largest = self.largest();
+        if let Self::Formula(formula) = self {
+            formula.check_on_unit_domain(S::DIMENSION)?;
+        }
+        // The mean of a formula is not far from its largest value.
+        let largest = self.largest().unwrap_or(integral_of_size.abs());
         if largest > 0.0 && !SCALE.contains(&largest) {
             return Err(SourceError::Scale { what: "the largest value of |f|", size: largest });
         }
@@ -104,6 +123,7 @@ impl<S: Shape> Source<S> {
                 .find(|(shape, _)| shape.contains(point))
                 .map_or(*background, |&(_, value)| value),
             Self::Exact(exact) => exact.f(point),
+            Self::Formula(formula) => formula.at(point.as_ref()),
         }
     }
 }
@@ -135,6 +155,7 @@ impl<S: Shape> fmt::Display for Source<S> {
                 write!(out, "else={}", Written(*background))
             }
             Self::Exact(exact) => write!(out, "exact({})", exact.name()),
+            Self::Formula(formula) => write!(out, "formula({formula})"),
         }
     }
 }
@@ -158,6 +179,10 @@ impl<S: Shape> FromStr for Source<S> {
     fn from_str(text: &str) -> Result<Self, SourceError> {
         if let Some(name) = text.trim().strip_prefix("exact(").and_then(|t| t.strip_suffix(')')) {
             return exact::<S>(name.trim()).map(Self::Exact);
+        }
+        if let Some(rest) = text.trim().strip_prefix("formula(") {
+            let formula = rest.strip_suffix(')').ok_or(SourceError::NotAlone)?;
+            return Formula::read(formula, S::DIMENSION).map(Self::Formula);
         }
         let (mut background, mut pieces) = (None, Vec::new());
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {

@@ -55,6 +55,29 @@ impl Pair {
         let of_node = |(node, a): (usize, &f64)| h * a > zero || self.y[node].abs() <= zero;
         grid.boundary().zip(&self.a).map(of_node).collect()
     }
+
+    /// Contact at the nodes of a network, as [`Pair::in_contact`] has it at the boundary nodes of the square; nowhere else.
+    pub fn in_contact_on(&self, network: &Network) -> Vec<bool> {
+        let forces = network.contact().iter().zip(&self.a).map(|(contact, a)| contact.measure * a);
+        let forces: Vec<f64> = forces.collect();
+        let cells = (network.nodes() as f64).sqrt() as usize;
+        let zero = rounding(cells, largest(&self.y).max(largest(&forces)));
+        let mut in_contact = vec![false; network.nodes()];
+        for (contact, force) in network.contact().iter().zip(forces) {
+            let node = contact.node as usize;
+            in_contact[node] = force > zero || self.y[node].abs() <= zero;
+        }
+        in_contact
+    }
+
+    /// Multiplier at all nodes of a network, zero where there is no contact condition.
+    pub fn multiplier_on(&self, network: &Network) -> Vec<f64> {
+        let mut multiplier = vec![0.0; network.nodes()];
+        for (contact, a) in network.contact().iter().zip(&self.a) {
+            multiplier[contact.node as usize] = *a;
+        }
+        multiplier
+    }
 }
 
 /// Returns the paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.

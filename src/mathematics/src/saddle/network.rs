@@ -2,7 +2,9 @@
 
 use super::method::Method;
 use super::plain::Plain;
-use super::{Pair, Params, StopReason, tolerance};
+use super::{Outcome, Pair, Params, StopReason, tolerance};
+use crate::discrete::judging::judge_network;
+use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
@@ -18,6 +20,36 @@ pub struct NetworkRun {
     pub stop: StopReason,
     /// Last change of the multiplier, the paper's Delta a.
     pub delta_a: f64,
+}
+
+impl NetworkRun {
+    /// Judges the last pair of this run.
+    pub fn outcome(&self, problem: &Plain<'_>, pair: &Pair) -> Outcome {
+        let Plain { network, law, load, .. } = *problem;
+        let Judgement { kkt, energy, work, .. } = judge_network(network, law, &pair.y, load);
+        let sum_load = load.iter().sum();
+        let perimeter = network.contact_parts().map(|(_, measure)| measure).sum();
+        let (mut gradient_signed, mut gradient_abs) = (f64::NEG_INFINITY, 0.0f64);
+        for node in 0..network.nodes() {
+            let gradient = problem.gradient(node, pair);
+            gradient_signed = gradient.max(gradient_signed);
+            gradient_abs = gradient.abs().max(gradient_abs);
+        }
+        Outcome {
+            cells: network.nodes(),
+            iterations: self.iterations,
+            stop: self.stop,
+            gradient_signed,
+            gradient_abs,
+            delta_a: self.delta_a,
+            energy,
+            sum_load,
+            kkt,
+            work,
+            has_solution: !network.fixed().is_empty()
+                || law.check_solvable(sum_load, perimeter).is_ok(),
+        }
+    }
 }
 
 /// Iterates on `pair` until the stopping rule is met or the limit on sweeps is reached; as

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Outcome of a solve on one grid: the end of the iteration and the quality of the last pair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Cells per side of the grid.
+    /// Cells per side of the grid; of a mesh, the number of nodes.
     pub cells: usize,
     /// Steps of the multiplier done: the iterations of the paper.
     pub iterations: usize,
@@ -32,6 +32,17 @@ pub struct Outcome {
     pub kkt: Kkt,
     /// Sum over the boundary nodes of y times the gradient of the energy: zero at the solution.
     pub work: f64,
+    /// True if the discrete problem has a solution: a part of the boundary is fixed, or the flux can balance the load.
+    #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
+    pub has_solution: bool,
+}
+
+/// Length of the boundary of the square.
+const PERIMETER: f64 = 4.0;
+
+/// Value of a record that does not name it.
+fn yes() -> bool {
+    true
 }
 
 /// State of an iteration after its last step.
@@ -50,6 +61,7 @@ impl Outcome {
     /// Judges `pair` after the last step of an iteration.
     pub(super) fn judge(grid: Grid, law: Law, load: &[f64], pair: &Pair, last: &LastStep) -> Self {
         let Judgement { kkt, energy, work, .. } = judge(grid, law, &pair.y, load);
+        let sum_load = load.iter().sum();
         let reported = [energy, last.gradient.absolute, kkt.natural, kkt.min_lambda];
         let finite = reported.iter().all(|value| value.is_finite());
         Self {
@@ -60,15 +72,16 @@ impl Outcome {
             gradient_abs: last.gradient.absolute,
             delta_a: last.delta_a,
             energy,
-            sum_load: load.iter().sum(),
+            sum_load,
             kkt,
             work,
+            has_solution: law.check_solvable(sum_load, PERIMETER).is_ok(),
         }
     }
 
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
-        Verdict::new(self.sum_load, &self.kkt, self.energy, self.work)
+        Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
     }
 
     /// Name of the end of the iteration: `stop`, unless the verdict is that there is no solution.

@@ -211,7 +211,7 @@ pub struct BoundaryPoint {
 /// If f is not piecewise constant, its integral is not negative, no contact set is found, or the
 /// solution fails a check.
 pub fn spectral(f: &Source, params: SpectralParams) -> Result<Solution, SpectralError> {
-    if f.exact().is_some() {
+    if f.is_smooth() {
         return Err(SpectralError::NotPieces);
     }
     let problem = SpectralProblem::new(f);

@@ -218,7 +218,7 @@ fn values(f: &Source) -> Value {
         Source::Pieces { background, pieces } => json!({
             "piece": pieces.first().map(|(_, value)| *value), "elsewhere": background,
         }),
-        Source::Exact(_) => Value::Null,
+        Source::Exact(_) | Source::Formula(_) => Value::Null,
     }
 }
 
@@ -244,9 +244,16 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let text = inputs.files.get(&path).ok_or_else(|| format!("{path} is missing"))?;
     let solved = solve::id(scene, scene.stop[0], scene.drawn_r());
     let outcomes: Outcomes = from_json(inputs, &solved, OUTCOMES)?;
+    // On a mesh, f is integrated by the load vector.
+    let sum_load = outcomes.levels.last().map(|level| level.sum_load);
+    let (f, integral_f) = match &scene.domain {
+        None => (scene.f.to_string(), Some(integral(&scene.f))),
+        Some(domain) => (domain.f.clone(), sum_load),
+    };
     let more = json!({
         "text": String::from_utf8(text.clone())?,
-        "integral_f": integral(&scene.f),
+        "f": f,
+        "integral_f": integral_f,
         // The exact solution in LaTeX, if it is known.
         "exact": scene.f.exact().map(Exact::latex),
         // Per grid, as `solve` names it.

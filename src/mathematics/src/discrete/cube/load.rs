@@ -29,7 +29,7 @@ pub fn integral(f: &Source) -> f64 {
             };
             (0..n).into_par_iter().map(plane).collect::<Vec<_>>().iter().sum()
         }
-        Source::Exact(_) => {
+        Source::Exact(_) | Source::Formula(_) => {
             let grid = Grid::new(16).expect("not below the least");
             // Gauss' rule with two points along each axis of each cell.
             let step = grid.h() / 12f64.sqrt();

@@ -3,7 +3,6 @@
 use super::super::cells::{Cells, Moments, bilinear};
 use super::super::grid::Grid;
 use super::{Diagonal, by_rows};
-use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 
 /// Contribution of a row of cells to the load: the value of f on each cell, and for those where it is not
@@ -23,16 +22,16 @@ pub(super) fn exact(grid: Grid, f: &Source, diagonal: Option<Diagonal>) -> Vec<f
     by_rows(grid, |first, block| {
         let mut cells = match f {
             Source::Pieces { background, pieces } => Some(Cells::new(grid, *background, pieces)),
-            Source::Exact(_) => None,
+            Source::Exact(_) | Source::Formula(_) => None,
         };
         let mut read = |j: usize, row: &mut HatRow| {
             row.values.resize(n, 0.0);
             row.cut.clear();
-            match (&mut cells, f) {
-                (None, Source::Exact(exact)) => row
-                    .cut
-                    .extend((0..n).map(|i| (i, smooth_corners(grid, *exact, diagonal, i, j)))),
-                (Some(cells), _) => {
+            match &mut cells {
+                None => {
+                    row.cut.extend((0..n).map(|i| (i, smooth_corners(grid, f, diagonal, [i, j]))));
+                }
+                Some(cells) => {
                     let HatRow { values, cut } = row;
                     cells.row(j, values, |i, cell| {
                         let corners = match diagonal {
@@ -42,7 +41,6 @@ pub(super) fn exact(grid: Grid, f: &Source, diagonal: Option<Diagonal>) -> Vec<f
                         cut.push((i, corners));
                     });
                 }
-                _ => unreachable!("only pieces have cells"),
             }
         };
         let (mut below, mut above) = (HatRow::default(), HatRow::default());
@@ -116,7 +114,12 @@ fn corners([below, above]: [Moments; 2], diagonal: Diagonal) -> Corners {
 }
 
 /// The corners' shares of a smooth f on a cell, by quadrature.
-fn smooth_corners(grid: Grid, f: Exact, diagonal: Option<Diagonal>, i: usize, j: usize) -> Corners {
+fn smooth_corners(
+    grid: Grid,
+    f: &Source,
+    diagonal: Option<Diagonal>,
+    [i, j]: [usize; 2],
+) -> Corners {
     let at = |k: usize| [grid.coordinate(i + (k & 1)), grid.coordinate(j + (k >> 1))];
     let triangles = match diagonal {
         None | Some(Diagonal::Rising) => [[0, 1, 3], [0, 3, 2]],
@@ -127,7 +130,7 @@ fn smooth_corners(grid: Grid, f: Exact, diagonal: Option<Diagonal>, i: usize, j:
         let [p, q, r] = triangle.map(at);
         for (hats, weight) in radon() {
             let [x, y] = [0, 1].map(|d| hats[0] * p[d] + hats[1] * q[d] + hats[2] * r[d]);
-            let mass = 0.5 * weight * f.source(x, y);
+            let mass = 0.5 * weight * f.at([x, y]);
             let mut add = |k: usize, hat: f64| corners[k] += mass * hat;
             match diagonal {
                 Some(_) => triangle.into_iter().zip(hats).for_each(|(k, hat)| add(k, hat)),

@@ -47,6 +47,7 @@ impl Body {
 impl Shape for Body {
     type Point = [f64; 3];
     type Exact = Exact;
+    const DIMENSION: usize = 3;
     const EXAMPLE: &'static str = "box(-0.25,0.25,-0.25,0.25,-0.25,0.25)=3; ball(0,0,0.3,0.1)=2; halfspace(1,1,1,-0.5)=1; else=-1";
 
     fn contains(&self, point: [f64; 3]) -> bool {

@@ -1,0 +1,50 @@
+//! The map of a right-hand side on a triangulation of the plane.
+
+use super::axes::colour_bar;
+use super::boxes::CELL_LINES;
+use super::maps::{below, draw_axes, layout};
+use super::palette::ColourScale;
+use super::panels::title;
+use super::picture::Picture;
+use super::plan::square_around;
+use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::mesh::PlaneMesh;
+
+/// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about 0.
+///
+/// All triangles are drawn: a mesh of more than 2500 makes a large file.
+pub(crate) fn mesh_map(text: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
+    let limit = largest(f);
+    let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
+    let layout = layout(1);
+    let (width, height) = layout.size();
+    let mut picture = Picture::new(width, height);
+    let [x, y] = square_around(mesh);
+    let frame = layout.frame(0, x, y);
+    title(&mut picture, &frame, text);
+    picture.group(CELL_LINES, |picture| {
+        for (cell, &value) in mesh.cells().iter().zip(f) {
+            let corners = mesh.vertices(cell).map(|[x, y]| frame.at(x, y));
+            picture.polygon(corners, colours.color(value));
+        }
+    });
+    draw_axes(&mut picture, &frame);
+    let (across, top) = below(&layout, 420.0);
+    colour_bar(&mut picture, across, top, colours, "f (x, y)");
+    picture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::samples::svg;
+    use signorini_mathematics::mesh::BuiltIn;
+
+    #[test]
+    fn every_triangle_has_its_colour() {
+        let mesh = BuiltIn::Annulus.plane().unwrap();
+        let f: Vec<f64> = (0..mesh.cells().len()).map(|k| k as f64 - 12.0).collect();
+        let svg = svg(&mesh_map("annulus", &mesh, &f));
+        assert_eq!(svg.matches("<polygon").count(), mesh.cells().len());
+    }
+}

@@ -1,0 +1,324 @@
+//! Formulas in the coordinates of a point, such as `3*x*y - 1.1`: read once, evaluated at many points.
+//!
+//! A sign before a power is that of the power, as in print: `-x^2` is `-(x^2)`; and `2^3^2` is `2^(3^2)`. Functions are
+//! those of the `libm` crate, so that values have the same bits on all machines.
+
+mod read;
+
+use super::shape::{SourceError, Written};
+use std::fmt;
+
+/// Formula in x and y, in space also in z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formula {
+    /// Canonical text.
+    text: String,
+    /// Steps of a stack machine, in postfix order; they leave one number.
+    steps: Vec<FormulaStep>,
+}
+
+/// Step of the evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum FormulaStep {
+    /// Puts a number on the stack.
+    Number(f64),
+    /// Puts the coordinate along an axis on the stack.
+    Coordinate(usize),
+    /// Replaces the top of the stack.
+    Unary(Unary),
+    /// Replaces the two numbers on top of the stack.
+    Binary(Binary),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Unary {
+    Minus,
+    Sin,
+    Cos,
+    Tan,
+    Exp,
+    Ln,
+    Sqrt,
+    Abs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Binary {
+    Plus,
+    Minus,
+    Times,
+    Over,
+    Power,
+    Min,
+    Max,
+    Atan2,
+}
+
+/// Most numbers on the stack.
+const DEPTH: usize = 32;
+/// Points along each axis at which a formula is checked: among them the centre and both ends.
+const CHECKED: [usize; 2] = [129, 33];
+
+impl Formula {
+    /// Reads a formula in the first `dimension` coordinates.
+    ///
+    /// # Errors
+    /// [`SourceError::Formula`].
+    pub fn read(text: &str, dimension: usize) -> Result<Self, SourceError> {
+        read::read(text, dimension)
+    }
+
+    /// Value at a point, not finite where the formula has none.
+    pub fn at(&self, point: &[f64]) -> f64 {
+        let (mut stack, mut size) = ([0.0; DEPTH], 0);
+        for step in &self.steps {
+            match *step {
+                FormulaStep::Number(value) => {
+                    stack[size] = value;
+                    size += 1;
+                }
+                FormulaStep::Coordinate(axis) => {
+                    stack[size] = point[axis];
+                    size += 1;
+                }
+                FormulaStep::Unary(function) => stack[size - 1] = function.of(stack[size - 1]),
+                FormulaStep::Binary(function) => {
+                    size -= 1;
+                    stack[size - 1] = function.of(stack[size - 1], stack[size]);
+                }
+            }
+        }
+        stack[0]
+    }
+
+    /// Absolute value of this formula.
+    pub fn absolute(&self) -> Self {
+        let mut steps = self.steps.clone();
+        steps.push(FormulaStep::Unary(Unary::Abs));
+        Self { text: format!("abs({})", self.text), steps }
+    }
+
+    /// Checks the values on a lattice of points of the square or the cube.
+    ///
+    /// # Errors
+    /// [`SourceError::NoValue`] with the first point where the value is not finite.
+    pub fn check_on_unit_domain(&self, dimension: usize) -> Result<(), SourceError> {
+        let side = CHECKED[dimension - 2];
+        let mut point = [0.0; 3];
+        for number in 0..side.pow(dimension as u32) {
+            let mut rest = number;
+            for coordinate in &mut point[..dimension] {
+                *coordinate = (rest % side) as f64 / (side - 1) as f64 - 0.5;
+                rest /= side;
+            }
+            self.check_at(&point[..dimension])?;
+        }
+        Ok(())
+    }
+
+    /// Checks the value at a point.
+    fn check_at(&self, point: &[f64]) -> Result<(), SourceError> {
+        SourceError::check_value(self.at(point), point)
+    }
+}
+
+impl SourceError {
+    /// Checks a value of f at a point.
+    ///
+    /// # Errors
+    /// [`SourceError::NoValue`] if the value is not finite.
+    pub fn check_value(value: f64, point: &[f64]) -> Result<(), Self> {
+        if value.is_finite() {
+            return Ok(());
+        }
+        let point: Vec<_> = point.iter().map(|&at| Written(at).to_string()).collect();
+        Err(Self::NoValue { value, point: point.join(", ") })
+    }
+}
+
+/// The canonical text.
+impl fmt::Display for Formula {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.text)
+    }
+}
+
+impl Unary {
+    fn of(self, x: f64) -> f64 {
+        match self {
+            Self::Minus => -x,
+            Self::Sin => libm::sin(x),
+            Self::Cos => libm::cos(x),
+            Self::Tan => libm::tan(x),
+            Self::Exp => libm::exp(x),
+            Self::Ln => libm::log(x),
+            Self::Sqrt => x.sqrt(),
+            Self::Abs => x.abs(),
+        }
+    }
+}
+
+impl Binary {
+    fn of(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Plus => a + b,
+            Self::Minus => a - b,
+            Self::Times => a * b,
+            Self::Over => a / b,
+            Self::Power => power(a, b),
+            // Unlike those of the standard library, these keep NaN.
+            Self::Min => {
+                if a < b || a.is_nan() {
+                    a
+                } else {
+                    b
+                }
+            }
+            Self::Max => {
+                if a > b || a.is_nan() {
+                    a
+                } else {
+                    b
+                }
+            }
+            Self::Atan2 => libm::atan2(a, b),
+        }
+    }
+}
+
+/// Largest exponent for which a power is a product.
+const PRODUCT: f64 = 8.0;
+
+fn power(base: f64, exponent: f64) -> f64 {
+    if (1.0..=PRODUCT).contains(&exponent) && exponent.fract() == 0.0 {
+        return (1..exponent as u32).fold(base, |product, _| product * base);
+    }
+    libm::pow(base, exponent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::cube;
+    use crate::problem::source::Source;
+    use proptest::prelude::*;
+
+    fn formula(text: &str) -> Formula {
+        Formula::read(text, 2).unwrap_or_else(|why| panic!("{why}"))
+    }
+
+    #[test]
+    fn signs_powers_and_functions_are_those_of_print() {
+        let (x, y) = (0.3, -0.2);
+        for (text, value) in [
+            ("3*x*y - 1.1", 3.0 * x * y - 1.1),
+            ("-x^2", -(x * x)),
+            ("2^3^2", 512.0),
+            ("2^-1", 0.5),
+            ("x--y", x + y),
+            ("x-y-1", x - y - 1.0),
+            ("1/4/2", 0.125),
+            ("1e-3*2.5E+2", 0.25),
+            ("max(1, min(x, 5))", 1.0),
+            ("max(max(x,y), min(1,5)) * 2", 2.0),
+            ("abs(y) + sqrt(4)", 2.2),
+            ("(-8)^3", -512.0),
+            ("exp(-x^2)", libm::exp(-x * x)),
+            ("sin(pi*x)*cos(y)", libm::sin(std::f64::consts::PI * x) * libm::cos(y)),
+            ("atan2(y,x) + tan(x) - ln(e)", libm::atan2(y, x) + libm::tan(x) - 1.0),
+            ("x^0.5", libm::pow(x, 0.5)),
+            ("x^12", libm::pow(x, 12.0)),
+        ] {
+            assert_eq!(formula(text).at(&[x, y]), value, "{text}");
+        }
+    }
+
+    #[test]
+    fn texts_have_one_spelling_which_reads_back() {
+        for (text, canonical) in [
+            (" 3*x * y-1.10 ", "3*x*y - 1.1"),
+            ("+x", "x"),
+            ("max( x,y )^-2/1e300", "max(x, y)^-2/1e300"),
+            ("((x))", "((x))"),
+        ] {
+            assert_eq!(formula(text).to_string(), canonical);
+            assert_eq!(formula(canonical), formula(text));
+        }
+        assert_eq!(formula("x - 1").absolute(), formula("abs(x - 1)"));
+        let f: Source = "formula(3*x*y-1.1)".parse().unwrap();
+        assert_eq!(f.to_string(), "formula(3*x*y - 1.1)");
+        assert_eq!(f.at([0.5, 0.5]), 3.0 * 0.25 - 1.1);
+    }
+
+    #[test]
+    fn bad_formulas_are_refused_in_one_line_with_an_example() {
+        for (text, words) in [
+            ("", "ends where"),
+            ("3*", "ends where"),
+            ("q + 1", "`q` is not known"),
+            ("z - 1", "`z` is not known"),
+            ("sinh(x)", "`sinh` is not known"),
+            ("sin x", "`sin` takes 1 argument in parentheses"),
+            ("max(x)", "`max` takes 2 arguments"),
+            ("sin(x, y)", "`sin` takes 1 argument"),
+            ("2x", "`x` follows without an operator"),
+            ("(x", "a parenthesis is not closed"),
+            ("x)", "`)` follows without an operator"),
+            ("x ** y", "`* y` stands where"),
+            ("1e400", "`1e400` is not a finite number"),
+            ("1.2.3", "`1.2.3` is not a finite number"),
+            ("x \u{b2}", "follows without an operator"),
+            (&"(".repeat(100_000), "nested too deeply"),
+            (&"-".repeat(100_000), "nested too deeply"),
+            (&format!("{}1{}", "1+(".repeat(40), ")".repeat(40)), "nested too deeply"),
+        ] {
+            let message = format!("formula({text})").parse::<Source>().unwrap_err().to_string();
+            assert!(message.contains(words), "{message}");
+            assert!(!message.contains('\n') && message.contains("formula(3*x*y - 1.1)"));
+        }
+        assert!("formula(x*y*z - 1)".parse::<cube::Source>().is_ok());
+        let alone = "formula(x); else=1".parse::<Source>().unwrap_err().to_string();
+        assert!(alone.contains("stands alone"), "{alone}");
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_found() {
+        for (text, point) in [
+            ("1/x - 1", "at (0, -0.5)"),
+            ("ln(x + 0.5) - 1", "at (-0.5, -0.5)"),
+            ("min(sqrt(y), 1) - 2", "at (-0.5, -0.5)"),
+        ] {
+            let message = formula(text).check_on_unit_domain(2).unwrap_err().to_string();
+            assert!(message.contains(point), "{message}");
+        }
+        assert!(formula("exp(x) - 9").check_on_unit_domain(2).is_ok());
+        assert!(Formula::read("1/z", 3).unwrap().check_on_unit_domain(3).is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #[test]
+        fn any_text_is_a_formula_that_reads_back_or_an_error(
+            parts in prop::collection::vec(
+                prop::sample::select(vec![
+                    "x", "y", "z", "1", "2.5", "1e-3", ".", "e", "pi", "+", "-", "*", "/", "^", "(", ")", ",", " ",
+                    "sin(", "max(", "sqrt", "\u{e9}", "{", "\n", "=", ";", "0", "1e", "1e308",
+                ]),
+                0..20,
+            ),
+            any in "\\PC{0,12}",
+        ) {
+            for text in [parts.concat(), any] {
+                for dimension in [2, 3] {
+                    let Ok(read) = Formula::read(&text, dimension) else { continue };
+                    let again = Formula::read(&read.to_string(), dimension);
+                    prop_assert_eq!(&again, &Ok(read.clone()));
+                    prop_assert_eq!(
+                        read.at(&[0.1, 0.2, 0.3]).to_bits(),
+                        again.unwrap().at(&[0.1, 0.2, 0.3]).to_bits()
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Domains other than the square, as scenes and options name them: a Gmsh file or a built-in domain, and its parts.
+
+use crate::pipeline::Artifacts;
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::{is_plain, read_if_there};
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::triangulated::MeshProblem;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Number of nodes up to which a mesh is refined if nobody says how often, and up to which a scene is checked whenever
+/// the project is read.
+pub(crate) const USUAL_NODES: f64 = 20_000.0;
+/// Most nodes of a mesh of a scene; the method of the paper takes days on it.
+const MOST_NODES: f64 = 1e7;
+/// Most triangles of a picture, beside which it would grow too large; each refinement makes four of one.
+const MOST_TRIANGLES: usize = 2500;
+/// Folder of the project from which scenes name their meshes.
+const FOLDER: &str = "pipeline";
+
+/// Domain, its refinements, and what holds on the parts of its boundary.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { name = \"disc\", refine = 4 }")]
+pub struct DomainSettings {
+    /// Gmsh file.
+    pub mesh: Option<String>,
+    /// Built-in domain.
+    pub name: Option<String>,
+    /// Number of refinements; none for the usual number.
+    pub refine: Option<u8>,
+    /// Parts of the boundary where dv/dn = 0.
+    #[serde(default)]
+    pub free: Vec<String>,
+    /// Parts of the boundary where v = 0.
+    #[serde(default)]
+    pub fixed: Vec<String>,
+    /// Circles, spheres and cylinders on which parts of the boundary lie, each by its numbers.
+    #[serde(default)]
+    pub curve: BTreeMap<String, Vec<f64>>,
+}
+
+impl DomainSettings {
+    /// Returns the coarsest mesh, from the contents of the Gmsh file if there is one. `dashes` stand before the names of
+    /// settings in messages: those of options, or none.
+    pub(crate) fn coarsest(&self, file: Option<&[u8]>, dashes: &str) -> Result<AnyMesh> {
+        let mut mesh = match (&self.mesh, file, &self.name) {
+            (Some(path), Some(bytes), None) => {
+                gmsh::read(bytes).map_err(|e| Error::input(format!("{path}: {e}")))?
+            }
+            (None, _, Some(name)) => AnyMesh::built_in(name).ok_or_else(|| {
+                let names = AnyMesh::built_in_names().join(", ");
+                Error::input(format!(
+                    "{dashes}domain {name}: no such domain; choose one of {names}, or give a file with {dashes}mesh"
+                ))
+            })?,
+            _ => {
+                return Err(Error::input(
+                    "a domain is either a file, mesh = \"gear.msh\", or has a name, name = \"disc\"",
+                ));
+            }
+        };
+        for (option, parts, condition) in
+            [("free", &self.free, Condition::Free), ("fixed", &self.fixed, Condition::Fixed)]
+        {
+            for part in parts {
+                let set = mesh.set_condition(part, condition);
+                set.map_err(|e| Error::input(format!("{dashes}{option} {part}: {e}")))?;
+            }
+        }
+        for (part, numbers) in &self.curve {
+            let set = mesh.set_curve(part, numbers);
+            set.map_err(|e| Error::input(format!("{dashes}curve {part}: {e}")))?;
+        }
+        Ok(mesh)
+    }
+
+    /// Number of refinements of a mesh.
+    pub(crate) fn refinements(&self, mesh: &AnyMesh) -> usize {
+        self.refine.map_or_else(
+            || (1..=20).take_while(|&times| nodes_after(mesh, times) <= USUAL_NODES).count(),
+            usize::from,
+        )
+    }
+}
+
+/// Number of nodes after some refinements: each multiplies the number of cells, and in the end of nodes, by 4 or 8.
+pub(crate) fn nodes_after(mesh: &AnyMesh, times: usize) -> f64 {
+    let factor = if mesh.dimension() == 2 { 4f64 } else { 8.0 };
+    let nodes_per_cell = if mesh.dimension() == 2 { 0.5 } else { 1.0 / 6.0 };
+    let cells = mesh.cells() as f64 * factor.powi(times as i32);
+    (nodes_per_cell * cells).max(mesh.nodes() as f64)
+}
+
+/// Returns the finest of the nested meshes whose triangles can be told apart in a picture.
+pub(crate) fn drawn(coarsest: &AnyMesh, times: usize) -> Result<AnyMesh> {
+    let refinements = (0..times)
+        .take_while(|&times| coarsest.cells() << (2 * (times + 1)) <= MOST_TRIANGLES)
+        .count();
+    coarsest.refined(refinements).map_err(|e| Error::input(e.to_string()))
+}
+
+/// Domain of a scene, with its f.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneDomain {
+    /// Domain and its refinements.
+    #[serde(flatten)]
+    pub settings: DomainSettings,
+    /// f, as text.
+    pub f: String,
+    /// Files of the project on which the domain depends, by path: the mesh, if there is one.
+    #[serde(skip)]
+    pub files: Artifacts,
+}
+
+/// Problem of a scene on a domain, and the mesh from which it is refined.
+pub(crate) struct RefinedProblem {
+    /// Mesh as it was read, with the conditions on its parts.
+    pub coarsest: AnyMesh,
+    /// Problem with all refinements.
+    pub problem: MeshProblem,
+}
+
+impl SceneDomain {
+    /// Returns the path of the mesh in the project.
+    fn path(&self) -> Option<String> {
+        self.settings.mesh.as_ref().map(|mesh| format!("{FOLDER}/{mesh}"))
+    }
+
+    /// Reads the mesh from the project in `root`.
+    pub(crate) fn read(&mut self, root: &Path) -> Result<()> {
+        let Some(path) = self.path() else { return Ok(()) };
+        if !is_plain(&path) {
+            return Err(Error::input(format!(
+                "{path}: name a file below {FOLDER}/, as mesh = \"meshes/gear.msh\""
+            )));
+        }
+        let bytes = read_if_there(&root.join(&path))?
+            .ok_or_else(|| Error::input(format!("there is no {path}; put the mesh there")))?;
+        self.files.insert(path, bytes);
+        Ok(())
+    }
+
+    /// Returns the coarsest mesh, read from these files.
+    pub(crate) fn coarsest(&self, files: &Artifacts) -> Result<AnyMesh> {
+        let file = self.path().and_then(|path| files.get(&path));
+        self.settings.coarsest(file.map(Vec::as_slice), "")
+    }
+
+    /// Returns the problem, its mesh read from these files.
+    pub(crate) fn problem(&self, files: &Artifacts) -> Result<RefinedProblem> {
+        let coarsest = self.coarsest(files)?;
+        let times = self.settings.refinements(&coarsest);
+        let problem =
+            MeshProblem::new(&coarsest, times, &self.f).map_err(|e| Error::input(e.to_string()))?;
+        Ok(RefinedProblem { coarsest, problem })
+    }
+
+    /// Checks the mesh, its parts and, on meshes of the usual size, f; returns the number of dimensions.
+    pub(crate) fn check(&self) -> Result<u8> {
+        let coarsest = self.coarsest(&self.files)?;
+        let times = self.settings.refinements(&coarsest);
+        let nodes = nodes_after(&coarsest, times);
+        if nodes > MOST_NODES {
+            return Err(Error::input(format!(
+                "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
+            )));
+        }
+        if nodes <= USUAL_NODES {
+            self.problem(&self.files)?;
+        }
+        Ok(coarsest.dimension())
+    }
+}

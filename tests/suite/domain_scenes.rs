@@ -1,0 +1,155 @@
+//! Scenes on domains other than the square: what they make, when they are made anew, and what is refused.
+
+use crate::common::{Project, TABLE};
+use std::fs;
+
+/// Scene on the disc with all outputs that a domain in the plane has.
+const DISC: &str = "title = \"Disc\"\nf = \"rect(-1,0,-1,0)=-6; else=1\"\n\
+    domain = { name = \"disc\", refine = 3 }\nr = [10, 1]\nstop = [\"printed-dual\", \"signed\"]\n\
+    outputs = [\"table\", \"source\", \"surface\", \"contact\"]\n";
+
+/// Scene on a file with a free hole.
+const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=formula(x - 1)\"\n\
+    domain = { mesh = \"meshes/gear.msh\", refine = 1, free = [\"hole\"], curve = { hole = [0, 0, 0.3] } }\n\
+    r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\", \"contact\"]\n";
+
+/// Scene in space, with a table alone.
+const BALL: &str = "title = \"Ball\"\nf = \"formula(z - 1)\"\ndomain = { name = \"ball\", refine = 1 }\n\
+    r = [10]\noutputs = [\"table\"]\n";
+
+fn gear() -> String {
+    let path = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
+    fs::read_to_string(path).unwrap()
+}
+
+/// A project with the three scenes.
+fn project() -> Project {
+    let project = Project::with(DISC);
+    project.scene("gear", GEAR);
+    project.scene("ball", BALL);
+    fs::create_dir(project.path("pipeline/meshes")).unwrap();
+    project.write("pipeline/meshes/gear.msh", gear());
+    fs::create_dir(project.path("report/templates")).unwrap();
+    project.write("report/book.toml", "[book]\ntitle = \"Domains\"\n");
+    project.write("report/templates/SUMMARY.md", "- [Domains](domains.md)\n");
+    project
+        .write("report/templates/domains.md", "# Domains\n\n![the disc](figures/a-surface.svg)\n");
+    project
+}
+
+#[test]
+fn tables_and_pictures_are_made_and_kept() {
+    let project = project();
+    project.run(&["run"]).lines();
+    for figure in ["a-source", "a-surface", "a-contact", "gear-surface", "gear-contact"] {
+        let svg = fs::read_to_string(project.path(&format!("figures/{figure}.svg"))).unwrap();
+        assert!(svg.contains("</svg>"), "{figure}");
+    }
+    // A panel for the teeth and one for the hole, where there is no multiplier.
+    let contact = fs::read_to_string(project.path("figures/gear-contact.csv")).unwrap();
+    let (teeth, hole): (Vec<_>, Vec<_>) =
+        contact.lines().skip(1).partition(|line| line.starts_with("Gear: teeth,"));
+    assert!(!teeth.is_empty() && !hole.is_empty());
+    assert!(hole.iter().all(|line| line.starts_with("Gear: hole,") && line.ends_with(",0")));
+    // A row for each r, rule and mesh; meshes have nodes, and no cells per side.
+    let results = fs::read_to_string(project.path("report/results.csv")).unwrap();
+    let rows: Vec<_> = results.lines().skip(1).collect();
+    let of = |start: &str| rows.iter().filter(|row| row.starts_with(start)).count();
+    assert_eq!([of("a,"), of("gear,"), of("ball,")], [2 * 2 * 4, 2, 2], "{results}");
+    assert!(rows[0].starts_with("a,printed-dual,10.0,,"), "{}", rows[0]);
+    assert!(rows.iter().all(|row| row.split(',').nth(8) == Some("true")), "{results}");
+    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+}
+
+#[test]
+fn counts_are_those_of_the_command() {
+    let project = project();
+    project.run(&["run"]).lines();
+    for scene in ["a", "gear", "ball"] {
+        let said = project.run(&["solve", scene, "--json"]);
+        // The rule stops on coarse meshes of the gear before there is a solution, which the answer says.
+        assert_eq!(said.code, Some(if scene == "gear" { 3 } else { 0 }), "{said:?}");
+        let json = said.json();
+        let results = fs::read_to_string(project.path("report/results.csv")).unwrap();
+        let rule = if scene == "ball" { "signed" } else { "printed-dual" };
+        let r = if scene == "a" { "1.0" } else { "10.0" };
+        let rows: Vec<_> = results
+            .lines()
+            .filter(|row| row.starts_with(&format!("{scene},{rule},{r},")))
+            .map(|row| row.split(',').collect::<Vec<_>>())
+            .collect();
+        let grids = json["grids"].as_array().unwrap();
+        assert_eq!(rows.len(), grids.len(), "{json}");
+        for (row, grid) in rows.iter().zip(grids) {
+            assert_eq!(
+                [row[4], row[6]],
+                [&*grid["nodes"].to_string(), &grid["iterations"].to_string()]
+            );
+        }
+    }
+    let said = project.run(&["solve", "a", "--refine", "4", "--solver", "multigrid"]);
+    assert!(said.out.contains("not as in the scene: refine 4 instead of 3"), "{said:?}");
+    for option in [&["--h", "1/8"][..], &["--load", "exact"], &["--free", "rim"]] {
+        let said = project.run(&[&["solve", "a"], option].concat());
+        assert!(said.refusal().contains(option[0]), "{said:?}");
+    }
+    let said = project.run(&["solve", "ball", "--out", "v.vtu", "--solver", "multigrid"]);
+    assert!(said.out.contains("wrote v.vtu"), "{said:?}");
+}
+
+#[test]
+fn an_edited_mesh_makes_its_scene_alone_anew() {
+    let project = project();
+    project.run(&["run"]).lines();
+    // Another name of the file's part: the same domain in other bytes.
+    project.write("pipeline/meshes/gear.msh", gear().replace("\"teeth\"", "\"cogs\""));
+    let stale = project.stale();
+    assert!(stale.iter().any(|id| id.starts_with("solve/gear/")), "{stale:?}");
+    let others: Vec<_> = stale.iter().filter(|id| !id.contains("gear")).collect();
+    assert!(
+        others.iter().all(|id| ["diff/results", "report/book"].contains(&&***id)),
+        "{others:?}"
+    );
+    let said = project.run(&["explain", "solve/gear"]);
+    assert!(said.out.contains("file pipeline/meshes/gear.msh: "), "{said:?}");
+    project.run(&["run"]).lines();
+    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+}
+
+#[test]
+fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
+    let project = Project::with(TABLE);
+    for (from, to, words) in [
+        ("r = [10, 1]", "r = [10]\ngrids = [4, 8]", "`grids` is for the square"),
+        ("r = [10, 1]", "r = [10]\nload = { rule = \"exact\" }", "`load` is for the square"),
+        ("r = [10, 1]", "r = [10]\nprolongation = \"bilinear\"", "`prolongation` is for"),
+        ("r = [10, 1]", "r = [10]\npaper_table = 1", "`paper_table` is for the square"),
+        ("r = [10, 1]", "r = [10]\nhuh = 1", "unknown field `huh`"),
+        ("\"source\"", "\"history\"", "`history` is for the square"),
+        ("\"source\"", "\"identify\"", "`identify` is for the square"),
+        ("refine = 3", "refines = 3", "unknown field `refines`"),
+        ("refine = 3", "refine = 19", "more than is sensible"),
+        ("refine = 3", "free = [\"hole\"]", "free hole: the mesh has no part `hole`"),
+        ("refine = 3", "fixed = [\"hole\"]", "fixed hole: the mesh has no part"),
+        ("refine = 3", "curve = { rim = [0, 0] }", "curve rim: "),
+        ("refine = 3", "mesh = \"x.msh\"", "there is no pipeline/x.msh"),
+        ("name = \"disc\", ", "", "a domain is either a file"),
+        ("name = \"disc\"", "name = \"gear\"", "domain gear: no such domain"),
+        ("name = \"disc\"", "mesh = \"../x.msh\"", "name a file below pipeline/"),
+        ("name = \"disc\"", "mesh = \"scenes/a.toml\"", "does not begin with $MeshFormat"),
+        ("{ name = \"disc\", refine = 3 }", "\"disc\"", "a table such as { name = \"disc\""),
+        ("else=1", "else=7", "(2) asks for a negative one"),
+        ("else=1", "els=1", "cannot read `els=1`"),
+        ("r = [10, 1]", "r = []", "`r` and `stop` must not be empty"),
+        ("name = \"disc\"", "name = \"ball\"", "cannot read `rect("),
+    ] {
+        assert!(DISC.contains(from), "{from}");
+        project.scene("a", &DISC.replace(from, to));
+        let said = project.run(&["run"]);
+        assert!(said.refusal().contains(words), "{words}: {said:?}");
+        assert!(said.err.contains("scene `a`: "), "{said:?}");
+    }
+    project.scene("a", &BALL.replace("[\"table\"]", "[\"surface\"]"));
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("signorini solve a --out a.vtu"), "{said:?}");
+}

@@ -1,0 +1,111 @@
+//! f by formulas: loads against closed forms and known solutions, and what refuses a formula.
+
+use crate::common::{EVERYTHING, Project, TABLE};
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::problem::cube::Source as CubeSource;
+use signorini_mathematics::problem::source::{Source, Tie};
+
+const RULES: [LoadRule; 5] = [
+    LoadRule::Exact { diagonal: Diagonal::Rising },
+    LoadRule::Exact { diagonal: Diagonal::Falling },
+    LoadRule::Bilinear {},
+    LoadRule::LumpedAverage {},
+    LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: Some(Diagonal::Rising) },
+];
+
+fn source(text: &str) -> Source {
+    text.parse().unwrap()
+}
+
+/// Largest difference of two vectors.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn loads_of_polynomials_are_their_integrals() {
+    let f = source("formula(x + 2*y^2 - 3*x*y - 1)");
+    assert!((integral(&f) + 5.0 / 6.0).abs() < 1e-13);
+    for n in [2, 5, 16] {
+        let grid = Grid::new(n).unwrap();
+        for rule in &RULES[..3] {
+            let load = load(grid, &f, *rule);
+            let mut moments = [0.0; 3];
+            for (node, part) in load.iter().enumerate() {
+                let [x, y] = [node % grid.side(), node / grid.side()].map(|i| grid.coordinate(i));
+                moments = [moments[0] + part, moments[1] + part * x, moments[2] + part * y];
+            }
+            let error = apart(&moments, &[-5.0 / 6.0, 1.0 / 12.0, 0.0]);
+            assert!(error < 1e-14, "{rule:?} 1/{n} {error:e}");
+        }
+    }
+}
+
+#[test]
+fn formulas_have_the_loads_of_known_solutions_and_constants() {
+    for (formula, other) in [
+        ("formula(-2*pi^2*cos(pi*x)*cos(pi*y))", "exact(full-contact)"),
+        ("formula(-1.5)", "else=-1.5"),
+    ] {
+        let (formula, other) = (source(formula), source(other));
+        assert!((integral(&formula) - integral(&other)).abs() < 1e-13);
+        let grid = Grid::new(16).unwrap();
+        for rule in RULES {
+            let error = apart(&load(grid, &formula, rule), &load(grid, &other, rule));
+            assert!(error < 1e-15, "{rule:?} {error:e}");
+        }
+    }
+    for (formula, other) in [
+        ("formula(-3*pi^2*cos(pi*x)*cos(pi*y)*cos(pi*z))", "exact(full-contact)"),
+        ("formula(-1.5)", "else=-1.5"),
+    ] {
+        let [formula, other]: [CubeSource; 2] = [formula, other].map(|text| text.parse().unwrap());
+        assert!((cube::integral(&formula) - cube::integral(&other)).abs() < 1e-12);
+        let grid = cube::Grid::new(8).unwrap();
+        let error = apart(&cube::exact_load(grid, &formula), &cube::exact_load(grid, &other));
+        assert!(error < 1e-15, "{error:e}");
+    }
+}
+
+#[test]
+fn formulas_are_solved_on_every_domain_or_refused_in_one_line() {
+    let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
+    let project = Project::with(TABLE);
+    for args in [
+        &["--f", "formula(3*x*y - 1.1)", "--h", "1/16"][..],
+        &["--cube", "formula(x*y*z - 1)", "--h", "1/8"],
+        &["--domain", "disc", "--f", "formula(4*x - 1)", "--refine", "3"],
+        &["--domain", "ball", "--f", "formula(z - 1)", "--refine", "1"],
+        &["--mesh", &gear, "--f", "region(gear)=formula(x - 1)", "--refine", "1"],
+    ] {
+        let said = project.run(&[&["solve"], args].concat());
+        assert!(said.lines()[0].contains("formula("), "{said:?}");
+    }
+    for (args, words) in [
+        (&["--f", "formula(z - 1)"][..], "`z` is not known"),
+        (&["--f", "formula(1/x - 9)"], "f is inf at (0, -0.5)"),
+        (&["--f", "formula(x*y)"], "(2) asks for a negative one"),
+        (&["--f", "formula(1e200*x - 1e200)"], "scale f"),
+        (&["--f", "formula(x - 1)", "--solver", "spectral"], "constant pieces"),
+        (&["--domain", "disc", "--f", "formula(ln(x) - 9)"], "f is NaN at ("),
+        (&["--cube", "formula(q - 1)"], "there are x, y, z"),
+    ] {
+        let said = project.run(&[&["solve"], args].concat());
+        assert!(said.refusal().contains(words), "{said:?}");
+    }
+}
+
+#[test]
+fn a_scene_has_a_formula() {
+    let scene = TABLE.replace("else=-1", "formula(3*x*y-1.1)");
+    let project = Project::with(&scene.replace("[\"table\"]", EVERYTHING));
+    assert_eq!(project.run(&["run"]).code, Some(0));
+    assert!(project.path("figures/a-source.svg").is_file());
+    let said = project.run(&["solve", "a", "--solver", "multigrid"]);
+    assert!(
+        said.lines()[0].starts_with("a: f = formula(3*x*y - 1.1), integral -1.1000"),
+        "{said:?}"
+    );
+}
