@@ -23,6 +23,7 @@ use domain::{Domain, square};
 use format::Format;
 use problem::Problem;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::Solver;
@@ -67,6 +68,12 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "F",
         conflicts_with_all = ["load", "r", "stop", "max_iterations"])]
     cube: Option<String>,
+    /// Friction on the boundary: |dv/dn| is at most G, and v leaves zero only where it is G
+    #[arg(long, value_name = "G", conflicts_with_all = ["limit", "scene"], allow_negative_numbers = true)]
+    friction: Option<f64>,
+    /// Limited flow: the paper's law, but dv/dn is at most LIMIT, and v < 0 where it is LIMIT
+    #[arg(long, value_name = "LIMIT", conflicts_with = "scene", allow_negative_numbers = true, hide_short_help = true)]
+    limit: Option<f64>,
     /// Width of the finest grid, as 1/256 [default: the scene's, or 1/64]
     ///
     /// 0.00390625, and 256 cells per side, are the same width.
@@ -132,6 +139,16 @@ impl SolveArgs {
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
+    /// Returns the law on the boundary.
+    fn law(&self) -> Result<Law> {
+        let law = match (self.friction, self.limit) {
+            (Some(g), _) => Law::friction(g),
+            (None, Some(limit)) => Law::limited(limit),
+            (None, None) => Ok(Law::SIGNORINI),
+        };
+        law.map_err(|e| Error::input(format!("--{e}")))
+    }
+
     /// Writes the file, if there is one, with a `solution`: cells per side of its grid, and the pair.
     fn write(
         &self,
@@ -141,7 +158,7 @@ impl SolveArgs {
     ) -> Result<u8> {
         let Some((file, format)) = file else { return Ok(0) };
         let (n, pair) = solution()?;
-        file.write(&problem.domain.file(format, n, &pair, problem.name())?)?;
+        file.write(&problem.file(format, n, &pair)?)?;
         if !self.json {
             say(&format!("wrote {}\n", file.path().display()))?;
         }

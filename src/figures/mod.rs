@@ -42,6 +42,7 @@ pub(crate) use triangles::mesh_surfaces;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;
 use signorini_mathematics::mesh::PlaneMesh;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Iteration, Pair};
 
 /// One panel of [`surfaces`].
@@ -129,9 +130,9 @@ pub(crate) struct ContactLine {
 
 impl ContactLine {
     /// The pair of a grid of the square, along the boundary.
-    pub(crate) fn of_square(label: String, grid: Grid, pair: &Pair) -> Self {
+    pub(crate) fn of_square(label: String, grid: Grid, law: Law, pair: &Pair) -> Self {
         let y = grid.boundary().map(|node| pair.y[node]).collect();
-        Self { label, y, a: pair.a.clone(), in_contact: pair.in_contact(grid) }
+        Self { label, y, a: pair.a.clone(), in_contact: pair.in_contact(grid, law) }
     }
 }
 

@@ -6,6 +6,7 @@ use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::multigrid::MultigridParams;
 use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::triangulated::MeshProblem;
 
@@ -114,7 +115,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let y = (0..grid.nodes()).map(|k| 0.01 * (k % 7) as f64 - 0.02).collect();
     let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { 0.3 } else { 0.0 }).collect();
     let pair = Pair { y, a };
-    let in_contact = pair.in_contact(grid);
+    let in_contact = pair.in_contact(grid, Law::SIGNORINI);
     for azimuth in [0.0, 52.5, 90.0] {
         let panel =
             Surface { title, grid, y: &pair.y, in_contact: &in_contact, azimuth, range: None };
@@ -122,7 +123,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     }
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
-            .map(|label| ContactLine::of_square(label.into(), grid, &pair));
+            .map(|label| ContactLine::of_square(label.into(), grid, Law::SIGNORINI, &pair));
     let panel = ContactPanel::of_square(title, grid, lines.into());
     figures.push(("lines".into(), svg(&contact(&[panel]))));
     let long: Vec<_> = (1..=30_000)

@@ -3,6 +3,7 @@
 use super::samples::{committed, every, svg, unusual};
 use super::*;
 use signorini_mathematics::mesh::{MeshData, PlaneMesh};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 
@@ -162,10 +163,10 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
         (0..grid.nodes()).map(|k| low + (high - low) * (k % 7) as f64 / 6.0).collect();
     let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { high.abs() } else { 0.0 }).collect();
     let pair = Pair { y, a };
-    let in_contact = &pair.in_contact(grid);
+    let in_contact = &pair.in_contact(grid, Law::SIGNORINI);
     let [front, lower_left, lower_right, upper_right] = [0.0, -37.5, 52.5, 142.5]
         .map(|azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None });
-    let line = ContactLine::of_square("l".into(), grid, &pair);
+    let line = ContactLine::of_square("l".into(), grid, Law::SIGNORINI, &pair);
     let panel = ContactPanel::of_square("t", grid, vec![line]);
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
@@ -274,7 +275,7 @@ fn what_cannot_be_drawn_is_refused() {
     svg(&surface(grid, &pair));
     pair.y[4] = f64::NAN;
     assert!(refusal(&surface(grid, &pair)).contains("not a finite number"));
-    let line = ContactLine::of_square("l".into(), grid, &pair);
+    let line = ContactLine::of_square("l".into(), grid, Law::SIGNORINI, &pair);
     let panel = ContactPanel::of_square("t", grid, vec![line]);
     assert!(refusal(&contact(&[panel])).contains("not a finite number"));
     assert!(refusal(&chart(Some((1.0, 0.0)))).contains("not a finite number"));

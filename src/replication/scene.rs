@@ -8,6 +8,7 @@ use signorini_mathematics::discrete::load::{LoadRule, integral};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::identify::COARSEST;
+use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
@@ -56,6 +57,9 @@ pub struct Scene {
     pub domain: Option<SceneDomain>,
     /// Right-hand side on the square; zero if there is a domain, which has an f of its own.
     pub f: Source,
+    /// Law on the boundary; none for the paper's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawParameter>,
     /// Quadrature of the load vector.
     #[serde(default)]
     pub load: LoadRule,
@@ -87,6 +91,7 @@ struct DomainScene {
     title: String,
     f: String,
     domain: DomainSettings,
+    law: Option<LawParameter>,
     #[serde(default = "paper_r")]
     r: Vec<f64>,
     #[serde(default = "paper_stop")]
@@ -108,7 +113,7 @@ const NOT_ON_DOMAINS: [(Output, &str); 2] = [
 
 impl From<DomainScene> for Scene {
     fn from(scene: DomainScene) -> Self {
-        let DomainScene { title, f, domain, r, stop, max_iterations, outputs, draw_r } = scene;
+        let DomainScene { title, f, domain, law, r, stop, max_iterations, outputs, draw_r } = scene;
         let f = f.split_whitespace().collect::<Vec<_>>().join(" ");
         Self {
             name: String::new(),
@@ -116,6 +121,7 @@ impl From<DomainScene> for Scene {
             paper_table: None,
             domain: Some(SceneDomain { settings: domain, f, files: BTreeMap::new() }),
             f: Source::constant(0.0),
+            law,
             load: LoadRule::default(),
             prolongation: Prolongation::default(),
             grids: Vec::new(),
@@ -196,6 +202,12 @@ impl Scene {
 
     /// Fills in the values that follow from others, and makes the checks that a parser cannot.
     fn complete(&mut self) -> std::result::Result<(), Failure> {
+        if let Some(parameter) = self.law {
+            parameter.law().map_err(|e| format!("law: {e}"))?;
+        }
+        if self.law.is_some() && self.paper_table.is_some() {
+            return Err("the published tables are for the paper's law; leave out `law`, or `paper_table`".into());
+        }
         self.check_on_domain()?;
         if self.r.is_empty() || self.stop.is_empty() {
             let example = "r = [10], stop = [\"signed\"]";
@@ -251,8 +263,9 @@ impl Scene {
             };
         }
         // A known solution is proof enough, and its integral takes milliseconds on every command.
-        if self.f.exact().is_none() {
-            solvable(&self.f, [integral(&self.f), integral(&self.f.absolute())])?;
+        if self.f.exact().is_none() || self.law.is_some() {
+            let integrals = [integral(&self.f), integral(&self.f.absolute())];
+            solvable(&self.f, integrals, BoundaryFlux { law: self.law(), perimeter: 4.0 })?;
         }
         let finest = self.finest().cells();
         if finest > MAX_CELLS {
@@ -262,6 +275,12 @@ impl Scene {
             .into());
         }
         Ok(())
+    }
+
+    /// Returns the law on the boundary.
+    pub(crate) fn law(&self) -> Law {
+        let law = self.law.map_or(Ok(Law::SIGNORINI), LawParameter::law);
+        law.expect("validated: a law with this parameter")
     }
 
     /// Returns the r whose solution is drawn: the middle one, unless the scene names another.
@@ -306,14 +325,34 @@ pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
+/// Boundary of a domain, and the law there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoundaryFlux {
+    /// Law of the flux.
+    pub law: Law,
+    /// Length or area of the boundary.
+    pub perimeter: f64,
+}
+
 /// Returns the integral of f, given the integrals of f and of |f|.
 ///
 /// # Errors
 /// If f is too large or too small to compute with, or violates condition (2): the integral is negative, by more than
-/// rounding.
-pub(crate) fn solvable<S: Shape>(f: &Source<S>, [integral, of_size]: [f64; 2]) -> Result<f64> {
+/// rounding; under another law, the flux can balance it, by more than rounding.
+pub(crate) fn solvable<S: Shape>(
+    f: &Source<S>,
+    [integral, of_size]: [f64; 2],
+    BoundaryFlux { law, perimeter }: BoundaryFlux,
+) -> Result<f64> {
     f.check_scale(of_size).map_err(|e| Error::input(e.to_string()))?;
-    if integral < -ROUNDING * of_size.abs() {
+    let rounding = ROUNDING * of_size.abs();
+    for near in [integral - rounding, integral + rounding] {
+        match law.check_solvable(near, perimeter) {
+            Err(error) if !law.is_signorini() => return Err(Error::input(error.to_string())),
+            _ => (),
+        }
+    }
+    if !law.is_signorini() || integral < -rounding {
         return Ok(integral);
     }
     let size = integral.abs();

@@ -12,6 +12,7 @@ use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, solve_nested};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -124,9 +125,9 @@ const answer = JSON.stringify(texts.map((f) => {
                 Prolongation::default(),
                 &mut (),
             );
-            digits(&pair.in_contact(grids[grids.len() - 1]))
+            digits(&pair.in_contact(grids[grids.len() - 1], Law::SIGNORINI))
         };
-        let start = digits(&Pair::zero(grids[0]).in_contact(grids[0]));
+        let start = digits(&Pair::zero(grids[0]).in_contact(grids[0], Law::SIGNORINI));
         let program = [start, after(&grids[..1], 1), after(&grids, 1_000_000)];
         assert_eq!(page, program, "{text}");
     }

@@ -4,7 +4,7 @@ use super::format::Format;
 use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
-use crate::replication::scene::{MAX_CELLS, solvable};
+use crate::replication::scene::{BoundaryFlux, MAX_CELLS, solvable};
 use signorini_mathematics::bounds::{Bounds, bounds, recovery};
 use signorini_mathematics::discrete::contact::{ContactArc, arcs};
 use signorini_mathematics::discrete::cube;
@@ -119,10 +119,14 @@ impl Domain {
     }
 
     /// Returns the integral of f if the problem is solvable.
-    pub(super) fn solvable(&self) -> Result<f64> {
+    pub(super) fn solvable(&self, law: Law) -> Result<f64> {
         match self {
-            Self::Square { f, .. } => solvable(f, self.integrals()),
-            Self::Cube { f } => solvable(f, self.integrals()),
+            Self::Square { f, .. } => {
+                solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 4.0 })
+            }
+            Self::Cube { f } => {
+                solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 6.0 })
+            }
             // Judged when the problem was made.
             Self::Mesh(mesh) => Ok(mesh.problem.f.integral),
         }
@@ -271,11 +275,17 @@ impl Domain {
     }
 
     /// Returns the bytes of a file with the solution; the caller refuses a picture of the cube.
-    pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair, name: &str) -> Result<Vec<u8>> {
+    pub(super) fn file(
+        &self,
+        kind: Format,
+        n: usize,
+        pair: &Pair,
+        ReportedAs { name, law }: ReportedAs<'_>,
+    ) -> Result<Vec<u8>> {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
             Self::Cube { f } => Fields::new(3, n, |at| f.at(at), self.boundary(n), pair),
-            Self::Mesh(mesh) => return mesh.file(kind, pair, name),
+            Self::Mesh(mesh) => return mesh.file(kind, pair, ReportedAs { name, law }),
         };
         match kind {
             Format::Npy => Ok(fields.npy()),
@@ -285,13 +295,20 @@ impl Domain {
             Format::Vti | Format::Vtu => Ok(fields.vti(name)),
             Format::Svg => {
                 let (grid, azimuth) = (square(n), uphill(square(n), &pair.y));
-                let (y, in_contact) = (&pair.y, &pair.in_contact(grid));
+                let (y, in_contact) = (&pair.y, &pair.in_contact(grid, law));
                 let surface = Surface { title: name, grid, y, in_contact, azimuth, range: None };
                 let drawn = surfaces(2, &[surface]).svg(name, "Made by `signorini solve`.");
                 drawn.map(String::into_bytes).map_err(Error::input)
             }
         }
     }
+}
+
+/// Name and law of a problem, in files.
+#[derive(Clone, Copy)]
+pub(super) struct ReportedAs<'a> {
+    pub name: &'a str,
+    pub law: Law,
 }
 
 pub(super) fn square(n: usize) -> Grid {

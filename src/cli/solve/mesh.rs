@@ -1,6 +1,7 @@
 //! Problems of `solve` on a mesh: a Gmsh file or a built-in domain, its parts, and its refinements.
 
 use super::SolveArgs;
+use super::domain::ReportedAs;
 use super::format::Format;
 use crate::figures::{MeshSurface, mesh_surfaces, uphill_on_mesh};
 use crate::pipeline::error::{Error, Result};
@@ -43,7 +44,12 @@ impl MeshDomain {
     }
 
     /// Returns the bytes of a file with the solution.
-    pub(super) fn file(&self, kind: Format, pair: &Pair, name: &str) -> Result<Vec<u8>> {
+    pub(super) fn file(
+        &self,
+        kind: Format,
+        pair: &Pair,
+        ReportedAs { name, law }: ReportedAs<'_>,
+    ) -> Result<Vec<u8>> {
         let Self { problem, coarsest, .. } = self;
         let multiplier = pair.multiplier_on(problem.network());
         let fields = MeshFields {
@@ -58,28 +64,25 @@ impl MeshDomain {
                 Error::input("--out: an .npz file holds at most 4 GB; use .npy or .vtu")
             }),
             Format::Vti | Format::Vtu => Ok(fields.vtu(name)),
-            Format::Svg => picture(coarsest, problem.levels.len() - 1, &fields, name),
+            Format::Svg => {
+                let in_contact = pair.in_contact_on(problem.network(), law);
+                let drawn = drawn(coarsest, problem.levels.len() - 1)?;
+                picture(&drawn, &pair.y, &in_contact, name)
+            }
         }
     }
 }
 
 /// Draws the solution on the finest of the nested meshes whose triangles can be told apart.
-fn picture(
-    coarsest: &AnyMesh,
-    times: usize,
-    fields: &MeshFields<'_>,
-    title: &str,
-) -> Result<Vec<u8>> {
-    let drawn = drawn(coarsest, times)?;
-    let AnyMesh::Plane(mesh) = &drawn else {
+fn picture(drawn: &AnyMesh, y: &[f64], in_contact: &[bool], title: &str) -> Result<Vec<u8>> {
+    let AnyMesh::Plane(mesh) = drawn else {
         return Err(Error::input("--out: a solution in space has no picture"));
     };
     // The first nodes of a refined mesh are those of the coarser ones.
     let nodes = mesh.points().len();
-    let y = &fields.v[..nodes];
-    let in_contact: Vec<bool> = fields.multiplier[..nodes].iter().map(|a| *a > 0.0).collect();
+    let (y, in_contact) = (&y[..nodes], &in_contact[..nodes]);
     let azimuth = uphill_on_mesh(mesh, y);
-    let surface = MeshSurface { title, mesh, y, in_contact: &in_contact, azimuth, range: None };
+    let surface = MeshSurface { title, mesh, y, in_contact, azimuth, range: None };
     let drawn = mesh_surfaces(1, &[surface]).svg(title, "Made by `signorini solve`.");
     drawn.map(String::into_bytes).map_err(Error::input)
 }

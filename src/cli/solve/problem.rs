@@ -1,7 +1,8 @@
 //! Problem of `solve`: f and its domain, the grids, the solver and its settings.
 
 use super::accuracy::Accuracy;
-use super::domain::Domain;
+use super::domain::{Domain, ReportedAs};
+use super::format::Format;
 use super::mesh::MeshDomain;
 use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
@@ -15,7 +16,7 @@ use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Params, StopRule};
+use signorini_mathematics::saddle::{Pair, Params, StopRule};
 
 /// Cells per side of the finest grid, if neither the user nor a scene gives a number.
 const DEFAULT_CELLS: usize = 64;
@@ -53,7 +54,8 @@ impl Problem {
         let mut overridden = Vec::new();
         let domain = domain(args, scene, &mut overridden)?;
         let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
-        let integral = domain.solvable()?;
+        let params = params(args, scene, &mut overridden)?;
+        let integral = domain.solvable(params.law)?;
         let solver = args.solver.unwrap_or(default_solver(args));
         check_solver_options(args, solver)?;
         check_mesh_options(args, &domain)?;
@@ -65,7 +67,6 @@ impl Problem {
             Domain::Mesh(mesh) => (0..mesh.problem.levels.len()).collect(),
             Domain::Square { .. } | Domain::Cube { .. } => hierarchy(finest, scene)?,
         };
-        let params = params(args, scene, &mut overridden)?;
         let problem = Self {
             scene: scene.map(|scene| scene.name.clone()),
             solver,
@@ -122,6 +123,12 @@ impl Problem {
         (n as u64 + 1).pow(dimension.into()) * per_node
     }
 
+    /// Returns the bytes of a file with a solution on a grid.
+    pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair) -> Result<Vec<u8>> {
+        let reported = ReportedAs { name: self.name(), law: self.params.law };
+        self.domain.file(kind, n, pair, reported)
+    }
+
     /// Number of the finest grid: cells per side, or refinements.
     pub(super) fn finest(&self) -> usize {
         self.grids[self.grids.len() - 1]
@@ -148,6 +155,9 @@ impl Problem {
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the grids.
     pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
+        if !self.params.law.is_signorini() {
+            settings.push(("law", self.params.law.to_string().into()));
+        }
         if let Domain::Square { rule, .. } = &self.domain {
             settings.push(("load", rule_name(rule).into()));
         }
@@ -261,6 +271,7 @@ fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
     let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
     let defaults = Params::default();
     Ok(Params {
+        law: scene.map_or_else(|| args.law(), |scene| Ok(scene.law()))?,
         r: positive_r(r.unwrap_or(10.0))?,
         rule: rule.unwrap_or(StopRule::Printed),
         max_iterations: limit.unwrap_or(defaults.max_iterations),

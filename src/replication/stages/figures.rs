@@ -179,7 +179,7 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     for scene in scenes {
         let pair = solve::pair(inputs, scene, scene.stop[0])?;
         titles.push(title_with_end(inputs, scene)?);
-        in_contact.push(pair.in_contact(scene.finest()));
+        in_contact.push(pair.in_contact(scene.finest(), scene.law()));
         heights.push(pair.y);
     }
     let mut shown = Vec::new();
@@ -220,7 +220,7 @@ fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, S
     for &stop in &scene.stop {
         let label = solve::label(inputs, scene, stop)?;
         let pair = solve::pair(inputs, scene, stop)?;
-        lines.push(ContactLine::of_square(label, scene.finest(), &pair));
+        lines.push(ContactLine::of_square(label, scene.finest(), scene.law(), &pair));
     }
     Ok(ContactPanel::of_square(&scene.title, scene.finest(), lines))
 }

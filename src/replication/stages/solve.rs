@@ -17,7 +17,7 @@ use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
-use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
     Iteration, Monitor, Outcome, Pair, Params, Plain, StopReason, StopRule, solve_nested,
@@ -28,6 +28,8 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Cell {
     f: Source,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    law: Option<LawParameter>,
     load: LoadRule,
     prolongation: Prolongation,
     grids: Vec<usize>,
@@ -86,10 +88,11 @@ pub(super) fn tasks(scene: &Scene, stop: StopRule) -> Vec<Task> {
 pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
-    let (y, _) = multigrid::solve_square(grid.cells(), &load, None, &MultigridParams::default())
+    let params = MultigridParams { law: scene.law(), ..MultigridParams::default() };
+    let (y, _) = multigrid::solve_square(grid.cells(), &load, None, &params)
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let parts = grid.boundary().map(|node| (node, grid.h()));
-    let a = judge(grid, Law::SIGNORINI, &y, &load).multiplier(parts, &y);
+    let a = judge(grid, params.law, &y, &load).multiplier(parts, &y);
     Ok(Pair { y, a })
 }
 
@@ -119,6 +122,7 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     let drawn_rule = stop == scene.stop[0];
     Cell {
         f: scene.f.clone(),
+        law: scene.law,
         load: scene.load,
         prolongation: scene.prolongation,
         grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
@@ -131,6 +135,11 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     }
 }
 
+/// Law with this parameter, the paper's without one.
+fn law_of(parameter: Option<LawParameter>) -> Result<Law, String> {
+    parameter.map_or(Ok(Law::SIGNORINI), |parameter| parameter.law().map_err(|e| e.to_string()))
+}
+
 fn task(scene: &Scene, cell: Cell) -> Task {
     let id = id(scene, cell.stop, cell.r);
     Task::new(id, parameters(&cell), Vec::new(), move |_| solve(&cell))
@@ -141,6 +150,7 @@ fn run(cell: &Cell, monitor: &mut impl Monitor) -> Result<(Vec<Outcome>, Pair), 
     let grids = nested(&cell.grids)?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &cell.f, cell.load)).collect();
     let params = Params {
+        law: law_of(cell.law)?,
         r: cell.r,
         rule: cell.stop,
         max_iterations: cell.max_iterations,
@@ -278,6 +288,6 @@ pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Strin
     let load = load(grid, &scene.f, scene.load);
     let network = Network::of_square(grid);
     let functional =
-        Plain { network: &network, law: Law::SIGNORINI, load: &load, r: scene.drawn_r() };
+        Plain { network: &network, law: scene.law(), load: &load, r: scene.drawn_r() };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }

@@ -257,6 +257,11 @@ impl Law {
         }
     }
 
+    /// True if a flux is farther than `rounding` from both ends of the interval.
+    pub fn is_inside(self, flux: f64, rounding: f64) -> bool {
+        flux - self.lo > rounding && self.hi - flux > rounding
+    }
+
     /// Term j(v) of the energy, per length or area of the boundary. For an infinite end of the interval, which v of the
     /// other sign violates, zero there.
     #[inline(always)]
@@ -300,13 +305,15 @@ impl fmt::Display for Law {
     }
 }
 
-impl TryFrom<LawParameter> for Law {
-    type Error = LawError;
-
-    fn try_from(parameter: LawParameter) -> Result<Self, LawError> {
-        match parameter {
-            LawParameter::Friction(g) => Self::friction(g),
-            LawParameter::Limit(limit) => Self::limited(limit),
+impl LawParameter {
+    /// Law with this parameter.
+    ///
+    /// # Errors
+    /// [`LawError::Parameter`].
+    pub fn law(self) -> Result<Law, LawError> {
+        match self {
+            Self::Friction(g) => Law::friction(g),
+            Self::Limit(limit) => Law::limited(limit),
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::discrete::kkt::rounding;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
+use crate::problem::law::Law;
 
 /// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,25 +48,28 @@ impl Pair {
         Self { y: prolong(grid, &self.y, rule), a: prolong_boundary(&self.a) }
     }
 
-    /// Contact at the boundary nodes: where the multiplier is positive or v is zero, up to rounding errors. Both are
-    /// zero in a corner without load between nodes in contact.
-    pub fn in_contact(&self, grid: Grid) -> Vec<bool> {
+    /// Contact at the boundary nodes: where the multiplier is inside the interval of the law or v is zero, up to rounding
+    /// errors. Under the paper's law both are zero in a corner without load between nodes in contact.
+    pub fn in_contact(&self, grid: Grid, law: Law) -> Vec<bool> {
         let h = grid.h();
         let zero = rounding(grid.cells(), largest(&self.y).max(h * largest(&self.a)));
-        let of_node = |(node, a): (usize, &f64)| h * a > zero || self.y[node].abs() <= zero;
+        let of_node = |(node, a): (usize, &f64)| {
+            law.is_inside(*a, zero / h) || self.y[node].abs() <= zero
+        };
         grid.boundary().zip(&self.a).map(of_node).collect()
     }
 
     /// Contact at the nodes of a network, as [`Pair::in_contact`] has it at the boundary nodes of the square; nowhere else.
-    pub fn in_contact_on(&self, network: &Network) -> Vec<bool> {
+    pub fn in_contact_on(&self, network: &Network, law: Law) -> Vec<bool> {
         let forces = network.contact().iter().zip(&self.a).map(|(contact, a)| contact.measure * a);
         let forces: Vec<f64> = forces.collect();
         let cells = (network.nodes() as f64).sqrt() as usize;
         let zero = rounding(cells, largest(&self.y).max(largest(&forces)));
         let mut in_contact = vec![false; network.nodes()];
-        for (contact, force) in network.contact().iter().zip(forces) {
+        for (contact, a) in network.contact().iter().zip(&self.a) {
             let node = contact.node as usize;
-            in_contact[node] = force > zero || self.y[node].abs() <= zero;
+            in_contact[node] =
+                law.is_inside(*a, zero / contact.measure) || self.y[node].abs() <= zero;
         }
         in_contact
     }

@@ -13,6 +13,7 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::MultigridParams;
 use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::tolerance;
 use signorini_mathematics::triangulated::MeshProblem;
 use std::collections::BTreeMap;
@@ -61,7 +62,7 @@ impl StopsRow {
         let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
         let names = ["where it stopped", "the solution", "the difference"];
         let in_contact =
-            [stop.in_contact(grid), solution.in_contact(grid), vec![false; stop.a.len()]];
+            [stop.in_contact(grid, Law::SIGNORINI), solution.in_contact(grid, Law::SIGNORINI), vec![false; stop.a.len()]];
         Ok(Self {
             grid,
             titles: names.map(|name| format!("{}: {name}", scene.title)),
@@ -85,7 +86,7 @@ pub(super) fn iterates(scene: &Scene) -> Task {
         let mut titles: Vec<_> =
             states.iter().map(|(g, _)| format!("h = 1/{}", g.cells())).collect();
         titles[states.len() - 1] = "the solution".into();
-        let contact: Vec<_> = states.iter().map(|(grid, pair)| pair.in_contact(*grid)).collect();
+        let contact: Vec<_> = states.iter().map(|(grid, pair)| pair.in_contact(*grid, Law::SIGNORINI)).collect();
         let mut shown = Vec::new();
         for (k, (grid, pair)) in states.iter().enumerate() {
             let (title, y, in_contact) = (&*titles[k], &pair.y[..], &contact[k][..]);

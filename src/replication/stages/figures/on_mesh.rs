@@ -56,7 +56,7 @@ fn draw_surface(
     inputs: &Inputs,
 ) -> Result<Picture, Failure> {
     let pair = on_mesh::pair(inputs, scene, scene.stop[0], refined)?;
-    let in_contact = pair.in_contact_on(refined.problem.network());
+    let in_contact = pair.in_contact_on(refined.problem.network(), scene.law());
     let mesh = mesh_to_draw(refined)?;
     let mesh = plane(&mesh)?;
     let nodes = mesh.points().len();
@@ -77,7 +77,7 @@ fn draw_contact(
     for &stop in &scene.stop {
         let pair = on_mesh::pair(inputs, scene, stop, refined)?;
         let label = solve::label(inputs, scene, stop)?;
-        runs.push((label, pair.multiplier_on(network), pair.in_contact_on(network), pair.y));
+        runs.push((label, pair.multiplier_on(network), pair.in_contact_on(network, scene.law()), pair.y));
     }
     let mesh = plane(&refined.problem.mesh)?;
     let curves = boundary_curves(mesh);

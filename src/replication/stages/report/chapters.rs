@@ -206,7 +206,7 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
         "least": heights.map(|range| range.least),
         "greatest": heights.map(|range| range.greatest),
         // Boundary nodes in contact.
-        "contact": pair.in_contact(scene.finest()).into_iter().filter(|&contact| contact).count(),
+        "contact": pair.in_contact(scene.finest(), scene.law()).into_iter().filter(|&contact| contact).count(),
         // Total inflow: the sum of h times the multiplier over the boundary.
         "inflow": scene.finest().h() * pair.a.iter().sum::<f64>(),
     })
