@@ -72,7 +72,13 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "G", conflicts_with_all = ["limit", "scene"], allow_negative_numbers = true)]
     friction: Option<f64>,
     /// Limited flow: the paper's law, but dv/dn is at most LIMIT, and v < 0 where it is LIMIT
-    #[arg(long, value_name = "LIMIT", conflicts_with = "scene", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "LIMIT",
+        conflicts_with = "scene",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
     limit: Option<f64>,
     /// Width of the finest grid, as 1/256 [default: the scene's, or 1/64]
     ///
@@ -141,12 +147,14 @@ impl SolveArgs {
 
     /// Returns the law on the boundary.
     fn law(&self) -> Result<Law> {
-        let law = match (self.friction, self.limit) {
-            (Some(g), _) => Law::friction(g),
-            (None, Some(limit)) => Law::limited(limit),
-            (None, None) => Ok(Law::SIGNORINI),
+        let (option, value, law) = match (self.friction, self.limit) {
+            (Some(g), _) => ("--friction", g, Law::friction(g)),
+            (None, Some(limit)) => ("--limit", limit, Law::limited(limit)),
+            (None, None) => return Ok(Law::SIGNORINI),
         };
-        law.map_err(|e| Error::input(format!("--{e}")))
+        law.map_err(|_| {
+            Error::input(format!("{option} {value}: must be a positive number, e.g. {option} 0.3"))
+        })
     }
 
     /// Writes the file, if there is one, with a `solution`: cells per side of its grid, and the pair.

@@ -206,7 +206,10 @@ impl Scene {
             parameter.law().map_err(|e| format!("law: {e}"))?;
         }
         if self.law.is_some() && self.paper_table.is_some() {
-            return Err("the published tables are for the paper's law; leave out `law`, or `paper_table`".into());
+            return Err(
+                "the published tables are for the paper's law; leave out `law`, or `paper_table`"
+                    .into(),
+            );
         }
         self.check_on_domain()?;
         if self.r.is_empty() || self.stop.is_empty() {

@@ -1,6 +1,6 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::bound;
+use super::bound::{self, BoundaryWords};
 use super::domain::{Domain, KnownErrors};
 use super::problem::Problem;
 use crate::cli::output::columns;
@@ -10,8 +10,10 @@ use signorini_mathematics::discrete::kkt::{Judgement, Kkt};
 use signorini_mathematics::discrete::norms::Errors;
 
 use crate::replication::scene::shown_integral;
+use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::verdict::Verdict;
+use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::saddle::{Pair, SaddleRun};
 use std::collections::BTreeMap;
 
@@ -85,16 +87,46 @@ pub(super) struct Solved {
     pub work_units: Option<f64>,
 }
 
+/// Numbers of boundary nodes by their states.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct States {
+    /// Nodes at zero; under the paper's law, in contact.
+    sticks: usize,
+    slips_up: usize,
+    slips_down: usize,
+}
+
+impl States {
+    fn all(self) -> usize {
+        self.sticks + self.slips_up + self.slips_down
+    }
+
+    fn text(self, law: Law) -> String {
+        let (Self { sticks, slips_up, slips_down }, all) = (self, self.all());
+        if law.is_signorini() {
+            return format!("contact in {sticks} of {all} boundary nodes (arcs run anticlockwise)");
+        }
+        format!(
+            "{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down (arcs run anticlockwise)"
+        )
+    }
+}
+
+/// A number, null if it is infinite.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
 pub(super) struct Answer {
     pub solved: Solved,
     /// Sum of v r over the boundary nodes, r the gradient of the energy: zero at the solution, and elsewhere, if all
     /// other conditions hold, a bound of the energy's error.
     complementarity: f64,
-    /// Number of boundary nodes in contact, and number of all boundary nodes.
-    contact_nodes: [usize; 2],
+    /// Numbers of boundary nodes by their states.
+    states: States,
     /// Arcs in contact, with ends estimated within the cell; `None` on the cube.
     contact: Option<Vec<ContactArc>>,
-    /// Total contact force: sum of r over the nodes in contact.
+    /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
     pub force: f64,
     /// Errors, if the solution is known.
     errors: Option<KnownErrors>,
@@ -115,17 +147,33 @@ impl Answer {
         let in_contact = solved.judgement.in_contact();
         let contact = problem.domain.contact(n, y, &solved.judgement);
         let of_nodes = flux.iter().zip(&in_contact).filter(|(_, touches)| **touches);
-        let force = match &contact {
+        let law = problem.params.law;
+        let mut force = match &contact {
             Some(arcs) => arcs.iter().map(|arc| arc.force).sum(),
-            None => of_nodes.map(|(flux, _)| flux).sum(),
+            None => of_nodes.map(|(flux, _)| flux).sum::<f64>(),
         };
+        let mut states = States { sticks: 0, slips_up: 0, slips_down: 0 };
+        let parts = problem.domain.boundary_parts(n);
+        for (state, (_, measure)) in solved.judgement.states.iter().zip(parts) {
+            match state {
+                BoundaryState::Sticks => states.sticks += 1,
+                BoundaryState::SlipsUp => {
+                    states.slips_up += 1;
+                    force += measure * law.lo();
+                }
+                BoundaryState::SlipsDown => {
+                    states.slips_down += 1;
+                    force += measure * law.hi();
+                }
+            }
+        }
         let mut answer = Self {
             complementarity: nodes.iter().zip(flux).map(|(&node, flux)| y[node] * flux).sum(),
-            contact_nodes: [in_contact.into_iter().filter(|&of| of).count(), nodes.len()],
+            states,
             contact,
             force,
-            errors: problem.domain.errors(n, y, load),
-            bounds: problem.domain.bounds(n, y),
+            errors: problem.domain.errors(n, y, load).filter(|_| law.is_signorini()),
+            bounds: problem.domain.bounds(n, law, y),
             solved,
             seconds,
             warnings: Vec::new(),
@@ -175,7 +223,7 @@ impl Answer {
                 "natural": kkt.natural,
                 "relative": kkt.relative,
             },
-            "contact_nodes": { "nodes": self.contact_nodes[0], "boundary_nodes": self.contact_nodes[1] },
+            "contact_nodes": { "nodes": self.states.sticks, "boundary_nodes": self.states.all() },
             "bound": bounds.map(|of| {
                 json!({
                     "energy": of.energy,
@@ -189,6 +237,11 @@ impl Answer {
             "warnings": problem.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
+        if !problem.params.law.is_signorini() {
+            let law = problem.params.law;
+            json["law"] = json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) });
+            json["states"] = json!(self.states);
+        }
         if let Some(sweeps) = last.sweeps {
             json["sweeps"] = sweeps.into();
             json["sweeps_per_grid"] =
@@ -238,12 +291,12 @@ impl Answer {
         if let Some(work_units) = self.solved.work_units {
             text += &format!(", the cost of {work_units:.1} sweeps");
         }
-        let [nodes, all] = self.contact_nodes;
-        text += &format!("\ncontact in {nodes} of {all} boundary nodes (arcs run anticlockwise)\n");
+        text += &format!("\n{}\n", self.states.text(problem.params.law));
+        let words = BoundaryWords::of(problem.params.law);
         for arc in self.contact.iter().flatten() {
-            text += &bound::contact(arc, 6);
+            text += &words.arc(arc, 6);
         }
-        text += &bound::force(self.force, -problem.integral, 6);
+        text += &words.force(self.force, 0.0 - problem.integral, 6);
         if self.load_misses(problem) {
             text += &format!("minus the sum of the load {:.5e}\n", -self.last().sum_load);
         }

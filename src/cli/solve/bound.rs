@@ -2,6 +2,7 @@
 
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Solver;
 
 /// Returns the bounds as text. They contain a `smooth` f by quadrature, pieces exactly.
@@ -49,22 +50,40 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<Strin
     warnings
 }
 
-/// Returns, as text, the total contact force and minus the integral of f, which are equal at the solution.
-pub(super) fn force(force: f64, minus_integral: f64, digits: usize) -> String {
-    let digits = digits - 1;
-    format!("contact force {force:.digits$e}, minus the integral of f {minus_integral:.digits$e}\n")
+/// Words for the boundary under a law.
+pub(super) struct BoundaryWords {
+    /// What a boundary node at zero does.
+    holds: &'static str,
+    /// Integral of dv/dn over the boundary.
+    total: &'static str,
 }
 
-/// Returns, as text, the place and the force of an arc in contact.
-pub(super) fn contact(arc: &ContactArc, digits: usize) -> String {
-    let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
-    let place = match arc.from == arc.to {
-        true => "everywhere".to_owned(),
-        // Long numbers take a line each.
-        false if digits > 6 => format!("from {from}\n  to {to}"),
-        false => format!("from {from} to {to}"),
-    };
-    format!("contact {place}, force {:.*e}\n", digits - 1, arc.force)
+impl BoundaryWords {
+    pub(super) fn of(law: Law) -> Self {
+        if law.is_signorini() {
+            Self { holds: "contact", total: "contact force" }
+        } else {
+            Self { holds: "sticks", total: "flux through the boundary" }
+        }
+    }
+
+    /// Returns, as text, the total flux and minus the integral of f, which are equal at the solution.
+    pub(super) fn force(&self, force: f64, minus_integral: f64, digits: usize) -> String {
+        let (digits, total) = (digits - 1, self.total);
+        format!("{total} {force:.digits$e}, minus the integral of f {minus_integral:.digits$e}\n")
+    }
+
+    /// Returns, as text, the place and the force of an arc at zero.
+    pub(super) fn arc(&self, arc: &ContactArc, digits: usize) -> String {
+        let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
+        let place = match arc.from == arc.to {
+            true => "everywhere".to_owned(),
+            // Long numbers take a line each.
+            false if digits > 6 => format!("from {from}\n  to {to}"),
+            false => format!("from {from} to {to}"),
+        };
+        format!("{} {place}, force {:.*e}\n", self.holds, digits - 1, arc.force)
+    }
 }
 
 /// Error over the solution from which on a warning is given.

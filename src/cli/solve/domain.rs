@@ -124,9 +124,7 @@ impl Domain {
             Self::Square { f, .. } => {
                 solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 4.0 })
             }
-            Self::Cube { f } => {
-                solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 6.0 })
-            }
+            Self::Cube { f } => solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 6.0 }),
             // Judged when the problem was made.
             Self::Mesh(mesh) => Ok(mesh.problem.f.integral),
         }
@@ -235,7 +233,15 @@ impl Domain {
         }
     }
 
-    pub(super) fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Bounds, String> {
+    pub(super) fn bounds(
+        &self,
+        n: usize,
+        law: Law,
+        y: &[f64],
+    ) -> std::result::Result<Bounds, String> {
+        if !law.is_signorini() {
+            return Err("bounds are made for the paper's law".into());
+        }
         match self {
             Self::Square { f, .. } => bounds(square(n), f, y).map_err(|reason| reason.to_string()),
             Self::Cube { .. } => Err("bounds are made for the square and for meshes".into()),

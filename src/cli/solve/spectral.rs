@@ -1,7 +1,7 @@
 //! `solve --solver spectral`: the true solution, without a grid.
 
 use super::SolveArgs;
-use super::bound::{self, contact};
+use super::bound::BoundaryWords;
 use super::domain::Domain;
 use super::problem::Problem;
 use crate::cli::output::{say, say_json};
@@ -19,6 +19,11 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
+    if !problem.params.law.is_signorini() {
+        return Err(Error::input(
+            "--solver spectral: the spectral solver knows the paper's law alone; use --solver multigrid",
+        ));
+    }
     let start = Instant::now();
     let solution =
         spectral(f, SpectralParams::default()).map_err(|e| failed(problem.name(), &e))?;
@@ -58,8 +63,9 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     }
     let integral = shown_integral(problem.integral);
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
-    text += &table(&finer);
-    text += &bound::force(force(&finer), -problem.integral, 16);
+    let words = BoundaryWords::of(problem.params.law);
+    text += &table(&finer, &words);
+    text += &words.force(force(&finer), -problem.integral, 16);
     text += &checks(&finer.checks);
     text += &format!("solved in {seconds:.4} s, {} Newton steps\n", solution.steps);
     say(&text)?;
@@ -90,10 +96,10 @@ fn force(solution: &Solution) -> f64 {
     solution.contact.iter().map(|arc| arc.force).sum()
 }
 
-fn table(solution: &Solution) -> String {
+fn table(solution: &Solution, words: &BoundaryWords) -> String {
     let mut text = format!("energy {:.15e}\n", solution.energy);
     for arc in &solution.contact {
-        text += &contact(arc, 16);
+        text += &words.arc(arc, 16);
     }
     text + &format!("v(0,0) {:.15e}\n", solution.value(0.0, 0.0))
 }

@@ -287,7 +287,6 @@ pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Strin
     let (grid, pair) = (scene.finest(), pair(inputs, scene, scene.stop[0])?);
     let load = load(grid, &scene.f, scene.load);
     let network = Network::of_square(grid);
-    let functional =
-        Plain { network: &network, law: scene.law(), load: &load, r: scene.drawn_r() };
+    let functional = Plain { network: &network, law: scene.law(), load: &load, r: scene.drawn_r() };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }

@@ -53,9 +53,8 @@ impl Pair {
     pub fn in_contact(&self, grid: Grid, law: Law) -> Vec<bool> {
         let h = grid.h();
         let zero = rounding(grid.cells(), largest(&self.y).max(h * largest(&self.a)));
-        let of_node = |(node, a): (usize, &f64)| {
-            law.is_inside(*a, zero / h) || self.y[node].abs() <= zero
-        };
+        let of_node =
+            |(node, a): (usize, &f64)| law.is_inside(*a, zero / h) || self.y[node].abs() <= zero;
         grid.boundary().zip(&self.a).map(of_node).collect()
     }
 

@@ -46,8 +46,11 @@ impl NetworkRun {
             sum_load,
             kkt,
             work,
-            has_solution: !network.fixed().is_empty()
-                || law.check_solvable(sum_load, perimeter).is_ok(),
+            has_solution: if network.fixed().is_empty() {
+                (!law.is_signorini()).then(|| law.check_solvable(sum_load, perimeter).is_ok())
+            } else {
+                Some(true)
+            },
         }
     }
 }

@@ -33,17 +33,13 @@ pub struct Outcome {
     /// Sum over the boundary nodes of y times the gradient of the energy: zero at the solution.
     pub work: f64,
     /// True if the discrete problem has a solution: a part of the boundary is fixed, or the flux can balance the load.
-    #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
-    pub has_solution: bool,
+    /// None under the paper's law without fixed parts, where it has one if the sum of the load is negative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub has_solution: Option<bool>,
 }
 
 /// Length of the boundary of the square.
 const PERIMETER: f64 = 4.0;
-
-/// Value of a record that does not name it.
-fn yes() -> bool {
-    true
-}
 
 /// State of an iteration after its last step.
 pub(super) struct LastStep {
@@ -75,13 +71,16 @@ impl Outcome {
             sum_load,
             kkt,
             work,
-            has_solution: law.check_solvable(sum_load, PERIMETER).is_ok(),
+            has_solution: (!law.is_signorini())
+                .then(|| law.check_solvable(sum_load, PERIMETER).is_ok()),
         }
     }
 
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
-        Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
+        // NaN is judged by the residual.
+        let has_solution = self.has_solution.unwrap_or(!(self.sum_load >= 0.0));
+        Verdict::new(has_solution, &self.kkt, self.energy, self.work)
     }
 
     /// Name of the end of the iteration: `stop`, unless the verdict is that there is no solution.

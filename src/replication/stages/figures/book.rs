@@ -61,8 +61,11 @@ impl StopsRow {
         let solution = solve::solution(scene)?;
         let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
         let names = ["where it stopped", "the solution", "the difference"];
-        let in_contact =
-            [stop.in_contact(grid, Law::SIGNORINI), solution.in_contact(grid, Law::SIGNORINI), vec![false; stop.a.len()]];
+        let in_contact = [
+            stop.in_contact(grid, Law::SIGNORINI),
+            solution.in_contact(grid, Law::SIGNORINI),
+            vec![false; stop.a.len()],
+        ];
         Ok(Self {
             grid,
             titles: names.map(|name| format!("{}: {name}", scene.title)),
@@ -86,7 +89,8 @@ pub(super) fn iterates(scene: &Scene) -> Task {
         let mut titles: Vec<_> =
             states.iter().map(|(g, _)| format!("h = 1/{}", g.cells())).collect();
         titles[states.len() - 1] = "the solution".into();
-        let contact: Vec<_> = states.iter().map(|(grid, pair)| pair.in_contact(*grid, Law::SIGNORINI)).collect();
+        let contact: Vec<_> =
+            states.iter().map(|(grid, pair)| pair.in_contact(*grid, Law::SIGNORINI)).collect();
         let mut shown = Vec::new();
         for (k, (grid, pair)) in states.iter().enumerate() {
             let (title, y, in_contact) = (&*titles[k], &pair.y[..], &contact[k][..]);

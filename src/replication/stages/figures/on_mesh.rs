@@ -77,7 +77,12 @@ fn draw_contact(
     for &stop in &scene.stop {
         let pair = on_mesh::pair(inputs, scene, stop, refined)?;
         let label = solve::label(inputs, scene, stop)?;
-        runs.push((label, pair.multiplier_on(network), pair.in_contact_on(network, scene.law()), pair.y));
+        runs.push((
+            label,
+            pair.multiplier_on(network),
+            pair.in_contact_on(network, scene.law()),
+            pair.y,
+        ));
     }
     let mesh = plane(&refined.problem.mesh)?;
     let curves = boundary_curves(mesh);
