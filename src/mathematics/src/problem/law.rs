@@ -240,20 +240,27 @@ impl Law {
     /// For the paper's law `|min(y, gradient)|`.
     #[inline(always)]
     pub fn residual(self, y: f64, gradient: f64, measure: f64) -> f64 {
-        let above_lo = gradient - measure * self.lo;
-        let above_hi = gradient - measure * self.hi;
+        let [above_lo, above_hi] = self.above_ends(gradient, measure);
         lesser(above_lo, greater(y, above_hi)).abs()
     }
 
-    /// State at a boundary node, where differences up to `rounding` are rounding errors: a node sticks if its `flux` times
-    /// `measure` is strictly inside, and where flux and v are both undecided.
+    /// Differences between a gradient and `measure` times the ends of the interval; infinite for an infinite end, whatever
+    /// the gradient.
+    #[inline(always)]
+    fn above_ends(self, gradient: f64, measure: f64) -> [f64; 2] {
+        [self.lo, self.hi].map(|end| if end.is_finite() { gradient - measure * end } else { -end })
+    }
+
+    /// State at a boundary node, where differences up to `rounding` are rounding errors: a node sticks where the gradient
+    /// is inside, and where both it and v are undecided. NaN slips up.
     pub fn state(self, y: f64, gradient: f64, measure: f64, rounding: f64) -> BoundaryState {
-        if y - (gradient - measure * self.lo) > rounding {
-            BoundaryState::SlipsUp
-        } else if (gradient - measure * self.hi) - y > rounding {
+        let [above_lo, above_hi] = self.above_ends(gradient, measure);
+        if above_hi - y > rounding {
             BoundaryState::SlipsDown
-        } else {
+        } else if y - above_lo <= rounding {
             BoundaryState::Sticks
+        } else {
+            BoundaryState::SlipsUp
         }
     }
 
