@@ -306,6 +306,7 @@ impl Scene {
         Some(Problem {
             number: self.paper_table?,
             f: self.f.to_string(),
+            law: self.law,
             load: self.load,
             prolongation: self.prolongation,
             grids: self.grids.iter().map(|grid| grid.cells()).collect(),

@@ -128,6 +128,7 @@ fn the_main_chapters_are_read_in_half_an_hour_as_the_introduction_says() {
         "cost",
         "stability",
         "domains",
+        "friction",
     ];
     let mut total = 0;
     for chapter in main {

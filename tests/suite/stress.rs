@@ -19,6 +19,7 @@ fn tables(grids: &[usize]) -> Vec<Problem> {
         .iter()
         .zip(1..)
         .map(|(f, number)| Problem {
+            law: None,
             number,
             f: (*f).into(),
             load: LoadRule::default(),

@@ -15,6 +15,7 @@ use crate::timing::recorded::{PATH, Timings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
+use signorini_mathematics::experiments::claims::ClaimsPlan;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::experiments::rounding;
 use signorini_mathematics::experiments::{self, accuracy, stress, truth};
@@ -35,10 +36,11 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let truth = truth::TruthPlan::new(named);
     let stress = stress::StressPlan::new(problems.clone());
     let rounding = rounding::RoundingPlan::new(problems.clone());
-    let plan = experiments::claims::ClaimsPlan::new(problems);
+    let plan = ClaimsPlan::new(problems);
     vec![
         task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
+        task("friction", ClaimsPlan::friction(), experiments::claims::claims),
         task("cube", experiments::cube::CubePlan::default(), experiments::cube::cube),
         task(
             "domains",

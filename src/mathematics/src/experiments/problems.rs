@@ -3,6 +3,7 @@
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
+use crate::problem::law::{Law, LawParameter};
 use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -18,6 +19,17 @@ pub const CONTACT: [(&str, &str); 2] = [
     ("two-arcs", "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5"),
 ];
 
+/// Problems with friction: f, and the bound g of dv/dn. In the first three v has one sign, and so it has in the last two; in
+/// the fourth both. The flux of the last one is nearly at its bound everywhere.
+pub const FRICTION: [(&str, f64); 6] = [
+    ("quadrant(ll)=3; else=-1.002", 0.3),
+    ("quadrant(ll)=-6; else=1.998", 0.6),
+    ("else=1", 0.3),
+    ("halfplane(1,0,0)=8; else=-8", 1.0),
+    ("rect(-0.5,0,-0.25,0.25)=6; else=-1", 0.25),
+    ("else=4", 1.01),
+];
+
 /// One of the paper's problems, on the grids and with the parameters of its table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Problem {
@@ -25,6 +37,9 @@ pub struct Problem {
     pub number: u8,
     /// f in the notation of scenes.
     pub f: String,
+    /// Law on the boundary; none for the paper's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawParameter>,
     /// Quadrature of the load under the paper's stopping rules.
     pub load: LoadRule,
     /// Interpolation to the next grid.
@@ -46,6 +61,14 @@ pub(super) struct Discrete {
 }
 
 impl Problem {
+    /// Returns the law on the boundary.
+    ///
+    /// # Errors
+    /// A sentence if its parameter makes no law.
+    pub fn law(&self) -> Result<Law, String> {
+        self.law.map_or(Ok(Law::SIGNORINI), |parameter| parameter.law().map_err(|e| e.to_string()))
+    }
+
     /// Returns the problem on its grids.
     ///
     /// # Errors

@@ -26,11 +26,8 @@ pub(super) fn zip(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
         let (offset, size, long) = (archive.len() as u32, bytes.len() as u32, name.len() as u16);
         let sum = crc32(bytes);
         let shorter = compress_to_vec(bytes, EFFORT);
-        let (method, body) = if 2 * shorter.len() <= bytes.len() {
-            (DEFLATED, &shorter)
-        } else {
-            (STORED, bytes)
-        };
+        let (method, body) =
+            if 2 * shorter.len() <= bytes.len() { (DEFLATED, &shorter) } else { (STORED, bytes) };
         let kept = body.len() as u32;
         // Version 2.0, no flags, method, time and date; then sum and sizes, and the length of the name.
         archive.extend(b"PK\x03\x04");

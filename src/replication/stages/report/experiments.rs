@@ -4,8 +4,9 @@ use crate::pipeline::Inputs;
 use crate::replication::stages::bench;
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
-use signorini_mathematics::experiments::claims::{ClaimMeasure, Claims, Spread};
+use signorini_mathematics::experiments::claims::{ClaimMeasure, Claims, Spread, WeightRow};
 use signorini_mathematics::experiments::cube::CubeFindings;
+use signorini_mathematics::experiments::problems::FRICTION;
 use signorini_mathematics::experiments::stress::Stress;
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Reference};
 use signorini_mathematics::experiments::work::{Comparison, CostLaw};
@@ -21,7 +22,9 @@ pub(super) fn insert(context: &mut Context, inputs: &Inputs) -> Result<(), Strin
     let cube: CubeFindings = bench::result(inputs, "cube")?;
     context.insert("accuracy", &accuracy(&found, &cube));
     context.insert("comparison", &comparison(&found.comparison));
-    context.insert("claims", &claims(&bench::result(inputs, "claims")?));
+    let of_the_paper = bench::result(inputs, "claims")?;
+    context.insert("claims", &claims(&of_the_paper));
+    context.insert("friction", &friction(&of_the_paper, &bench::result(inputs, "friction")?));
     context.insert("stress", &stress(&bench::result(inputs, "stress")?));
     Ok(())
 }
@@ -117,6 +120,32 @@ fn claims(found: &Claims) -> Value {
         "sums": sums,
         "compared_from": first.and_then(|first| first.cells.first()).map(|cell| cell.cells),
     })
+}
+
+/// Returns the counts of the problems with friction under the printed rule with the largest r of the paper, and the counts
+/// for each weight of the proximal term, those of the paper's problems first.
+fn friction(of_the_paper: &Claims, found: &Claims) -> Value {
+    let (mut counts, mut weights) = (Vec::new(), Vec::new());
+    for row in &of_the_paper.weight_rows {
+        weights.push(weight_row(format!("problem {}", row.problem), row));
+    }
+    for ((f, g), problem) in FRICTION.into_iter().zip(&found.problems) {
+        let table = problem.tables.iter().find(|table| table.rule == StopRule::Printed);
+        let line = table.and_then(|table| table.lines.iter().max_by(|a, b| a.r.total_cmp(&b.r)));
+        let iterations =
+            line.map(|line| line.counts.iter().map(|count| count.iterations).collect::<Vec<_>>());
+        let delta_a = line.map(|line| line.delta_a);
+        counts.push(json!({ "f": f, "g": g, "counts": iterations, "delta_a": delta_a }));
+    }
+    for ((f, g), row) in FRICTION.into_iter().zip(&found.weight_rows) {
+        weights.push(weight_row(format!("`{f}`, g = {g}"), row));
+    }
+    json!({ "counts": counts, "weights": weights, "target": rough(found) })
+}
+
+fn weight_row(name: String, row: &WeightRow) -> Value {
+    let WeightRow { cells, counts, arrow_hurwicz, .. } = row;
+    json!({ "name": name, "cells": cells, "counts": counts, "arrow_hurwicz": arrow_hurwicz })
 }
 
 /// The larger KKT residual to reach.

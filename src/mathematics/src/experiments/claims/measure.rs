@@ -3,14 +3,14 @@
 use super::runs::{ClaimCase, ClaimRun, RunResult, SWEPT, Until, run_all};
 use super::{
     BestParameter, ClaimLine, ClaimMeasure, ClaimTable, ClaimsPlan, Count, CountRow, Measured,
-    UzawaCell,
+    UzawaCell, WeightRow,
 };
 use crate::saddle::{StopRule, tolerance};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// Makes all runs, and gathers the counts of each problem.
-pub(super) fn measure(plan: &ClaimsPlan) -> Result<Vec<Measured>, String> {
+/// Makes all runs, and gathers the counts of each problem, and those for each weight of the proximal term.
+pub(super) fn measure(plan: &ClaimsPlan) -> Result<(Vec<Measured>, Vec<WeightRow>), String> {
     let problems: Result<Vec<_>, String> = plan.problems.par_iter().map(ClaimCase::new).collect();
     let problems = problems?;
     let results = run_all(plan, &problems);
@@ -18,7 +18,8 @@ pub(super) fn measure(plan: &ClaimsPlan) -> Result<Vec<Measured>, String> {
     for (index, problem) in problems.iter().enumerate() {
         all.push(Gathered { index, problem, plan, results: &results }.measured());
     }
-    Ok(all)
+    let weights = problems.par_iter().map(|problem| problem.weights(plan)).collect();
+    Ok((all, weights))
 }
 
 /// A problem with the results of all runs.

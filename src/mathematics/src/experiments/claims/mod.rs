@@ -10,8 +10,12 @@ pub use ratios::Ratios;
 pub use tally::{ClaimTally, ClaimVerdict};
 pub use verdict::{Spread, Verdicts};
 
+use crate::discrete::load::LoadRule;
+use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
-use crate::experiments::problems::Problem;
+use crate::experiments::problems::{FRICTION, Problem};
+use crate::problem::law::LawParameter;
+use crate::saddle::batch::End;
 use crate::saddle::{Method, StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +39,8 @@ pub struct ClaimsPlan {
     pub compared_from: usize,
     /// Weight of the proximal term.
     pub weight: f64,
+    /// Other weights, whose costs are compared for one r.
+    pub weights: Vec<f64>,
 }
 
 impl ClaimsPlan {
@@ -50,6 +56,30 @@ impl ClaimsPlan {
             compared_r: vec![1.0, 10.0, 100.0, 1e4, 1e6],
             compared_from: 16,
             weight: 1.0,
+            weights: vec![0.0, 0.1, 1.0, 10.0, 100.0, 1000.0],
+        }
+    }
+
+    /// Plan of the book for problems with friction: fewer values of r, and coarser grids.
+    pub fn friction() -> Self {
+        let mut problems = Vec::new();
+        for (number, (f, g)) in (1..).zip(FRICTION) {
+            problems.push(Problem {
+                number,
+                f: f.into(),
+                law: Some(LawParameter::Friction(g)),
+                load: LoadRule::LumpedAverage {},
+                prolongation: Prolongation::default(),
+                grids: vec![4, 8, 16, 32, 64],
+                r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
+                max_iterations: 100_000,
+            });
+        }
+        Self {
+            per_decade: 1,
+            targets: vec![(1e-3, 32), (1e-6, 16)],
+            compared_r: vec![1.0, 10.0, 100.0, 1e6],
+            ..Self::new(problems)
         }
     }
 
@@ -80,8 +110,25 @@ pub struct Claims {
     pub cap: usize,
     /// Counts of each problem.
     pub problems: Vec<Measured>,
+    /// Weights of the proximal term that are compared.
+    pub weights: Vec<f64>,
+    /// Counts for each of these weights, a row per problem.
+    pub weight_rows: Vec<WeightRow>,
     /// Verdicts on the claims.
     pub verdicts: Verdicts,
+}
+
+/// Sweeps of the proximal method to a KKT residual on one grid, one count per weight.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WeightRow {
+    /// Number of the problem.
+    pub problem: u8,
+    /// Cells per side.
+    pub cells: usize,
+    /// One count per weight.
+    pub counts: Vec<Count>,
+    /// Sweeps of Arrow-Hurwicz.
+    pub arrow_hurwicz: Count,
 }
 
 /// Counts of a problem.
@@ -132,6 +179,11 @@ pub struct Count {
 }
 
 impl Count {
+    /// Count of a run that has ended.
+    fn of(end: &End) -> Self {
+        Self { iterations: end.sweeps, stop: end.stop }
+    }
+
     /// Number of iterations, if the run reached its end.
     pub fn reached(self) -> Option<usize> {
         (self.stop == StopReason::Converged).then_some(self.iterations)
@@ -230,8 +282,9 @@ pub const VARIANTS: [UzawaVariant; 4] = [
 /// # Errors
 /// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.
 pub fn claims(plan: &ClaimsPlan) -> Result<Claims, String> {
-    let problems = measure::measure(plan)?;
+    let (problems, weight_rows) = measure::measure(plan)?;
     let r = plan.r();
     let verdicts = Verdicts::of(&r, &problems);
-    Ok(Claims { r, targets: plan.targets.clone(), cap: plan.cap, problems, verdicts })
+    let (targets, weights, cap) = (plan.targets.clone(), plan.weights.clone(), plan.cap);
+    Ok(Claims { r, targets, cap, problems, weights, weight_rows, verdicts })
 }

@@ -1,13 +1,15 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::{ClaimsPlan, Count, VARIANTS};
+use super::{ClaimsPlan, Count, VARIANTS, WeightRow};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
-use crate::saddle::batch::{AsDefined, End, Job, JobGoal, LANES, Nested, run, run_nested};
+use crate::saddle::batch::{
+    AsDefined, End, Job, JobGoal, LANES, Nested, NestedGrids, run, run_nested,
+};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use rayon::prelude::*;
 
@@ -16,6 +18,10 @@ use rayon::prelude::*;
 const SOLVABLE: LoadRule = LoadRule::LumpedAverage {};
 /// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
 const START: f64 = 1e-12;
+/// Cells per side of the finest grid on which weights of the proximal term are compared.
+const MOST_FOR_WEIGHTS: usize = 32;
+/// Duality parameter with which they are compared.
+const R_OF_WEIGHTS: f64 = 100.0;
 /// Stopping rules under which r is swept; the others take the paper's r only.
 pub(super) const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 
@@ -25,6 +31,7 @@ const RUNS: usize = 12 * LANES;
 /// A problem on all its grids.
 pub(super) struct ClaimCase<'a> {
     pub(super) problem: &'a Problem,
+    pub(super) law: Law,
     pub(super) grids: Vec<Grid>,
     /// Load vectors under the published rule.
     pub(super) published: Vec<Vec<f64>>,
@@ -119,10 +126,12 @@ fn runs_over(r: &[f64], problem: usize, end: Until) -> Vec<ClaimRun> {
 impl<'a> ClaimCase<'a> {
     pub(super) fn new(problem: &'a Problem) -> Result<Self, String> {
         let Discrete { f, grids, loads: published } = problem.discrete()?;
+        let law = problem.law()?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let mut starts = vec![Pair::zero(grids[0])];
         for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {
             let params = Params {
+                law,
                 r: 100.0,
                 tolerance: START,
                 rule: StopRule::PrintedDual,
@@ -135,7 +144,7 @@ impl<'a> ClaimCase<'a> {
             }
             starts.push(pair.prolonged(grid, problem.prolongation));
         }
-        Ok(Self { problem, grids, published, solvable, starts })
+        Ok(Self { problem, law, grids, published, solvable, starts })
     }
 
     /// Makes the runs of a batch. Returns, for each run, its results on the grids that it visits.
@@ -151,11 +160,12 @@ impl<'a> ClaimCase<'a> {
         let loads = &self.published[..];
         let runs: Vec<_> = batch.iter().map(|run| Nested { loads, r: run.r, rule }).collect();
         let (limit, prolongation) = (self.problem.max_iterations, self.problem.prolongation);
-        let ends = run_nested(&self.grids, &runs, prolongation, |_, _| limit, &mut AsDefined);
+        let grids = NestedGrids { grids: &self.grids, prolongation };
+        let ends = run_nested(grids, self.law, &runs, |_, _| limit, &mut AsDefined);
         let mut results = Vec::new();
         for ends in &ends {
             let on_grids = self.grids.iter().zip(loads).zip(ends);
-            results.push(on_grids.map(|((g, load), end)| RunResult::new(*g, load, end)).collect());
+            results.push(on_grids.map(|((g, load), end)| self.result(*g, load, end)).collect());
         }
         results
     }
@@ -181,17 +191,36 @@ impl<'a> ClaimCase<'a> {
             let goal = JobGoal::Kkt(target);
             jobs.push(Job { load, start, method, r: run.r, goal, cap: plan.cap });
         }
-        let ends = run(grid, Law::SIGNORINI, &jobs, &mut AsDefined);
-        ends.iter().map(|end| vec![RunResult::new(grid, load, end)]).collect()
+        let ends = run(grid, self.law, &jobs, &mut AsDefined);
+        ends.iter().map(|end| vec![self.result(grid, load, end)]).collect()
     }
-}
 
-impl RunResult {
-    fn new(grid: Grid, load: &[f64], end: &End) -> Self {
-        Self {
-            count: Count { iterations: end.sweeps, stop: end.stop },
+    /// Returns the result of a run on one grid.
+    fn result(&self, grid: Grid, load: &[f64], end: &End) -> RunResult {
+        RunResult {
+            count: Count::of(end),
             delta_a: end.delta_a,
-            kkt: kkt(grid, Law::SIGNORINI, &end.pair.y, load).relative,
+            kkt: kkt(grid, self.law, &end.pair.y, load).relative,
         }
+    }
+
+    /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for which
+    /// there is time, one count per weight of the proximal term.
+    pub(super) fn weights(&self, plan: &ClaimsPlan) -> WeightRow {
+        let (target, finest) = plan.targets[0];
+        let fits = |grid: &Grid| grid.cells() <= finest.min(MOST_FOR_WEIGHTS);
+        let level = self.grids.iter().rposition(fits).unwrap_or(0);
+        let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
+        let inner = 0.1 * target * largest(load);
+        let of_weight = |&weight: &f64| Method::Uzawa { weight, inner, loose: true };
+        let mut jobs = Vec::new();
+        for method in plan.weights.iter().map(of_weight).chain([Method::ArrowHurwicz]) {
+            let goal = JobGoal::Kkt(target);
+            jobs.push(Job { load, start, method, r: R_OF_WEIGHTS, goal, cap: plan.cap });
+        }
+        let mut counts: Vec<_> =
+            run(grid, self.law, &jobs, &mut AsDefined).iter().map(Count::of).collect();
+        let arrow_hurwicz = counts.pop().expect("one run more than weights");
+        WeightRow { problem: self.problem.number, cells: grid.cells(), counts, arrow_hurwicz }
     }
 }

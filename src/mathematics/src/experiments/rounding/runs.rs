@@ -5,7 +5,8 @@ use super::disturbances::{Fused, Noise, Noisy, Reversed, perturbed};
 use crate::discrete::grid::Grid;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::{Discrete, Problem};
-use crate::saddle::batch::{Arithmetic, AsDefined, LANES, Nested, run_nested};
+use crate::problem::law::Law;
+use crate::saddle::batch::{Arithmetic, AsDefined, LANES, Nested, NestedGrids, run_nested};
 use crate::saddle::{Iteration, Monitor, Params, StopRule, solve_nested, tolerance};
 use rayon::prelude::*;
 
@@ -183,10 +184,11 @@ impl<'a> Undisturbed<'a> {
         for &Repeated { row, loads } in runs {
             nested.push(Nested { loads, r: self.problem.r[row], rule: StopRule::Signed });
         }
+        let prolongation = self.problem.prolongation;
         let ends = run_nested(
-            &self.grids,
+            NestedGrids { grids: &self.grids, prolongation },
+            Law::SIGNORINI,
             &nested,
-            self.problem.prolongation,
             // One more than the count would show a late stop; with the others a finer grid starts from about
             // where a run without a limit would end.
             |run, k| self.counts[runs[run].row][k] + 10,

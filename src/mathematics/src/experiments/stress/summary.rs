@@ -176,6 +176,7 @@ mod tests {
     /// Runs that nobody made, each different from the others of its kind.
     fn made_up() -> Stress {
         let problem = |number| Problem {
+            law: None,
             number,
             f: String::new(),
             load: LoadRule::default(),

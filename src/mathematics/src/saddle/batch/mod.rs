@@ -193,15 +193,24 @@ pub struct Nested<'a> {
     pub rule: StopRule,
 }
 
-/// Does all runs under the paper's law, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
+/// Nested grids, and how their solutions are interpolated.
+#[derive(Clone, Copy, Debug)]
+pub struct NestedGrids<'a> {
+    /// Grids, coarsest first, as [`crate::discrete::grid::nested`] gives them.
+    pub grids: &'a [Grid],
+    /// Interpolation to the next grid.
+    pub prolongation: Prolongation,
+}
+
+/// Does all runs under one law, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
 /// grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
 ///
 /// # Panics
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load has the wrong length.
 pub fn run_nested(
-    grids: &[Grid],
+    NestedGrids { grids, prolongation }: NestedGrids<'_>,
+    law: Law,
     runs: &[Nested],
-    prolongation: Prolongation,
     cap: impl Fn(usize, usize) -> usize,
     arithmetic: &mut impl Arithmetic,
 ) -> Vec<Vec<End>> {
@@ -221,7 +230,7 @@ pub fn run_nested(
                 cap: cap(number, k),
             })
             .collect();
-        let ends = run(grid, Law::SIGNORINI, &jobs, arithmetic);
+        let ends = run(grid, law, &jobs, arithmetic);
         for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
             if k + 1 < grids.len() {
                 *pair = end.pair.prolonged(grid, prolongation);
