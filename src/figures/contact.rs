@@ -33,11 +33,13 @@ pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
     picture.height = top + 28.0;
     let y = top + 8.0;
     picture.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
-    key(
-        &mut picture,
-        (ACROSS.0 + 36.0, y),
-        "in contact (a > 0) in every run shown; bars: in contact, run by run",
-    );
+    let is_contact = panels.iter().all(|panel| panel.law.is_signorini());
+    let words = if is_contact {
+        "in contact (a > 0) in every run shown; bars: in contact, run by run"
+    } else {
+        "sticks (a inside its interval) in every run shown; bars: sticks, run by run"
+    };
+    key(&mut picture, (ACROSS.0 + 36.0, y), words);
     picture.table = Some(of_contact(panels));
     picture
 }
@@ -100,7 +102,8 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         }
     }
     let middle = top + PLOT + 0.5 * band;
-    picture.text("contact", (across.0 - 8.0, middle), plain(SMALL).pos(END).color(&MUTED));
+    let holds = if panel.law.is_signorini() { "contact" } else { "sticks" };
+    picture.text(holds, (across.0 - 8.0, middle), plain(SMALL).pos(END).color(&MUTED));
     if panel.has_sides {
         name_sides(picture, &whole);
     } else {
@@ -200,10 +203,12 @@ fn half_cell_before(node: usize, ContactPanel { places, length, .. }: &ContactPa
 mod tests {
     use super::*;
     use signorini_mathematics::discrete::grid::Grid;
+    use signorini_mathematics::problem::law::Law;
 
     #[test]
     fn contact_wraps_around_the_first_corner() {
-        let square = ContactPanel::of_square("t", Grid::new(4).unwrap(), Vec::new());
+        let square =
+            ContactPanel::of_square("t", Grid::new(4).unwrap(), Law::SIGNORINI, Vec::new());
         assert!(arcs(&[], &square).is_empty());
         assert_eq!(arcs(&[[0, 1]], &square), [(0.0, 0.125), (3.875, 4.0)]);
         assert_eq!(arcs(&[[0, 1], [5, 7]], &square)[1], (1.125, 1.625));

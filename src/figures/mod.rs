@@ -103,15 +103,17 @@ pub(crate) struct ContactPanel<'a> {
     pub(crate) length: f64,
     /// True on the square, whose sides and corners are named.
     pub(crate) has_sides: bool,
+    /// Law on the boundary.
+    pub(crate) law: Law,
     /// Solutions compared.
     pub(crate) lines: Vec<ContactLine>,
 }
 
 impl<'a> ContactPanel<'a> {
     /// The boundary of the square, from the lower left corner on.
-    pub(crate) fn of_square(title: &'a str, grid: Grid, lines: Vec<ContactLine>) -> Self {
+    pub(crate) fn of_square(title: &'a str, grid: Grid, law: Law, lines: Vec<ContactLine>) -> Self {
         let places = (0..grid.boundary_nodes()).map(|b| b as f64 * grid.h()).collect();
-        Self { title, places, length: 4.0, has_sides: true, lines }
+        Self { title, places, length: 4.0, has_sides: true, law, lines }
     }
 }
 

@@ -124,7 +124,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
             .map(|label| ContactLine::of_square(label.into(), grid, Law::SIGNORINI, &pair));
-    let panel = ContactPanel::of_square(title, grid, lines.into());
+    let panel = ContactPanel::of_square(title, grid, Law::SIGNORINI, lines.into());
     figures.push(("lines".into(), svg(&contact(&[panel]))));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {

@@ -167,7 +167,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let [front, lower_left, lower_right, upper_right] = [0.0, -37.5, 52.5, 142.5]
         .map(|azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None });
     let line = ContactLine::of_square("l".into(), grid, Law::SIGNORINI, &pair);
-    let panel = ContactPanel::of_square("t", grid, vec![line]);
+    let panel = ContactPanel::of_square("t", grid, Law::SIGNORINI, vec![line]);
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
     let run = HistoryRun { label: "r".into(), levels };
@@ -276,7 +276,7 @@ fn what_cannot_be_drawn_is_refused() {
     pair.y[4] = f64::NAN;
     assert!(refusal(&surface(grid, &pair)).contains("not a finite number"));
     let line = ContactLine::of_square("l".into(), grid, Law::SIGNORINI, &pair);
-    let panel = ContactPanel::of_square("t", grid, vec![line]);
+    let panel = ContactPanel::of_square("t", grid, Law::SIGNORINI, vec![line]);
     assert!(refusal(&contact(&[panel])).contains("not a finite number"));
     assert!(refusal(&chart(Some((1.0, 0.0)))).contains("not a finite number"));
     assert!(refusal(&chart(None)).contains("nothing to draw"));

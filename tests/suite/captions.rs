@@ -126,7 +126,6 @@ fn the_main_chapters_are_read_in_half_an_hour_as_the_introduction_says() {
         "figure1",
         "claims",
         "cost",
-        "stability",
         "domains",
         "friction",
     ];

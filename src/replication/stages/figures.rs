@@ -222,7 +222,7 @@ fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, S
         let pair = solve::pair(inputs, scene, stop)?;
         lines.push(ContactLine::of_square(label, scene.finest(), scene.law(), &pair));
     }
-    Ok(ContactPanel::of_square(&scene.title, scene.finest(), lines))
+    Ok(ContactPanel::of_square(&scene.title, scene.finest(), scene.law(), lines))
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

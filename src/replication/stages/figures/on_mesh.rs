@@ -102,7 +102,14 @@ fn draw_contact(
         let lines = lines.collect();
         let mut places = arc_lengths(mesh, &curve.nodes);
         let length = places.pop().unwrap_or_default();
-        panels.push(ContactPanel { title, places, length, has_sides: false, lines });
+        panels.push(ContactPanel {
+            title,
+            places,
+            length,
+            has_sides: false,
+            law: scene.law(),
+            lines,
+        });
     }
     Ok(contact(&panels))
 }

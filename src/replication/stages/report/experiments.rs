@@ -140,7 +140,26 @@ fn friction(of_the_paper: &Claims, found: &Claims) -> Value {
     for ((f, g), row) in FRICTION.into_iter().zip(&found.weight_rows) {
         weights.push(weight_row(format!("`{f}`, g = {g}"), row));
     }
-    json!({ "counts": counts, "weights": weights, "target": rough(found) })
+    let rows = || of_the_paper.weight_rows.iter().chain(&found.weight_rows);
+    let change = rows().map(|row| change(&found.weights, row)).fold(0.0, f64::max);
+    let is_ahead = |row: &&WeightRow| {
+        row.counts.iter().any(|count| count.iterations <= row.arrow_hurwicz.iterations)
+    };
+    let ahead = rows().filter(is_ahead).count();
+    json!({
+        "counts": counts,
+        "weights": weights,
+        "target": rough(found),
+        "change": 100.0 * change,
+        "ahead": ahead,
+    })
+}
+
+/// Largest relative change of the count by a weight of at most 1, against the weight 0.
+fn change(weights: &[f64], row: &WeightRow) -> f64 {
+    let Some(without) = row.counts.first().map(|count| count.iterations as f64) else { return 0.0 };
+    let small = weights.iter().zip(&row.counts).filter(|(weight, _)| **weight <= 1.0);
+    small.map(|(_, count)| (count.iterations as f64 / without - 1.0).abs()).fold(0.0, f64::max)
 }
 
 fn weight_row(name: String, row: &WeightRow) -> Value {
