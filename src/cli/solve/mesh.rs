@@ -23,6 +23,8 @@ pub(super) struct MeshDomain {
     coarsest: AnyMesh,
     /// Problem with all refinements.
     pub problem: MeshProblem,
+    /// Length of the longest edge of the finest mesh.
+    pub width: f64,
     /// File or built-in domain.
     pub name: String,
 }
@@ -45,7 +47,7 @@ impl MeshDomain {
         let f = args.f.as_deref().unwrap_or_default();
         let problem =
             MeshProblem::new(&mesh, times, f).map_err(|e| Error::input(format!("{name}: {e}")))?;
-        Ok(Some(Self { coarsest: mesh, problem, name }))
+        Ok(Some(Self { coarsest: mesh, width: problem.mesh.width(), problem, name }))
     }
 
     /// Returns the bytes of a file with the solution.

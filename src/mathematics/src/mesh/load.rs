@@ -52,7 +52,7 @@ pub fn mesh_load<const D: usize, const V: usize>(
         let vertices = mesh.vertices(cell);
         let volume = Element::new(vertices).volume;
         for (value, point) in values.iter_mut().zip(&points) {
-            *value = f.at(region, combination(point, vertices));
+            *value = f.at(region, point.within(vertices));
         }
         let is_constant = values.iter().all(|value| *value == values[0]);
         let mean = if is_constant { values[0] } else { sum(&points, &values, |_, value| value) };
@@ -83,12 +83,4 @@ fn sum<const V: usize>(
     term: impl Fn(&QuadraturePoint<V>, f64) -> f64,
 ) -> f64 {
     points.iter().zip(values).map(|(point, &value)| point.weight * term(point, value)).sum()
-}
-
-/// Point with these barycentric coordinates.
-fn combination<const D: usize, const V: usize>(
-    point: &QuadraturePoint<V>,
-    vertices: [[f64; D]; V],
-) -> [f64; D] {
-    std::array::from_fn(|d| point.barycentric.iter().zip(vertices).map(|(s, x)| s * x[d]).sum())
 }

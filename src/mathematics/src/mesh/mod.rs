@@ -32,6 +32,7 @@ pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, mesh_load};
 pub use nested::refined;
+pub(crate) use quadrature::quadrature;
 pub use refine::{Refined, refine};
 pub use source::{MeshSource, MeshSourceError};
 pub use uniform::{uniform_cube, uniform_square};

@@ -59,9 +59,52 @@ pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<
     if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
 }
 
-/// Checks that a load is finite, and that its sum is negative over each connected component without fixed nodes: the
-/// condition (2). `components` has the number of each node's component. Returns for each component whether it has a fixed
-/// node.
+/// Connected component of a network with a load.
+pub(crate) struct LoadedComponent {
+    /// True if y = 0 at a node.
+    pub(crate) has_fixed: bool,
+    /// True if a node is in contact.
+    pub(crate) has_contact: bool,
+    /// Sum of the load.
+    pub(crate) sum: f64,
+}
+
+impl LoadedComponent {
+    /// The condition (2): the sum of the load is less than minus its rounding error, or a node is fixed.
+    pub(crate) fn is_solvable(&self, rounding: f64) -> bool {
+        self.has_fixed || self.sum < -rounding
+    }
+}
+
+/// Returns the connected components of a network. `components` has the number of each node's component.
+pub(crate) fn loaded_components(
+    network: &Network,
+    components: &[u32],
+    load: &[f64],
+) -> Vec<LoadedComponent> {
+    let count = count_components(components);
+    let mut loads = vec![Vec::new(); count];
+    if count > 1 {
+        for (&component, value) in components.iter().zip(load) {
+            loads[component as usize].push(*value);
+        }
+    }
+    let mut found = Vec::with_capacity(count);
+    for part in &loads {
+        let LoadStats { sum, lost, .. } = LoadStats::measure(if count > 1 { part } else { load });
+        found.push(LoadedComponent { has_fixed: false, has_contact: false, sum: sum + lost });
+    }
+    for &node in network.fixed() {
+        found[components[node as usize] as usize].has_fixed = true;
+    }
+    for contact in network.contact() {
+        found[components[contact.node as usize] as usize].has_contact = true;
+    }
+    found
+}
+
+/// Checks that a load is finite, and the condition (2) on each connected component. `components` has the number of each
+/// node's component. Returns for each component whether it has a fixed node.
 ///
 /// # Errors
 /// [`InputError::NotFinite`] and [`InputError::NotCoercive`].
@@ -70,28 +113,14 @@ pub(crate) fn check_components(
     components: &[u32],
     load: &[f64],
 ) -> Result<Vec<bool>, InputError> {
-    let count = count_components(components);
-    let mut has_fixed = vec![false; count];
-    for &node in network.fixed() {
-        has_fixed[components[node as usize] as usize] = true;
-    }
-    if !load.iter().sum::<f64>().is_finite() {
+    let found = loaded_components(network, components, load);
+    if !found.iter().map(|of| of.sum).sum::<f64>().is_finite() {
         return Err(InputError::NotFinite("load"));
     }
-    if count == 1 && !has_fixed[0] {
-        LoadStats::measure(load).check()?;
-        return Ok(has_fixed);
+    match found.iter().find(|of| !of.is_solvable(0.0)) {
+        Some(of) => Err(InputError::NotCoercive(of.sum)),
+        None => Ok(found.iter().map(|of| of.has_fixed).collect()),
     }
-    let mut loads = vec![Vec::new(); count];
-    for (&component, value) in components.iter().zip(load) {
-        loads[component as usize].push(*value);
-    }
-    for (load, has_fixed) in loads.iter().zip(&has_fixed) {
-        if !has_fixed {
-            LoadStats::measure(load).check()?;
-        }
-    }
-    Ok(has_fixed)
 }
 
 /// Range of the largest entry for which a load is not rescaled.
