@@ -19,6 +19,8 @@ pub(super) struct MeshDomain {
     coarsest: AnyMesh,
     /// Problem with all refinements.
     pub problem: MeshProblem,
+    /// Length of the longest edge of the finest mesh.
+    pub width: f64,
     /// Scene, file or built-in domain.
     pub name: String,
 }
@@ -39,7 +41,7 @@ impl MeshDomain {
         check_memory(&coarsest, times)?;
         let problem = MeshProblem::new(&coarsest, times, &f)
             .map_err(|e| Error::input(format!("{name}: {e}")))?;
-        Ok(Some(Self { coarsest, problem, name }))
+        Ok(Some(Self { coarsest, width: problem.mesh.width(), problem, name }))
     }
 
     /// Returns the bytes of a file with the solution.

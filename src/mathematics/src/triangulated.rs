@@ -6,11 +6,12 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::{NestedNetwork, restricted};
-use crate::discrete::network::{Network, count_components};
+use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, check_values,
     mesh_arcs, mesh_load, refined,
 };
+use crate::multigrid::input::loaded_components;
 use crate::problem::cube::Body;
 use crate::problem::law::Law;
 use crate::problem::region::Region;
@@ -119,30 +120,17 @@ impl MeshProblem {
     /// Checks the condition (2) on each connected component without a fixed part.
     fn check_solvable(&self) -> Result<(), MeshProblemError> {
         let network = self.network();
-        let components = network.components();
-        let count = count_components(&components);
-        let mut integrals = vec![0.0; count];
-        for (&component, load) in components.iter().zip(&self.f.load) {
-            integrals[component as usize] += load;
-        }
-        let (mut has_fixed, mut has_contact) = (vec![false; count], vec![false; count]);
-        for &node in network.fixed() {
-            has_fixed[components[node as usize] as usize] = true;
-        }
-        for contact in network.contact() {
-            has_contact[components[contact.node as usize] as usize] = true;
-        }
-        for (component, &integral) in integrals.iter().enumerate() {
-            let place = match count {
+        let found = loaded_components(network, &network.components(), &self.f.load);
+        for (component, of) in found.iter().enumerate() {
+            let place = match found.len() {
                 1 => "the domain".to_owned(),
                 _ => format!("component {} of the domain", component + 1),
             };
-            if !has_fixed[component] && !has_contact[component] {
+            if !of.has_fixed && of.measure == 0.0 {
                 return Err(MeshProblemError::Insulated(place));
             }
-            let is_negative = integral < -ROUNDING * self.f.size;
-            if !has_fixed[component] && !is_negative {
-                return Err(MeshProblemError::NotCoercive { integral, place });
+            if !of.is_solvable(ROUNDING * self.f.size) {
+                return Err(MeshProblemError::NotCoercive { integral: of.sum, place });
             }
         }
         Ok(())

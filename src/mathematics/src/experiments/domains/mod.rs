@@ -188,7 +188,7 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
     // Aitken's extrapolation: the errors of the energy are taken for a geometric sequence.
     let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.energy];
     let remaining = second * second / (first - second);
-    let is_polygon = !["disc", "annulus", "ball"].contains(&domain.name.as_str());
+    let is_polygon = !problem.mesh.is_curved();
     let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),
