@@ -45,7 +45,7 @@ pub(super) struct Solved {
 impl Solved {
     /// Solves on a mesh refined `times` times.
     pub(super) fn on(coarsest: &AnyMesh, times: usize, f: &str) -> Self {
-        let problem = MeshProblem::new(coarsest, times, f).unwrap();
+        let problem = MeshProblem::new(coarsest, times, f, Law::SIGNORINI).unwrap();
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
         let nodes = problem.network().contact().iter().map(|contact| contact.node as usize);

@@ -3,8 +3,9 @@
 use crate::pipeline::Artifacts;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::{is_plain, read_if_there};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::triangulated::MeshProblem;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -109,6 +110,9 @@ pub struct SceneDomain {
     pub settings: DomainSettings,
     /// f, as text.
     pub f: String,
+    /// Law on the boundary.
+    #[serde(skip_serializing_if = "is_signorini", serialize_with = "as_text")]
+    pub law: Law,
     /// Files of the project on which the domain depends, by path: the mesh, if there is one.
     #[serde(skip)]
     pub files: Artifacts,
@@ -120,6 +124,17 @@ pub(crate) struct RefinedProblem {
     pub coarsest: AnyMesh,
     /// Problem with all refinements.
     pub problem: MeshProblem,
+}
+
+/// True for the law that scenes do not name.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_signorini(law: &Law) -> bool {
+    law.is_signorini()
+}
+
+/// A law as its text.
+fn as_text<S: Serializer>(law: &Law, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_str(law)
 }
 
 impl SceneDomain {
@@ -152,8 +167,8 @@ impl SceneDomain {
     pub(crate) fn problem(&self, files: &Artifacts) -> Result<RefinedProblem> {
         let coarsest = self.coarsest(files)?;
         let times = self.settings.refinements(&coarsest);
-        let problem =
-            MeshProblem::new(&coarsest, times, &self.f).map_err(|e| Error::input(e.to_string()))?;
+        let problem = MeshProblem::new(&coarsest, times, &self.f, self.law)
+            .map_err(|e| Error::input(e.to_string()))?;
         Ok(RefinedProblem { coarsest, problem })
     }
 

@@ -119,7 +119,12 @@ impl From<DomainScene> for Scene {
             name: String::new(),
             title,
             paper_table: None,
-            domain: Some(SceneDomain { settings: domain, f, files: BTreeMap::new() }),
+            domain: Some(SceneDomain {
+                settings: domain,
+                f,
+                law: Law::SIGNORINI,
+                files: BTreeMap::new(),
+            }),
             f: Source::constant(0.0),
             law,
             load: LoadRule::default(),
@@ -210,6 +215,10 @@ impl Scene {
                 "the published tables are for the paper's law; leave out `law`, or `paper_table`"
                     .into(),
             );
+        }
+        let law = self.law();
+        if let Some(domain) = &mut self.domain {
+            domain.law = law;
         }
         self.check_on_domain()?;
         if self.r.is_empty() || self.stop.is_empty() {

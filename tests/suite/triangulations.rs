@@ -53,7 +53,7 @@ fn on_the_disc_all_errors_have_their_order() {
 fn the_ball_in_full_contact_has_its_energy() {
     let energy = -2.0 * PI / 45.0;
     let error = |times| {
-        let problem = MeshProblem::new(&mesh("ball"), times, "else=-1").unwrap();
+        let problem = MeshProblem::new(&mesh("ball"), times, "else=-1", Law::SIGNORINI).unwrap();
         let (y, _) = solve(&problem, Goal::RoundingFloor);
         problem.judge(&y).energy - energy
     };
@@ -99,7 +99,7 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
         random_conditions(&mut dice, &mut mesh);
         let f = random_f(&mut dice, mesh.dimension());
         let times = if mesh.nodes() < 100 { 2 } else { 1 };
-        let Ok(problem) = MeshProblem::new(&mesh, times, &f) else { continue };
+        let Ok(problem) = MeshProblem::new(&mesh, times, &f, Law::SIGNORINI) else { continue };
         let (y, stop) = solve(&problem, Goal::RoundingFloor);
         let name = format!("case {case}: {f}");
         assert_eq!(stop, MultigridStop::RoundingFloor, "{name}");

@@ -1,10 +1,9 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
 use super::bound::{self, BoundaryWords};
-use super::domain::{Domain, KnownErrors};
+use super::domain::{Domain, Guarantee, KnownErrors};
 use super::problem::Problem;
 use crate::cli::output::columns;
-use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::kkt::{Judgement, Kkt};
 use signorini_mathematics::discrete::norms::Errors;
@@ -131,7 +130,7 @@ pub(super) struct Answer {
     /// Errors, if the solution is known.
     errors: Option<KnownErrors>,
     /// Guaranteed bounds, or the reason for their absence.
-    pub bounds: Result<Bounds, String>,
+    pub bounds: Result<Guarantee, String>,
     /// Run times for grids and load vectors, and for the solver.
     seconds: [f64; 2],
     pub warnings: Vec<String>,
@@ -195,7 +194,8 @@ impl Answer {
 
     pub(super) fn json(&self, problem: &Problem) -> Value {
         let last = self.last();
-        let (n, kkt, bounds) = (problem.finest(), last.kkt, self.bounds.as_ref().ok());
+        let (n, kkt, bounds) =
+            (problem.finest(), last.kkt, self.bounds.as_ref().ok().map(|of| &of.bounds));
         let levels = &self.solved.levels;
         let mut json = json!({
             "schema": 1,
@@ -309,7 +309,7 @@ impl Answer {
             text.push('\n');
         }
         if !self.last().verdict.is_failure() || problem.accuracy.is_some() {
-            text += &bound::text(&self.bounds, problem.domain.is_smooth());
+            text += &bound::text(&self.bounds);
         }
         for warning in &self.warnings {
             text += &format!("warning: {warning}\n");

@@ -1,20 +1,22 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
+use super::domain::Guarantee;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Solver;
 
-/// Returns the bounds as text. They contain a `smooth` f by quadrature, pieces exactly.
-pub(super) fn text(bound: &Result<Bounds, String>, smooth: bool) -> String {
-    let bound = match bound {
-        Ok(bound) => bound,
+/// Returns the bounds as text.
+pub(super) fn text(guarantee: &Result<Guarantee, String>) -> String {
+    let Guarantee { bounds: bound, by_quadrature } = match guarantee {
+        Ok(guarantee) => guarantee,
         Err(reason) => return format!("no bound of the error: {reason}\n"),
     };
     let [low, high] = bound.energy;
     let [least, most] = bound.error;
     let relative = 100.0 * bound.relative();
-    let guaranteed = if smooth { "guaranteed, but for the quadrature of f" } else { "guaranteed" };
+    let guaranteed =
+        if *by_quadrature { "guaranteed, but for the quadrature of f" } else { "guaranteed" };
     let mut text = format!(
         "{guaranteed}: true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
     );

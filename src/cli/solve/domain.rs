@@ -5,6 +5,7 @@ use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::{BoundaryFlux, MAX_CELLS, solvable};
+use signorini_mathematics::bounds::triangulation::{CubeBounds, bounds_on_cube};
 use signorini_mathematics::bounds::{Bounds, bounds, recovery};
 use signorini_mathematics::discrete::contact::{ContactArc, arcs};
 use signorini_mathematics::discrete::cube;
@@ -20,6 +21,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use std::borrow::Cow;
 
 /// Square, cube or mesh, with f and its quadrature.
 ///
@@ -36,6 +38,16 @@ pub(super) struct KnownErrors {
     /// Error of the multiplier in L2, on the square.
     pub multiplier_l2: Option<f64>,
 }
+
+/// Bounds of the error and the energy.
+pub(super) struct Guarantee {
+    pub bounds: Bounds,
+    /// True if f is not constant on each cell, and integrated by quadrature there.
+    pub by_quadrature: bool,
+}
+
+/// Cells per side of the finest grid of the cube with bounds: some seconds and 500 MB.
+const MOST_WITH_BOUNDS: usize = 64;
 
 impl Domain {
     /// Largest number of cells per side for which the vectors and factors of the solver take about 1 GB; refuses a
@@ -80,7 +92,7 @@ impl Domain {
     pub(super) fn h(&self, n: usize) -> f64 {
         match self {
             Self::Square { .. } | Self::Cube { .. } => 1.0 / n as f64,
-            Self::Mesh(mesh) => mesh.problem.mesh.width(),
+            Self::Mesh(mesh) => mesh.width,
         }
     }
 
@@ -139,28 +151,20 @@ impl Domain {
     /// smooth f, for which quadrature has an error of its own.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
         let smooth = match self {
-            Self::Square { .. } | Self::Cube { .. } => self.is_smooth(),
+            Self::Square { f, .. } => f.is_smooth(),
+            Self::Cube { f } => f.is_smooth(),
             // The integral is the sum of the load vector.
             Self::Mesh(_) => false,
         };
         (!smooth).then(|| self.slack(n))
     }
 
-    /// True if f is integrated by quadrature, with an error.
-    pub(super) fn is_smooth(&self) -> bool {
+    /// Returns the load vector of a grid; of a mesh, that of the finest one.
+    pub(super) fn load(&self, n: usize) -> Cow<'_, [f64]> {
         match self {
-            Self::Square { f, .. } => f.is_smooth(),
-            Self::Cube { f } => f.is_smooth(),
-            Self::Mesh(mesh) => mesh.problem.f.cells.deviation.is_some(),
-        }
-    }
-
-    pub(super) fn load(&self, n: usize) -> Vec<f64> {
-        match self {
-            Self::Square { f, rule } => load(square(n), f, *rule),
-            Self::Cube { f } => cube::exact_load(cube(n), f),
-            Self::Mesh(mesh) if n + 1 == mesh.problem.levels.len() => mesh.problem.f.load.clone(),
-            Self::Mesh(mesh) => mesh.problem.loads().swap_remove(n),
+            Self::Square { f, rule } => load(square(n), f, *rule).into(),
+            Self::Cube { f } => cube::exact_load(cube(n), f).into(),
+            Self::Mesh(mesh) => Cow::from(&mesh.problem.f.load),
         }
     }
 
@@ -233,19 +237,33 @@ impl Domain {
         }
     }
 
+    /// Returns guaranteed bounds, or the reason for their absence.
     pub(super) fn bounds(
         &self,
         n: usize,
         law: Law,
         y: &[f64],
-    ) -> std::result::Result<Bounds, String> {
+    ) -> std::result::Result<Guarantee, String> {
         if !law.is_signorini() {
             return Err("bounds are made for the paper's law".into());
         }
         match self {
-            Self::Square { f, .. } => bounds(square(n), f, y).map_err(|reason| reason.to_string()),
-            Self::Cube { .. } => Err("bounds are made for the square and for meshes".into()),
-            Self::Mesh(mesh) => mesh.problem.bounds(y).map_err(|reason| reason.to_string()),
+            Self::Square { f, .. } => {
+                let bounds = bounds(square(n), f, y).map_err(|reason| reason.to_string())?;
+                Ok(Guarantee { bounds, by_quadrature: f.is_smooth() })
+            }
+            Self::Cube { .. } if n > MOST_WITH_BOUNDS => Err(format!(
+                "on the cube bounds are made down to 1/{MOST_WITH_BOUNDS}, beyond which they take minutes and much memory"
+            )),
+            Self::Cube { f } => {
+                let CubeBounds { bounds, by_quadrature } =
+                    bounds_on_cube(cube(n), f, y).map_err(|reason| reason.to_string())?;
+                Ok(Guarantee { bounds, by_quadrature })
+            }
+            Self::Mesh(mesh) => {
+                let bounds = mesh.problem.bounds(y).map_err(|reason| reason.to_string())?;
+                Ok(Guarantee { bounds, by_quadrature: mesh.problem.f.cells.deviation.is_some() })
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use super::accuracy::Accuracy;
 use super::answer::{Answer, Level};
 use super::bound;
-use super::domain::Domain;
+use super::domain::{Domain, Guarantee};
 use super::problem::Problem;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::saddle::tolerance;
@@ -47,7 +47,9 @@ impl Answer {
         if self.failure.is_none() {
             self.warn_of_force(problem);
         }
-        if let (Ok(bounds), None, None) = (&self.bounds, problem.accuracy, &self.failure) {
+        if let (Ok(Guarantee { bounds, .. }), None, None) =
+            (&self.bounds, problem.accuracy, &self.failure)
+        {
             self.warnings.extend(bound::warnings(bounds, energy, problem.solver));
         }
     }

@@ -20,6 +20,8 @@ pub(super) struct MeshDomain {
     coarsest: AnyMesh,
     /// Problem with all refinements.
     pub problem: MeshProblem,
+    /// Length of the longest edge of the finest mesh.
+    pub width: f64,
     /// Scene, file or built-in domain.
     pub name: String,
 }
@@ -38,9 +40,10 @@ impl MeshDomain {
         };
         let times = settings.refinements(&coarsest);
         check_memory(&coarsest, times)?;
-        let problem = MeshProblem::new(&coarsest, times, &f)
+        let law = scene.map_or_else(|| args.law(), |scene| Ok(scene.law()))?;
+        let problem = MeshProblem::new(&coarsest, times, &f, law)
             .map_err(|e| Error::input(format!("{name}: {e}")))?;
-        Ok(Some(Self { coarsest, problem, name }))
+        Ok(Some(Self { coarsest, width: problem.mesh.width(), problem, name }))
     }
 
     /// Returns the bytes of a file with the solution.

@@ -166,7 +166,9 @@ impl Problem {
             settings.push(("r", r.into()));
             settings.push(("stop", rule.name().into()));
             settings.push(("max_iterations", max_iterations.into()));
-            settings.push(("prolongation", json!(self.prolongation)));
+            if !matches!(self.domain, Domain::Mesh(_)) {
+                settings.push(("prolongation", json!(self.prolongation)));
+            }
         }
         settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
         settings.extend(self.accuracy.map(|of| (of.option(), of.wanted().into())));

@@ -16,34 +16,39 @@ use signorini_mathematics::saddle::{
     self, Pair, Params, SaddleRun, StopReason, on_nested, solve_networks, tolerance,
 };
 use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, Solver, SolverRun};
+use std::borrow::Cow;
 use std::time::Instant;
 
 impl Problem {
     pub(super) fn solve(&self) -> Result<Answer> {
         let start = Instant::now();
         let run = self.solver.entry().run;
-        let grids = if self.solver.is_nested() { &self.grids[..] } else { &[self.finest()] };
         let loads: Vec<_> = match (&self.domain, self.solver.is_nested()) {
+            (_, false) => Vec::new(),
             (Domain::Mesh(mesh), true) => mesh.problem.loads(),
-            _ => grids.iter().map(|&n| self.domain.load(n)).collect(),
+            _ => self.grids.iter().map(|&n| self.domain.load(n).into_owned()).collect(),
+        };
+        let finest = match loads.last() {
+            Some(load) => Cow::from(load),
+            None => self.domain.load(self.finest()),
         };
         let setup = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let solved = match (run, &self.domain) {
             (SolverRun::Finest { square, .. }, Domain::Square { .. }) => {
-                self.on_finest_grid(square, &loads[0])?
+                self.on_finest_grid(square, &finest)?
             }
             (SolverRun::Finest { cube, .. }, Domain::Cube { .. }) => {
-                self.on_finest_grid(cube, &loads[0])?
+                self.on_finest_grid(cube, &finest)?
             }
             (SolverRun::Nested { .. }, Domain::Mesh(mesh)) => {
                 self.on_nested_meshes(mesh, &loads)?
             }
-            (_, Domain::Mesh(mesh)) => self.on_finest_mesh(mesh, &loads[0])?,
+            (_, Domain::Mesh(mesh)) => self.on_finest_mesh(mesh, &finest)?,
             _ => self.on_nested_grids(&loads)?,
         };
         let seconds = [setup, start.elapsed().as_secs_f64()];
-        Ok(Answer::new(self, solved, &loads[loads.len() - 1], seconds))
+        Ok(Answer::new(self, solved, &finest, seconds))
     }
 
     /// Solves on one grid after the other until the guaranteed bound is small enough. All coarser grids together cost
@@ -59,7 +64,7 @@ impl Problem {
             let bounds = answer.bounds.as_ref().map_err(|reason| {
                 Error::input(format!("{accuracy}: no bound of the error: {reason}; scale f"))
             })?;
-            let reached = accuracy.reached(bounds);
+            let reached = accuracy.reached(&bounds.bounds);
             if reached <= accuracy.wanted() || answer.failure.is_some() {
                 answer.solved.levels = levels;
                 return Ok(answer);
@@ -122,11 +127,11 @@ impl Problem {
     fn on_nested_meshes(&self, mesh: &MeshDomain, loads: &[Vec<f64>]) -> Result<Solved> {
         let method = self.solver.method(0.0, false).expect("a saddle-point method");
         let params = Params { method, ..self.params };
-        let (mut levels, mut diverged) = (Vec::new(), None);
+        let (mut levels, mut diverged, mut last) = (Vec::new(), None, None);
         let networks = &mesh.problem.levels;
         let pair = solve_networks(networks, loads, &params, &mut |k, run, pair| {
-            let Judgement { kkt, energy, work, .. } =
-                self.domain.judge(k, self.params.law, &pair.y, &loads[k]);
+            let judgement = self.domain.judge(k, self.params.law, &pair.y, &loads[k]);
+            let Judgement { kkt, energy, work, .. } = judgement;
             let sum_load = sum(&loads[k]);
             let has_solution = self.domain.has_solution(k, self.params.law, sum_load);
             let verdict = Verdict::new(has_solution, &kkt, energy, work);
@@ -143,11 +148,12 @@ impl Problem {
                 kkt,
                 verdict,
             });
+            last = Some(judgement);
         });
         if let Some((k, iterations)) = diverged {
             return Err(self.diverged(k, iterations));
         }
-        let judgement = mesh.problem.judge(&pair.y);
+        let judgement = last.expect("at least one mesh");
         Ok(self.solved(levels, pair.y, judgement, None))
     }
 

@@ -6,13 +6,15 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::{NestedNetwork, restricted};
-use crate::discrete::network::{Network, count_components};
+use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, check_values,
     mesh_arcs, mesh_load, refined,
 };
+use crate::multigrid::InputError;
+use crate::multigrid::input::loaded_components;
 use crate::problem::cube::Body;
-use crate::problem::law::Law;
+use crate::problem::law::{Law, LawError};
 use crate::problem::region::Region;
 use crate::problem::shape::{Shape, SourceError};
 
@@ -26,6 +28,8 @@ pub struct MeshProblem {
     pub text: String,
     /// f on the finest mesh.
     pub f: MeshLoad,
+    /// Law on the boundary.
+    pub law: Law,
 }
 
 /// Why there is no problem.
@@ -50,6 +54,14 @@ pub enum MeshProblemError {
         /// Connected component of the domain.
         place: String,
     },
+    /// Under another law than the paper's, no solution, or no unique one.
+    #[error("over {place} {error}")]
+    Law {
+        /// Connected component of the domain.
+        place: String,
+        /// The integral of f, and those that the flux can balance.
+        error: LawError,
+    },
     /// A connected component whose whole boundary is free.
     #[error(
         "the boundary of {0} is free everywhere; let some of the boundary be in contact or fixed"
@@ -65,17 +77,24 @@ impl MeshProblem {
     ///
     /// # Errors
     /// [`MeshProblemError`].
-    pub fn new(coarsest: &AnyMesh, times: usize, f: &str) -> Result<Self, MeshProblemError> {
+    pub fn new(
+        coarsest: &AnyMesh,
+        times: usize,
+        f: &str,
+        law: Law,
+    ) -> Result<Self, MeshProblemError> {
         let problem = match coarsest {
             AnyMesh::Plane(mesh) => {
                 let f = MeshSource::<Region>::read(f, mesh.region_names())?;
                 let (levels, mesh, load) = prepared(mesh, times, &f)?;
-                Self { levels, mesh: AnyMesh::Plane(mesh), text: f.text().into(), f: load }
+                let text = f.text().into();
+                Self { levels, mesh: AnyMesh::Plane(mesh), text, f: load, law }
             }
             AnyMesh::Space(mesh) => {
                 let f = MeshSource::<Body>::read(f, mesh.region_names())?;
                 let (levels, mesh, load) = prepared(mesh, times, &f)?;
-                Self { levels, mesh: AnyMesh::Space(mesh), text: f.text().into(), f: load }
+                let text = f.text().into();
+                Self { levels, mesh: AnyMesh::Space(mesh), text, f: load, law }
             }
         };
         problem.check_solvable()?;
@@ -94,7 +113,7 @@ impl MeshProblem {
 
     /// Judges a nodal vector of the finest mesh, apart from the solvers.
     pub fn judge(&self, y: &[f64]) -> Judgement {
-        judge_network(self.network(), Law::SIGNORINI, y, &self.f.load)
+        judge_network(self.network(), self.law, y, &self.f.load)
     }
 
     /// Returns guaranteed bounds for a nodal vector of the finest mesh.
@@ -116,33 +135,23 @@ impl MeshProblem {
         }
     }
 
-    /// Checks the condition (2) on each connected component without a fixed part.
+    /// Checks that the flux can balance the load of each connected component without a fixed part, for the paper's law the
+    /// condition (2).
     fn check_solvable(&self) -> Result<(), MeshProblemError> {
         let network = self.network();
-        let components = network.components();
-        let count = count_components(&components);
-        let mut integrals = vec![0.0; count];
-        for (&component, load) in components.iter().zip(&self.f.load) {
-            integrals[component as usize] += load;
-        }
-        let (mut has_fixed, mut has_contact) = (vec![false; count], vec![false; count]);
-        for &node in network.fixed() {
-            has_fixed[components[node as usize] as usize] = true;
-        }
-        for contact in network.contact() {
-            has_contact[components[contact.node as usize] as usize] = true;
-        }
-        for (component, &integral) in integrals.iter().enumerate() {
-            let place = match count {
+        let found = loaded_components(network, &network.components(), &self.f.load);
+        for (component, of) in found.iter().enumerate() {
+            let place = match found.len() {
                 1 => "the domain".to_owned(),
                 _ => format!("component {} of the domain", component + 1),
             };
-            if !has_fixed[component] && !has_contact[component] {
+            if !of.has_fixed && of.measure == 0.0 {
                 return Err(MeshProblemError::Insulated(place));
             }
-            let is_negative = integral < -ROUNDING * self.f.size;
-            if !has_fixed[component] && !is_negative {
-                return Err(MeshProblemError::NotCoercive { integral, place });
+            match of.check(self.law, ROUNDING * self.f.size) {
+                Err(InputError::Law(error)) => return Err(MeshProblemError::Law { place, error }),
+                Err(_) => return Err(MeshProblemError::NotCoercive { integral: of.sum, place }),
+                Ok(()) => {}
             }
         }
         Ok(())

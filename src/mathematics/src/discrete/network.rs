@@ -104,23 +104,31 @@ impl Network {
             starts[node + 1] += starts[node];
         }
         let mut next = starts.clone();
-        let mut entries = vec![(0, 0.0); 2 * couplings.len()];
+        let (mut others, mut weights) =
+            (vec![0; 2 * couplings.len()], vec![0.0; 2 * couplings.len()]);
         for &Coupling { nodes: [one, two], weight } in couplings {
             for (node, other) in [(one, two), (two, one)] {
                 let place = &mut next[node as usize];
-                entries[*place as usize] = (other, weight);
+                others[*place as usize] = other;
+                weights[*place as usize] = weight;
                 *place += 1;
             }
         }
         let (mut diagonal, mut middles) = (vec![0.0; nodes], vec![0; nodes]);
+        let mut row = Vec::new();
         for node in 0..nodes {
-            let row = &mut entries[starts[node] as usize..starts[node + 1] as usize];
+            let range = starts[node] as usize..starts[node + 1] as usize;
+            let (others, weights) = (&mut others[range.clone()], &mut weights[range]);
+            row.clear();
+            row.extend(others.iter().copied().zip(weights.iter().copied()));
             row.sort_unstable_by_key(|&(other, _)| (other < node as u32, other));
-            diagonal[node] = row.iter().map(|(_, weight)| weight).sum();
-            let later = row.iter().take_while(|(other, _)| *other > node as u32).count();
+            for ((other, weight), entry) in others.iter_mut().zip(&mut *weights).zip(&row) {
+                (*other, *weight) = *entry;
+            }
+            diagonal[node] = weights.iter().sum();
+            let later = others.iter().take_while(|other| **other > node as u32).count();
             middles[node] = starts[node] + later as u32;
         }
-        let (others, weights) = entries.into_iter().unzip();
         let mut network = Self {
             starts,
             others,

@@ -94,6 +94,14 @@ impl AnyMesh {
         }
     }
 
+    /// True if refinement puts new nodes on a curve, so that the domain changes with the mesh.
+    pub fn is_curved(&self) -> bool {
+        match self {
+            Self::Plane(mesh) => mesh.parts.iter().any(|part| part.curve.is_some()),
+            Self::Space(mesh) => mesh.parts.iter().any(|part| part.curve.is_some()),
+        }
+    }
+
     /// Mesh after some uniform refinements.
     ///
     /// # Errors

@@ -35,6 +35,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         }
         self.check_points()?;
         self.check_cells()?;
+        self.check_positions()?;
         let facets = self.boundary()?;
         self.check_names(&facets)?;
         self.check_hanging(&facets)?;
@@ -86,6 +87,26 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         let rare = 2 * count <= mirrored.len();
         match mirrored.iter().position(|&mirrored| mirrored == rare) {
             Some(k) => Err(MeshError::Inverted(self.tags.cell(k))),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks the parts and regions that facets and cells refer to.
+    fn check_positions(&self) -> Result<(), MeshError> {
+        let (parts, names) = (self.parts.len(), self.region_names.len());
+        if let Some(facet) = self.facets.iter().find(|facet| usize::from(facet.part) >= parts) {
+            let nodes = self.tags.all(facet.nodes);
+            return Err(MeshError::MissingPart { nodes, part: facet.part, parts });
+        }
+        let regions = self.regions.len();
+        if ![0, self.cells.len()].contains(&regions) {
+            return Err(MeshError::RegionCount { regions, cells: self.cells.len() });
+        }
+        match self.regions.iter().position(|&region| usize::from(region) >= names) {
+            Some(k) => {
+                let (cell, region) = (self.tags.cell(k), self.regions[k]);
+                Err(MeshError::MissingRegion { cell, region, regions: names })
+            }
             None => Ok(()),
         }
     }
@@ -313,6 +334,27 @@ mod tests {
         data.points.extend([[0.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
         data.cells.extend([[4, 5, 6], [4, 6, 7]]);
         assert_eq!(data.mesh().unwrap().facets().len(), 8);
+    }
+
+    #[test]
+    fn parts_and_regions_that_do_not_exist_are_named() {
+        assert_eq!(
+            after(|data| data.facets[0].part = 3),
+            "the facet [12, 11] names part 3 of 1, counted from 0; add the part or correct the number"
+        );
+        let region = after(|data| {
+            data.regions = vec![0, 2];
+            data.region_names = vec!["iron".into()];
+        });
+        assert_eq!(
+            region,
+            "element 22 names region 2 of 1, counted from 0; add the region or correct the number"
+        );
+        let few = after(|data| {
+            data.regions = vec![0];
+            data.region_names = vec!["iron".into()];
+        });
+        assert_eq!(few, "1 regions are given for 2 elements; give one for each, or none");
     }
 
     #[test]

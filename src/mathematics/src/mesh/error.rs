@@ -69,6 +69,38 @@ pub enum MeshError {
         /// Nodes of the facet.
         nodes: Vec<u64>,
     },
+    /// A facet of a part that does not exist.
+    #[error(
+        "the facet {nodes:?} names part {part} of {parts}, counted from 0; add the part or correct the number"
+    )]
+    MissingPart {
+        /// Nodes of the facet.
+        nodes: Vec<u64>,
+        /// Position of the part.
+        part: u16,
+        /// Number of parts.
+        parts: usize,
+    },
+    /// A cell of a region that does not exist.
+    #[error(
+        "element {cell} names region {region} of {regions}, counted from 0; add the region or correct the number"
+    )]
+    MissingRegion {
+        /// Cell.
+        cell: u64,
+        /// Position of the region.
+        region: u16,
+        /// Number of regions.
+        regions: usize,
+    },
+    /// Regions for some cells alone.
+    #[error("{regions} regions are given for {cells} elements; give one for each, or none")]
+    RegionCount {
+        /// Number of regions given.
+        regions: usize,
+        /// Number of cells.
+        cells: usize,
+    },
     /// A part or region that names nothing.
     #[error("`{0}` names no facet and no element; remove the name, or mesh what it names")]
     EmptyName(String),

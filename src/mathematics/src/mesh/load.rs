@@ -45,7 +45,7 @@ pub fn check_values<const D: usize, const V: usize>(
     let points = quadrature::<V>();
     for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
         for point in &points {
-            let point = combination(point, mesh.vertices(cell));
+            let point = point.within(mesh.vertices(cell));
             SourceError::check_value(f.at(region, point), &point)?;
         }
     }
@@ -71,7 +71,7 @@ pub fn mesh_load<const D: usize, const V: usize>(
         let vertices = mesh.vertices(cell);
         let volume = Element::new(vertices).volume;
         for (value, point) in values.iter_mut().zip(&points) {
-            *value = f.at(region, combination(point, vertices));
+            *value = f.at(region, point.within(vertices));
         }
         let is_constant = values.iter().all(|value| *value == values[0]);
         let mean = if is_constant { values[0] } else { sum(&points, &values, |_, value| value) };
@@ -102,12 +102,4 @@ fn sum<const V: usize>(
     term: impl Fn(&QuadraturePoint<V>, f64) -> f64,
 ) -> f64 {
     points.iter().zip(values).map(|(point, &value)| point.weight * term(point, value)).sum()
-}
-
-/// Point with these barycentric coordinates.
-fn combination<const D: usize, const V: usize>(
-    point: &QuadraturePoint<V>,
-    vertices: [[f64; D]; V],
-) -> [f64; D] {
-    std::array::from_fn(|d| point.barycentric.iter().zip(vertices).map(|(s, x)| s * x[d]).sum())
 }

@@ -34,6 +34,7 @@ pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, check_values, mesh_load};
 pub use nested::refined;
+pub(crate) use quadrature::quadrature;
 pub use refine::{Refined, refine};
 pub use source::{MeshSource, MeshSourceError};
 pub use uniform::{uniform_cube, uniform_square};

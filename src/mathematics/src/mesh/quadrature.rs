@@ -4,15 +4,22 @@
 
 /// Point of a formula.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct QuadraturePoint<const V: usize> {
+pub(crate) struct QuadraturePoint<const V: usize> {
     /// Barycentric coordinates.
-    pub(super) barycentric: [f64; V],
+    pub(crate) barycentric: [f64; V],
     /// Weight; those of all points sum to 1.
-    pub(super) weight: f64,
+    pub(crate) weight: f64,
+}
+
+impl<const V: usize> QuadraturePoint<V> {
+    /// Point of the cell with these vertices.
+    pub(crate) fn within<const D: usize>(&self, vertices: [[f64; D]; V]) -> [f64; D] {
+        std::array::from_fn(|d| self.barycentric.iter().zip(vertices).map(|(s, x)| s * x[d]).sum())
+    }
 }
 
 /// Returns the points of the formula on a triangle, V = 3, or tetrahedron, V = 4.
-pub(super) fn quadrature<const V: usize>() -> Vec<QuadraturePoint<V>> {
+pub(crate) fn quadrature<const V: usize>() -> Vec<QuadraturePoint<V>> {
     let root = 15f64.sqrt();
     let mut points = Vec::new();
     if V == 3 {

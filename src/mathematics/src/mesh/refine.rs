@@ -97,7 +97,8 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         std::array::from_fn(|d| 0.5 * (a[d] + b[d]))
     }));
     let is_curved = mesh.put_on_curves(&numbers, &mut points);
-    let (mut cells, mut regions) = (Vec::with_capacity(children * mesh.cells.len()), Vec::new());
+    let count = children * mesh.cells.len();
+    let (mut cells, mut regions) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (cell, &region) in mesh.cells.iter().zip(&mesh.regions) {
         numbers.split(*cell, &mut cells);
         regions.resize(cells.len(), region);

@@ -87,6 +87,12 @@ fn region(item: &str) -> Option<(&str, &str)> {
     Some((name.trim(), value.trim()))
 }
 
+impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for Source<S> {
+    fn at(&self, _region: u16, point: [f64; D]) -> f64 {
+        Source::at(self, point)
+    }
+}
+
 impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for MeshSource<S> {
     fn at(&self, region: u16, point: [f64; D]) -> f64 {
         self.regions[region as usize].as_ref().unwrap_or(&self.rest).at(point)

@@ -63,6 +63,58 @@ pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<
     if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
 }
 
+/// Connected component of a network with a load.
+pub(crate) struct LoadedComponent {
+    /// True if y = 0 at a node.
+    pub(crate) has_fixed: bool,
+    /// Length or area of the boundary in contact.
+    pub(crate) measure: f64,
+    /// Sum of the load.
+    pub(crate) sum: f64,
+}
+
+impl LoadedComponent {
+    /// Checks the condition (2): the flux can balance the load by more than its rounding error, or a node is fixed.
+    pub(crate) fn check(&self, law: Law, rounding: f64) -> Result<(), InputError> {
+        let near = [self.sum - rounding, self.sum + rounding];
+        let checked = near.map(|sum| law.check_solvable(sum, self.measure));
+        match checked.into_iter().find_map(Result::err) {
+            Some(_) if law.is_signorini() && !self.has_fixed => {
+                Err(InputError::NotCoercive(self.sum))
+            }
+            Some(error) if !self.has_fixed => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Returns the connected components of a network. `components` has the number of each node's component.
+pub(crate) fn loaded_components(
+    network: &Network,
+    components: &[u32],
+    load: &[f64],
+) -> Vec<LoadedComponent> {
+    let count = count_components(components);
+    let mut loads = vec![Vec::new(); count];
+    if count > 1 {
+        for (&component, value) in components.iter().zip(load) {
+            loads[component as usize].push(*value);
+        }
+    }
+    let mut found = Vec::with_capacity(count);
+    for part in &loads {
+        let LoadStats { sum, lost, .. } = LoadStats::measure(if count > 1 { part } else { load });
+        found.push(LoadedComponent { has_fixed: false, measure: 0.0, sum: sum + lost });
+    }
+    for &node in network.fixed() {
+        found[components[node as usize] as usize].has_fixed = true;
+    }
+    for contact in network.contact() {
+        found[components[contact.node as usize] as usize].measure += contact.measure;
+    }
+    found
+}
+
 /// Checks that a load is finite, and that the flux can balance it over each connected component without fixed nodes: for
 /// the paper's law, that its sum is negative, the condition (2). `components` has the number of each node's component.
 /// Returns for each component whether it has a fixed node.
@@ -75,32 +127,14 @@ pub(crate) fn check_components(
     law: Law,
     load: &[f64],
 ) -> Result<Vec<bool>, InputError> {
-    let count = count_components(components);
-    let mut has_fixed = vec![false; count];
-    for &node in network.fixed() {
-        has_fixed[components[node as usize] as usize] = true;
-    }
-    if !load.iter().sum::<f64>().is_finite() {
+    let found = loaded_components(network, components, load);
+    if !found.iter().map(|of| of.sum).sum::<f64>().is_finite() {
         return Err(InputError::NotFinite("load"));
     }
-    let mut measures = vec![0.0; count];
-    for contact in network.contact() {
-        measures[components[contact.node as usize] as usize] += contact.measure;
+    for of in &found {
+        of.check(law, 0.0)?;
     }
-    if count == 1 && !has_fixed[0] {
-        LoadStats::measure(load).check(law, measures[0])?;
-        return Ok(has_fixed);
-    }
-    let mut loads = vec![Vec::new(); count];
-    for (&component, value) in components.iter().zip(load) {
-        loads[component as usize].push(*value);
-    }
-    for ((load, has_fixed), measure) in loads.iter().zip(&has_fixed).zip(measures) {
-        if !has_fixed {
-            LoadStats::measure(load).check(law, measure)?;
-        }
-    }
-    Ok(has_fixed)
+    Ok(found.iter().map(|of| of.has_fixed).collect())
 }
 
 /// Range of the largest entry for which a load is not rescaled.

@@ -64,6 +64,35 @@ impl DiscProblem {
         2.0 * b * libm::sin(0.5 * angle.abs()) * root.max(0.0).sqrt()
     }
 
+    /// Gradient of v at a point.
+    ///
+    /// With the particular solution `P = c0 r^2 / 4 - B r^(k + 2) cos(k t)`, `z (v_x - i v_y)` on the rim is
+    /// `B (1 - 1/s) sqrt(s^2 - 2 s cos(alpha) + 1)`, s = z^k: real in contact, imaginary where the rim is free. Less the
+    /// same of P, that is analytic in the disc, and so holds inside for v less P.
+    pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
+        let [a, b] = self.coefficients();
+        let (k, [x, y]) = (f64::from(self.k), point);
+        let z = Complex { re: x, im: y };
+        let before = (1..self.k).fold(Complex { re: 1.0, im: 0.0 }, |power, _| power.times(z));
+        let s = z.times(before);
+        let alpha = self.free_angle();
+        let harmonic = if alpha == 0.0 {
+            Complex { re: k, im: 0.0 }
+        } else {
+            // The root and the quotient q = (2 cos(alpha) - s) / (1 + root), written such that s divides out.
+            let cosine = libm::cos(alpha);
+            let root = s.times(s).plus(s.scaled(-2.0 * cosine)).shifted(1.0).root();
+            let q = s.scaled(-1.0).shifted(2.0 * cosine).over(root.shifted(1.0));
+            let rest = q.scaled(cosine).shifted(-1.0).over(root.shifted(1.0));
+            q.scaled(-1.0).shifted(k + 1.0).plus(rest)
+        };
+        // Of P.
+        let along = Complex { re: x, im: -y }.scaled(a - 2.0 * b * s.re);
+        let of_power = before.scaled(-b * k * (x * x + y * y));
+        let slope = harmonic.times(before).scaled(b).plus(along).plus(of_power);
+        [slope.re, -slope.im]
+    }
+
     /// The angle k t moved to (-pi, pi].
     fn sector(&self, t: f64) -> f64 {
         let turns = f64::from(self.k) * t / (2.0 * PI);
@@ -99,9 +128,78 @@ impl DiscProblem {
     }
 }
 
+/// Complex number.
+#[derive(Clone, Copy)]
+struct Complex {
+    re: f64,
+    im: f64,
+}
+
+impl Complex {
+    fn times(self, other: Self) -> Self {
+        let re = self.re * other.re - self.im * other.im;
+        Self { re, im: self.re * other.im + self.im * other.re }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+
+    /// Sum with a real number.
+    fn shifted(self, by: f64) -> Self {
+        Self { re: self.re + by, ..self }
+    }
+
+    fn scaled(self, by: f64) -> Self {
+        Self { re: self.re * by, im: self.im * by }
+    }
+
+    fn over(self, other: Self) -> Self {
+        let square = other.re * other.re + other.im * other.im;
+        self.times(Self { im: -other.im, ..other }).scaled(1.0 / square)
+    }
+
+    /// Root with a real part that is not negative.
+    fn root(self) -> Self {
+        let size = libm::hypot(self.re, self.im);
+        let re = (0.5 * (size + self.re)).max(0.0).sqrt();
+        let im = (0.5 * (size - self.re)).max(0.0).sqrt();
+        Self { re, im: libm::copysign(im, self.im) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_gradient_belongs_to_f_and_to_the_rim() {
+        for problem in [
+            DiscProblem { c0: 1.3, c1: 7.0, k: 1 },
+            DiscProblem { c0: 1.3, c1: 20.0, k: 3 },
+            DiscProblem { c0: 1.0, c1: 1.0, k: 2 },
+        ] {
+            let step = 1e-5;
+            for t in (0..40).map(|k| 0.05 + 0.157 * f64::from(k)) {
+                let (sine, cosine) = libm::sincos(t);
+                let along = |d: [f64; 2]| {
+                    let [gx, gy] = problem.gradient([cosine, sine]);
+                    gx * d[0] + gy * d[1]
+                };
+                let slope = (problem.rim(t + step) - problem.rim(t - step)) / (2.0 * step);
+                let tangential = along([-sine, cosine]);
+                assert!((tangential - slope).abs() < 1e-2, "{problem:?} {t}: {tangential} {slope}");
+                assert!((along([cosine, sine]) - problem.multiplier(t)).abs() < 1e-6);
+                let [x, y] = [0.6 * cosine, 0.6 * sine];
+                let [right, left] = [x + step, x - step].map(|x| problem.gradient([x, y]));
+                let [above, below] = [y + step, y - step].map(|y| problem.gradient([x, y]));
+                let divergence = (right[0] - left[0] + above[1] - below[1]) / (2.0 * step);
+                let rotation = (right[1] - left[1] - above[0] + below[0]) / (2.0 * step);
+                assert!((divergence + problem.f([x, y])).abs() < 1e-7, "{problem:?} {t}");
+                assert!(rotation.abs() < 1e-7, "{problem:?} {t}");
+            }
+        }
+    }
 
     #[test]
     fn energies_are_those_of_an_independent_computation() {

@@ -143,8 +143,8 @@ fn on_domains() -> Result<Picture, String> {
     let mut solved = Vec::new();
     for (name, f, refinements) in DRAWN {
         let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
-        let problem =
-            MeshProblem::new(&coarsest, refinements, f).map_err(|e| format!("{name}: {e}"))?;
+        let problem = MeshProblem::new(&coarsest, refinements, f, Law::SIGNORINI)
+            .map_err(|e| format!("{name}: {e}"))?;
         let (y, _) =
             solve_nested_networks(&problem.levels, &problem.f.load, &MultigridParams::default())
                 .map_err(|e| format!("{name}: {e}"))?;

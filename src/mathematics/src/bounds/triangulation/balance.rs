@@ -2,9 +2,9 @@
 //! of cells.
 
 use super::BoundsError;
-use super::cells::Cell;
+use super::cells::Cells;
 use super::sides::{Neighbour, Sides};
-use crate::mesh::{Condition, Mesh};
+use crate::mesh::Condition;
 use std::cmp::Ordering;
 
 /// Side of the boundary through which flux may leave.
@@ -51,11 +51,11 @@ struct Step {
 /// If a component has neither a contact nor a fixed boundary, or the integral of f over a component without fixed
 /// boundary is not negative.
 pub(super) fn balance<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
+    cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
-    cells: &[Cell<V>],
     flux: &mut [f64],
 ) -> Result<(), BoundsError> {
+    let mesh = cells.mesh;
     let mut outlets = Vec::new();
     for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
         let condition = mesh.condition(facet);
@@ -69,7 +69,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
     for outlet in outlets {
         if !is_seen[sides.inner_cell(outlet.side) as usize] {
             let steps = tree(sides, outlet.side, &mut is_seen);
-            Component { outlet, steps }.balance(sides, cells, flux)?;
+            Component { outlet, steps }.balance(cells, sides, flux)?;
         }
     }
     match is_seen.iter().position(|seen| !seen) {
@@ -97,18 +97,18 @@ fn tree<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> 
 }
 
 impl Component {
-    fn balance<const V: usize>(
+    fn balance<const D: usize, const V: usize>(
         &self,
+        cells: &Cells<'_, D, V>,
         sides: &Sides<V>,
-        cells: &[Cell<V>],
         flux: &mut [f64],
     ) -> Result<(), BoundsError> {
         if !self.outlet.is_fixed {
-            self.scale(sides, cells, flux)?;
+            self.scale(cells, sides, flux)?;
         }
         for &Step { cell, side } in self.steps.iter().rev() {
             let outflow: f64 = sides.outflows(cell, flux).iter().sum();
-            let missing = -(V as f64) * cells[cell as usize].load - outflow;
+            let missing = -(V as f64) * cells.load(cell) - outflow;
             flux[side as usize] += if sides.leaves(cell, side) { missing } else { -missing };
         }
         match !self.outlet.is_fixed && flux[self.outlet.side as usize] < 0.0 {
@@ -118,16 +118,16 @@ impl Component {
     }
 
     /// Scales the outflows through the boundary until they balance f.
-    fn scale<const V: usize>(
+    fn scale<const D: usize, const V: usize>(
         &self,
+        cells: &Cells<'_, D, V>,
         sides: &Sides<V>,
-        cells: &[Cell<V>],
         flux: &mut [f64],
     ) -> Result<(), BoundsError> {
         let (mut integral, mut outflow) = (0.0, 0.0);
         let mut outlets = Vec::new();
         for &Step { cell, .. } in &self.steps {
-            integral += V as f64 * cells[cell as usize].load;
+            integral += V as f64 * cells.load(cell);
             for side in sides.of(cell) {
                 if matches!(sides.across(cell, side), Neighbour::Facet(_)) {
                     outflow += flux[side as usize];

@@ -17,24 +17,44 @@ pub(super) struct Cell<const V: usize> {
     pub work: [f64; V],
 }
 
-/// Cells of a mesh, for a nodal vector and the means of f.
-pub(super) fn cells_of<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    w: &[f64],
-    f: &[f64],
-) -> Vec<Cell<V>> {
-    let mut cells = Vec::with_capacity(f.len());
-    for (nodes, f) in mesh.cells().iter().zip(f) {
-        let element = Element::new(mesh.vertices(nodes));
-        let gradient = gradient(&element, nodes.map(|node| w[node as usize]));
-        cells.push(Cell {
+/// Cells of a mesh, computed where they are asked for: stored, they would take more memory than the mesh.
+#[derive(Clone, Copy)]
+pub(super) struct Cells<'a, const D: usize, const V: usize> {
+    pub mesh: &'a Mesh<D, V>,
+    /// Nodal vector of the linear function.
+    pub w: &'a [f64],
+    /// Means of f.
+    pub f: &'a [f64],
+}
+
+impl<const D: usize, const V: usize> Cells<'_, D, V> {
+    /// Number of cells.
+    pub(super) fn len(&self) -> usize {
+        self.f.len()
+    }
+
+    /// Cell of this number.
+    pub(super) fn cell(&self, number: u32) -> Cell<V> {
+        let nodes = &self.mesh.cells()[number as usize];
+        let element = Element::new(self.mesh.vertices(nodes));
+        let gradient = gradient(&element, nodes.map(|node| self.w[node as usize]));
+        Cell {
             volume: element.volume,
             is_mirrored: element.is_mirrored,
-            load: f * element.volume / V as f64,
+            load: self.load_on(number, element.volume),
             work: element.gradients.map(|slopes| element.volume * dot(gradient, slopes)),
-        });
+        }
     }
-    cells
+
+    /// Integral of f over a cell, over the number of vertices.
+    pub(super) fn load(&self, number: u32) -> f64 {
+        let nodes = &self.mesh.cells()[number as usize];
+        self.load_on(number, Element::new(self.mesh.vertices(nodes)).volume)
+    }
+
+    fn load_on(&self, number: u32, volume: f64) -> f64 {
+        self.f[number as usize] * volume / V as f64
+    }
 }
 
 /// Gradient of the linear function with these values at the vertices. Differences come first: a constant has no gradient,

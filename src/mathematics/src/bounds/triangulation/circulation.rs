@@ -49,7 +49,7 @@ pub(super) struct Circulations {
 }
 
 impl Circulations {
-    /// Storage for this number of nodes.
+    /// Storage for this number of nodes in space; in the plane for none.
     pub(super) fn new(nodes: usize) -> Self {
         let (matrix, strengths) = (Vec::new(), Vec::new());
         Self { numbers: vec![UNSEEN; nodes], count: 0, matrix, strengths }
@@ -116,7 +116,7 @@ impl Circulations {
     ) -> [Option<Turn<D>>; 3] {
         let nodes = &fan.mesh.cells()[member.cell as usize];
         let vertices = fan.mesh.vertices(nodes);
-        let cell = &fan.cells[member.cell as usize];
+        let cell = &member.data;
         // The node before the other vertices in their order is an even permutation for even positions of the node.
         let sense = if member.vertex.is_multiple_of(2) == cell.is_mirrored { -1.0 } else { 1.0 };
         let scale = sense / (D as f64 * cell.volume);
@@ -139,7 +139,7 @@ impl Circulations {
         self.strengths.clear();
         self.strengths.resize(self.count, 0.0);
         for member in &fan.members {
-            let cell = &fan.cells[member.cell as usize];
+            let cell = &member.data;
             let vertices = fan.mesh.vertices(&fan.mesh.cells()[member.cell as usize]);
             let mut outflows: [f64; V] = std::array::from_fn(|k| member.outflows[k] + cell.work[k]);
             outflows[member.vertex] = 0.0;

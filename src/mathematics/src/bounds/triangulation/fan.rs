@@ -1,6 +1,6 @@
 //! Flux of a patch: the part of the flux that belongs to the hat function of one node (Braess and Schöberl 2008).
 
-use super::cells::Cell;
+use super::cells::{Cell, Cells};
 use super::sides::{Neighbour, Sides};
 use crate::mesh::{Condition, Facet, Mesh, measure};
 
@@ -9,6 +9,8 @@ use crate::mesh::{Condition, Facet, Mesh, measure};
 pub(super) struct Member<const V: usize> {
     /// Number of the cell.
     pub cell: u32,
+    /// Cell.
+    pub data: Cell<V>,
     /// Position of the node among the vertices.
     pub vertex: usize,
     /// Outflows through the sides; none through the side opposite to the node.
@@ -46,29 +48,35 @@ struct FanOutlet {
 pub(super) struct Fan<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     pub sides: &'a Sides<V>,
-    pub cells: &'a [Cell<V>],
+    cells: Cells<'a, D, V>,
     pub members: Vec<Member<V>>,
     outlets: Vec<FanOutlet>,
-    /// Last node around which each cell was found.
-    seen: Vec<u32>,
+    /// Node around which cells were found last.
+    node: u32,
+    /// Cells found around this node, in the present fan and in others.
+    found: Vec<u32>,
 }
 
 impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// Empty fan.
-    pub(super) fn new(mesh: &'a Mesh<D, V>, sides: &'a Sides<V>, cells: &'a [Cell<V>]) -> Self {
-        let seen = vec![u32::MAX; cells.len()];
-        Self { mesh, sides, cells, members: Vec::new(), outlets: Vec::new(), seen }
+    pub(super) fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>) -> Self {
+        let (members, outlets, found) = (Vec::new(), Vec::new(), Vec::new());
+        Self { mesh: cells.mesh, sides, cells, members, outlets, node: u32::MAX, found }
     }
 
     /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell of
     /// the fan.
     pub(super) fn find(&mut self, node: u32, cell: u32) -> bool {
-        if self.seen[cell as usize] == node {
+        if self.node != node {
+            self.node = node;
+            self.found.clear();
+        }
+        if self.found.contains(&cell) {
             return false;
         }
         self.members.clear();
         self.outlets.clear();
-        self.push(node, cell, Parent { member: 0, slot: 0, from: 0 });
+        self.push(cell, Parent { member: 0, slot: 0, from: 0 });
         let mut place = 0;
         while let Some(&Member { cell, vertex, .. }) = self.members.get(place) {
             for (slot, side) in self.sides.of(cell).into_iter().enumerate() {
@@ -79,10 +87,10 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
                     Neighbour::Facet(facet) => {
                         self.outlets.push(FanOutlet { member: place, slot, facet });
                     }
-                    Neighbour::Cell(next) if self.seen[next as usize] != node => {
+                    Neighbour::Cell(next) if !self.found.contains(&next) => {
                         let back = self.sides.slot(next, side);
                         let parent = Parent { member: place, slot: back, from: slot };
-                        self.push(node, next, parent);
+                        self.push(next, parent);
                     }
                     Neighbour::Cell(_) => (),
                 }
@@ -92,14 +100,14 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         true
     }
 
-    fn push(&mut self, node: u32, cell: u32, parent: Parent) {
-        self.seen[cell as usize] = node;
+    fn push(&mut self, cell: u32, parent: Parent) {
+        self.found.push(cell);
         let nodes = &self.mesh.cells()[cell as usize];
-        let vertex = nodes.iter().position(|&other| other == node);
+        let vertex = nodes.iter().position(|&node| node == self.node);
         let vertex = vertex.expect("sides of a fan have the node");
-        let Cell { load, work, .. } = self.cells[cell as usize];
-        let wanted = work[vertex] - load;
-        self.members.push(Member { cell, vertex, outflows: [0.0; V], wanted, parent });
+        let data = self.cells.cell(cell);
+        let wanted = data.work[vertex] - data.load;
+        self.members.push(Member { cell, data, vertex, outflows: [0.0; V], wanted, parent });
     }
 
     /// True if no side of the fan with the node is on the boundary.
@@ -126,10 +134,10 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
             if self.reaches(Condition::Fixed) { Condition::Fixed } else { Condition::Contact };
         let allowed = if open == Condition::Fixed { reaction } else { reaction.max(0.0) };
         let kept = if self.let_out(open, allowed) { allowed } else { 0.0 };
-        let volume: f64 = self.members.iter().map(|m| self.cells[m.cell as usize].volume).sum();
+        let volume: f64 = self.members.iter().map(|member| member.data.volume).sum();
         let density = (reaction - kept) / volume;
         for member in &mut self.members {
-            member.wanted -= density * self.cells[member.cell as usize].volume;
+            member.wanted -= density * member.data.volume;
         }
     }
 

@@ -24,7 +24,7 @@
 //! cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine meshes the bounds
 //! exceed the error by any factor. The reaction at a boundary node leaves through the facets at the
 //! node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node are
-//! changed alike. Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every vector.
+//! changed alike. In the plane, sweeps over circulations around all nodes then lower the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every vector.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose norm
@@ -35,8 +35,10 @@
 mod balance;
 mod cells;
 mod circulation;
+mod cube;
 mod fan;
 mod sides;
+mod stream;
 mod sums;
 #[cfg(test)]
 mod tests;
@@ -45,10 +47,12 @@ use super::{Bounds, LEAST_MASS, root};
 use crate::discrete::network::Network;
 use crate::mesh::{CellData, Mesh};
 use balance::balance;
-use cells::cells_of;
+use cells::Cells;
 use circulation::Circulations;
+pub use cube::{CubeBounds, bounds_on_cube};
 use fan::Fan;
 use sides::{Around, Sides};
+use stream::circulate;
 use sums::Summands;
 
 /// Reason for which there are no bounds on a triangulation.
@@ -96,7 +100,7 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
     let w = admissible(network, y);
     let sides = Sides::new(mesh);
-    let flux = equilibrated(mesh, &sides, &f.mean, &w)?;
+    let flux = equilibrated(mesh, &sides, network, &f.mean, &w)?;
     let summands = Summands { mesh, sides: &sides, f, y, w: &w, flux: &flux };
     let totals = summands.totals();
     let largest = w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
@@ -133,18 +137,30 @@ fn admissible(network: &Network, y: &[f64]) -> Vec<f64> {
     w
 }
 
-/// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells.
+/// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells. The stiffness matrix in
+/// `network` says by how much a circulation changes the norm.
 fn equilibrated<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
+    network: &Network,
     f: &[f64],
     w: &[f64],
 ) -> Result<Vec<f64>, BoundsError> {
-    let cells = cells_of(mesh, w, f);
-    let nodes = mesh.points().len();
-    let around = Around::new(nodes, mesh.cells());
-    let mut circulations = Circulations::new(nodes);
-    let mut fan = Fan::new(mesh, sides, &cells);
+    let cells = Cells { mesh, w, f };
+    let mut flux = of_fans(&cells, sides);
+    if D == 2 {
+        circulate(&cells, sides, network, &mut flux);
+    }
+    balance(&cells, sides, &mut flux)?;
+    Ok(flux)
+}
+
+/// Sum of the fluxes of all patches.
+fn of_fans<const D: usize, const V: usize>(cells: &Cells<'_, D, V>, sides: &Sides<V>) -> Vec<f64> {
+    let nodes = cells.w.len();
+    let around = Around::new(nodes, cells.mesh.cells());
+    let mut circulations = Circulations::new(if D == 3 { nodes } else { 0 });
+    let mut fan = Fan::new(*cells, sides);
     let mut flux = vec![0.0; sides.len()];
     for node in 0..nodes as u32 {
         for &cell in around.node(node) {
@@ -156,6 +172,5 @@ fn equilibrated<const D: usize, const V: usize>(
             }
         }
     }
-    balance(mesh, sides, &cells, &mut flux)?;
-    Ok(flux)
+    flux
 }

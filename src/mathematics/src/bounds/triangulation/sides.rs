@@ -24,12 +24,7 @@ impl<const V: usize> Sides<V> {
     /// Sides of a mesh, in the order of their nodes. Each side is found twice: in two cells, or in a cell and among the
     /// facets of the boundary.
     pub(super) fn new<const D: usize>(mesh: &Mesh<D, V>) -> Self {
-        let mut found = Vec::with_capacity(V * mesh.cells().len() + mesh.facets().len());
-        for cell in mesh.cells() {
-            found.extend(sides_of::<D, V>(cell).map(sorted));
-        }
-        found.extend(mesh.facets().iter().map(|facet| sorted(facet.nodes)));
-        let places = in_order(mesh.points().len(), &found);
+        let places = places_in_order(mesh);
         let (pairs, rest) = places.as_chunks::<2>();
         assert!(rest.is_empty(), "each side is found twice");
         let cells = mesh.cells().len() as u32;
@@ -107,33 +102,47 @@ impl<const V: usize> Sides<V> {
     }
 }
 
-/// Positions of some sets of nodes in increasing order, equal sets in the order of their positions.
-fn in_order<const D: usize>(nodes: usize, sets: &[[u32; D]]) -> Vec<u32> {
+/// Nodes, in increasing order, of the side at a place: the sides of all cells come first, then the facets.
+fn side_at<const D: usize, const V: usize>(mesh: &Mesh<D, V>, place: u32) -> [u32; D] {
+    let (cell, vertex) = (place as usize / V, place as usize % V);
+    sorted(match mesh.cells().get(cell) {
+        Some(cell) => sides_of(cell)[vertex],
+        None => mesh.facets()[place as usize - V * mesh.cells().len()].nodes,
+    })
+}
+
+/// Places of all sides in the order of their nodes, those of equal nodes in increasing order.
+fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32> {
     // Sorted by the first node through counts, then in small groups.
+    let nodes = mesh.points().len();
+    let count = (V * mesh.cells().len() + mesh.facets().len()) as u32;
     let mut starts = vec![0u32; nodes + 1];
-    for set in sets {
-        starts[set[0] as usize + 1] += 1;
+    for place in 0..count {
+        starts[side_at(mesh, place)[0] as usize + 1] += 1;
     }
     for node in 0..nodes {
         starts[node + 1] += starts[node];
     }
-    let mut next = starts.clone();
-    let mut places = vec![0; sets.len()];
-    for (place, set) in sets.iter().enumerate() {
-        let next = &mut next[set[0] as usize];
-        places[*next as usize] = place as u32;
+    let mut places = vec![0; count as usize];
+    // The start of each node moves to its end, which is the start of the next one.
+    for place in 0..count {
+        let next = &mut starts[side_at(mesh, place)[0] as usize];
+        places[*next as usize] = place;
         *next += 1;
     }
-    for range in starts.windows(2) {
-        let group = &mut places[range[0] as usize..range[1] as usize];
-        group.sort_unstable_by_key(|&place| (sets[place as usize], place));
+    let mut from = 0;
+    for &to in &starts[..nodes] {
+        let group = &mut places[from as usize..to as usize];
+        group.sort_unstable_by_key(|&place| (side_at(mesh, place), place));
+        from = to;
     }
     places
 }
 
 /// Cells around each node.
 pub(super) struct Around {
-    starts: Vec<u32>,
+    /// Position in `cells` after the last cell of each node.
+    ends: Vec<u32>,
     cells: Vec<u32>,
 }
 
@@ -147,22 +156,22 @@ impl Around {
         for node in 0..nodes {
             starts[node + 1] += starts[node];
         }
-        let mut next = starts.clone();
         let mut around = vec![0; V * cells.len()];
+        // The start of each node moves to its end.
         for (number, cell) in cells.iter().enumerate() {
             for &node in cell {
-                let next = &mut next[node as usize];
+                let next = &mut starts[node as usize];
                 around[*next as usize] = number as u32;
                 *next += 1;
             }
         }
-        Self { starts, cells: around }
+        Self { ends: starts, cells: around }
     }
 
     /// Cells around a node.
     pub(super) fn node(&self, node: u32) -> &[u32] {
-        let [from, to] = [0, 1].map(|k| self.starts[node as usize + k] as usize);
-        &self.cells[from..to]
+        let from = if node == 0 { 0 } else { self.ends[node as usize - 1] };
+        &self.cells[from as usize..self.ends[node as usize] as usize]
     }
 }
 

@@ -1,7 +1,7 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
 use crate::discrete::judging::judge_network;
-use crate::mesh::{BuiltIn, Mesh, OnCells, mesh_arcs, mesh_load, refined};
+use crate::mesh::{BuiltIn, Element, Mesh, OnCells, mesh_arcs, mesh_load, quadrature, refined};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
@@ -32,6 +32,8 @@ pub struct DiscLevel {
     pub nodes: usize,
     /// Error of the energy.
     pub energy: f64,
+    /// Norm of the error's gradient in L2 of the polygon.
+    pub h1: f64,
     /// Error of v at the centre.
     pub centre: f64,
     /// Largest error of v on the rim.
@@ -115,10 +117,49 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
     Ok(DiscLevel {
         nodes: y.len(),
         energy: judged.energy - problem.energy(),
+        h1: gradient_error(&problem, &mesh, &y),
         centre: y[0] - problem.centre(),
         rim,
         multiplier: square.sqrt(),
         ends,
         orders: None,
     })
+}
+
+/// Norm of the error's gradient, by quadrature.
+fn gradient_error(problem: &DiscProblem, mesh: &Mesh<2, 3>, y: &[f64]) -> f64 {
+    let points = quadrature::<3>();
+    let mut square = 0.0;
+    for cell in mesh.cells() {
+        let vertices = mesh.vertices(cell);
+        let element = Element::new(vertices);
+        let [px, py] = element.gradient(cell.map(|node| y[node as usize]));
+        for point in &points {
+            let [gx, gy] = problem.gradient(point.within(vertices));
+            let distance = (gx - px) * (gx - px) + (gy - py) * (gy - py);
+            square += element.volume * point.weight * distance;
+        }
+    }
+    square.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energies_are_of_order_two_and_gradients_of_order_one() {
+        for (c0, c1, k) in [(1.3, 7.0, 1), (1.3, 7.0, 2), (1.3, 7.0, 3), (0.8, 20.0, 2)] {
+            let problem = DiscProblem { c0, c1, k };
+            let coarsest = BuiltIn::Disc.plane().unwrap();
+            let levels: Vec<_> =
+                (3..7).map(|times| errors(problem, &coarsest, times).unwrap()).collect();
+            for pair in levels.windows(2) {
+                let energy = libm::log2(pair[0].energy / pair[1].energy);
+                let gradient = libm::log2(pair[0].h1 / pair[1].h1);
+                assert!((energy - 2.0).abs() < 0.15, "{c0} {c1} {k}: {energy}");
+                assert!((gradient - 1.0).abs() < 0.1, "{c0} {c1} {k}: {gradient}");
+            }
+        }
+    }
 }

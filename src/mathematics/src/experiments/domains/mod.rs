@@ -7,6 +7,7 @@ mod disc;
 use crate::mesh::AnyMesh;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::solve_nested_networks;
+use crate::problem::law::Law;
 use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -149,7 +150,7 @@ fn coarsest(name: &str) -> Result<AnyMesh, String> {
 
 /// Problem on a domain with some refinements.
 fn problem(domain: &DomainPlan, refinements: usize) -> Result<MeshProblem, String> {
-    MeshProblem::new(&coarsest(&domain.name)?, refinements, &domain.f)
+    MeshProblem::new(&coarsest(&domain.name)?, refinements, &domain.f, Law::SIGNORINI)
         .map_err(|e| format!("{}: {e}", domain.name))
 }
 
@@ -188,7 +189,7 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
     // Aitken's extrapolation: the errors of the energy are taken for a geometric sequence.
     let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.energy];
     let remaining = second * second / (first - second);
-    let is_polygon = !["disc", "annulus", "ball"].contains(&domain.name.as_str());
+    let is_polygon = !problem.mesh.is_curved();
     let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),

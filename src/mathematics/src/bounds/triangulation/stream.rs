@@ -1,0 +1,159 @@
+//! Circulations around all nodes of a mesh in the plane together, by which the flux of all patches gets a smaller norm.
+//!
+//! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side is
+//! the difference of psi between the ends of the side, and the product of two such fields is that of the gradients: psi
+//! with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is all of
+//! the flux on which the bounds depend, whatever w is.
+
+use super::cells::{Cells, RaviartThomas};
+use super::sides::Sides;
+use crate::discrete::network::Network;
+use crate::mesh::{Condition, Element};
+
+/// Number of Gauss-Seidel sweeps, every other one backward. More of them change the bounds by next to nothing.
+const SWEEPS: usize = 4;
+
+/// Bound of psi at a node of the boundary: psi at the other end of a facet, plus or minus the outflow there.
+#[derive(Clone, Copy)]
+struct Limit {
+    other: u32,
+    outflow: f64,
+}
+
+/// Node of the boundary, and the limits beyond which an outflow in contact would be negative.
+#[derive(Clone, Copy, Default)]
+struct BoundaryNode {
+    /// Number of facets at the node.
+    facets: u32,
+    /// True if a facet of the node is free.
+    is_free: bool,
+    /// Limit by the facet in contact that ends at the node.
+    lower: Option<Limit>,
+    /// Limit by the facet in contact that begins at the node.
+    upper: Option<Limit>,
+}
+
+/// Place of a node inside.
+const INNER: u32 = u32::MAX;
+
+/// Nodal vector psi with the conditions on the boundary.
+struct Stream {
+    psi: Vec<f64>,
+    /// Position in `boundary` of each node, or [`INNER`].
+    places: Vec<u32>,
+    boundary: Vec<BoundaryNode>,
+    /// Sense of the cells: 1 or -1.
+    sense: f64,
+}
+
+/// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays, and
+/// an outflow through the boundary in contact does not become negative.
+pub(super) fn circulate<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    network: &Network,
+    flux: &mut [f64],
+) {
+    let mut stream = Stream::new(cells, sides, flux);
+    let load = load_of_flux(cells, sides, flux);
+    for sweep in 0..SWEEPS {
+        let nodes = 0..load.len();
+        match sweep % 2 {
+            0 => nodes.for_each(|node| stream.relax(node, network, &load)),
+            _ => nodes.rev().for_each(|node| stream.relax(node, network, &load)),
+        }
+    }
+    stream.add_to(cells, sides, flux);
+}
+
+/// Minus the products of a flux with the fields of the hat functions.
+fn load_of_flux<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    flux: &[f64],
+) -> Vec<f64> {
+    let mut load = vec![0.0; cells.w.len()];
+    for (number, cell) in cells.mesh.cells().iter().enumerate() {
+        let vertices = cells.mesh.vertices(cell);
+        let element = Element::new(vertices);
+        let outflows = sides.outflows(number as u32, flux);
+        let mean = RaviartThomas::new(vertices, element.volume).mean(outflows);
+        for (&node, slope) in cell.iter().zip(element.gradients) {
+            load[node as usize] -= element.volume * (slope[1] * mean[0] - slope[0] * mean[1]);
+        }
+    }
+    load
+}
+
+impl Stream {
+    /// Zero, with the limits that follow from the outflows of a flux.
+    fn new<const D: usize, const V: usize>(
+        cells: &Cells<'_, D, V>,
+        sides: &Sides<V>,
+        flux: &[f64],
+    ) -> Self {
+        let (mesh, nodes) = (cells.mesh, cells.w.len());
+        let sense = if cells.cell(0).is_mirrored { -1.0 } else { 1.0 };
+        let (mut places, mut boundary) = (vec![INNER; nodes], Vec::new());
+        for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
+            let condition = mesh.condition(facet);
+            for (k, node) in facet.nodes.into_iter().enumerate() {
+                let place = &mut places[node as usize];
+                if *place == INNER {
+                    *place = boundary.len() as u32;
+                    boundary.push(BoundaryNode::default());
+                }
+                let of: &mut BoundaryNode = &mut boundary[*place as usize];
+                of.facets += 1;
+                of.is_free |= condition == Condition::Free;
+                if condition == Condition::Contact {
+                    let limit = Limit { other: facet.nodes[1 - k], outflow: flux[side as usize] };
+                    let begins = (k == 0) == (sense > 0.0);
+                    *(if begins { &mut of.upper } else { &mut of.lower }) = Some(limit);
+                }
+            }
+        }
+        Self { psi: vec![0.0; nodes], places, boundary, sense }
+    }
+
+    /// Gives psi at a node the value of the least norm within the limits.
+    #[inline(always)]
+    fn relax(&mut self, node: usize, network: &Network, load: &[f64]) {
+        let best = network.row(node).add_to(load[node], &self.psi) / network.diagonal()[node];
+        self.psi[node] = match self.boundary.get(self.places[node] as usize) {
+            None => best,
+            Some(BoundaryNode { lower, upper, is_free: false, facets: 2 }) => {
+                let lower = lower.map(|limit| self.psi[limit.other as usize] - limit.outflow);
+                let upper = upper.map(|limit| self.psi[limit.other as usize] + limit.outflow);
+                best.min(upper.unwrap_or(f64::INFINITY)).max(lower.unwrap_or(f64::NEG_INFINITY))
+            }
+            // A free facet has no flux; a node at which the domain touches itself is left out.
+            Some(_) => 0.0,
+        };
+    }
+
+    /// Adds the field of psi to a flux.
+    fn add_to<const D: usize, const V: usize>(
+        &self,
+        cells: &Cells<'_, D, V>,
+        sides: &Sides<V>,
+        flux: &mut [f64],
+    ) {
+        for (number, cell) in (0..).zip(cells.mesh.cells()) {
+            for (k, side) in sides.of(number).into_iter().enumerate() {
+                if sides.leaves(number, side) {
+                    let [from, to] = [1, 2].map(|step| self.psi[cell[(k + step) % V] as usize]);
+                    flux[side as usize] += self.sense * (to - from);
+                }
+            }
+        }
+        let facets = cells.mesh.facets();
+        for (facet, side) in facets.iter().zip(sides.of_facets(facets.len())) {
+            let outflow = &mut flux[side as usize];
+            // Where a limit is met, rounding decides the sign.
+            if cells.mesh.condition(facet) == Condition::Contact && *outflow < 0.0 {
+                *outflow = 0.0;
+            }
+        }
+    }
+}
