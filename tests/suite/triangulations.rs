@@ -113,9 +113,9 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
             assert!(apart < 1e-9 * largest, "{name}: {apart:e}");
         }
         // The energy of the problem on the polygon lies in the brackets of a solution and of any other vector.
-        let of_solution = problem.bounds(&y).unwrap().energy;
+        let of_solution = problem.bounds(Law::SIGNORINI, &y).unwrap().energy;
         let wrong: Vec<f64> = y.iter().map(|y| y + 0.1 * (dice.unit() - 0.5)).collect();
-        let of_other = problem.bounds(&wrong).unwrap().energy;
+        let of_other = problem.bounds(Law::SIGNORINI, &wrong).unwrap().energy;
         assert!(of_solution[0] <= judged.energy && judged.energy <= of_solution[1], "{name}");
         assert!(of_other[0] <= of_solution[1] && of_solution[0] <= of_other[1], "{name}");
     }

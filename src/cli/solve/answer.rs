@@ -124,7 +124,7 @@ impl Answer {
             contact,
             force,
             errors: problem.domain.errors(n, y, load),
-            bounds: problem.domain.bounds(n, y),
+            bounds: problem.domain.bounds(n, problem.params.law, y),
             solved,
             seconds,
             warnings: Vec::new(),

@@ -236,10 +236,15 @@ impl Domain {
     }
 
     /// Returns guaranteed bounds, or the reason for their absence.
-    pub(super) fn bounds(&self, n: usize, y: &[f64]) -> std::result::Result<Guarantee, String> {
+    pub(super) fn bounds(
+        &self,
+        n: usize,
+        law: Law,
+        y: &[f64],
+    ) -> std::result::Result<Guarantee, String> {
         match self {
             Self::Square { f, .. } => {
-                let bounds = bounds(square(n), f, y).map_err(|reason| reason.to_string())?;
+                let bounds = bounds(square(n), f, law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, by_quadrature: f.is_smooth() })
             }
             Self::Cube { .. } if n > MOST_WITH_BOUNDS => Err(format!(
@@ -247,22 +252,22 @@ impl Domain {
             )),
             Self::Cube { f } => {
                 let CubeBounds { bounds, by_quadrature } =
-                    bounds_on_cube(cube(n), f, y).map_err(|reason| reason.to_string())?;
+                    bounds_on_cube(cube(n), f, law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, by_quadrature })
             }
             Self::Mesh(mesh) => {
-                let bounds = mesh.problem.bounds(y).map_err(|reason| reason.to_string())?;
+                let bounds = mesh.problem.bounds(law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, by_quadrature: mesh.problem.f.cells.deviation.is_some() })
             }
         }
     }
 
     /// Returns the recovered solution, on the grid of half the width.
-    pub(super) fn recovered(&self, n: usize, pair: &Pair) -> Result<Pair> {
+    pub(super) fn recovered(&self, n: usize, law: Law, pair: &Pair) -> Result<Pair> {
         let Self::Square { f, .. } = self else {
             return Err(Error::input("--recover is for the square; leave it out"));
         };
-        let (y, _) = recovery(square(n), f, &pair.y)
+        let (y, _) = recovery(square(n), f, law, &pair.y)
             .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
         Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }

@@ -98,14 +98,14 @@ impl MeshProblem {
         judge_network(self.network(), Law::SIGNORINI, y, &self.f.load)
     }
 
-    /// Returns guaranteed bounds for a nodal vector of the finest mesh.
+    /// Returns guaranteed bounds for a nodal vector of the finest mesh under a law on the boundary.
     ///
     /// # Errors
     /// As [`bounds_on_mesh`].
-    pub fn bounds(&self, y: &[f64]) -> Result<Bounds, BoundsError> {
+    pub fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, BoundsError> {
         match &self.mesh {
-            AnyMesh::Plane(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, y),
-            AnyMesh::Space(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, y),
+            AnyMesh::Plane(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, law, y),
+            AnyMesh::Space(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, law, y),
         }
     }
 

@@ -7,6 +7,7 @@ mod disc;
 use crate::mesh::AnyMesh;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::solve_nested_networks;
+use crate::problem::law::Law;
 use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -189,7 +190,8 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
     let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.energy];
     let remaining = second * second / (first - second);
     let is_polygon = !problem.mesh.is_curved();
-    let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
+    let bounds =
+        problem.bounds(Law::SIGNORINI, &exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),
         f: domain.f.clone(),
