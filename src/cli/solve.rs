@@ -243,7 +243,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     let (n, pair) = (problem.finest(), answer.solved.pair);
     args.write(&problem, file, || match args.recover {
-        true => Ok((2 * n, problem.domain.recovered(n, &pair)?)),
+        true => Ok((2 * n, problem.domain.recovered(n, problem.params.law, &pair)?)),
         false => Ok((n, pair)),
     })?;
     answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))

@@ -50,7 +50,7 @@ fn brackets_hold_the_reference_energies_whatever_the_load() {
                 }
                 checked += 1;
                 let (grid, y) = solved(n, &f, rule, Goal::RoundingFloor);
-                let bounds = bounds(grid, &f, &y).unwrap();
+                let bounds = bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
                 assert!(holds(&bounds, energy), "{text} 1/{n} {rule:?}: {bounds:?}");
                 let [low, high] = bounds.energy;
                 let allowed = match rule {
@@ -73,7 +73,7 @@ fn brackets_shrink_like_the_third_power_of_the_width() {
         let f: Source = text.parse().unwrap();
         let width = |n| {
             let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
-            let [low, high] = bounds(grid, &f, &y).unwrap().energy;
+            let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().energy;
             high - low
         };
         let order = (width(64) / width(512)).log2() / 3.0;
@@ -87,7 +87,7 @@ fn solutions_stopped_early_or_made_up_are_bounded_too() {
         let f: Source = text.parse().unwrap();
         let n = 64;
         let (grid, y) = solved(n, &f, EXACT, Goal::RoundingFloor);
-        let best = bounds(grid, &f, &y).unwrap();
+        let best = bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
         // Waves of all lengths and sizes, first also below zero on the boundary.
         for k in 0..24u32 {
             let size = 10f64.powi(-(k as i32 % 6));
@@ -101,7 +101,7 @@ fn solutions_stopped_early_or_made_up_are_bounded_too() {
             if k >= 12 {
                 grid.boundary().for_each(|node| wrong[node] = wrong[node].max(0.0));
             }
-            let bounds = bounds(grid, &f, &wrong).unwrap();
+            let bounds = bounds(grid, &f, Law::SIGNORINI, &wrong).unwrap();
             assert!(holds(&bounds, energy), "{text} {k}: {bounds:?}");
             // The true error is as far from that of y, at most, as the two vectors are from each other.
             let apart = distance_in_h1(grid, &wrong, &y);
@@ -111,9 +111,9 @@ fn solutions_stopped_early_or_made_up_are_bounded_too() {
             assert!(least <= apart + best.error[1], "{text} {k}: {apart:e} {bounds:?}");
         }
         let (grid, y) = solved(n, &f, EXACT, Goal::DiscretisationError);
-        let early = bounds(grid, &f, &y).unwrap();
+        let early = bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
         assert!(holds(&early, energy) && early.error[1] < 1.1 * best.error[1], "{text}: {early:?}");
-        let zero = bounds(grid, &f, &vec![0.0; grid.nodes()]).unwrap();
+        let zero = bounds(grid, &f, Law::SIGNORINI, &vec![0.0; grid.nodes()]).unwrap();
         assert!(holds(&zero, energy) && zero.relative() > 0.9, "{text}: {zero:?}");
     }
 }
@@ -128,7 +128,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
     let grid = Grid::new(cells).unwrap();
     let mut least = f64::INFINITY;
     let mut judge = |what: &dyn std::fmt::Debug, y: &[f64]| {
-        let [low, high] = bounds(grid, f, y).unwrap().energy;
+        let [low, high] = bounds(grid, f, Law::SIGNORINI, y).unwrap().energy;
         let inside = (fine.energy - low).min(high - fine.energy);
         assert!(inside >= -slack, "{f}, 1/{cells}, {what:?}: {inside:e}, slack {slack:e}");
         least = least.min(inside / (high - low));
@@ -203,7 +203,7 @@ fn what_nearly_touches_is_answered_rightly_or_refused() {
     let answered = |f: &&Source| {
         let Ok(solution) = spectral(f, spectral::SpectralParams::default()) else { return false };
         let (grid, y) = solved(64, f, EXACT, Goal::RoundingFloor);
-        let [low, high] = bounds(grid, f, &y).unwrap().energy;
+        let [low, high] = bounds(grid, f, Law::SIGNORINI, &y).unwrap().energy;
         let slack = 1e-9 * low.abs();
         let inside = (low - slack..=high + slack).contains(&solution.energy);
         assert!(inside, "{f}: {} not in {low}..{high}", solution.energy);
@@ -244,7 +244,7 @@ fn brackets_hold_the_energies_of_solutions_with_formulas() {
                 (LoadRule::default(), Goal::RoundingFloor),
             ] {
                 let (grid, y) = solved(n, &f, rule, goal);
-                let bounds = bounds(grid, &f, &y).unwrap();
+                let bounds = bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
                 assert!(holds(&bounds, -0.5 * power), "{problem:?} 1/{n} {rule:?}: {bounds:?}");
             }
         }
@@ -261,7 +261,7 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
             let load = load(grid, &f, EXACT);
             let y = multigrid::solve_square(n, &load, None, &MultigridParams::default()).unwrap().0;
             let error = errors(grid, problem, &y).h1;
-            let [least, most] = bounds(grid, &f, &y).unwrap().error;
+            let [least, most] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().error;
             // The quadrature of the error is good to about 1e-4 of it.
             assert!(
                 least <= 1.0002 * error && 0.9998 * error <= most,
@@ -290,7 +290,8 @@ fn the_bound_of_the_error_is_effective() {
             // true solution do hardly any work on v.
             let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
             let error = (2.0 * (ours - energy)).sqrt();
-            let Bounds { error: [least, most], recovered, .. } = bounds(grid, &f, &y).unwrap();
+            let Bounds { error: [least, most], recovered, .. } =
+                bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
             assert!(error <= most && most < allowed * error, "{text} 1/{n}: {}", most / error);
             assert!(least <= error && least > 0.985 * error, "{text} 1/{n}: {}", least / error);
             assert!(recovered < 0.3 * error, "{text} 1/{n}: {recovered} {error}");
@@ -304,7 +305,7 @@ fn beside_a_circle_both_exact_loads_have_close_brackets() {
     for n in [64, 256] {
         let [linear, bilinear] = [EXACT, LoadRule::Bilinear {}].map(|rule| {
             let (grid, y) = solved(n, &f, rule, Goal::RoundingFloor);
-            let [low, high] = bounds(grid, &f, &y).unwrap().energy;
+            let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().energy;
             high - low
         });
         // Without the fluxes that move one load to the other it is three times as wide.
@@ -354,7 +355,8 @@ fn the_bound_is_effective_where_the_load_hides_the_reaction() {
     let f: Source = text.parse().unwrap();
     let (grid, y) = solved(16, &f, EXACT, Goal::RoundingFloor);
     assert_eq!(grid.boundary().filter(|&node| y[node] == 0.0).count(), 1);
-    let Bounds { energy: [low, high], error: [_, most], .. } = bounds(grid, &f, &y).unwrap();
+    let Bounds { energy: [low, high], error: [_, most], .. } =
+        bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
     let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
     let error = (2.0 * (ours - energy)).sqrt();
     assert!(low <= energy && energy <= high && high - low < 1e-4, "{low} {high}");
@@ -365,14 +367,23 @@ fn the_bound_is_effective_where_the_load_hides_the_reaction() {
 fn what_has_no_solution_has_no_bound() {
     let grid = Grid::new(8).unwrap();
     let zero = vec![0.0; grid.nodes()];
-    assert_eq!(bounds(grid, &Source::constant(1.0), &zero), Err(NoBound::NotCoercive));
+    assert_eq!(
+        bounds(grid, &Source::constant(1.0), Law::SIGNORINI, &zero),
+        Err(NoBound::NotCoercive)
+    );
     let huge = vec![1e200; grid.nodes()];
-    assert_eq!(bounds(grid, &Source::constant(-1e200), &huge), Err(NoBound::NotFinite));
+    assert_eq!(
+        bounds(grid, &Source::constant(-1e200), Law::SIGNORINI, &huge),
+        Err(NoBound::NotFinite)
+    );
     // Inside, and on the boundary beside a value below zero.
     for (node, lowest) in [(40, 0.0), (4, 0.0), (4, -1.0)] {
         let mut nan = zero.clone();
         (nan[node], nan[80]) = (f64::NAN, lowest);
-        assert_eq!(bounds(grid, &Source::constant(-1.0), &nan), Err(NoBound::NotFinite));
+        assert_eq!(
+            bounds(grid, &Source::constant(-1.0), Law::SIGNORINI, &nan),
+            Err(NoBound::NotFinite)
+        );
     }
 }
 
@@ -381,7 +392,7 @@ fn no_bound_is_given_where_squares_underflow() {
     let text = "quadrant(ll)=3; else=-1.25";
     let f: Source = text.parse().unwrap();
     let (grid, y) = solved(16, &f, EXACT, Goal::RoundingFloor);
-    let [low, high] = bounds(grid, &f, &y).unwrap().energy;
+    let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().energy;
     // Powers of two, by which f and y are exact and the energies are scaled twice.
     for (power, known) in [(-400, true), (-480, true), (-490, false), (-530, false), (-1000, false)]
     {
@@ -389,7 +400,7 @@ fn no_bound_is_given_where_squares_underflow() {
         let f =
             format!("quadrant(ll)={:e}; else={:e}", 3.0 * factor, -1.25 * factor).parse().unwrap();
         let y: Vec<f64> = y.iter().map(|value| factor * value).collect();
-        match bounds(grid, &f, &y) {
+        match bounds(grid, &f, Law::SIGNORINI, &y) {
             Ok(Bounds { energy, .. }) => {
                 let energy = energy.map(|e| e / factor / factor);
                 let far = (energy[0] - low).abs() + (energy[1] - high).abs();

@@ -244,12 +244,9 @@ impl Domain {
         law: Law,
         y: &[f64],
     ) -> std::result::Result<Guarantee, String> {
-        if !law.is_signorini() {
-            return Err("bounds are made for the paper's law".into());
-        }
         match self {
             Self::Square { f, .. } => {
-                let bounds = bounds(square(n), f, y).map_err(|reason| reason.to_string())?;
+                let bounds = bounds(square(n), f, law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, by_quadrature: f.is_smooth() })
             }
             Self::Cube { .. } if n > MOST_WITH_BOUNDS => Err(format!(
@@ -257,7 +254,7 @@ impl Domain {
             )),
             Self::Cube { f } => {
                 let CubeBounds { bounds, by_quadrature } =
-                    bounds_on_cube(cube(n), f, y).map_err(|reason| reason.to_string())?;
+                    bounds_on_cube(cube(n), f, law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, by_quadrature })
             }
             Self::Mesh(mesh) => {
@@ -268,11 +265,11 @@ impl Domain {
     }
 
     /// Returns the recovered solution, on the grid of half the width.
-    pub(super) fn recovered(&self, n: usize, pair: &Pair) -> Result<Pair> {
+    pub(super) fn recovered(&self, n: usize, law: Law, pair: &Pair) -> Result<Pair> {
         let Self::Square { f, .. } = self else {
             return Err(Error::input("--recover is for the square; leave it out"));
         };
-        let (y, _) = recovery(square(n), f, &pair.y)
+        let (y, _) = recovery(square(n), f, law, &pair.y)
             .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
         Ok(Pair { y, a: prolong_boundary(&pair.a) })
     }

@@ -9,6 +9,7 @@
 //! use signorini_mathematics::discrete::kkt::kkt;
 //! use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 //! use signorini_mathematics::multigrid::{self, MultigridParams};
+//! use signorini_mathematics::problem::law::Law;
 //! use signorini_mathematics::problem::source::Source;
 //! use signorini_mathematics::spectral::{self, spectral};
 //!
@@ -19,7 +20,7 @@
 //! let (y, outcome) = multigrid::solve_square(128, &load, None, &MultigridParams::default())?;
 //! assert!(kkt(grid, Law::SIGNORINI, &y, &load).relative < 1e-10);
 //! assert!(outcome.work_units < 60.0);
-//! let [low, high] = bounds(grid, &f, &y)?.energy;
+//! let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y)?.energy;
 //! let truth = spectral(&f, spectral::SpectralParams::default())?;
 //! assert!(low <= truth.energy && truth.energy <= high);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -122,8 +122,12 @@ impl MeshProblem {
     /// As [`bounds_on_mesh`].
     pub fn bounds(&self, y: &[f64]) -> Result<Bounds, BoundsError> {
         match &self.mesh {
-            AnyMesh::Plane(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, y),
-            AnyMesh::Space(mesh) => bounds_on_mesh(mesh, self.network(), &self.f.cells, y),
+            AnyMesh::Plane(mesh) => {
+                bounds_on_mesh(mesh, self.network(), &self.f.cells, self.law, y)
+            }
+            AnyMesh::Space(mesh) => {
+                bounds_on_mesh(mesh, self.network(), &self.f.cells, self.law, y)
+            }
         }
     }
 

@@ -1,9 +1,11 @@
 //! The equilibrated flux: reactions on the boundary, and the fluxes that f requires where it is not constant.
 
+use super::boundary::{BoundaryPart, PartLaw, shift_to_sum};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun, find_seams};
 use crate::discrete::grid::Grid;
+use crate::problem::law::Law;
 
-/// Reactions on the four sides, none of them negative. The normal flux is their linear interpolant over h.
+/// Reactions on the four sides, h times fluxes that the law allows. The normal flux is their linear interpolant over h.
 pub(super) struct Reactions {
     pub bottom: Vec<f64>,
     pub top: Vec<f64>,
@@ -12,11 +14,12 @@ pub(super) struct Reactions {
 }
 
 impl Reactions {
-    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, none of them negative.
+    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, which the law allows. The law must
+    /// be able to balance the integral of f.
     ///
-    /// The reaction is `A y - b` where that is positive and at least y, otherwise zero. All are scaled so that they
-    /// balance f, whose integral must be negative.
-    pub(super) fn new(grid: Grid, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
+    /// The reaction is `A y - b` where that is inside the interval of the law even when lessened by y, otherwise the end of the
+    /// interval. What f still needs is spread over the nodes inside the interval.
+    pub(super) fn new(grid: Grid, law: Law, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
         let (n, nodes) = (grid.cells(), outer.len());
         let mut values = Vec::with_capacity(nodes + 1);
         for (b, node) in grid.boundary().enumerate() {
@@ -29,16 +32,13 @@ impl Reactions {
                 2 => node - grid.side(),
                 _ => node + 1,
             };
-            let reaction = along + (y[node] - y[inner]) - f.boundary_masses[b];
-            values.push(if reaction > 0.0 && reaction >= y[node] { reaction } else { 0.0 });
+            values.push(along + (y[node] - y[inner]) - f.boundary_masses[b]);
         }
-        if !(-f.integral / values.iter().sum::<f64>()).is_finite() {
-            // No reaction is positive: equal ones where y is zero, or at all nodes if it is zero nowhere.
-            let is_zero_somewhere = outer.contains(&0.0);
-            values = outer.iter().map(|&y| f64::from(!is_zero_somewhere || y == 0.0)).collect();
+        if law.is_bounded() {
+            shift_reactions(law, outer, f.integral, &mut values, grid.h());
+        } else {
+            scale_reactions(PartLaw::new(law, grid.h()), outer, f.integral, &mut values);
         }
-        let balance = -f.integral / values.iter().sum::<f64>();
-        values.iter_mut().for_each(|value| *value *= balance);
         values.push(values[0]);
         let [bottom, right, mut top, mut left] =
             [0, 1, 2, 3].map(|side| values[side * n..=(side + 1) * n].to_vec());
@@ -46,6 +46,44 @@ impl Reactions {
         left.reverse();
         Self { bottom, top, left, right }
     }
+}
+
+/// Limits the reactions to an interval that is bounded on one side, and scales what they exceed that end by, so that they
+/// balance f.
+fn scale_reactions(law: PartLaw, outer: &[f64], integral: f64, values: &mut [f64]) {
+    let (end, sign) = if law.least.is_finite() { (law.least, 1.0) } else { (law.most, -1.0) };
+    for (value, &y) in values.iter_mut().zip(outer) {
+        let above = sign * (*value - end);
+        *value = if above > 0.0 && above >= sign * y { above } else { 0.0 };
+    }
+    let needed = sign * (-integral - end * outer.len() as f64);
+    if !(needed / values.iter().sum::<f64>()).is_finite() {
+        // No reaction exceeds the end: equal ones where y is zero, or at all nodes if it is zero nowhere.
+        let is_zero_somewhere = outer.contains(&0.0);
+        for (value, &y) in values.iter_mut().zip(outer) {
+            *value = f64::from(!is_zero_somewhere || y == 0.0);
+        }
+    }
+    let balance = needed / values.iter().sum::<f64>();
+    values.iter_mut().for_each(|value| *value = sign * (*value * balance) + end);
+}
+
+/// Limits the reactions to a bounded interval, and shifts them so that they balance f: scaled ones could leave the interval.
+fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h: f64) {
+    let of_nodes = PartLaw::new(law, h);
+    let mut parts = Vec::with_capacity(outer.len());
+    for (&reaction, &y) in values.iter().zip(outer) {
+        let flux = if y > 0.0 && y > reaction - of_nodes.least {
+            of_nodes.least
+        } else if y < 0.0 && y < reaction - of_nodes.most {
+            of_nodes.most
+        } else {
+            of_nodes.clamp(reaction)
+        };
+        parts.push(BoundaryPart { flux, measure: h });
+    }
+    shift_to_sum(law, &mut parts, -integral);
+    values.iter_mut().zip(parts).for_each(|(value, part)| *value = part.flux);
 }
 
 /// Fluxes through the half edges around a node, counter-clockwise: `east` from the cell below to the cell above the

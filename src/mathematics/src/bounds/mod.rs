@@ -54,6 +54,7 @@
 //!   keep the chains of additions as short as `summed` assumes.
 //! - Vector instructions need each function between `vectorised` and the loop to be inlined.
 
+mod boundary;
 mod cells;
 mod data;
 mod flux;
@@ -66,6 +67,7 @@ pub mod triangulation;
 mod walk;
 
 use crate::discrete::grid::Grid;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -104,6 +106,9 @@ pub enum NoBound {
     /// The continuous problem has no solution, or no unique one.
     #[error("the integral of f is not negative")]
     NotCoercive,
+    /// The same under another law than the paper's.
+    #[error("the flux that the law allows cannot balance the integral of f")]
+    Unbalanced,
     /// A sum overflows, squares underflow, or the vector contains a NaN.
     #[error("numbers exceed the range of double precision")]
     NotFinite,
@@ -113,15 +118,17 @@ pub enum NoBound {
 /// rounding.
 const LEAST_MASS: f64 = 1e-146;
 
-/// Returns bounds for the nodal vector `y` as an approximation of the solution for f. Any vector may be given.
+/// Returns bounds for the nodal vector `y` as an approximation of the solution for f under a law on the boundary. Any vector
+/// may be given.
 ///
 /// # Errors
-/// If the integral of f is not negative, or numbers exceed the range of double precision.
+/// If the flux cannot balance the integral of f, which must be negative for the paper's law, or numbers exceed the range of
+/// double precision.
 ///
 /// # Panics
 /// If `y.len() != grid.nodes()`.
-pub fn bounds(grid: Grid, f: &Source, y: &[f64]) -> Result<Bounds, NoBound> {
-    summed(grid, f, y, None)
+pub fn bounds(grid: Grid, f: &Source, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
+    summed(grid, f, law, y, None)
 }
 
 /// Returns the values of the recovery w of `y` on the grid of half the width, which determine it, and the bounds.
@@ -131,10 +138,15 @@ pub fn bounds(grid: Grid, f: &Source, y: &[f64]) -> Result<Bounds, NoBound> {
 ///
 /// # Panics
 /// See [`bounds`].
-pub fn recovery(grid: Grid, f: &Source, y: &[f64]) -> Result<(Vec<f64>, Bounds), NoBound> {
+pub fn recovery(
+    grid: Grid,
+    f: &Source,
+    law: Law,
+    y: &[f64],
+) -> Result<(Vec<f64>, Bounds), NoBound> {
     let side = 2 * grid.cells() + 1;
     let mut recovered = vec![0.0; side * side];
-    let bounds = summed(grid, f, y, Some(&mut recovered))?;
+    let bounds = summed(grid, f, law, y, Some(&mut recovered))?;
     Ok((recovered, bounds))
 }
 
@@ -142,29 +154,37 @@ pub fn recovery(grid: Grid, f: &Source, y: &[f64]) -> Result<(Vec<f64>, Bounds),
 fn summed(
     grid: Grid,
     f: &Source,
+    law: Law,
     y: &[f64],
     recovered: Option<&mut [f64]>,
 ) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
     let n = grid.cells();
-    let Projection { v, distance: projection_distance } = project(grid, y);
-    let walk::Total { sums, work, boundary_bubble_gain, residual, largest, mass } =
-        walk::total(grid, f, &v, recovered)?;
+    let Projection { v, distance: projection_distance } = project(grid, law, y);
+    let total = walk::total(grid, f, law, &v, recovered)?;
+    let walk::Total { sums, work, boundary_bubble_gain, residual, largest, mass, .. } = total;
     if mass < LEAST_MASS {
         return Err(NoBound::NotFinite);
     }
-    let size = sums.recovered + 2.0 * largest * mass;
+    // Largest flux through the boundary besides that which balances f; zero for the paper's law.
+    let flow = 4.0 * finite_size(law);
+    let size = sums.recovered + 2.0 * largest * (mass + 4.0 * flow);
     // The longest chain of additions has as many terms as a row has cells, and fewer than 300 more.
     let rounding = (n + 300) as f64 * f64::EPSILON * size;
     // Rounding errors of the differences of values, in the residual and in the flux, if all have one sign.
     let flux_rounding = (8.0 * n as f64 / PI + 16.0) * n as f64 * f64::EPSILON * largest;
-    let distance = sums.distance.sqrt() + residual + flux_rounding;
+    // Rounding errors of the sum of the reactions.
+    let flow_rounding = 8.0 * n as f64 * f64::EPSILON * flow;
+    let distance = sums.distance.sqrt() + residual + flux_rounding + flow_rounding;
     let gap = 0.5 * distance * distance + work;
-    let recovered_energy = 0.5 * sums.recovered - sums.recovered_load;
-    let linear_energy = 0.5 * sums.linear - sums.linear_load;
+    let recovered_inside = 0.5 * sums.recovered - sums.recovered_load;
+    let linear_inside = 0.5 * sums.linear - sums.linear_load;
+    let recovered_energy = recovered_inside + total.recovered_potential;
+    let linear_energy = linear_inside + total.linear_potential;
     let error_squared_max = 2.0 * (linear_energy - recovered_energy + gap + 2.0 * rounding);
+    // v and the recovery without bubbles on the boundary are the same there.
     let error_squared_min =
-        2.0 * (linear_energy - recovered_energy - boundary_bubble_gain - 2.0 * rounding);
+        2.0 * (linear_inside - recovered_inside - boundary_bubble_gain - 2.0 * rounding);
     let energy = [recovered_energy - gap - rounding, recovered_energy + rounding];
     // The projection distance is a sum of two terms for each boundary node, none of them negative.
     let projection_rounding = (8 * n + 16) as f64 * f64::EPSILON * projection_distance;
@@ -185,16 +205,25 @@ fn root(square: f64) -> f64 {
     square.max(0.0).sqrt()
 }
 
-/// A nodal vector without its negative values on the boundary.
+/// Sum of the absolute values of the finite ends of the interval of a law.
+fn finite_size(law: Law) -> f64 {
+    [law.lo(), law.hi()].into_iter().filter(|end| end.is_finite()).map(f64::abs).sum()
+}
+
+/// A nodal vector without the values on the boundary that the law forbids.
 struct Projection<'a> {
     v: Cow<'a, [f64]>,
     /// Distance from the vector before, in the energy norm.
     distance: f64,
 }
 
-/// Sets negative boundary values to zero.
-fn project(grid: Grid, y: &[f64]) -> Projection<'_> {
-    let below: Vec<f64> = grid.boundary().map(|node| y[node].min(0.0)).collect();
+/// Sets boundary values to zero that the law forbids: negative ones for the paper's law, none for a bounded interval.
+fn project(grid: Grid, law: Law, y: &[f64]) -> Projection<'_> {
+    if law.is_bounded() {
+        return Projection { v: Cow::Borrowed(y), distance: 0.0 };
+    }
+    let sign = if law.lo().is_finite() { 1.0 } else { -1.0 };
+    let below: Vec<f64> = grid.boundary().map(|node| sign * (sign * y[node]).min(0.0)).collect();
     if below.iter().all(|&value| value == 0.0) {
         return Projection { v: Cow::Borrowed(y), distance: 0.0 };
     }

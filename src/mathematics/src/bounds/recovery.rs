@@ -63,12 +63,6 @@ fn reflected(v: &[f64], a: &[f64]) -> Vec<f64> {
     v.iter().zip(a).map(|(v, a)| v + 2.0 * a).collect()
 }
 
-/// Limits the coefficient c of the bubble on an edge of the boundary with values p and q at its ends, so that the
-/// recovery is not negative there: its Bernstein coefficients are p, (p + q - c) / 2 and q.
-pub(super) fn limit_bubble(bubble: f64, [_, p, q, _]: [f64; 4]) -> f64 {
-    if p == 0.0 && q == 0.0 { 0.0 } else { bubble.min(p + q) }
-}
-
 /// Values of the recovery at the corners, the midpoints of edges and the centre of a cell, row by row.
 pub(super) fn values(cell: &SpecialCell) -> [[f64; 3]; 3] {
     let ([ll, lr, ul, ur], [[bottom, top], [left, right]]) = (cell.corners(), cell.bubbles);

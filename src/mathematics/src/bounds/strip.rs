@@ -1,10 +1,11 @@
 //! The surroundings of a row of cells: the nodal vector, and the fluxes that f and its load require.
 
+use super::boundary::limit_bubble;
 use super::cells::{CellSlot, LANES, second};
 use super::data::{ColumnSpan, MomentRun};
 use super::flux::{EdgeFluxes, NodeFluxes, through_edges};
 use super::moments::{CellMoments, mean};
-use super::recovery::{Extended, limit_bubble};
+use super::recovery::Extended;
 
 /// The nodal vector, and the fluxes around four rows of nodes: below row j of cells, at its lower and upper edges, and
 /// above it.
@@ -86,8 +87,9 @@ impl<'a> FluxStrip<'a> {
         for axis in 0..2 {
             for k in 0..2 {
                 let (line, bubble) = (lines[axis][k], 0.5 * seconds[axis][k] + bends[axis][k]);
+                let ends = [line[1], line[2]];
                 cells.bubbles[axis][k][lane] =
-                    if on_boundary[axis][k] { limit_bubble(bubble, line) } else { bubble };
+                    if on_boundary[axis][k] { limit_bubble(bubble, ends) } else { bubble };
                 (0..4).for_each(|node| cells.lines[axis][k][node][lane] = line[node]);
             }
         }

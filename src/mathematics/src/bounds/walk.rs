@@ -1,6 +1,7 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
 use super::NoBound;
+use super::boundary::PartLaw;
 use super::cells::{Batch, CellSlot, SpecialCell, Sums};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun};
 use super::flux::Reactions;
@@ -11,6 +12,7 @@ use super::residual::Pyramid;
 use super::strip::FluxStrip;
 use crate::discrete::grid::Grid;
 use crate::machine::simd::vectorised;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -19,8 +21,12 @@ use std::f64::consts::PI;
 #[derive(Default)]
 pub(super) struct Total {
     pub sums: Sums,
-    /// `<sigma.n, w>`, the work of the reactions on the recovery.
+    /// Integral of `j(w) + sigma.n w` over the boundary, w the recovery; for the paper's law the work of the reactions.
     pub work: f64,
+    /// Integral of j(w) over the boundary.
+    pub recovered_potential: f64,
+    /// Integral of j(v) over the boundary.
+    pub linear_potential: f64,
     /// Increase of the energy of the recovery if its bubbles on the boundary are left out.
     pub boundary_bubble_gain: f64,
     /// Upper bound of the norm of a flux whose divergence is the residual.
@@ -31,24 +37,28 @@ pub(super) struct Total {
     pub mass: f64,
 }
 
-/// Computes the sums for the nodal vector `v`, which must not be negative on the boundary.
+/// Computes the sums for the nodal vector `v`, whose values on the boundary the law must allow.
 ///
 /// Writes the recovery on the grid of half the width to `recovered`, if that is given.
 pub(super) fn total(
     grid: Grid,
     f: &Source,
+    law: Law,
     v: &[f64],
     recovered: Option<&mut [f64]>,
 ) -> Result<Total, NoBound> {
     let data = AllCells::new(grid, f);
-    if data.integral >= 0.0 {
-        return Err(NoBound::NotCoercive);
+    match law.check_solvable(data.integral, 4.0) {
+        Err(_) if law.is_signorini() => return Err(NoBound::NotCoercive),
+        Err(_) => return Err(NoBound::Unbalanced),
+        Ok(()) => (),
     }
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
-    let reactions = Reactions::new(grid, v, &outer, &data);
+    let reactions = Reactions::new(grid, law, v, &outer, &data);
     let extended = Extended::new(grid, v, &reactions);
     let strip = FluxStrip::new(extended, data.solves_for_linear_hats(v));
-    let sweep = CellSweep::new(&data, strip, recovered);
+    let law = PartLaw::new(law, grid.h());
+    let sweep = CellSweep::new(&data, law, strip, recovered);
     Ok(vectorised(
         #[inline(always)]
         || sweep.run(),
@@ -62,6 +72,8 @@ const BLOCK: usize = 8;
 /// State of the sweep over the rows of cells.
 struct CellSweep<'a> {
     grid: Grid,
+    /// Law of an edge of the boundary.
+    law: PartLaw,
     data: &'a AllCells<'a>,
     strip: FluxStrip<'a>,
     /// Rows j to j + 2 of cells, where j is the current row; empty beyond the boundary.
@@ -82,10 +94,16 @@ struct CellSweep<'a> {
 }
 
 impl<'a> CellSweep<'a> {
-    fn new(data: &'a AllCells<'a>, strip: FluxStrip<'a>, recovered: Option<&'a mut [f64]>) -> Self {
+    fn new(
+        data: &'a AllCells<'a>,
+        law: PartLaw,
+        strip: FluxStrip<'a>,
+        recovered: Option<&'a mut [f64]>,
+    ) -> Self {
         let (grid, n) = (strip.v.grid, strip.v.grid.cells());
         Self {
             grid,
+            law,
             data,
             strip,
             cells: Default::default(),
@@ -200,8 +218,11 @@ impl<'a> CellSweep<'a> {
         let reactions = [[&bottom[i..], &top[i..]], [&left[j..], &right[j..]]];
         for (axis, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             if on_boundary[axis][k] {
-                let [_, p, q, _] = cell.lines[axis][k];
-                self.total.work += reaction_work([p, q], reactions[axis][k], cell.bubbles[axis][k]);
+                let ([_, p, q, _], bubble) = (cell.lines[axis][k], cell.bubbles[axis][k]);
+                let fluxes = [reactions[axis][k][0], reactions[axis][k][1]];
+                self.total.work += self.law.work([p, q], fluxes, bubble);
+                self.total.recovered_potential += self.law.potential([p, q], bubble);
+                self.total.linear_potential += self.law.potential([p, q], 0.0);
                 self.total.boundary_bubble_gain += cell.boundary_bubble_gain(axis, k);
             }
         }
@@ -244,10 +265,4 @@ fn largest(v: &[f64]) -> f64 {
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
-}
-
-/// Work of the reactions `a` at the ends of an edge on the recovery there, with values `v` at the ends.
-fn reaction_work(v: [f64; 2], a: &[f64], bubble: f64) -> f64 {
-    let linear = a[0] * (2.0 * v[0] + v[1]) + a[1] * (v[0] + 2.0 * v[1]);
-    linear / 6.0 - bubble * (a[0] + a[1]) / 12.0
 }

@@ -195,6 +195,11 @@ impl Law {
         self.hi
     }
 
+    /// True if both ends of the interval are finite, so that v may have any sign.
+    pub fn is_bounded(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
     /// True if the law is the paper's.
     pub fn is_signorini(self) -> bool {
         self == Self::SIGNORINI

@@ -4,7 +4,9 @@
 use super::BoundsError;
 use super::cells::Cells;
 use super::sides::{Neighbour, Sides};
-use crate::mesh::Condition;
+use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
+use crate::mesh::{Condition, measure};
+use crate::problem::law::Law;
 use std::cmp::Ordering;
 
 /// Side of the boundary through which flux may leave.
@@ -13,15 +15,17 @@ struct Outlet {
     side: u32,
     /// True if the flux may have any sign.
     is_fixed: bool,
-    /// Flux out of the domain.
-    outflow: f64,
+    /// Length or area.
+    measure: f64,
+    /// Distance of the flux from the ends of the interval of the law.
+    room: f64,
 }
 
 impl Outlet {
-    /// Order by fitness for a root: fixed sides first, then sides with much outflow, from which some can be taken.
+    /// Order by fitness for a root: fixed sides first, then sides with much room, for the paper's law much outflow.
     fn compare(&self, other: &Self) -> Ordering {
         let by_condition = other.is_fixed.cmp(&self.is_fixed);
-        by_condition.then(other.outflow.total_cmp(&self.outflow))
+        by_condition.then(other.room.total_cmp(&self.room))
     }
 }
 
@@ -41,15 +45,16 @@ struct Step {
     side: u32,
 }
 
-/// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the flux out through the
-/// boundary in contact is not negative.
+/// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux out
+/// through the boundary in contact.
 ///
-/// In a component without fixed boundary the outflows through the contact boundary are scaled first, so that their sum
-/// balances f and the outlet at the root has no more than rounding errors to take.
+/// In a component without fixed boundary the outflows through the contact boundary are first scaled, or shifted if the
+/// interval of the law is bounded, so that their sum balances f and the outlet at the root has no more than rounding errors
+/// to take.
 ///
 /// # Errors
-/// If a component has neither a contact nor a fixed boundary, or the integral of f over a component without fixed
-/// boundary is not negative.
+/// If a component has neither a contact nor a fixed boundary, or the law does not allow what balances the integral of f over a
+/// component without fixed boundary.
 pub(super) fn balance<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -60,8 +65,14 @@ pub(super) fn balance<const D: usize, const V: usize>(
     for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
         let condition = mesh.condition(facet);
         if condition != Condition::Free {
-            let (is_fixed, outflow) = (condition == Condition::Fixed, flux[side as usize]);
-            outlets.push(Outlet { side, is_fixed, outflow });
+            let measure = measure(mesh.corners(facet));
+            let (law, is_fixed) = (PartLaw::new(cells.law, measure), condition == Condition::Fixed);
+            let flux = &mut flux[side as usize];
+            if !is_fixed {
+                // Sums of parts at the end of the interval may exceed the end by rounding.
+                *flux = law.clamp(*flux);
+            }
+            outlets.push(Outlet { side, is_fixed, measure, room: law.room(*flux) });
         }
     }
     outlets.sort_by(Outlet::compare);
@@ -69,7 +80,14 @@ pub(super) fn balance<const D: usize, const V: usize>(
     for outlet in outlets {
         if !is_seen[sides.inner_cell(outlet.side) as usize] {
             let steps = tree(sides, outlet.side, &mut is_seen);
-            Component { outlet, steps }.balance(cells, sides, flux)?;
+            let mut component = Component { outlet, steps };
+            if !outlet.is_fixed {
+                component.balance_outflows(cells, sides, flux)?;
+                if cells.law.is_bounded() {
+                    component.move_root(sides, &mut is_seen);
+                }
+            }
+            component.balance(cells, sides, flux)?;
         }
     }
     match is_seen.iter().position(|seen| !seen) {
@@ -103,49 +121,92 @@ impl Component {
         sides: &Sides<V>,
         flux: &mut [f64],
     ) -> Result<(), BoundsError> {
-        if !self.outlet.is_fixed {
-            self.scale(cells, sides, flux)?;
-        }
         for &Step { cell, side } in self.steps.iter().rev() {
             let outflow: f64 = sides.outflows(cell, flux).iter().sum();
             let missing = -(V as f64) * cells.load(cell) - outflow;
             flux[side as usize] += if sides.leaves(cell, side) { missing } else { -missing };
         }
-        match !self.outlet.is_fixed && flux[self.outlet.side as usize] < 0.0 {
-            true => Err(self.not_coercive()),
+        let law = PartLaw::new(cells.law, self.outlet.measure);
+        match !self.outlet.is_fixed && law.room(flux[self.outlet.side as usize]) < 0.0 {
+            true => Err(self.unsolvable(cells.law)),
             false => Ok(()),
         }
     }
 
-    /// Scales the outflows through the boundary until they balance f.
-    fn scale<const D: usize, const V: usize>(
-        &self,
+    /// Changes the outflows through the boundary until they balance f, and takes the outlet with most room.
+    fn balance_outflows<const D: usize, const V: usize>(
+        &mut self,
         cells: &Cells<'_, D, V>,
         sides: &Sides<V>,
         flux: &mut [f64],
     ) -> Result<(), BoundsError> {
-        let (mut integral, mut outflow) = (0.0, 0.0);
-        let mut outlets = Vec::new();
+        let (mesh, law) = (cells.mesh, cells.law);
+        if law.is_bounded() {
+            self.outlet.room = f64::NEG_INFINITY;
+        }
+        let (mut integral, mut perimeter) = (0.0, 0.0);
+        let (mut outlets, mut parts) = (Vec::new(), Vec::new());
         for &Step { cell, .. } in &self.steps {
             integral += V as f64 * cells.load(cell);
             for side in sides.of(cell) {
-                if matches!(sides.across(cell, side), Neighbour::Facet(_)) {
-                    outflow += flux[side as usize];
-                    outlets.push(side);
+                if let Neighbour::Facet(facet) = sides.across(cell, side) {
+                    let facet = &mesh.facets()[facet as usize];
+                    if mesh.condition(facet) == Condition::Contact {
+                        let measure = measure(mesh.corners(facet));
+                        perimeter += measure;
+                        outlets.push(side);
+                        parts.push(BoundaryPart { flux: flux[side as usize], measure });
+                    }
                 }
             }
         }
-        if integral >= 0.0 {
-            return Err(self.not_coercive());
+        if law.check_solvable(integral, perimeter).is_err() {
+            return Err(self.unsolvable(law));
         }
-        if outflow > 0.0 {
-            let scale = -integral / outflow;
-            outlets.into_iter().for_each(|side| flux[side as usize] *= scale);
+        if law.is_bounded() {
+            shift_to_sum(law, &mut parts, -integral);
+        } else {
+            scale_to_sum(law, &mut parts, -integral);
+        }
+        for (side, part) in outlets.into_iter().zip(parts) {
+            flux[side as usize] = part.flux;
+            let room = PartLaw::new(law, part.measure).room(part.flux);
+            let outlet = Outlet { side, is_fixed: false, measure: part.measure, room };
+            if law.is_bounded() && outlet.compare(&self.outlet) == Ordering::Less {
+                self.outlet = outlet;
+            }
         }
         Ok(())
     }
 
-    fn not_coercive(&self) -> BoundsError {
-        BoundsError::NotCoercive { cell: self.steps[0].cell as usize }
+    /// Moves the root of the tree to the outlet.
+    fn move_root<const V: usize>(&mut self, sides: &Sides<V>, is_seen: &mut [bool]) {
+        self.steps.iter().for_each(|step| is_seen[step.cell as usize] = false);
+        self.steps = tree(sides, self.outlet.side, is_seen);
+    }
+
+    fn unsolvable(&self, law: Law) -> BoundsError {
+        let cell = self.steps[0].cell as usize;
+        match law.is_signorini() {
+            true => BoundsError::NotCoercive { cell },
+            false => BoundsError::Unbalanced { cell },
+        }
+    }
+}
+
+/// Scales what fluxes exceed the finite end of an interval by until their sum is `sum`.
+fn scale_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {
+    let end = if law.lo().is_finite() { law.lo() } else { law.hi() };
+    let (mut excess, mut needed) = (0.0, sum);
+    for part in parts.iter() {
+        excess += part.flux - end * part.measure;
+        needed -= end * part.measure;
+    }
+    if excess != 0.0 {
+        let scale = needed / excess;
+        for part in parts {
+            let least = end * part.measure;
+            part.flux = scale * (part.flux - least) + least;
+        }
     }
 }

@@ -2,6 +2,7 @@
 //! given fluxes through the sides.
 
 use crate::mesh::{Element, Mesh, centroid, dot};
+use crate::problem::law::Law;
 
 /// Cell as far as the outflows wanted from it are concerned.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,8 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
     pub w: &'a [f64],
     /// Means of f.
     pub f: &'a [f64],
+    /// Law on the boundary in contact.
+    pub law: Law,
 }
 
 impl<const D: usize, const V: usize> Cells<'_, D, V> {

@@ -8,6 +8,7 @@ use crate::bounds::Bounds;
 use crate::discrete::cube::Grid;
 use crate::mesh::{assemble, mesh_load, uniform_cube};
 use crate::problem::cube::Source;
+use crate::problem::law::Law;
 
 /// Bounds on the cube.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,17 +19,23 @@ pub struct CubeBounds {
     pub by_quadrature: bool,
 }
 
-/// Returns bounds for the nodal vector `y` of a grid as an approximation of the solution for f. Any vector may be given.
+/// Returns bounds for the nodal vector `y` of a grid as an approximation of the solution for f under a law on the boundary.
+/// Any vector may be given.
 ///
 /// # Errors
 /// As [`bounds_on_mesh`].
 ///
 /// # Panics
 /// If `y` has not one value for each node.
-pub fn bounds_on_cube(grid: Grid, f: &Source, y: &[f64]) -> Result<CubeBounds, BoundsError> {
+pub fn bounds_on_cube(
+    grid: Grid,
+    f: &Source,
+    law: Law,
+    y: &[f64],
+) -> Result<CubeBounds, BoundsError> {
     let mesh = uniform_cube(grid);
     let cells = mesh_load(&mesh, f).cells;
-    let bounds = bounds_on_mesh(&mesh, &assemble(&mesh), &cells, y)?;
+    let bounds = bounds_on_mesh(&mesh, &assemble(&mesh), &cells, law, y)?;
     Ok(CubeBounds { bounds, by_quadrature: cells.deviation.is_some() })
 }
 
@@ -62,7 +69,7 @@ mod tests {
                 energy -= 0.5 * h.powi(3) * f.at(point) * exact.at(point).value;
             }
             let errors = [8, 16].map(|n| {
-                let found = bounds_on_cube(grid(n), &f, &solved(n, &f)).unwrap();
+                let found = bounds_on_cube(grid(n), &f, Law::SIGNORINI, &solved(n, &f)).unwrap();
                 let [low, high] = found.bounds.energy;
                 assert!(low < energy && energy < high, "{exact:?} {n}: {low} {energy} {high}");
                 assert!(found.by_quadrature);
@@ -86,7 +93,7 @@ mod tests {
             let (mut lowest, mut highest) = (f64::NEG_INFINITY, f64::INFINITY);
             for n in [4, 8, 16] {
                 let y = solved(n, &f);
-                let found = bounds_on_cube(grid(n), &f, &y).unwrap();
+                let found = bounds_on_cube(grid(n), &f, Law::SIGNORINI, &y).unwrap();
                 assert!(!found.by_quadrature);
                 let [low, high] = found.bounds.energy;
                 (lowest, highest) = (low.max(lowest), high.min(highest));

@@ -2,6 +2,7 @@
 
 use super::cells::{Cell, Cells};
 use super::sides::{Neighbour, Sides};
+use crate::bounds::boundary::PartLaw;
 use crate::mesh::{Condition, Facet, Mesh, measure};
 
 /// Cell of a fan.
@@ -125,15 +126,26 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         &self.mesh.facets()[outlet.facet as usize]
     }
 
-    /// Lets the reaction at the node, as far as the boundary allows, out through the boundary, and takes the rest away
+    /// Lets the reaction at the node, as far as the law allows, out through the boundary, and takes the rest away
     /// from all cells in proportion to their volumes: then the outflows wanted from the cells and those through the
     /// boundary have the same sum.
     pub(super) fn prescribe(&mut self) {
         let reaction: f64 = self.members.iter().map(|member| member.wanted).sum();
-        let open =
-            if self.reaches(Condition::Fixed) { Condition::Fixed } else { Condition::Contact };
-        let allowed = if open == Condition::Fixed { reaction } else { reaction.max(0.0) };
-        let kept = if self.let_out(open, allowed) { allowed } else { 0.0 };
+        let law = self.cells.law;
+        // Each of the D nodes of a facet has the same part of the facet.
+        let part = self.measure(Condition::Contact) / D as f64;
+        let kept = if self.measure(Condition::Fixed) > 0.0 {
+            let beside = part * law.project(0.0);
+            self.let_out(Condition::Contact, beside);
+            self.let_out(Condition::Fixed, reaction - beside);
+            reaction
+        } else if part > 0.0 {
+            let allowed = PartLaw::new(law, part).clamp(reaction);
+            self.let_out(Condition::Contact, allowed);
+            allowed
+        } else {
+            0.0
+        };
         let volume: f64 = self.members.iter().map(|member| member.data.volume).sum();
         let density = (reaction - kept) / volume;
         for member in &mut self.members {
@@ -141,26 +153,24 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         }
     }
 
-    fn reaches(&self, condition: Condition) -> bool {
-        self.outlets.iter().any(|outlet| self.mesh.condition(self.facet(*outlet)) == condition)
+    /// Measure of the facets at the node with this condition.
+    fn measure(&self, condition: Condition) -> f64 {
+        let facets = self.outlets.iter().map(|outlet| self.facet(*outlet));
+        let open = facets.filter(|facet| self.mesh.condition(facet) == condition);
+        open.map(|facet| measure(self.mesh.corners(facet))).sum()
     }
 
-    /// Spreads an outflow over the facets with this condition in proportion to their measures; false if there are none.
-    fn let_out(&mut self, condition: Condition, outflow: f64) -> bool {
-        let mut shares = Vec::new();
-        for outlet in &self.outlets {
-            let facet = self.facet(*outlet);
-            let is_open = self.mesh.condition(facet) == condition;
-            shares.push(if is_open { measure(self.mesh.corners(facet)) } else { 0.0 });
+    /// Spreads an outflow over the facets with this condition in proportion to their measures.
+    fn let_out(&mut self, condition: Condition, outflow: f64) {
+        let total = self.measure(condition);
+        for place in 0..self.outlets.len() {
+            let outlet = self.outlets[place];
+            let facet = self.facet(outlet);
+            if self.mesh.condition(facet) == condition {
+                let share = measure(self.mesh.corners(facet)) / total;
+                self.members[outlet.member].outflows[outlet.slot] = outflow * share;
+            }
         }
-        let total: f64 = shares.iter().sum();
-        if total <= 0.0 {
-            return false;
-        }
-        for (outlet, share) in self.outlets.iter().zip(shares) {
-            self.members[outlet.member].outflows[outlet.slot] = outflow * (share / total);
-        }
-        true
     }
 
     /// Gives each cell the outflow wanted from it, through the sides by which the search came.

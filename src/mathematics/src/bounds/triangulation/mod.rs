@@ -46,6 +46,7 @@ mod tests;
 use super::{Bounds, LEAST_MASS, root};
 use crate::discrete::network::Network;
 use crate::mesh::{CellData, Mesh};
+use crate::problem::law::Law;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
@@ -66,6 +67,14 @@ pub enum BoundsError {
         /// Position of a cell of the component.
         cell: usize,
     },
+    /// The same under another law than the paper's.
+    #[error(
+        "the flux that the law allows cannot balance the integral of f over the part of the domain with element {cell}; change f there, widen the law or fix a part of the boundary"
+    )]
+    Unbalanced {
+        /// Position of a cell of the component.
+        cell: usize,
+    },
     /// A component with a free boundary alone.
     #[error(
         "the whole boundary of the part of the domain with element {cell} is free; let some of the boundary be in contact or fixed"
@@ -79,13 +88,13 @@ pub enum BoundsError {
     NotFinite,
 }
 
-/// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f. Any vector
-/// may be given; `network` must be that of `mesh` with the present conditions. In place of the recovery of [`Bounds`] is w, the linear function of `y` put into K; the lower bound of
+/// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a law
+/// on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present conditions. In place of the recovery of [`Bounds`] is w, the linear function of `y` put into K; the lower bound of
 /// the error is zero.
 ///
 /// # Errors
-/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the
-/// integral of f is not negative, or if numbers exceed the range of double precision.
+/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the flux
+/// cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of double precision.
 ///
 /// # Panics
 /// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.
@@ -93,19 +102,21 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     network: &Network,
     f: &CellData,
+    law: Law,
     y: &[f64],
 ) -> Result<Bounds, BoundsError> {
     assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
     let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
     assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
-    let w = admissible(network, y);
+    let w = admissible(network, law, y);
     let sides = Sides::new(mesh);
-    let flux = equilibrated(mesh, &sides, network, &f.mean, &w)?;
-    let summands = Summands { mesh, sides: &sides, f, y, w: &w, flux: &flux };
+    let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
+    let summands = Summands { mesh, sides: &sides, f, y, w: &w, law, flux: &flux };
     let totals = summands.totals();
     let largest = w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
-    let energy = 0.5 * totals.gradient - totals.load + totals.deviation + rounding;
+    let inside = 0.5 * totals.gradient - totals.load + totals.deviation;
+    let energy = inside + totals.potential + rounding;
     let gap = 0.5 * totals.distance + totals.work;
     let recovered = root(2.0 * (gap + 2.0 * rounding));
     let projection = totals.projection.sqrt() * (1.0 + 1e-12);
@@ -123,13 +134,15 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     }
 }
 
-/// Nodal vector of a function in K: negative values in contact, and all fixed values, are replaced by zero.
-fn admissible(network: &Network, y: &[f64]) -> Vec<f64> {
+/// Nodal vector of a function in K: values in contact that the law forbids, and all fixed values, are replaced by zero.
+fn admissible(network: &Network, law: Law, y: &[f64]) -> Vec<f64> {
     let mut w = y.to_vec();
     for contact in network.contact() {
         let value = &mut w[contact.node as usize];
+        let is_forbidden =
+            (law.hi().is_infinite() && *value < 0.0) || (law.lo().is_infinite() && *value > 0.0);
         // The maximum with zero would hide a NaN.
-        if *value < 0.0 {
+        if is_forbidden {
             *value = 0.0;
         }
     }
@@ -140,18 +153,15 @@ fn admissible(network: &Network, y: &[f64]) -> Vec<f64> {
 /// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells. The stiffness matrix in
 /// `network` says by how much a circulation changes the norm.
 fn equilibrated<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
+    cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     network: &Network,
-    f: &[f64],
-    w: &[f64],
 ) -> Result<Vec<f64>, BoundsError> {
-    let cells = Cells { mesh, w, f };
-    let mut flux = of_fans(&cells, sides);
+    let mut flux = of_fans(cells, sides);
     if D == 2 {
-        circulate(&cells, sides, network, &mut flux);
+        circulate(cells, sides, network, &mut flux);
     }
-    balance(&cells, sides, &mut flux)?;
+    balance(cells, sides, &mut flux)?;
     Ok(flux)
 }
 

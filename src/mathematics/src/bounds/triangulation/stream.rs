@@ -7,30 +7,32 @@
 
 use super::cells::{Cells, RaviartThomas};
 use super::sides::Sides;
+use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
-use crate::mesh::{Condition, Element};
+use crate::mesh::{Condition, Element, measure};
 
 /// Number of Gauss-Seidel sweeps, every other one backward. More of them change the bounds by next to nothing.
 const SWEEPS: usize = 4;
 
-/// Bound of psi at a node of the boundary: psi at the other end of a facet, plus or minus the outflow there.
+/// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
 struct Limit {
     other: u32,
-    outflow: f64,
+    /// Least difference.
+    lower: f64,
+    /// Largest difference.
+    upper: f64,
 }
 
-/// Node of the boundary, and the limits beyond which an outflow in contact would be negative.
+/// Node of the boundary, and the limits beyond which the law would not allow an outflow in contact.
 #[derive(Clone, Copy, Default)]
 struct BoundaryNode {
     /// Number of facets at the node.
     facets: u32,
     /// True if a facet of the node is free.
     is_free: bool,
-    /// Limit by the facet in contact that ends at the node.
-    lower: Option<Limit>,
-    /// Limit by the facet in contact that begins at the node.
-    upper: Option<Limit>,
+    /// Limits by the facets in contact that end and begin at the node.
+    limits: [Option<Limit>; 2],
 }
 
 /// Place of a node inside.
@@ -47,7 +49,7 @@ struct Stream {
 }
 
 /// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays, and
-/// an outflow through the boundary in contact does not become negative.
+/// the law allows the outflows through the boundary in contact.
 pub(super) fn circulate<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -107,9 +109,13 @@ impl Stream {
                 of.facets += 1;
                 of.is_free |= condition == Condition::Free;
                 if condition == Condition::Contact {
-                    let limit = Limit { other: facet.nodes[1 - k], outflow: flux[side as usize] };
+                    let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
+                    let outflow = flux[side as usize];
+                    let [above, below] = [outflow - law.least, law.most - outflow];
                     let begins = (k == 0) == (sense > 0.0);
-                    *(if begins { &mut of.upper } else { &mut of.lower }) = Some(limit);
+                    let [lower, upper] = if begins { [-below, above] } else { [-above, below] };
+                    let limit = Limit { other: facet.nodes[1 - k], lower, upper };
+                    of.limits[usize::from(begins)] = Some(limit);
                 }
             }
         }
@@ -122,10 +128,14 @@ impl Stream {
         let best = network.row(node).add_to(load[node], &self.psi) / network.diagonal()[node];
         self.psi[node] = match self.boundary.get(self.places[node] as usize) {
             None => best,
-            Some(BoundaryNode { lower, upper, is_free: false, facets: 2 }) => {
-                let lower = lower.map(|limit| self.psi[limit.other as usize] - limit.outflow);
-                let upper = upper.map(|limit| self.psi[limit.other as usize] + limit.outflow);
-                best.min(upper.unwrap_or(f64::INFINITY)).max(lower.unwrap_or(f64::NEG_INFINITY))
+            Some(BoundaryNode { limits, is_free: false, facets: 2 }) => {
+                let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+                for limit in limits.iter().flatten() {
+                    let other = self.psi[limit.other as usize];
+                    lower = lower.max(other + limit.lower);
+                    upper = upper.min(other + limit.upper);
+                }
+                best.min(upper).max(lower)
             }
             // A free facet has no flux; a node at which the domain touches itself is left out.
             Some(_) => 0.0,
@@ -150,9 +160,10 @@ impl Stream {
         let facets = cells.mesh.facets();
         for (facet, side) in facets.iter().zip(sides.of_facets(facets.len())) {
             let outflow = &mut flux[side as usize];
-            // Where a limit is met, rounding decides the sign.
-            if cells.mesh.condition(facet) == Condition::Contact && *outflow < 0.0 {
-                *outflow = 0.0;
+            // Where a limit is met, rounding decides the side.
+            if cells.mesh.condition(facet) == Condition::Contact {
+                let law = PartLaw::new(cells.law, measure(cells.mesh.corners(facet)));
+                *outflow = law.clamp(*outflow);
             }
         }
     }

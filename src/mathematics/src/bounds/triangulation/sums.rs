@@ -3,7 +3,10 @@
 use super::CellData;
 use super::cells::{RaviartThomas, gradient};
 use super::sides::Sides;
-use crate::mesh::{Condition, Element, Mesh, dot, size};
+use crate::bounds::boundary::PartLaw;
+use crate::bounds::finite_size;
+use crate::mesh::{Condition, Element, Mesh, dot, measure, size};
+use crate::problem::law::Law;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -28,8 +31,10 @@ pub(super) struct Totals {
     pub deviation: f64,
     /// `|grad (y - w)|^2`, y the vector that was given.
     pub projection: f64,
-    /// Integral of `w sigma.n` over the boundary.
+    /// Integral of `j(w) + w sigma.n` over the boundary; for the paper's law the work of the reactions.
     pub work: f64,
+    /// Integral of j(w) over the boundary.
+    pub potential: f64,
     /// Integral of |f|, its means.
     pub mass: f64,
     /// Sum of absolute values, of which rounding errors are a small part.
@@ -48,6 +53,7 @@ impl Totals {
             deviation: self.deviation + other.deviation,
             projection: self.projection + other.projection,
             work: self.work + other.work,
+            potential: self.potential + other.potential,
             mass: self.mass + other.mass,
             magnitude: self.magnitude + other.magnitude,
             flow: self.flow + other.flow,
@@ -70,6 +76,8 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
     pub y: &'a [f64],
     /// Nodal vector in K.
     pub w: &'a [f64],
+    /// Law on the boundary in contact.
+    pub law: Law,
     /// Fluxes through all sides.
     pub flux: &'a [f64],
 }
@@ -77,9 +85,7 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
 impl<const D: usize, const V: usize> Summands<'_, D, V> {
     /// Sums over all cells and facets.
     pub(super) fn totals(&self) -> Totals {
-        let mut totals = self.over(0..self.mesh.cells().len());
-        totals.work = self.work();
-        totals
+        self.over(0..self.mesh.cells().len()).add(halved_sum(&self.boundary()))
     }
 
     fn over(&self, cells: Range<usize>) -> Totals {
@@ -119,6 +125,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             deviation: field * gradient_square.sqrt(),
             projection: self.projection(nodes, &element, w),
             work: 0.0,
+            potential: 0.0,
             mass: mean.abs() * volume,
             magnitude: volume * (steepest * steepest + mean.abs() * highest)
                 + longer_square(fields.largest_square(outflows), field),
@@ -136,27 +143,35 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         element.volume * dot(moved, moved)
     }
 
-    /// Integral of `w sigma.n` over the boundary.
-    fn work(&self) -> f64 {
+    /// Integrals over the facets in contact.
+    fn boundary(&self) -> Vec<Totals> {
         let facets = self.mesh.facets();
         let mut terms = Vec::with_capacity(facets.len());
         for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
             if self.mesh.condition(facet) == Condition::Contact {
-                let sum: f64 = facet.nodes.iter().map(|&node| self.w[node as usize]).sum();
-                terms.push(self.flux[side as usize] * sum / D as f64);
+                let measure = measure(self.mesh.corners(facet));
+                let law = PartLaw::new(self.law, measure);
+                let w = facet.nodes.map(|node| self.w[node as usize]);
+                let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+                terms.push(Totals {
+                    work: law.work_of_facet(w, self.flux[side as usize]),
+                    potential: law.potential(w, 0.0),
+                    magnitude: 2.0 * measure * finite_size(self.law) * highest,
+                    ..Totals::default()
+                });
             }
         }
-        halved_sum(&terms)
+        terms
     }
 }
 
 /// Sum with short chains of additions.
-fn halved_sum(terms: &[f64]) -> f64 {
+fn halved_sum(terms: &[Totals]) -> Totals {
     if terms.len() <= RUN {
-        return terms.iter().sum();
+        return terms.iter().fold(Totals::default(), |totals, term| totals.add(*term));
     }
     let (one, two) = terms.split_at(terms.len() / 2);
-    halved_sum(one) + halved_sum(two)
+    halved_sum(one).add(halved_sum(two))
 }
 
 /// Square of the sum of a length, given by its square, and another.

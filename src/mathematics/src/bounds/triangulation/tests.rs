@@ -74,7 +74,7 @@ impl<const D: usize, const V: usize> TestProblem<D, V> {
     }
 
     fn bounds(&self) -> Bounds {
-        bounds_on_mesh(&self.mesh, &self.network, &self.f, &self.y).unwrap()
+        bounds_on_mesh(&self.mesh, &self.network, &self.f, Law::SIGNORINI, &self.y).unwrap()
     }
 
     /// Solutions on refined meshes, with their bounds.
@@ -149,7 +149,7 @@ fn the_square_has_the_bracket_of_its_grid() {
         let half = n as u32 / 2;
         let mut problem = square(n as u32, |i, j| if i.max(j) < half { 3.0 } else { -1.1 });
         problem.y.clone_from(&y);
-        let of_grid = crate::bounds::bounds(grid, &source, &y).unwrap();
+        let of_grid = crate::bounds::bounds(grid, &source, Law::SIGNORINI, &y).unwrap();
         let of_mesh = problem.bounds();
         assert!(overlap(&[of_grid.energy, of_mesh.energy]), "{of_grid:?} {of_mesh:?}");
         assert!(of_grid.error[0] <= of_mesh.error[1] && of_mesh.error[1] < 1.6 * of_grid.error[1]);
@@ -202,10 +202,11 @@ fn noise(count: usize, frequency: f64) -> Vec<f64> {
 fn sigma_is_a_flux_for_every_vector() {
     let mut problem = annulus(Condition::Free).refined();
     problem.y = noise(problem.y.len(), 12.9898);
-    let w = admissible(&problem.network, &problem.y);
+    let w = admissible(&problem.network, Law::SIGNORINI, &problem.y);
     let sides = Sides::new(&problem.mesh);
-    let flux = equilibrated(&problem.mesh, &sides, &problem.network, &problem.f.mean, &w).unwrap();
-    let cells = Cells { mesh: &problem.mesh, w: &w, f: &problem.f.mean };
+    let (mesh, f) = (&problem.mesh, &problem.f.mean);
+    let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
+    let flux = equilibrated(&cells, &sides, &problem.network).unwrap();
     for cell in 0..cells.len() as u32 {
         let outflow: f64 = sides.outflows(cell, &flux).iter().sum();
         assert!((outflow + 3.0 * cells.load(cell)).abs() < 1e-13);
@@ -234,9 +235,10 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
     for inner in [Condition::Free, Condition::Fixed, Condition::Contact] {
         let mut problem = annulus(inner).refined();
         problem.y = noise(problem.y.len(), 12.9898);
-        let w = admissible(&problem.network, &problem.y);
+        let w = admissible(&problem.network, Law::SIGNORINI, &problem.y);
         let sides = Sides::new(&problem.mesh);
-        let cells = Cells { mesh: &problem.mesh, w: &w, f: &problem.f.mean };
+        let (mesh, f) = (&problem.mesh, &problem.f.mean);
+        let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
         let before = of_fans(&cells, &sides);
         let mut after = before.clone();
         circulate(&cells, &sides, &problem.network, &mut after);
@@ -285,12 +287,14 @@ fn domains_that_touch_in_a_node_are_bounded_together() {
     assert!(high - low < 2e-2 * high.abs(), "{low} {high}");
     // The half that has no fixed side decides.
     problem.f.mean[1] = 0.0;
-    let found = bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, &problem.y);
+    let found =
+        bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, Law::SIGNORINI, &problem.y);
     assert_eq!(found, Err(BoundsError::NotCoercive { cell: 1 }));
 }
 
 fn refused(problem: &TestProblem<2, 3>, expected: BoundsError) {
-    let found = bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, &problem.y);
+    let found =
+        bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, Law::SIGNORINI, &problem.y);
     assert_eq!(found, Err(expected));
     assert!(!expected.to_string().contains('\n'));
 }

@@ -94,7 +94,7 @@ impl Bounded {
         let params = MultigridParams::default();
         let (y, _) = multigrid::solve_square(grid.cells(), load, None, &params)
             .map_err(|e| e.to_string())?;
-        let bounds = bounds(grid, &known.f(), &y).map_err(|e| e.to_string())?;
+        let bounds = bounds(grid, &known.f(), Law::SIGNORINI, &y).map_err(|e| e.to_string())?;
         Ok(Self { error: known.h1_error(grid, &y, exact), y, bounds })
     }
 }
