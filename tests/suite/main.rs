@@ -28,6 +28,7 @@ mod identify;
 mod identify_cli;
 mod init;
 mod interruption;
+mod law_bounds;
 mod law_commands;
 mod laws;
 mod layout;

@@ -1,0 +1,224 @@
+//! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
+
+use crate::common::Dice;
+use signorini_mathematics::bounds::triangulation::{BoundsError, bounds_on_mesh};
+use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::judging::judge_network;
+use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, OnCells, mesh_load, refined};
+use signorini_mathematics::multigrid::active_set::active_set_on;
+use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
+use signorini_mathematics::problem::law::{BoundaryState, Law};
+use signorini_mathematics::problem::source::Source;
+
+/// Problems with friction: name, f, the bound g, and the width of the bracket allowed at 1/256.
+const FRICTION: [(&str, &str, f64, f64); 5] = [
+    ("A", "quadrant(ll)=3; else=-1.002", 0.3, 2e-8),
+    ("C", "else=1", 0.3, 2e-9),
+    ("D", "halfplane(1,0,0)=8; else=-8", 1.0, 3e-7),
+    ("E", "rect(-0.5,0,-0.25,0.25)=6; else=-1", 0.25, 2e-8),
+    ("F", "else=4", 1.01, 2e-6),
+];
+
+/// Energies of cases A and D, by a spectral method in quadruple precision, written apart from this program.
+const ENERGIES: [(usize, f64); 2] = [(0, -0.024_787_188_375_613_3), (2, -0.627_952_316_469_321_7)];
+
+fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {
+    let grid = Grid::new(n).unwrap();
+    let params = MultigridParams { law, goal, ..MultigridParams::default() };
+    let load = load(grid, f, LoadRule::Bilinear {});
+    (grid, solve_square(n, &load, None, &params).unwrap().0)
+}
+
+fn case(at: usize) -> (&'static str, Source, Law) {
+    let (name, f, g, _) = FRICTION[at];
+    (name, f.parse().unwrap(), Law::friction(g).unwrap())
+}
+
+/// Bounds of the solution of a case on a grid.
+fn of_case(at: usize, n: usize) -> Bounds {
+    let (_, f, law) = case(at);
+    let (grid, y) = solved(n, &f, law, Goal::RoundingFloor);
+    bounds(grid, &f, law, &y).unwrap()
+}
+
+fn width(bounds: &Bounds) -> f64 {
+    bounds.energy[1] - bounds.energy[0]
+}
+
+fn holds(bounds: &Bounds, energy: f64) -> bool {
+    bounds.energy[0] <= energy && energy <= bounds.energy[1]
+}
+
+/// True if intervals have a point in common.
+fn overlap(intervals: &[[f64; 2]]) -> bool {
+    let low = intervals.iter().fold(f64::MIN, |low, interval| low.max(interval[0]));
+    let high = intervals.iter().fold(f64::MAX, |high, interval| high.min(interval[1]));
+    low <= high
+}
+
+fn disturbed(y: &[f64], size: f64, dice: &mut Dice) -> Vec<f64> {
+    y.iter().map(|value| value + size * dice.between(-1.0, 1.0)).collect()
+}
+
+#[test]
+fn brackets_hold_the_true_energies_of_solutions_and_of_vectors_stopped_early() {
+    for (at, energy) in ENERGIES {
+        let (name, f, law) = case(at);
+        for n in [16, 32, 64, 128, 256] {
+            for goal in [Goal::RoundingFloor, Goal::DiscretisationError] {
+                let (grid, y) = solved(n, &f, law, goal);
+                let found = bounds(grid, &f, law, &y).unwrap();
+                assert!(holds(&found, energy), "{name} 1/{n} {goal:?}: {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn brackets_of_disturbed_vectors_hold_the_true_energies() {
+    let mut dice = Dice(31);
+    for (at, energy) in ENERGIES {
+        let (name, f, law) = case(at);
+        let (grid, y) = solved(32, &f, law, Goal::RoundingFloor);
+        let best = bounds(grid, &f, law, &y).unwrap();
+        for k in 0..300 {
+            let size = 10f64.powi(-(k % 7));
+            let found = bounds(grid, &f, law, &disturbed(&y, size, &mut dice)).unwrap();
+            assert!(holds(&found, energy), "{name} {k}: {found:?}");
+            assert!(found.error[0] <= found.error[1], "{name} {k}: {found:?}");
+            assert!(size > 1e-5 || found.error[1] < 1.2 * best.error[1], "{name}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn brackets_of_all_grids_overlap_and_shrink() {
+    for (at, (name, _, _, allowed)) in FRICTION.into_iter().enumerate() {
+        let grids = [16, 32, 64, 128, 256, 512].map(|n| of_case(at, n));
+        assert!(overlap(&grids.each_ref().map(|found| found.energy)), "{name}: {grids:?}");
+        let widths = grids.each_ref().map(width);
+        let effectivity = grids.each_ref().map(|found| found.error[1] / found.error[0]);
+        println!("{name}: widths {widths:?}, upper over lower bound {effectivity:?}");
+        assert!(widths[4] < allowed, "{name}: {widths:?}");
+        let rate = (widths[0] / widths[4]).powf(0.25);
+        assert!(rate > 4.0, "{name}: {rate} {widths:?}");
+    }
+}
+
+#[test]
+fn minus_f_has_the_same_bounds() {
+    let mut dice = Dice(5);
+    for (at, (name, text, ..)) in FRICTION.into_iter().enumerate() {
+        let (_, f, law) = case(at);
+        let Source::Pieces { background, pieces } = &f else { panic!("{text}") };
+        let pieces = pieces.iter().map(|(region, value)| (region.clone(), -value));
+        let minus = Source::Pieces { background: -background, pieces: pieces.collect() };
+        let (grid, y) = solved(32, &f, law, Goal::RoundingFloor);
+        for size in [0.0, 1e-6, 1e-2] {
+            let y = disturbed(&y, size, &mut dice);
+            let opposite: Vec<f64> = y.iter().map(|value| -value).collect();
+            let one = bounds(grid, &f, law, &y).unwrap();
+            let other = bounds(grid, &minus, law, &opposite).unwrap();
+            let far = one.energy.iter().zip(other.energy).any(|(a, b)| (a - b).abs() > 1e-11);
+            assert!(
+                !far && (one.error[1] - other.error[1]).abs() < 1e-9,
+                "{name}: {one:?} {other:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn reflected_laws_have_the_bounds_of_the_papers() {
+    let [f, minus]: [Source; 2] =
+        ["quadrant(ll)=3; else=-1.25", "quadrant(ll)=-3; else=1.25"].map(|f| f.parse().unwrap());
+    let (grid, y) = solved(32, &f, Law::SIGNORINI, Goal::RoundingFloor);
+    let opposite: Vec<f64> = y.iter().map(|value| -value).collect();
+    let one = bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
+    assert_eq!(one, bounds(grid, &minus, Law::SIGNORINI.reflected(), &opposite).unwrap());
+    // A limit that no reaction reaches changes the reactions by no more than the way in which f is balanced.
+    let limited = bounds(grid, &f, Law::limited(100.0).unwrap(), &y).unwrap();
+    let far = one.energy.iter().zip(limited.energy).any(|(a, b)| (a - b).abs() > 1e-10);
+    assert!(!far, "{one:?} {limited:?}");
+}
+
+#[test]
+fn what_the_law_cannot_balance_has_no_bound() {
+    let (grid, law) = (Grid::new(8).unwrap(), Law::friction(0.99).unwrap());
+    let zero = vec![0.0; grid.nodes()];
+    assert_eq!(bounds(grid, &Source::constant(4.0), law, &zero), Err(NoBound::Unbalanced));
+    let mut nan = zero.clone();
+    for node in [0, 4, 40] {
+        nan[node] = f64::NAN;
+        let found = bounds(grid, &Source::constant(1.0), law, &nan);
+        assert_eq!(found, Err(NoBound::NotFinite));
+        nan[node] = 0.0;
+    }
+    let plane = plane("lshape");
+    let (levels, mesh) = refined(&plane, 1).unwrap();
+    let f = CellData { mean: vec![400.0; mesh.cells().len()], deviation: None };
+    let (network, y) = (&levels[1].network, vec![0.0; mesh.points().len()]);
+    let found = bounds_on_mesh(&mesh, network, &f, law, &y);
+    assert!(matches!(found, Err(BoundsError::Unbalanced { .. })), "{found:?}");
+}
+
+fn plane(name: &str) -> Mesh<2, 3> {
+    let AnyMesh::Plane(mesh) = AnyMesh::built_in(name).unwrap() else { panic!("in space") };
+    mesh
+}
+
+/// Value for each half of the plane.
+struct Halves([f64; 2]);
+
+impl OnCells<2> for Halves {
+    fn at(&self, _: u16, [x, _]: [f64; 2]) -> f64 {
+        if x < 0.0 { self.0[0] } else { self.0[1] }
+    }
+}
+
+#[test]
+fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
+    let mut dice = Dice(77);
+    let mut with_both_signs = 0;
+    for name in ["lshape", "lshape", "disc"] {
+        let mut coarse = plane(name);
+        coarse.parts_mut().iter_mut().for_each(|part| part.curve = None);
+        for problem in 0..25 {
+            let f = Halves([0.0; 2].map(|_| dice.between(-6.0, 6.0)));
+            let (levels, finest) = refined(&coarse, 3).unwrap();
+            let MeshLoad { integral, .. } = mesh_load(&finest, &f);
+            let perimeter: f64 =
+                levels[3].network.contact_parts().map(|(_, measure)| measure).sum();
+            let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
+            let law = match problem % 4 {
+                0 => Law::new(-g, 2.0 * g),
+                1 => Law::new(-3.0 * g, g),
+                _ => Law::friction(g),
+            };
+            let law = law.unwrap();
+            let mut energies = Vec::new();
+            for times in 1..=3 {
+                let (levels, mesh) = refined(&coarse, times).unwrap();
+                let network = &levels[times].network;
+                let made = mesh_load(&mesh, &f);
+                let (y, _) = active_set_on(network, law, &made.load).unwrap();
+                let states = judge_network(network, law, &y, &made.load).states;
+                let both = [BoundaryState::SlipsUp, BoundaryState::SlipsDown];
+                with_both_signs += usize::from(both.iter().all(|state| states.contains(state)));
+                for size in [0.0, 1e-6, 1e-2, 1.0] {
+                    let wrong = disturbed(&y, size, &mut dice);
+                    let found = bounds_on_mesh(&mesh, network, &made.cells, law, &wrong).unwrap();
+                    let [low, high] = found.energy;
+                    assert!(low <= high, "{name} {problem} {law}: {found:?}");
+                    energies.push(found.energy);
+                }
+            }
+            assert!(overlap(&energies), "{name} {problem} {law}: {energies:?}");
+            let [first, last] = [0, 8].map(|k: usize| energies[k][1] - energies[k][0]);
+            assert!(last < 0.5 * first, "{name} {problem} {law}: {energies:?}");
+        }
+    }
+    assert!(with_both_signs > 30, "{with_both_signs}");
+}
