@@ -180,7 +180,7 @@ fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
 fn loads_are_integrals_unless_told_otherwise_and_one_that_misses_the_jumps_is_announced() {
     let project = Project::with(TABLE);
     let disc = ["solve", "--f", "disc(0.1,0,0.23)=2; else=-1", "--h", "1/32"];
-    let ball = ["solve", "--cube", "ball(0,0.1,0,0.3)=2; else=-1", "--h", "1/8"];
+    let ball = ["solve", "--cube", "ball(0,0.1,0,0.3)=2; else=-1", "--h", "1/32"];
     let number = |json: &Value, name: &str| json[name].as_f64().unwrap();
     for args in [&disc[..], &ball] {
         let json = project.run(&[args, &["--json"]].concat()).json();

@@ -16,9 +16,9 @@ pub(super) fn text(guarantee: &Result<Guarantee, String>) -> String {
     let [least, most] = bound.error;
     let relative = 100.0 * bound.relative();
     let guaranteed =
-        if *by_quadrature { "guaranteed, but for the quadrature of f" } else { "guaranteed" };
+        if *by_quadrature { "guaranteed, but for the quadrature of f:\n " } else { "guaranteed:" };
     let mut text = format!(
-        "{guaranteed}: true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
+        "{guaranteed} true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
     );
     text += &if relative < 100.0 {
         format!(", at most {relative:.2} % of the solution\n")

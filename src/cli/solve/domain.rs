@@ -46,7 +46,7 @@ pub(super) struct Guarantee {
     pub by_quadrature: bool,
 }
 
-/// Cells per side of the finest grid of the cube with bounds: some seconds and 500 MB.
+/// Cells per side of the finest grid of the cube with bounds: some seconds.
 const MOST_WITH_BOUNDS: usize = 64;
 
 impl Domain {
@@ -249,9 +249,9 @@ impl Domain {
                 let bounds = bounds(square(n), f, law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, by_quadrature: f.is_smooth() })
             }
-            Self::Cube { .. } if n > MOST_WITH_BOUNDS => Err(format!(
-                "on the cube bounds are made down to 1/{MOST_WITH_BOUNDS}, beyond which they take minutes and much memory"
-            )),
+            Self::Cube { .. } if n > MOST_WITH_BOUNDS => {
+                Err(format!("on the cube there are bounds down to 1/{MOST_WITH_BOUNDS}"))
+            }
             Self::Cube { f } => {
                 let CubeBounds { bounds, by_quadrature } =
                     bounds_on_cube(cube(n), f, law, y).map_err(|reason| reason.to_string())?;

@@ -162,7 +162,7 @@ fn curve(text: &str) -> Result<(String, Vec<f64>)> {
 /// Refuses refinements that take more memory than there is.
 fn check_memory(mesh: &AnyMesh, times: usize) -> Result<()> {
     // Of mesh, network, solver and bounds: measured, rounded up.
-    let per_node = if mesh.dimension() == 2 { 1000.0 } else { 3000.0 };
+    let per_node = if mesh.dimension() == 2 { 600.0 } else { 1500.0 };
     let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
     let taken = |times: usize| per_node * nodes_after(mesh, times);
     if taken(times) <= left {

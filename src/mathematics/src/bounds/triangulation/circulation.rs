@@ -13,8 +13,14 @@ const LARGEST: usize = 400;
 
 /// No circulation.
 const NONE: u32 = u32::MAX;
-/// Nodes whose edge has not been seen.
-const UNSEEN: u32 = u32::MAX - 1;
+
+/// Edge between the node of a fan and another.
+#[derive(Clone, Copy)]
+struct Edge {
+    node: u32,
+    /// Number of the circulation around the edge, or [`NONE`].
+    number: u32,
+}
 
 /// Circulation within one cell: out through one side, in through another.
 #[derive(Clone, Copy)]
@@ -38,8 +44,8 @@ fn other_vertex(vertex: usize, rank: usize) -> usize {
 
 /// Circulations of the fan of a node, with storage that is used again.
 pub(super) struct Circulations {
-    /// Number of the circulation around the edge to each node.
-    numbers: Vec<u32>,
+    /// Edges at the node in space.
+    edges: Vec<Edge>,
     /// Number of circulations.
     count: usize,
     /// Matrix of their products, row by row, as far as the diagonal.
@@ -49,10 +55,9 @@ pub(super) struct Circulations {
 }
 
 impl Circulations {
-    /// Storage for this number of nodes in space; in the plane for none.
-    pub(super) fn new(nodes: usize) -> Self {
-        let (matrix, strengths) = (Vec::new(), Vec::new());
-        Self { numbers: vec![UNSEEN; nodes], count: 0, matrix, strengths }
+    /// Empty storage.
+    pub(super) fn new() -> Self {
+        Self { edges: Vec::new(), count: 0, matrix: Vec::new(), strengths: Vec::new() }
     }
 
     /// Adds the circulations to the flux of a fan by which the distance from the gradient of w becomes least.
@@ -71,38 +76,36 @@ impl Circulations {
                 }
             }
         }
-        if D == 3 {
-            for member in &fan.members {
-                let nodes = fan.mesh.cells()[member.cell as usize];
-                nodes.iter().for_each(|&node| self.numbers[node as usize] = UNSEEN);
-            }
-        }
     }
 
     /// Numbers the circulations.
-    fn number<const D: usize, const V: usize>(&mut self, fan: &Fan<'_, D, V>) {
+    fn number<const D: usize, const V: usize>(&mut self, fan: &mut Fan<'_, D, V>) {
         if D == 2 {
             self.count = usize::from(fan.is_closed());
             return;
         }
         self.count = 0;
-        fan.boundary_nodes().for_each(|node| self.numbers[node as usize] = NONE);
+        self.edges.clear();
+        self.edges.extend(fan.boundary_nodes().map(|node| Edge { node, number: NONE }));
         // Without a boundary one of the circulations follows from the others.
         let mut is_left_out = !fan.is_closed();
-        for member in &fan.members {
+        for member in &mut fan.members {
             let nodes = fan.mesh.cells()[member.cell as usize];
             for (slot, node) in nodes.into_iter().enumerate() {
-                let number = &mut self.numbers[node as usize];
-                if slot == member.vertex || *number != UNSEEN {
+                if slot == member.vertex {
                     continue;
                 }
-                if is_left_out {
-                    *number = self.count as u32;
-                    self.count += 1;
+                // A fan has so few edges that a search is fast.
+                let found = self.edges.iter().find(|edge| edge.node == node);
+                member.numbers[slot] = if let Some(edge) = found {
+                    edge.number
                 } else {
-                    *number = NONE;
+                    let number = if is_left_out { self.count as u32 } else { NONE };
+                    self.count += usize::from(is_left_out);
                     is_left_out = true;
-                }
+                    self.edges.push(Edge { node, number });
+                    number
+                };
             }
         }
     }
@@ -125,7 +128,7 @@ impl Circulations {
             let (number, out, back) = match D {
                 2 if k > 0 => return None,
                 2 => (if self.count > 0 { 0 } else { NONE }, around, out),
-                _ => (self.numbers[nodes[around] as usize], out, back),
+                _ => (member.numbers[around], out, back),
             };
             let field = difference(vertices[back], vertices[out]).map(|x| scale * x);
             Some(Turn { number, out, back, sense, field })
@@ -194,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_factors_solve_a_system() {
-        let mut system = Circulations::new(0);
+        let mut system = Circulations::new();
         system.count = 3;
         system.matrix = vec![4.0, 0.0, 0.0, 1.0, 3.0, 0.0, -1.0, 0.5, 2.0];
         let solution = [1.0, -2.0, 3.0];

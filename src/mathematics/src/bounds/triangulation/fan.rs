@@ -16,10 +16,19 @@ pub(super) struct Member<const V: usize> {
     pub vertex: usize,
     /// Outflows through the sides; none through the side opposite to the node.
     pub outflows: [f64; V],
+    /// In space, number of the circulation around the edge to each other vertex.
+    pub numbers: [u32; V],
     /// Sum that the outflows must have.
     wanted: f64,
     /// Way to a cell nearer to the first one.
     parent: Parent,
+}
+
+/// Part of the flux through a side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SideOutflow {
+    pub side: u32,
+    pub outflow: f64,
 }
 
 /// Way from a cell of a fan to the cell from which the search came.
@@ -108,7 +117,15 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         let vertex = vertex.expect("sides of a fan have the node");
         let data = self.cells.cell(cell);
         let wanted = data.work[vertex] - data.load;
-        self.members.push(Member { cell, data, vertex, outflows: [0.0; V], wanted, parent });
+        self.members.push(Member {
+            cell,
+            data,
+            vertex,
+            outflows: [0.0; V],
+            numbers: [0; V],
+            wanted,
+            parent,
+        });
     }
 
     /// True if no side of the fan with the node is on the boundary.
@@ -183,13 +200,13 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         }
     }
 
-    /// Adds the outflows to the fluxes through all sides.
-    pub(super) fn add_to(&self, flux: &mut [f64]) {
-        for &Member { cell, outflows, .. } in &self.members {
-            for (side, outflow) in self.sides.of(cell).into_iter().zip(outflows) {
+    /// Lists the outflows through all sides.
+    pub(super) fn add_to(&self, outflows: &mut Vec<SideOutflow>) {
+        for member in &self.members {
+            for (side, outflow) in self.sides.of(member.cell).into_iter().zip(member.outflows) {
                 // The other cell of the side has the opposite outflow.
-                if self.sides.leaves(cell, side) {
-                    flux[side as usize] += outflow;
+                if self.sides.leaves(member.cell, side) {
+                    outflows.push(SideOutflow { side, outflow });
                 }
             }
         }

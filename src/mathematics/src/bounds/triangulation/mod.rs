@@ -51,8 +51,10 @@ use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
 pub use cube::{CubeBounds, bounds_on_cube};
-use fan::Fan;
+use fan::{Fan, SideOutflow};
+use rayon::prelude::*;
 use sides::{Around, Sides};
+use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;
 
@@ -135,19 +137,25 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
 }
 
 /// Nodal vector of a function in K: values in contact that the law forbids, and all fixed values, are replaced by zero.
-fn admissible(network: &Network, law: Law, y: &[f64]) -> Vec<f64> {
+fn admissible<'a>(network: &Network, law: Law, y: &'a [f64]) -> Cow<'a, [f64]> {
+    // The maximum with zero would hide a NaN.
+    let is_forbidden = |value: f64| {
+        (law.hi().is_infinite() && value < 0.0) || (law.lo().is_infinite() && value > 0.0)
+    };
+    let is_in_k = !network.contact().iter().any(|contact| is_forbidden(y[contact.node as usize]))
+        && network.fixed().iter().all(|&node| y[node as usize] == 0.0);
+    if is_in_k {
+        return Cow::Borrowed(y);
+    }
     let mut w = y.to_vec();
     for contact in network.contact() {
         let value = &mut w[contact.node as usize];
-        let is_forbidden =
-            (law.hi().is_infinite() && *value < 0.0) || (law.lo().is_infinite() && *value > 0.0);
-        // The maximum with zero would hide a NaN.
-        if is_forbidden {
+        if is_forbidden(*value) {
             *value = 0.0;
         }
     }
     network.fixed().iter().for_each(|&node| w[node as usize] = 0.0);
-    w
+    Cow::Owned(w)
 }
 
 /// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells. The stiffness matrix in
@@ -165,21 +173,37 @@ fn equilibrated<const D: usize, const V: usize>(
     Ok(flux)
 }
 
-/// Sum of the fluxes of all patches.
+/// Nodes whose patches one thread computes before their fluxes are added.
+const RUN: u32 = 64;
+/// Number of such runs between additions.
+const RUNS: u32 = 64;
+
+/// Sum of the fluxes of all patches, added in the order of the nodes whatever thread computes them.
 fn of_fans<const D: usize, const V: usize>(cells: &Cells<'_, D, V>, sides: &Sides<V>) -> Vec<f64> {
-    let nodes = cells.w.len();
-    let around = Around::new(nodes, cells.mesh.cells());
-    let mut circulations = Circulations::new(if D == 3 { nodes } else { 0 });
-    let mut fan = Fan::new(*cells, sides);
+    let nodes = cells.w.len() as u32;
+    let around = Around::new(cells.w.len(), cells.mesh.cells());
+    let storage = || (Fan::new(*cells, sides), Circulations::new());
     let mut flux = vec![0.0; sides.len()];
-    for node in 0..nodes as u32 {
-        for &cell in around.node(node) {
-            if fan.find(node, cell) {
-                fan.prescribe();
-                fan.carry();
-                circulations.minimise(&mut fan);
-                fan.add_to(&mut flux);
+    for first in (0..nodes).step_by((RUN * RUNS) as usize) {
+        let last = nodes.min(first + RUN * RUNS);
+        let runs = (0..(last - first).div_ceil(RUN)).into_par_iter();
+        let parts = runs.map_init(storage, |(fan, circulations), run| {
+            let start = first + RUN * run;
+            let mut outflows = Vec::new();
+            for node in start..last.min(start + RUN) {
+                for &cell in around.node(node) {
+                    if fan.find(node, cell) {
+                        fan.prescribe();
+                        fan.carry();
+                        circulations.minimise(fan);
+                        fan.add_to(&mut outflows);
+                    }
+                }
             }
+            outflows
+        });
+        for SideOutflow { side, outflow } in parts.collect::<Vec<_>>().into_iter().flatten() {
+            flux[side as usize] += outflow;
         }
     }
     flux

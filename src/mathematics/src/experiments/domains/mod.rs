@@ -190,8 +190,7 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
     let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.energy];
     let remaining = second * second / (first - second);
     let is_polygon = !problem.mesh.is_curved();
-    let bounds =
-        problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
+    let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),
         f: domain.f.clone(),
