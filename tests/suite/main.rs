@@ -28,6 +28,7 @@ mod identify;
 mod identify_cli;
 mod init;
 mod interruption;
+mod law_spectral;
 mod laws;
 mod layout;
 mod links;
