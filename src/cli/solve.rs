@@ -229,8 +229,10 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let mut problem = Problem::read(args)?;
     let file = args.file(&problem)?;
     if problem.solver == Solver::Spectral {
-        let (n, solution) = (problem.finest(), spectral::solve(args, &problem)?);
-        return args.write(&problem, file, || Ok((n, spectral::on_grid(&solution, square(n)))));
+        let (n, law) = (problem.finest(), problem.params.law);
+        let solution = spectral::solve(args, &problem)?;
+        return args
+            .write(&problem, file, || Ok((n, spectral::on_grid(&solution, square(n), law))));
     }
     let answer = match problem.accuracy {
         Some(accuracy) => problem.solve_to(accuracy)?,

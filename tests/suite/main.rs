@@ -30,6 +30,7 @@ mod init;
 mod interruption;
 mod law_bounds;
 mod law_commands;
+mod law_spectral;
 mod laws;
 mod layout;
 mod links;

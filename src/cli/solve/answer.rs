@@ -111,6 +111,11 @@ impl States {
     }
 }
 
+/// Interval of a law.
+pub(super) fn law_json(law: Law) -> Value {
+    json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) })
+}
+
 /// A number, null if it is infinite.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
@@ -238,8 +243,7 @@ impl Answer {
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
         if !problem.params.law.is_signorini() {
-            let law = problem.params.law;
-            json["law"] = json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) });
+            json["law"] = law_json(problem.params.law);
             json["states"] = json!(self.states);
         }
         if let Some(sweeps) = last.sweeps {

@@ -1,6 +1,7 @@
 //! `solve --solver spectral`: the true solution, without a grid.
 
 use super::SolveArgs;
+use super::answer::law_json;
 use super::bound::BoundaryWords;
 use super::domain::Domain;
 use super::problem::Problem;
@@ -10,8 +11,11 @@ use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::shown_integral;
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::spectral::{Checks, Solution, SpectralError, SpectralParams, spectral};
+use signorini_mathematics::spectral::{
+    Checks, Solution, SpectralError, SpectralParams, spectral_under,
+};
 use std::time::{Duration, Instant};
 
 /// Solves, prints the answer, and returns the solution.
@@ -19,20 +23,16 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
-    if !problem.params.law.is_signorini() {
-        return Err(Error::input(
-            "--solver spectral: the spectral solver knows the paper's law alone; use --solver multigrid",
-        ));
-    }
+    let law = problem.params.law;
     let start = Instant::now();
-    let solution =
-        spectral(f, SpectralParams::default()).map_err(|e| failed(problem.name(), &e))?;
+    let solution = spectral_under(law, f, SpectralParams::default())
+        .map_err(|e| failed(problem.name(), &e))?;
     let finer =
         solution.at_resolution(SpectralParams::FINER).map_err(|e| failed(problem.name(), &e))?;
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
-        say_json(&serde_json::json!({
+        let mut json = serde_json::json!({
             "schema": 1,
             "scene": problem.name(),
             "f": f.to_string(),
@@ -43,7 +43,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
             "energy": finer.energy,
             "integral_f": problem.integral,
             "contact": finer.contact,
-            "force": force(&finer),
+            "force": force(&finer, law),
             "grids": null,
             "grids_reason": "the spectral solver uses no grid",
             "bound": null,
@@ -58,14 +58,21 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
             "checks": finer.checks,
             "warnings": problem.warnings,
             "seconds": { "solve": seconds },
-        }))?;
+        });
+        if !law.is_signorini() {
+            json["law"] = law_json(law);
+        }
+        say_json(&json)?;
         return Ok(finer);
     }
     let integral = shown_integral(problem.integral);
     let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
-    let words = BoundaryWords::of(problem.params.law);
+    let words = BoundaryWords::of(law);
+    if !law.is_signorini() {
+        text += &format!("law {law}\n");
+    }
     text += &table(&finer, &words);
-    text += &words.force(force(&finer), -problem.integral, 16);
+    text += &words.force(force(&finer, law), 0.0 - problem.integral, 16);
     text += &checks(&finer.checks);
     text += &format!("solved in {seconds:.4} s, {} Newton steps\n", solution.steps);
     say(&text)?;
@@ -73,13 +80,13 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
 }
 
 /// Returns v at the nodes of a grid, and the multiplier at its boundary nodes.
-pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
+pub(super) fn on_grid(solution: &Solution, grid: Grid, law: Law) -> Pair {
     let mut a = Vec::new();
     for b in 0..grid.boundary_nodes() {
         let (i, j) = grid.boundary_node(b);
         let [_, multiplier] = solution.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
-        // A negative value is a rounding error: the true multiplier is not negative.
-        a.push(multiplier.max(0.0));
+        // A value beyond the interval of the law is a rounding error.
+        a.push(law.project(multiplier));
     }
     let bar = bar("{spinner} v at {msg} nodes, {elapsed}");
     if let Some(bar) = &bar {
@@ -91,9 +98,12 @@ pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
     Pair { y, a }
 }
 
-/// Returns the total contact force.
-fn force(solution: &Solution) -> f64 {
-    solution.contact.iter().map(|arc| arc.force).sum()
+/// Returns the total contact force; under another law than the paper's the flux through all of the boundary.
+fn force(solution: &Solution, law: Law) -> f64 {
+    if law.is_signorini() {
+        return solution.contact.iter().map(|arc| arc.force).sum();
+    }
+    solution.boundary_points().map(|point| point.weight * point.multiplier).sum()
 }
 
 fn table(solution: &Solution, words: &BoundaryWords) -> String {

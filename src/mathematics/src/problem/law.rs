@@ -200,6 +200,11 @@ impl Law {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
+    /// Distances of a flux from the lower and the upper end: negative beyond.
+    pub fn room(self, flux: f64) -> [f64; 2] {
+        [flux - self.lo, self.hi - flux]
+    }
+
     /// True if the law is the paper's.
     pub fn is_signorini(self) -> bool {
         self == Self::SIGNORINI

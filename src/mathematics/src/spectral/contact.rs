@@ -7,6 +7,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::multigrid::{self, Goal, MultigridParams};
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 
 /// Length below which arcs and gaps are left out.
@@ -18,6 +19,22 @@ pub(super) const MULTIPLIER_TOLERANCE: f64 = 1e-6;
 /// Size of negative values, relative to the size of v and psi, that is tolerated.
 pub(super) const VALUE_TOLERANCE: f64 = 1e-10;
 
+/// Arcs that stick, with the flux on the gaps between them.
+#[derive(Clone, Debug)]
+pub(super) struct StickArcs {
+    /// Beginnings and ends in turn, anticlockwise; none if all of the boundary sticks.
+    pub(super) places: Vec<BoundaryPlace>,
+    /// dv/dn on the gap after each arc, which is one end of the law.
+    pub(super) flux: Vec<f64>,
+}
+
+impl StickArcs {
+    /// True if v is positive on some gaps and negative on others.
+    pub(super) fn have_both_signs(&self) -> bool {
+        self.flux.iter().any(|flux| *flux != self.flux[0])
+    }
+}
+
 /// Contact set of a multigrid solution, with which Newton's method begins.
 #[derive(Clone, Copy)]
 pub(super) struct ContactStart {
@@ -28,9 +45,8 @@ pub(super) struct ContactStart {
 }
 
 impl ContactStart {
-    /// Ends of contact to a cell or so of the grid: beginnings and ends in turn, no ends if all of the boundary is in
-    /// contact; `None` if the load has no negative sum.
-    pub(super) fn ends(self, f: &Source) -> Option<Vec<BoundaryPlace>> {
+    /// Ends of contact to a cell or so of the grid; `None` if the flux cannot balance the load, or none sticks.
+    pub(super) fn arcs(self, f: &Source, law: Law) -> Option<StickArcs> {
         let Self { n, careful } = self;
         let grid = Grid::new(n).expect("not below the least");
         let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::default() });
@@ -38,7 +54,7 @@ impl ContactStart {
         // unless the integral of f nearly vanishes.
         let quick = Goal::Kkt(0.05 * largest(&load));
         let goal = if careful { Goal::RoundingFloor } else { quick };
-        let params = MultigridParams { goal, ..Default::default() };
+        let params = MultigridParams { goal, law, ..Default::default() };
         let (y, _) = multigrid::solve_square(n, &load, None, &params).ok()?;
         let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
         let mut places = changes(&values, &free_nodes(&values, n), n);
@@ -47,14 +63,30 @@ impl ContactStart {
                 *end = behind_corner(j, *end);
             }
         }
-        Some(places)
+        let flux = (0..places.len() / 2).map(|gap| flux_on(gap, &places, &values, law)).collect();
+        Some(StickArcs { places, flux })
     }
+}
+
+/// Flux on the gap after an arc, from the value of largest size at the nodes in it.
+fn flux_on(gap: usize, places: &[BoundaryPlace], values: &[f64], law: Law) -> f64 {
+    let [from, to] = [2 * gap + 1, 2 * gap + 2].map(|j| places[j % places.len()]);
+    let length = to.after(from).rem_euclid(4.0);
+    let cells = values.len() as f64 / 4.0;
+    let mut largest = 0.0f64;
+    for (b, &value) in values.iter().enumerate() {
+        let node = BoundaryPlace::new(3, b as f64 / cells);
+        if node.after(from).rem_euclid(4.0) < length && value.abs() > largest.abs() {
+            largest = value;
+        }
+    }
+    if largest < 0.0 || law.lo().is_infinite() { law.hi() } else { law.lo() }
 }
 
 /// True for the boundary nodes that are free, anticlockwise, with the corners settled.
 fn free_nodes(values: &[f64], n: usize) -> Vec<bool> {
     let many = values.len();
-    let found: Vec<bool> = values.iter().map(|&v| v > 0.0).collect();
+    let found: Vec<bool> = values.iter().map(|&v| v != 0.0).collect();
     // A corner with f > 0 may be free so near to it that one node says nothing; and a corner alone in
     // contact need not be.
     let mut free = found.clone();
@@ -81,6 +113,8 @@ fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<BoundaryPlace> {
     for b in 0..free.len() {
         if free[b] != free[(b + 1) % free.len()] {
             places.push(end_after(b, values, free, n));
+        } else if free[b] && values[b] * values[(b + 1) % free.len()] < 0.0 {
+            places.extend(arc_between(b, [values[b], values[(b + 1) % free.len()]], n));
         }
     }
     if !free[0] && !places.is_empty() {
@@ -99,6 +133,14 @@ fn end_after(b: usize, values: &[f64], free: &[bool], n: usize) -> BoundaryPlace
     BoundaryPlace::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
 }
 
+/// Ends of the arc that sticks between a boundary node and the next one, where v changes sign without a node that sticks.
+fn arc_between(b: usize, [v, next]: [f64; 2], n: usize) -> [BoundaryPlace; 2] {
+    /// Half of its length in cells: at a longer one, a node would stick.
+    const HALF: f64 = 0.1;
+    let middle = (v / (v - next)).clamp(2.0 * HALF, 1.0 - 2.0 * HALF);
+    [-HALF, HALF].map(|part| BoundaryPlace::new(3, (b as f64 + middle + part) / n as f64))
+}
+
 /// Moves an end of contact that lies little before a corner, seen from its arc, as far behind it: near to a corner the
 /// angle on the circle grows with the square of the distance, so that Newton's method crosses it from behind only.
 fn behind_corner(j: usize, end: BoundaryPlace) -> BoundaryPlace {
@@ -108,12 +150,12 @@ fn behind_corner(j: usize, end: BoundaryPlace) -> BoundaryPlace {
     if (0.0..NEAR).contains(&before) { BoundaryPlace { t: -end.t, ..end } } else { end }
 }
 
-/// Contact set of a solution without the points at which the multiplier is negative, and with the points at which v is:
-/// the same ends if all signs are right, `None` if no contact is left.
-pub(super) fn corrected(trace: &Trace) -> Option<Vec<BoundaryPlace>> {
-    let wrong = wrong_points(&trace.signs());
+/// Contact set of a solution without the points at which the multiplier leaves the law, and with the points at which v has
+/// the wrong sign: the same ends if all signs are right, `None` if no contact is left, or none between v of both signs.
+pub(super) fn corrected(trace: &Trace, law: Law) -> Option<StickArcs> {
+    let wrong = wrong_points(&trace.signs(law));
     if !wrong.contains(&true) {
-        return Some(trace.ends.places.clone());
+        return Some(trace.ends.arcs_and_flux());
     }
     let many = wrong.len();
     let was: Vec<bool> = (0..many).map(|i| trace.in_contact(i)).collect();
@@ -121,11 +163,24 @@ pub(super) fn corrected(trace: &Trace) -> Option<Vec<BoundaryPlace>> {
     if !is.contains(&true) {
         return None;
     }
-    let (mut places, mut known) = (Vec::new(), trace.ends.places.iter());
+    // dv/dn where v is not zero.
+    let mut slips = Vec::with_capacity(many);
+    for (i, point) in trace.points.iter().enumerate() {
+        let [above_lo, below_hi] = law.room(point.multiplier);
+        slips.push((!is[i]).then_some(if above_lo < below_hi { law.lo() } else { law.hi() }));
+    }
+    let (mut places, mut flux) = (Vec::new(), Vec::new());
+    let mut known = trace.ends.places.iter();
     for i in 0..many {
         let last = (i + many - 1) % many;
         let end = if was[last] == was[i] { None } else { known.next() };
+        if let (Some(before), Some(after)) = (slips[last], slips[i])
+            && before != after
+        {
+            return None;
+        }
         if is[last] != is[i] {
+            flux.extend(slips[i]);
             let [from, to] = [last, i].map(|i| trace.points[i].place);
             places.push(match end {
                 Some(end) if !wrong[last] && !wrong[i] => *end,
@@ -136,9 +191,10 @@ pub(super) fn corrected(trace: &Trace) -> Option<Vec<BoundaryPlace>> {
     if is[0] && is[many - 1] && !places.is_empty() {
         // Beginnings of contact come first.
         places.rotate_left(1);
+        flux.rotate_left(1);
     }
     widen_round_corners(&mut places);
-    Some(places)
+    Some(StickArcs { places, flux })
 }
 
 /// True for the points at which a sign is wrong. Points that are too near to a corner to be judged go with those beside
@@ -177,12 +233,12 @@ fn widen_round_corners(places: &mut [BoundaryPlace]) {
 }
 
 /// Leaves out arcs and gaps that are too short, and gaps round corners that are shorter than `round_corner`;
-/// `None` if no arc is left. Corners are counted on from the first end to the last, as in
+/// `None` if no arc is left, or not one between gaps of opposite signs. Corners are counted on from the first end to the last, as in
 /// [`Ends`](super::panels::Ends).
 pub(super) fn without_short(
-    mut places: Vec<BoundaryPlace>,
+    StickArcs { mut places, mut flux }: StickArcs,
     round_corner: f64,
-) -> Option<Vec<BoundaryPlace>> {
+) -> Option<StickArcs> {
     /// Corners in a turn.
     const TURN: i32 = 4;
     loop {
@@ -196,17 +252,28 @@ pub(super) fn without_short(
             length < if corner_gap { round_corner } else { SHORTEST }
         });
         match short {
-            None => return Some(places),
+            None => return Some(StickArcs { places, flux }),
             // Without a gap there is contact everywhere; without an arc nothing is left.
-            Some(j) if many == 2 => return (j == 1).then(Vec::new),
+            Some(j) if many == 2 => {
+                return (j == 1).then(|| StickArcs { places: Vec::new(), flux: Vec::new() });
+            }
             Some(j) if j + 1 == many => {
                 // The last arc goes on to the end of the first.
                 places.pop();
                 places.remove(0);
                 places.rotate_left(1);
                 places[many - 3].corner += TURN;
+                flux.pop();
+                flux.rotate_left(1);
             }
             Some(j) => {
+                // An arc between gaps of opposite signs cannot be left out.
+                let gap = j / 2;
+                let before = flux[(gap + flux.len() - 1) % flux.len()];
+                if j.is_multiple_of(2) && before != flux[gap] {
+                    return None;
+                }
+                flux.remove(gap);
                 places.drain(j..j + 2);
             }
         }
@@ -220,8 +287,9 @@ mod tests {
     /// Joins arcs, given by their ends as distances from one corner; the last gap ends a turn after the first end.
     fn joined(ends: &[f64]) -> Option<Vec<f64>> {
         let places = ends.iter().map(|&t| BoundaryPlace::new(0, t)).collect();
-        let left = without_short(places, SHORTEST)?;
-        Some(left.iter().map(|place| place.distance_from(0)).collect())
+        let flux = vec![0.0; ends.len() / 2];
+        let left = without_short(StickArcs { places, flux }, SHORTEST)?;
+        Some(left.places.iter().map(|place| place.distance_from(0)).collect())
     }
 
     #[test]

@@ -12,12 +12,14 @@ use super::trace::Trace;
 /// Integrals over the boundary and over the square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Energies {
-    /// J = -1/2 int f v, by Green's identity with psi.
+    /// `J = -1/2 int f v - 1/2 int l v`, the first by Green's identity with psi; the second is zero for the paper's law.
     pub energy: f64,
     /// J by Rellich's identity.
     pub rellich: f64,
     /// Integral of l over the boundary.
     pub force: f64,
+    /// Integral of l v over the boundary: less that of the law's potential.
+    work: f64,
     /// Integrals of f times the [`HARMONIC`] polynomials, by Green's identity with psi on the boundary.
     contour: [f64; HARMONIC],
     /// Integrals of f times the polynomials, by the divergence theorem, over the boundary and along the jumps.
@@ -44,7 +46,9 @@ impl Energies {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
         energies.add_boundary(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, &trace.rules);
-        Self { energy: -0.5 * energies.energy, rellich: -0.25 * energies.rellich, ..energies }
+        let Self { energy, rellich, work, .. } = energies;
+        let [energy, rellich] = [0.5 * energy, 0.25 * rellich].map(|part| -part - 0.5 * work);
+        Self { energy, rellich, ..energies }
     }
 
     /// Largest difference of the moments of f by psi and by the jumps from the moments of the pieces in closed form:
@@ -74,6 +78,7 @@ impl Energies {
                     + psi * l
                     - v * psi_n);
             self.force += weight * l;
+            self.work += weight * l * v;
             let (polynomials, slopes) = (harmonic(z), harmonic_gradients(z));
             for k in 0..HARMONIC {
                 self.contour[k] += weight * (psi * slopes[k].dot(normal) - polynomials[k] * psi_n);
@@ -83,7 +88,8 @@ impl Energies {
             let tau = z.dot(tangent);
             let u = z.dot(gradient) - 2.0 * psi;
             self.rellich += weight
-                * (outward * (f * v + 0.5 * (l * l - along * along)) - outward * f * h
+                * (outward * (f * v + 0.5 * (l * l - along * along)) + tau * l * along
+                    - outward * f * h
                     + outward * h_s * psi_s
                     - 2.0 * h * psi_n
                     - tau * h_s * psi_n

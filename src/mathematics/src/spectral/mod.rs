@@ -59,6 +59,17 @@
 //! to zero (`jumps.rs`). Moments of f, from psi on the boundary and from the jumps, are compared with those of the
 //! pieces in closed form: the other checks do not see where psi belongs to another f.
 //!
+//! *Other laws.* Under a law with the flux in [lo, hi] (`problem/law.rs`) a gap has one sign of v, since the flux jumps
+//! only across an arc that sticks, and its flux q is lo or hi. Then `h_r = q - psi_r` there, the data are the parts of
+//! `grad psi - q n` with n the outer normal, and l and `v_theta` follow from the same formula if a constant vector is subtracted that
+//! fits the data on both sides of an end: `c = grad psi(z) - q n` with the q of the gap at that end. Its difference from
+//! the gradient is given back to the result ([`panels::Panel::shift`]). Unknowns and equations stay the same, and
+//! `J = -1/2 int f v - 1/2 int l v`.
+//!
+//! Between v > 0 and v < 0 there is an arc that sticks, of a length exponentially small in 1 / (hi - lo), the logarithm of
+//! which Newton's method changes (`newton.rs`). Such an arc cannot be left out: a problem that needs a shorter one than is resolved is
+//! refused.
+//!
 //! # Limits
 //! An f is refused if arcs or gaps of less than 2e-6 matter, and where the integral of f is lost to rounding. Of random
 //! f, one piece of which balances the background, one in 4000 was refused where the integral was 1e-6 to 0.1 of the
@@ -97,10 +108,11 @@ mod sources;
 mod trace;
 
 use crate::discrete::contact::ContactArc;
+use crate::problem::law::{Law, LawError};
 use crate::problem::source::Source;
 pub use checks::Checks;
 use complex::Complex;
-use contact::ContactStart;
+use contact::{ContactStart, SHORTEST};
 use energy::Energies;
 pub use jumps::Touch;
 use place::BoundaryPlace;
@@ -118,6 +130,9 @@ const STARTS: [ContactStart; 6] = [
     ContactStart { n: 1024, careful: true },
     ContactStart { n: 1024, careful: false },
 ];
+
+/// Length of the boundary.
+const PERIMETER: f64 = 4.0;
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,6 +166,14 @@ pub enum SpectralError {
         "the integral of f is {0:e}: without a negative one the problem has no unique solution"
     )]
     NotCoercive(f64),
+    /// The flux through the boundary cannot balance the integral of f.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// v has both signs on the boundary, and no arcs that stick were found for which all signs are right.
+    #[error(
+        "v has both signs on the boundary, and the arcs that stick between may be shorter than {SHORTEST:e}, which is not resolved; widen the interval of the flux under the law {0}"
+    )]
+    ShortArcs(Law),
     /// No contact set was found for which all signs are right.
     #[error("no contact set with all signs right was found{}", .0.as_ref().map(Touch::to_string).unwrap_or_default())]
     NoContactSet(Option<Touch>),
@@ -166,7 +189,7 @@ pub enum SpectralError {
 
 /// Solution of a problem.
 pub struct Solution {
-    /// J(v) = -1/2 int f v.
+    /// J(v) = -1/2 int f v, plus half the integral of the law's potential.
     pub energy: f64,
     /// Contact arcs, anticlockwise.
     pub contact: Vec<ContactArc>,
@@ -211,17 +234,34 @@ pub struct BoundaryPoint {
 /// If f is not piecewise constant, its integral is not negative, no contact set is found, or the
 /// solution fails a check.
 pub fn spectral(f: &Source, params: SpectralParams) -> Result<Solution, SpectralError> {
+    spectral_under(Law::SIGNORINI, f, params)
+}
+
+/// Solves the problem under any law on the boundary, as [`spectral`] does under the paper's.
+///
+/// # Errors
+/// As [`spectral`], with [`SpectralError::Law`] if the flux cannot balance the integral of f, and
+/// [`SpectralError::ShortArcs`] if arcs that stick between v > 0 and v < 0 are not resolved.
+pub fn spectral_under(
+    law: Law,
+    f: &Source,
+    params: SpectralParams,
+) -> Result<Solution, SpectralError> {
     if f.is_smooth() {
         return Err(SpectralError::NotPieces);
     }
-    let problem = SpectralProblem::new(f);
-    if problem.integral >= 0.0 {
+    let problem = SpectralProblem { law, ..SpectralProblem::new(f) };
+    if law.is_signorini() && problem.integral >= 0.0 {
         return Err(SpectralError::NotCoercive(problem.integral));
     }
+    law.check_solvable(problem.integral, PERIMETER)?;
     let mut error = SpectralError::NoContactSet(problem.jumps.nearly_touching());
     for start in STARTS {
-        let Some(places) = start.ends(f) else { continue };
-        let Some(found) = search::search(&problem, places, params, true) else { continue };
+        let Some(arcs) = start.arcs(f, law) else { continue };
+        if arcs.have_both_signs() && matches!(error, SpectralError::NoContactSet(_)) {
+            error = SpectralError::ShortArcs(law);
+        }
+        let Some(found) = search::search(&problem, arcs, params, true) else { continue };
         match Solution::checked(&problem, found, None) {
             Err(failed) => error = failed,
             solved => return solved,
@@ -239,15 +279,17 @@ impl Solution {
         let energies = Energies::of(&trace, problem);
         let Energies { energy, rellich, force, .. } = energies;
         let integral = problem.integral;
-        let signs = trace.signs();
+        // The integral of f may vanish under other laws.
+        let balanced = if problem.law.is_signorini() { integral } else { problem.mass };
+        let signs = trace.signs(problem.law);
         let [least_multiplier, least_value] = [true, false].map(|contact| least(&signs, contact));
         // Inside, v is at least so large.
         let inside = 2.0 * energy.abs() / problem.mass;
-        let size = trace.points.iter().map(|p| p.value).fold(inside, f64::max);
+        let size = trace.points.iter().map(|p| p.value.abs()).fold(inside, f64::max);
         let checks = Checks {
             least_multiplier,
             least_value,
-            green: (force + integral) / integral,
+            green: (force + integral) / balanced,
             rellich: rellich / energy - 1.0,
             moments: energies.moments_off(problem) * size / energy.abs(),
             resolution: before.map(|before| before / energy - 1.0),
@@ -265,8 +307,9 @@ impl Solution {
     /// If that is not reached, or the solution fails a check: its energy must be that of this one to eight
     /// digits.
     pub fn at_resolution(&self, params: SpectralParams) -> Result<Self, SpectralError> {
-        let found = search::search(&self.problem, self.trace.ends.places.clone(), params, false)
-            .ok_or_else(|| SpectralError::NoContactSet(self.problem.jumps.nearly_touching()))?;
+        let found =
+            search::search(&self.problem, self.trace.ends.arcs_and_flux(), params, false)
+                .ok_or_else(|| SpectralError::NoContactSet(self.problem.jumps.nearly_touching()))?;
         Self::checked(&self.problem, found, Some(self.energy))
     }
 
@@ -313,7 +356,8 @@ impl Solution {
         let [x, y] = node.map(|k| k as f64 / n as f64 - 0.5);
         if node.into_iter().any(|k| k == 0 || k == n) {
             // Rounding errors must not be taken for penetration.
-            self.on_boundary([x, y])[0].max(0.0)
+            let [value, _] = self.on_boundary([x, y]);
+            if self.problem.law.hi().is_infinite() { value.max(0.0) } else { value }
         } else {
             self.value(x, y)
         }
@@ -333,8 +377,8 @@ mod tests {
     use super::*;
 
     fn solved(f: &Source, problem: &SpectralProblem) -> Result<Solution, SpectralError> {
-        let places = STARTS[0].ends(f).unwrap();
-        let found = search::search(problem, places, SpectralParams::default(), true).unwrap();
+        let arcs = STARTS[0].arcs(f, Law::SIGNORINI).unwrap();
+        let found = search::search(problem, arcs, SpectralParams::default(), true).unwrap();
         Solution::checked(problem, found, None)
     }
 

@@ -1,10 +1,10 @@
 //! Newton's method for the ends of contact.
 
 use super::complex::Complex;
-use super::contact::{SHORTEST, without_short};
+use super::contact::{SHORTEST, StickArcs, without_short};
 use super::map::Angle;
 use super::panels::{Ends, LANES, Panel};
-use super::place::BoundaryPlace;
+use super::place::{BoundaryPlace, tangent};
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::sources::{Point, SourceField, Sources};
@@ -13,7 +13,7 @@ use crate::machine::simd::vectorised;
 
 /// Ends of contact after some Newton steps.
 pub(super) struct NewtonEnds {
-    pub(super) places: Vec<BoundaryPlace>,
+    pub(super) arcs: StickArcs,
     pub(super) steps: usize,
 }
 
@@ -23,17 +23,17 @@ impl SpectralProblem {
     /// left, or if no step is so short.
     pub(super) fn newton(
         &self,
-        mut places: Vec<BoundaryPlace>,
+        mut arcs: StickArcs,
         rules: &Rules,
         shortest: f64,
     ) -> Option<NewtonEnds> {
         const STEPS: usize = 20;
-        if places.is_empty() {
-            return Some(NewtonEnds { places, steps: 0 });
+        if arcs.places.is_empty() {
+            return Some(NewtonEnds { arcs, steps: 0 });
         }
         for steps in 1..=STEPS {
-            let ends = Ends::new(places);
-            let changes = changes(&ends.places, &self.step(&ends, rules)?);
+            let ends = Ends::new(arcs);
+            let changes = changes(&ends, &self.step(&ends, rules)?);
             let longest = longest(&ends.places, &changes);
             if !longest.is_finite() {
                 return None;
@@ -41,9 +41,10 @@ impl SpectralProblem {
             // If arcs or gaps vanish the next step is another one.
             let factor = (1.0 / longest).min(1.0);
             let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).of(p));
-            places = without_short(moved.collect(), SHORTEST)?;
-            if longest < shortest || places.is_empty() {
-                return Some(NewtonEnds { places, steps });
+            let moved = StickArcs { places: moved.collect(), flux: ends.flux };
+            arcs = without_short(moved, SHORTEST)?;
+            if longest < shortest || arcs.places.is_empty() {
+                return Some(NewtonEnds { arcs, steps });
             }
         }
         None
@@ -97,10 +98,12 @@ impl SpectralProblem {
     ) -> (Vec<f64>, f64) {
         let (BoundaryPlace { corner, t }, angle) = (ends.places[j], ends.angles[j]);
         let [x, y] = self.boundary_psi.at(corner, &[t; LANES], [1, 2]).map(|s| s[0]);
+        // As targets beside the end subtract it.
+        let subtracted = Complex::new(x, y) + tangent(corner, t).turned().scaled(ends.flux_at(j));
         let (mut sum, mut cotangents) = (0.0, Vec::with_capacity(sources.tan.len()));
         for group in &sources.groups {
             let [es, ec] = angle.seen_from(corner - group.corner);
-            let g = Complex::new(x, y).dot(group.direction);
+            let g = subtracted.dot(group.direction);
             for i in group.range.clone() {
                 let t = sources.tan[i];
                 let local = (sources.moment[i] - g * sources.weight[i]) / (t * ec - es);
@@ -207,6 +210,14 @@ enum Change {
     Length(f64),
     /// Change of the logarithm of its distance from the corner.
     Logarithm(f64),
+    /// Change of a short arc between gaps of opposite signs, by the length that its middle moves and by the logarithm of
+    /// its length.
+    Arc {
+        middle: f64,
+        logarithm: f64,
+        /// Distance of the end from the middle.
+        from_middle: f64,
+    },
 }
 
 impl Change {
@@ -215,6 +226,9 @@ impl Change {
         match self {
             Self::Length(d) => Self::Length(factor * d),
             Self::Logarithm(d) => Self::Logarithm(factor * d),
+            Self::Arc { middle, logarithm, from_middle } => {
+                Self::Arc { middle: factor * middle, logarithm: factor * logarithm, from_middle }
+            }
         }
     }
 
@@ -223,6 +237,9 @@ impl Change {
         match self {
             Self::Length(d) => BoundaryPlace::new(corner, t + d),
             Self::Logarithm(d) => BoundaryPlace::new(corner, t * libm::exp(d)),
+            Self::Arc { middle, logarithm, from_middle } => {
+                BoundaryPlace::new(corner, t + middle + from_middle * libm::expm1(logarithm))
+            }
         }
     }
 }
@@ -245,7 +262,8 @@ fn relative(places: &[BoundaryPlace], j: usize) -> bool {
 }
 
 /// Changes of the ends by the unknowns of the linear system.
-fn changes(places: &[BoundaryPlace], unknowns: &[f64]) -> Vec<Change> {
+fn changes(ends: &Ends, unknowns: &[f64]) -> Vec<Change> {
+    let places = &ends.places;
     let mut vanishing = Vec::with_capacity(places.len());
     for (place, d) in places.iter().zip(unknowns) {
         vanishing.push(place.t.abs() * libm::exp(*d) < SHORTEST);
@@ -255,7 +273,7 @@ fn changes(places: &[BoundaryPlace], unknowns: &[f64]) -> Vec<Change> {
         // If the gap does not vanish, but this side of the corner is to have no part of it, its end is on the other
         // side, which no logarithm reaches.
         changes.push(if !relative(places, j) {
-            Change::Length(d)
+            arc_change(ends, unknowns, j).unwrap_or(Change::Length(d))
         } else if vanishing[j] && !vanishing[across_gap(places, j)] {
             Change::Length(-2.0 * places[j].t)
         } else {
@@ -263,6 +281,20 @@ fn changes(places: &[BoundaryPlace], unknowns: &[f64]) -> Vec<Change> {
         });
     }
     changes
+}
+
+/// Change of the `j`-th end if its arc is short and lies between gaps of opposite signs: the conditions at such an arc are
+/// almost linear in the logarithm of its length, which may be exponentially small.
+fn arc_change(ends: &Ends, unknowns: &[f64], j: usize) -> Option<Change> {
+    let (begin, end) = (j & !1, j | 1);
+    let half = 0.5 * ends.places[end].after(ends.places[begin]).rem_euclid(4.0);
+    if half > 0.05 || ends.flux_at(begin) == ends.flux_at(end) {
+        return None;
+    }
+    let [before, after] = [begin, end].map(|j| unknowns[j]);
+    let from_middle = if j == begin { -half } else { half };
+    let logarithm = 0.5 * (after - before) / half;
+    Some(Change::Arc { middle: 0.5 * (before + after), logarithm, from_middle })
 }
 
 /// Longest change, in units of the largest change of a single step.
@@ -277,6 +309,12 @@ fn longest(places: &[BoundaryPlace], changes: &[Change]) -> f64 {
                 d.abs() / (0.4 * next.min(last))
             }
             Change::Logarithm(d) => d.abs(),
+            Change::Arc { middle, logarithm, .. } => {
+                let other = places[across_gap(places, j)];
+                let [before, after] = [places[j].after(other), other.after(places[j])];
+                let gap = if j.is_multiple_of(2) { before } else { after };
+                (middle.abs() / (0.4 * gap.rem_euclid(4.0))).max(logarithm.abs())
+            }
         });
     }
     longest

@@ -1,6 +1,7 @@
 //! Panels of the boundary: between ends of contact, corners and jumps, short where a singularity is near.
 
 use super::complex::{Complex, distance};
+use super::contact::StickArcs;
 use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
@@ -41,6 +42,8 @@ pub(super) struct Panel {
     pub arcs: usize,
     pub contact: bool,
     pub tangent: Complex,
+    /// dv/dn on the panel if it slips; if it sticks, dv/dn on the gap at its end of contact, zero without one.
+    pub flux: f64,
 }
 
 /// Number of nodes that are treated side by side.
@@ -80,6 +83,19 @@ impl Panel {
     /// Direction in which derivatives of psi enter: the tangent in contact, the inner normal elsewhere.
     pub(super) fn direction(&self) -> Complex {
         if self.contact { self.tangent } else { self.tangent.turned() }
+    }
+
+    /// Vector by which the constant vector that a target at `t` subtracts differs from the gradient of psi there.
+    ///
+    /// Its part along the inner normal is the flux, as in the data. Beside an end of contact it has no other part, so that
+    /// nothing jumps at the end; on other panels that slip it is the flux times `-2 z`, which does not jump at corners.
+    pub(super) fn shift(&self, t: f64) -> Complex {
+        let normal = self.tangent.turned().scaled(self.flux);
+        if self.contact || self.end().is_some() {
+            return normal;
+        }
+        let along = self.place(t).point().dot(self.tangent);
+        normal - self.tangent.scaled(2.0 * self.flux * along)
     }
 
     pub(super) fn place(&self, t: f64) -> BoundaryPlace {
@@ -152,23 +168,37 @@ pub(super) struct Ends {
     pub places: Vec<BoundaryPlace>,
     /// Their angles, each from its own corner.
     pub angles: Vec<Angle>,
+    /// dv/dn on the gap after each arc.
+    pub flux: Vec<f64>,
 }
 
 impl Ends {
     /// Takes the places, with corners counted on from the first place.
-    pub(super) fn new(mut places: Vec<BoundaryPlace>) -> Self {
+    pub(super) fn new(StickArcs { mut places, flux }: StickArcs) -> Self {
         if let Some(&first) = places.first() {
             for place in &mut places[1..] {
                 *place = place.following(first);
             }
         }
         let angles = places.iter().map(|place| Angle::from_corner(place.t)).collect();
-        Self { places, angles }
+        Self { places, angles, flux }
+    }
+
+    /// The arcs without the angles.
+    pub(super) fn arcs_and_flux(&self) -> StickArcs {
+        StickArcs { places: self.places.clone(), flux: self.flux.clone() }
     }
 
     /// Number of contact arcs; none stands for contact everywhere.
     pub(super) fn arcs(&self) -> usize {
         self.places.len() / 2
+    }
+
+    /// dv/dn on the gap at the `j`-th end.
+    pub(super) fn flux_at(&self, j: usize) -> f64 {
+        let arcs = self.arcs();
+        // Before a beginning lies the gap after the arc before.
+        self.flux[(j.div_ceil(2) + arcs - 1) % arcs]
     }
 
     /// Place at which the first panel begins.
@@ -300,7 +330,22 @@ pub(super) fn panels(ends: &Ends, Jumps { crossings, psi, .. }: &Jumps) -> Vec<P
             let tangent = tangent(corner, from + to);
             let reversed = b == length;
             let special = if a == 0.0 { Some(special) } else { reversed.then_some(other) };
-            panels.push(Panel { corner, from, to, special, reversed, arcs, contact, tangent });
+            let flux = match special {
+                Some(Special::End(j)) => ends.flux_at(j),
+                _ if contact => 0.0,
+                _ => ends.flux[arcs - 1],
+            };
+            panels.push(Panel {
+                corner,
+                from,
+                to,
+                special,
+                reversed,
+                arcs,
+                contact,
+                tangent,
+                flux,
+            });
         }
     }
     panels

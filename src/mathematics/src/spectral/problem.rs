@@ -7,6 +7,7 @@ use super::panels::Panel;
 use super::place::{BoundaryPlace, tangent};
 use crate::discrete::cells::SweepCut;
 use crate::discrete::load::integral;
+use crate::problem::law::Law;
 use crate::problem::shape::Convex;
 use crate::problem::source::Source;
 use std::f64::consts::FRAC_1_PI;
@@ -14,6 +15,7 @@ use std::f64::consts::FRAC_1_PI;
 /// Data of the right-hand side that do not depend on the ends of contact.
 #[derive(Clone)]
 pub(super) struct SpectralProblem {
+    pub law: Law,
     pub jumps: Jumps,
     pub boundary_psi: BoundaryPotential,
     /// Integral of f over the square.
@@ -25,12 +27,14 @@ pub(super) struct SpectralProblem {
 }
 
 impl SpectralProblem {
+    /// Data for the paper's law.
     pub(super) fn new(f: &Source) -> Self {
         let jumps = Jumps::of(f);
         let [one, x, y, xy, xx, yy, ..] = moments(f);
         let [mass, ..] = moments(&f.absolute());
         let moments = [one, x, y, xy, xx - yy];
         Self {
+            law: Law::SIGNORINI,
             boundary_psi: BoundaryPotential::new(&jumps),
             integral: integral(f),
             mass,

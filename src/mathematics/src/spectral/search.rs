@@ -1,9 +1,8 @@
 //! The search for the contact set: Newton's method and corrections in turn, until all signs are right.
 
 use super::SpectralParams;
-use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
+use super::contact::{SHORTEST_ROUND_CORNER, StickArcs, corrected, without_short};
 use super::panels::Ends;
-use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::trace::Trace;
@@ -21,7 +20,7 @@ pub(super) struct FoundTrace {
 /// cost of fourteen, and a single step is left to the method with all digits.
 pub(super) fn search(
     problem: &SpectralProblem,
-    mut places: Vec<BoundaryPlace>,
+    mut arcs: StickArcs,
     params: SpectralParams,
     rough: bool,
 ) -> Option<FoundTrace> {
@@ -33,15 +32,15 @@ pub(super) fn search(
     let mut steps = 0;
     for _ in 0..ROUNDS {
         if let Some(rough) = &rough {
-            let found = problem.newton(places, rough, 1e-5)?;
-            (places, steps) = (found.places, steps + found.steps);
+            let found = problem.newton(arcs, rough, 1e-5)?;
+            (arcs, steps) = (found.arcs, steps + found.steps);
         }
-        let found = problem.newton(places, &rules, 1e-7)?;
+        let found = problem.newton(arcs, &rules, 1e-7)?;
         steps += found.steps;
-        let ends = Ends::new(without_short(found.places, SHORTEST_ROUND_CORNER)?);
+        let ends = Ends::new(without_short(found.arcs, SHORTEST_ROUND_CORNER)?);
         let trace = Trace::new(problem, ends, &rules);
-        places = corrected(&trace)?;
-        if places == trace.ends.places {
+        arcs = corrected(&trace, problem.law)?;
+        if arcs.places == trace.ends.places {
             return Some(FoundTrace { trace, steps });
         }
     }

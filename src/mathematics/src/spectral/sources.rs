@@ -17,7 +17,7 @@ pub(super) struct Sources {
     /// Weights over (-1)^k |P|^{1/2}, and for odd m over the cosine below: then, with half the angles t and s,
     /// 1 / sin(t - s) is 1 / (sin t - cos t tan s).
     pub weight: Vec<f64>,
-    /// Weights times the derivative of psi in the panel's direction.
+    /// Weights times the data: the derivative of psi in the panel's direction, on gaps plus the flux.
     pub moment: Vec<f64>,
     /// Tangents of half the angles from the panels' corners.
     pub tan: Vec<f64>,
@@ -39,6 +39,7 @@ impl Sources {
         let direction = panel.direction();
         let component = if direction.re == 0.0 { 2 } else { 1 };
         let sign = direction.re + direction.im;
+        let flux = if panel.contact { 0.0 } else { panel.flux };
         let odd = ends.arcs() % 2 == 1;
         vectorised(
             #[inline(always)]
@@ -53,7 +54,7 @@ impl Sources {
                         let factor = if odd { nodes.cos[k] } else { 1.0 };
                         tan[k] = nodes.sin[k] / nodes.cos[k];
                         weight[k] = nodes.weight[k] / (weight[k] * factor);
-                        moment[k] = weight[k] * sign * derivative[k];
+                        moment[k] = weight[k] * sign * derivative[k] + weight[k] * flux;
                     }
                     self.weight.extend_from_slice(&weight[..many]);
                     self.moment.extend_from_slice(&moment[..many]);
@@ -102,16 +103,16 @@ impl Sources {
     }
 }
 
-/// Targets of one panel for which sums are made at once.
+/// Targets of one panel for which sums are made at once, with the vectors that they subtract.
 struct TargetBlock {
     corner: i32,
     sin: [f64; LANES],
     cos: [f64; LANES],
-    gradient: [[f64; LANES]; 2],
+    subtracted: [[f64; LANES]; 2],
 }
 
 impl TargetBlock {
-    /// Sines and cosines of half the angles from the corner of a group, and psi's derivatives in its direction.
+    /// Sines and cosines of half the angles from the corner of a group, and the parts of the vectors in its direction.
     #[inline(always)]
     fn seen_from(&self, group: &Group) -> [[f64; LANES]; 3] {
         let [cos, sin] = eighth_turns(self.corner - group.corner);
@@ -120,7 +121,7 @@ impl TargetBlock {
         for k in 0..LANES {
             s[k] = self.sin[k] * cos + self.cos[k] * sin;
             c[k] = self.cos[k] * cos - self.sin[k] * sin;
-            g[k] = self.gradient[0][k] * re + self.gradient[1][k] * im;
+            g[k] = self.subtracted[0][k] * re + self.subtracted[1][k] * im;
         }
         [s, c, g]
     }
@@ -201,19 +202,27 @@ impl<'a> SourceField<'a> {
                     let rule = GradedRule { nodes: part, power: panel.target_power() };
                     let nodes = panel.nodes(rule);
                     let [psi, x, y] = self.psi.at(panel.corner, &nodes.t, [0, 1, 2]);
+                    let shifts = nodes.t.map(|t| panel.shift(t));
                     let block = TargetBlock {
                         corner: panel.corner,
                         sin: nodes.sin,
                         cos: nodes.cos,
-                        gradient: [x, y],
+                        subtracted: [
+                            std::array::from_fn(|k| x[k] + shifts[k].re),
+                            std::array::from_fn(|k| y[k] + shifts[k].im),
+                        ],
                     };
                     let (sums, roots) = (self.sums(p, &block), self.ends.roots(panel, &nodes));
                     found.extend((0..part.len()).map(|k| {
                         let angle = nodes.angle(k);
                         let root = roots[k] * angle.slope;
                         let derivative = -root * sums[k] / std::f64::consts::TAU;
-                        let (multiplier, along) =
-                            if panel.contact { (derivative, 0.0) } else { (0.0, derivative) };
+                        // More was subtracted than the gradient of psi, with which the sum would be v's derivative.
+                        let (multiplier, along) = if panel.contact {
+                            (derivative + panel.flux, 0.0)
+                        } else {
+                            (panel.flux, derivative - shifts[k].dot(panel.tangent))
+                        };
                         Point {
                             place: panel.place(nodes.t[k]),
                             panel: p,

@@ -8,6 +8,7 @@ use super::problem::SpectralProblem;
 use super::rule::{GaussNode, Rules, halved, interpolation};
 use super::sources::{Point, SourceField};
 use crate::discrete::contact::ContactArc;
+use crate::problem::law::Law;
 use std::f64::consts::TAU;
 
 /// Distance from a corner up to which gaps are left out: the energy changes by the fourth power of it.
@@ -70,16 +71,27 @@ impl Trace {
         }
     }
 
+    /// v at a point, less where the gap is to slip down.
+    fn upward(&self, point: &Point, law: Law) -> f64 {
+        let panel = &self.panels[point.panel];
+        if !panel.contact && panel.flux == law.hi() { -point.value } else { point.value }
+    }
+
     /// Sign conditions at all points.
-    pub(super) fn signs(&self) -> Vec<Sign> {
-        let largest = self.points.iter().map(|p| p.multiplier).fold(0.0, f64::max);
-        let size = self.points.iter().map(|p| p.value.max(p.psi.abs())).fold(0.0, f64::max);
+    pub(super) fn signs(&self, law: Law) -> Vec<Sign> {
+        let widths = self.points.iter().flat_map(|p| law.room(p.multiplier));
+        let largest = widths.filter(|width| width.is_finite()).fold(0.0, f64::max);
+        let values = self.points.iter().map(|p| self.upward(p, law).max(p.psi.abs()));
+        let size = values.fold(0.0, f64::max);
         let mut signs = Vec::with_capacity(self.points.len());
         for (i, p) in self.points.iter().enumerate() {
             let contact = self.in_contact(i);
             let value = match contact {
-                true => self.judged(i).map(|multiplier| multiplier / largest),
-                false => Some(p.value / size),
+                true => self.judged(i).map(|multiplier| {
+                    let [above_lo, below_hi] = law.room(multiplier);
+                    above_lo.min(below_hi) / largest
+                }),
+                false => Some(self.upward(p, law) / size),
             };
             signs.push(Sign { contact, value });
         }
@@ -205,10 +217,11 @@ pub(super) struct BoundaryValues {
     pub multiplier: f64,
 }
 
-/// Sign condition at a point of the boundary: in contact the multiplier, elsewhere v must not be negative.
+/// Sign condition at a point of the boundary: in contact the distance of the multiplier from the nearer end of the law,
+/// elsewhere v must not be negative, or not positive where the gap slips down.
 pub(super) struct Sign {
     pub contact: bool,
-    /// Multiplier over the largest, or v over its size; none for a multiplier that is too near to a corner to be
+    /// Distance over the largest, or v over its size; none for a multiplier that is too near to a corner to be
     /// judged. The size of v is also that of psi: in a short gap v is far smaller than inside.
     pub value: Option<f64>,
 }
