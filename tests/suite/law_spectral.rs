@@ -60,42 +60,49 @@ fn energies_and_ends_are_those_in_quadruple_precision() {
         let error = solution.energy / expected - 1.0;
         assert!(error.abs() < 1e-14, "{error:e}");
     }
-    println!("{:?} {:?}", a.contact, d.contact);
+    let arc = a.contact[0];
+    // Seen from the middle of the boundary through the lower left corner.
+    assert!((along(arc.from) - 0.602_923_113_064_346_7).abs() < 1e-14, "{arc:?}");
+    assert!((along(arc.to) - 3.397_076_886_935_653_3).abs() < 1e-14, "{arc:?}");
+    for arc in d.contact {
+        let half = 0.5 * (along(arc.to) - along(arc.from));
+        assert!((half - 0.015_508_230_392_821_913).abs() < 1e-14, "{half}");
+    }
 }
 
 #[test]
-fn laws_measured() {
+fn energies_are_the_limits_of_multigrid_and_the_flux_balances_f() {
     for (name, f, g) in FRICTION {
         let law = Law::friction(g).unwrap();
-        match spectral_under(law, &f.parse().unwrap(), SpectralParams::default()) {
-            Ok(s) => {
-                let fine = s
-                    .at_resolution(SpectralParams::FINER)
-                    .map(|s| s.energy / extrapolated(f, law) - 1.0);
-                println!(
-                    "{name} {:.17} {} steps {} arcs {:?} {fine:?}",
-                    s.energy,
-                    s.checks,
-                    s.steps,
-                    s.contact.iter().map(|c| (along(c.from), along(c.to))).collect::<Vec<_>>()
-                );
-            }
-            Err(e) => println!("{name}: {e}"),
-        }
+        let solution = solved(f, law);
+        let off = solution.energy / extrapolated(f, law) - 1.0;
+        assert!(off.abs() < 1e-7, "{name}: {off:e}");
+        let fine = solution.at_resolution(SpectralParams::FINER).unwrap();
+        assert!(fine.checks.green.abs() < 1e-13, "{name}: {}", fine.checks);
+        assert!(fine.checks.resolution.unwrap().abs() < 1e-13, "{name}: {}", fine.checks);
     }
-    for g in [1.2, 1.1, 0.9, 0.8, 0.7, 0.6, 0.5, 0.45, 0.4, 0.3, 0.1] {
-        match spectral_under(
-            Law::friction(g).unwrap(),
-            &FRICTION[3].1.parse().unwrap(),
-            SpectralParams::default(),
-        ) {
-            Ok(s) => println!(
-                "D {g} {:.17} {} {:?}",
-                s.energy,
-                s.checks,
-                s.contact.iter().map(|c| along(c.to) - along(c.from)).collect::<Vec<_>>()
-            ),
-            Err(e) => println!("D {g}: {e}"),
-        }
+}
+
+#[test]
+fn c_f_with_the_law_as_wide_gives_c_v() {
+    for (f, other, factor) in [
+        (FRICTION[0].1, "quadrant(ll)=-6; else=2.004", -2.0),
+        (FRICTION[3].1, "halfplane(1,0,0)=-24; else=24", -3.0),
+    ] {
+        let g = if factor == -2.0 { 0.3 } else { 1.0 };
+        let one = solved(f, Law::friction(g).unwrap());
+        let two = solved(other, Law::friction(g * f64::abs(factor)).unwrap());
+        let off = two.energy / (factor * factor * one.energy) - 1.0;
+        assert!(off.abs() < 1e-13, "{other}: {off:e}");
+        let [v, w] = [&one, &two].map(|solution| solution.value(0.31, 0.17));
+        assert!((w - factor * v).abs() < 1e-12, "{other}: {v} {w}");
     }
+}
+
+#[test]
+fn arcs_too_short_between_both_signs_are_refused_with_one_line() {
+    let f = FRICTION[3].1.parse().unwrap();
+    let law = Law::friction(0.3).unwrap();
+    let error = spectral_under(law, &f, SpectralParams::default()).err();
+    assert_eq!(error, Some(SpectralError::ShortArcs(law)));
 }
