@@ -127,7 +127,6 @@ pub(crate) struct RefinedProblem {
 }
 
 /// True for the law that scenes do not name.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_signorini(law: &Law) -> bool {
     law.is_signorini()
 }

@@ -6,7 +6,7 @@ use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::multigrid::{MultigridParams, solve_square};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::spectral::{Solution, SpectralParams, spectral_under};
+use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral_under};
 
 /// Problems with friction: name, f and the bound g.
 const FRICTION: [(&str, &str, f64); 6] = [

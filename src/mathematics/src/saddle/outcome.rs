@@ -78,8 +78,9 @@ impl Outcome {
 
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
-        // NaN is judged by the residual.
-        let has_solution = self.has_solution.unwrap_or(!(self.sum_load >= 0.0));
+        // A sum that is NaN is judged by the residual.
+        let has_solution =
+            self.has_solution.unwrap_or(self.sum_load < 0.0 || self.sum_load.is_nan());
         Verdict::new(has_solution, &self.kkt, self.energy, self.work)
     }
 

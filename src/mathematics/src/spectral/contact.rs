@@ -54,7 +54,7 @@ impl ContactStart {
         // unless the integral of f nearly vanishes.
         let quick = Goal::Kkt(0.05 * largest(&load));
         let goal = if careful { Goal::RoundingFloor } else { quick };
-        let params = MultigridParams { goal, law, ..Default::default() };
+        let params = MultigridParams { law, goal, ..Default::default() };
         let (y, _) = multigrid::solve_square(n, &load, None, &params).ok()?;
         let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
         let mut places = changes(&values, &free_nodes(&values, n), n);

@@ -112,7 +112,7 @@ use crate::problem::law::{Law, LawError};
 use crate::problem::source::Source;
 pub use checks::Checks;
 use complex::Complex;
-use contact::{ContactStart, SHORTEST};
+use contact::ContactStart;
 use energy::Energies;
 pub use jumps::Touch;
 use place::BoundaryPlace;
@@ -171,7 +171,7 @@ pub enum SpectralError {
     Law(#[from] LawError),
     /// v has both signs on the boundary, and no arcs that stick were found for which all signs are right.
     #[error(
-        "v has both signs on the boundary, and the arcs that stick between may be shorter than {SHORTEST:e}, which is not resolved; widen the interval of the flux under the law {0}"
+        "v has both signs on the boundary, and the arcs that stick between were not found under the law {0}: they may be too short; widen the interval of the flux, or use multigrid"
     )]
     ShortArcs(Law),
     /// No contact set was found for which all signs are right.
