@@ -36,13 +36,13 @@ pub(super) fn unusual() -> Vec<(String, String)> {
 }
 
 /// Solution on a triangulation of the plane.
-pub(super) struct Solved {
+pub(super) struct SolvedSample {
     pub(super) mesh: PlaneMesh,
     pub(super) y: Vec<f64>,
     pub(super) in_contact: Vec<bool>,
 }
 
-impl Solved {
+impl SolvedSample {
     /// Solves on a mesh refined `times` times.
     pub(super) fn on(coarsest: &AnyMesh, times: usize, f: &str) -> Self {
         let problem = MeshProblem::new(coarsest, times, f, Law::SIGNORINI).unwrap();
@@ -78,10 +78,10 @@ fn meshes() -> Vec<(String, String)> {
         ["disc", "lshape", "annulus"].map(|name| AnyMesh::built_in(name).unwrap());
     let gear = gear();
     let solved = [
-        ("disc", Solved::on(&disc, 4, "disc(0.4,0,0.4)=5; else=-1")),
-        ("lshape", Solved::on(&lshape, 4, "rect(-1,0,-1,0)=2; else=-2")),
-        ("annulus", Solved::on(&annulus, 3, "halfplane(1,0,0)=1; else=-2")),
-        ("gear", Solved::on(&gear, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
+        ("disc", SolvedSample::on(&disc, 4, "disc(0.4,0,0.4)=5; else=-1")),
+        ("lshape", SolvedSample::on(&lshape, 4, "rect(-1,0,-1,0)=2; else=-2")),
+        ("annulus", SolvedSample::on(&annulus, 3, "halfplane(1,0,0)=1; else=-2")),
+        ("gear", SolvedSample::on(&gear, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
     ];
     let drawn =
         solved.iter().map(|(name, solved)| (*name, mesh_surfaces(2, &[solved.surface(name)])));

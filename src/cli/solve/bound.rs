@@ -54,7 +54,7 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<Strin
 
 /// Words for the boundary under a law.
 pub(super) struct BoundaryWords {
-    /// What a boundary node at zero does.
+    /// Verb or noun for boundary nodes at zero.
     holds: &'static str,
     /// Integral of dv/dn over the boundary.
     total: &'static str,

@@ -1,6 +1,6 @@
 //! Square, cube and meshes under one interface: load vector, judgement, errors, files.
 
-use super::format::Format;
+use super::format::{Format, ReportedAs};
 use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
@@ -323,13 +323,6 @@ impl Domain {
             }
         }
     }
-}
-
-/// Name and law of a problem, in files.
-#[derive(Clone, Copy)]
-pub(super) struct ReportedAs<'a> {
-    pub name: &'a str,
-    pub law: Law,
 }
 
 pub(super) fn square(n: usize) -> Grid {

@@ -2,7 +2,15 @@
 
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
+use signorini_mathematics::problem::law::Law;
 use std::path::Path;
+
+/// Name and law of a problem, in files.
+#[derive(Clone, Copy)]
+pub(super) struct ReportedAs<'a> {
+    pub name: &'a str,
+    pub law: Law,
+}
 
 /// Format of a file, by its ending: VTK image data or, on a mesh, an unstructured grid for ParaView, one NumPy array,
 /// several arrays, a picture.

@@ -1,8 +1,7 @@
 //! Problems of `solve` on a mesh: a Gmsh file or a built-in domain, its parts, and its refinements.
 
 use super::SolveArgs;
-use super::domain::ReportedAs;
-use super::format::Format;
+use super::format::{Format, ReportedAs};
 use crate::figures::{MeshSurface, mesh_surfaces, uphill_on_mesh};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::domain::{DomainSettings, drawn, nodes_after};

@@ -1,8 +1,8 @@
 //! Problem of `solve`: f and its domain, the grids, the solver and its settings.
 
 use super::accuracy::Accuracy;
-use super::domain::{Domain, ReportedAs};
-use super::format::Format;
+use super::domain::Domain;
+use super::format::{Format, ReportedAs};
 use super::mesh::MeshDomain;
 use super::{SolveArgs, Solver, cells, rule_name};
 use crate::cli::current_folder;
@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
 
@@ -54,8 +55,7 @@ impl Problem {
         let mut overridden = Vec::new();
         let domain = domain(args, scene, &mut overridden)?;
         let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
-        let params = params(args, scene, &mut overridden)?;
-        let integral = domain.solvable(params.law)?;
+        let integral = domain.solvable(law(args, scene)?)?;
         let solver = args.solver.unwrap_or(default_solver(args));
         check_solver_options(args, solver)?;
         check_mesh_options(args, &domain)?;
@@ -67,6 +67,7 @@ impl Problem {
             Domain::Mesh(mesh) => (0..mesh.problem.levels.len()).collect(),
             Domain::Square { .. } | Domain::Cube { .. } => hierarchy(finest, scene)?,
         };
+        let params = params(args, scene, &mut overridden)?;
         let problem = Self {
             scene: scene.map(|scene| scene.name.clone()),
             solver,
@@ -264,6 +265,11 @@ fn default_solver(args: &SolveArgs) -> Solver {
     }
 }
 
+/// Returns the law of the scene, or else that of the options.
+fn law(args: &SolveArgs, scene: Option<&Scene>) -> Result<Law> {
+    scene.map_or_else(|| args.law(), |scene| Ok(scene.law()))
+}
+
 fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {
     let r = choose("r", args.r, scene.map(Scene::drawn_r), f64::to_string, overridden);
     let stop = args.stop.as_deref().map(stop_rule).transpose()?;
@@ -273,7 +279,7 @@ fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
     let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
     let defaults = Params::default();
     Ok(Params {
-        law: scene.map_or_else(|| args.law(), |scene| Ok(scene.law()))?,
+        law: law(args, scene)?,
         r: positive_r(r.unwrap_or(10.0))?,
         rule: rule.unwrap_or(StopRule::Printed),
         max_iterations: limit.unwrap_or(defaults.max_iterations),

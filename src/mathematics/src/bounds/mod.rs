@@ -106,7 +106,7 @@ pub enum NoBound {
     /// The continuous problem has no solution, or no unique one.
     #[error("the integral of f is not negative")]
     NotCoercive,
-    /// The same under another law than the paper's.
+    /// No solution under another law than the paper's.
     #[error("the flux that the law allows cannot balance the integral of f")]
     Unbalanced,
     /// A sum overflows, squares underflow, or the vector contains a NaN.

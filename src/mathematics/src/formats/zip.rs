@@ -1,5 +1,5 @@
-//! ZIP archives (APPNOTE 6.3), without dates. Files are compressed where that makes them half as long: values with all
-//! their digits hardly get shorter, and stored as they are they are written fast and read in place.
+//! ZIP archives (APPNOTE 6.3), without dates. Files are compressed where that makes them a quarter as long: values with all
+//! their digits hardly get shorter, and stored as they are they are read in place.
 
 use miniz_oxide::deflate::compress_to_vec;
 
@@ -27,7 +27,7 @@ pub(super) fn zip(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
         let sum = crc32(bytes);
         let shorter = compress_to_vec(bytes, EFFORT);
         let (method, body) =
-            if 2 * shorter.len() <= bytes.len() { (DEFLATED, &shorter) } else { (STORED, bytes) };
+            if 4 * shorter.len() <= bytes.len() { (DEFLATED, &shorter) } else { (STORED, bytes) };
         let kept = body.len() as u32;
         // Version 2.0, no flags, method, time and date; then sum and sizes, and the length of the name.
         archive.extend(b"PK\x03\x04");

@@ -232,7 +232,7 @@ impl StateProblem<'_> {
     /// Returns the states of the next step of the primal-dual active set method, where `y` is the solution with the
     /// present ones.
     ///
-    /// Where the nodes of a connected component could then not balance the load, or none would stick, the solution is
+    /// A solution whose nodes could then not balance the load of a connected component, or of which none would stick, is
     /// shifted by the constant of least energy: in increasing order of their values, and for nodes at zero in decreasing
     /// order of their multipliers, the nodes slip down until they balance the load, the next one sticks, and the others
     /// slip up.

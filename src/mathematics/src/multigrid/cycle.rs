@@ -84,7 +84,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
 
     /// Part of the correction for level `l` with the least energy: all of it, a half, a quarter, and so on, or nothing.
     ///
-    /// Where the states of many nodes change together, the whole correction may enlarge the energy. A small part never
+    /// The whole correction may enlarge the energy where the states of many nodes change together. A small part never
     /// does, since the correction descends from the present values.
     pub(super) fn search(&mut self, l: usize) -> f64 {
         let before = self.levels[l].values[Black as usize].to_vec();

@@ -77,7 +77,10 @@ impl NestedProblem<'_> {
     fn law(&self, limit: f64, level: usize) -> Result<Law, InputError> {
         let [finest, network] = [self.finest(), level].map(|level| &self.levels[level].network);
         // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
-        Ok(Law::new(0.0, limit * (perimeter(finest) / perimeter(network)))?)
+        // Without contact nodes there is nothing to balance.
+        let longer =
+            if network.contact().is_empty() { 1.0 } else { perimeter(finest) / perimeter(network) };
+        Ok(Law::new(0.0, limit * longer)?)
     }
 
     /// True if the flux of a nodal vector, solved for without a limit, exceeds this limit: otherwise it solves the problem
@@ -176,7 +179,7 @@ impl Components {
     }
 }
 
-/// What the iteration on the finest level is for.
+/// Target of the iteration on the finest level.
 struct FinestTarget<'a> {
     level: usize,
     /// Factor by which the load was divided.

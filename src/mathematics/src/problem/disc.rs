@@ -72,12 +72,12 @@ impl DiscProblem {
     pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.coefficients();
         let (k, [x, y]) = (f64::from(self.k), point);
-        let z = Complex { re: x, im: y };
-        let before = (1..self.k).fold(Complex { re: 1.0, im: 0.0 }, |power, _| power.times(z));
+        let z = PlaneNumber { re: x, im: y };
+        let before = (1..self.k).fold(PlaneNumber { re: 1.0, im: 0.0 }, |power, _| power.times(z));
         let s = z.times(before);
         let alpha = self.free_angle();
         let harmonic = if alpha == 0.0 {
-            Complex { re: k, im: 0.0 }
+            PlaneNumber { re: k, im: 0.0 }
         } else {
             // The root and the quotient q = (2 cos(alpha) - s) / (1 + root), written such that s divides out.
             let cosine = libm::cos(alpha);
@@ -87,7 +87,7 @@ impl DiscProblem {
             q.scaled(-1.0).shifted(k + 1.0).plus(rest)
         };
         // Of P.
-        let along = Complex { re: x, im: -y }.scaled(a - 2.0 * b * s.re);
+        let along = PlaneNumber { re: x, im: -y }.scaled(a - 2.0 * b * s.re);
         let of_power = before.scaled(-b * k * (x * x + y * y));
         let slope = harmonic.times(before).scaled(b).plus(along).plus(of_power);
         [slope.re, -slope.im]
@@ -130,12 +130,12 @@ impl DiscProblem {
 
 /// Complex number.
 #[derive(Clone, Copy)]
-struct Complex {
+struct PlaneNumber {
     re: f64,
     im: f64,
 }
 
-impl Complex {
+impl PlaneNumber {
     fn times(self, other: Self) -> Self {
         let re = self.re * other.re - self.im * other.im;
         Self { re, im: self.re * other.im + self.im * other.re }

@@ -63,7 +63,7 @@ pub enum LawError {
     Parameter {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
     },
     /// Ends of an interval that is empty, has no inner point, or is not bounded on either side.

@@ -69,7 +69,7 @@ pub enum BoundsError {
         /// Position of a cell of the component.
         cell: usize,
     },
-    /// The same under another law than the paper's.
+    /// No solution under another law than the paper's.
     #[error(
         "the flux that the law allows cannot balance the integral of f over the part of the domain with element {cell}; change f there, widen the law or fix a part of the boundary"
     )]

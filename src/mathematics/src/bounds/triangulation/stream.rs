@@ -26,7 +26,7 @@ struct Limit {
 
 /// Node of the boundary, and the limits beyond which the law would not allow an outflow in contact.
 #[derive(Clone, Copy, Default)]
-struct BoundaryNode {
+struct StreamEnd {
     /// Number of facets at the node.
     facets: u32,
     /// True if a facet of the node is free.
@@ -43,7 +43,7 @@ struct Stream {
     psi: Vec<f64>,
     /// Position in `boundary` of each node, or [`INNER`].
     places: Vec<u32>,
-    boundary: Vec<BoundaryNode>,
+    boundary: Vec<StreamEnd>,
     /// Sense of the cells: 1 or -1.
     sense: f64,
 }
@@ -103,9 +103,9 @@ impl Stream {
                 let place = &mut places[node as usize];
                 if *place == INNER {
                     *place = boundary.len() as u32;
-                    boundary.push(BoundaryNode::default());
+                    boundary.push(StreamEnd::default());
                 }
-                let of: &mut BoundaryNode = &mut boundary[*place as usize];
+                let of: &mut StreamEnd = &mut boundary[*place as usize];
                 of.facets += 1;
                 of.is_free |= condition == Condition::Free;
                 if condition == Condition::Contact {
@@ -128,7 +128,7 @@ impl Stream {
         let best = network.row(node).add_to(load[node], &self.psi) / network.diagonal()[node];
         self.psi[node] = match self.boundary.get(self.places[node] as usize) {
             None => best,
-            Some(BoundaryNode { limits, is_free: false, facets: 2 }) => {
+            Some(StreamEnd { limits, is_free: false, facets: 2 }) => {
                 let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
                 for limit in limits.iter().flatten() {
                     let other = self.psi[limit.other as usize];
