@@ -105,7 +105,7 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     assert!(cube["contact"].is_null(), "{cube}");
     let large = project.run(&["solve", "--cube", "else=-1", "--h", "1/96", "--json"]).json();
     assert!(large["bound"].is_null(), "{large}");
-    assert!(large["bound_reason"].as_str().unwrap().contains("1/64"), "{large}");
+    assert!(large["bound_reason"].as_str().unwrap().contains("1/32"), "{large}");
 }
 
 #[test]

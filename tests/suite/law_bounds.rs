@@ -113,7 +113,7 @@ fn minus_f_has_the_same_bounds() {
     for (at, (name, text, ..)) in FRICTION.into_iter().enumerate() {
         let (_, f, law) = case(at);
         let Source::Pieces { background, pieces } = &f else { panic!("{text}") };
-        let pieces = pieces.iter().map(|(region, value)| (region.clone(), -value));
+        let pieces = pieces.iter().map(|(region, value)| (*region, -value));
         let minus = Source::Pieces { background: -background, pieces: pieces.collect() };
         let (grid, y) = solved(32, &f, law, Goal::RoundingFloor);
         for size in [0.0, 1e-6, 1e-2] {

@@ -46,8 +46,8 @@ pub(super) struct Guarantee {
     pub by_quadrature: bool,
 }
 
-/// Cells per side of the finest grid of the cube with bounds: some seconds.
-const MOST_WITH_BOUNDS: usize = 64;
+/// Cells per side of the finest grid of the cube with bounds: about a second.
+const MOST_WITH_BOUNDS: usize = 32;
 
 impl Domain {
     /// Largest number of cells per side for which the vectors and factors of the solver take about 1 GB; refuses a

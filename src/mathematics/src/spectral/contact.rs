@@ -1,5 +1,6 @@
 //! Contact set: from a grid at first, then corrected at the points where a sign is wrong.
 
+use super::arcs::StickArcs;
 use super::place::BoundaryPlace;
 use super::trace::{Sign, Trace, UNRESOLVED};
 use crate::discrete::contact::reach;
@@ -18,22 +19,6 @@ pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
 pub(super) const MULTIPLIER_TOLERANCE: f64 = 1e-6;
 /// Size of negative values, relative to the size of v and psi, that is tolerated.
 pub(super) const VALUE_TOLERANCE: f64 = 1e-10;
-
-/// Arcs that stick, with the flux on the gaps between them.
-#[derive(Clone, Debug)]
-pub(super) struct StickArcs {
-    /// Beginnings and ends in turn, anticlockwise; none if all of the boundary sticks.
-    pub(super) places: Vec<BoundaryPlace>,
-    /// dv/dn on the gap after each arc, which is one end of the law.
-    pub(super) flux: Vec<f64>,
-}
-
-impl StickArcs {
-    /// True if v is positive on some gaps and negative on others.
-    pub(super) fn have_both_signs(&self) -> bool {
-        self.flux.iter().any(|flux| *flux != self.flux[0])
-    }
-}
 
 /// Contact set of a multigrid solution, with which Newton's method begins.
 #[derive(Clone, Copy)]

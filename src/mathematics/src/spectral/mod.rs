@@ -87,6 +87,7 @@
 //!   (1940).
 
 mod along;
+mod arcs;
 mod boundary;
 mod checks;
 mod complex;

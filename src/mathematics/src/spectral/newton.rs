@@ -1,7 +1,8 @@
 //! Newton's method for the ends of contact.
 
+use super::arcs::StickArcs;
 use super::complex::Complex;
-use super::contact::{SHORTEST, StickArcs, without_short};
+use super::contact::{SHORTEST, without_short};
 use super::map::Angle;
 use super::panels::{Ends, LANES, Panel};
 use super::place::{BoundaryPlace, tangent};

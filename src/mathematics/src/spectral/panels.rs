@@ -1,7 +1,7 @@
 //! Panels of the boundary: between ends of contact, corners and jumps, short where a singularity is near.
 
+use super::arcs::StickArcs;
 use super::complex::{Complex, distance};
-use super::contact::StickArcs;
 use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};

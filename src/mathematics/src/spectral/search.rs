@@ -1,7 +1,8 @@
 //! The search for the contact set: Newton's method and corrections in turn, until all signs are right.
 
 use super::SpectralParams;
-use super::contact::{SHORTEST_ROUND_CORNER, StickArcs, corrected, without_short};
+use super::arcs::StickArcs;
+use super::contact::{SHORTEST_ROUND_CORNER, corrected, without_short};
 use super::panels::Ends;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
