@@ -63,7 +63,7 @@
 //! only across an arc that sticks, and its flux q is lo or hi. Then `h_r = q - psi_r` there, the data are the parts of
 //! `grad psi - q n` with n the outer normal, and l and `v_theta` follow from the same formula if a constant vector is subtracted that
 //! fits the data on both sides of an end: `c = grad psi(z) - q n` with the q of the gap at that end. Its difference from
-//! the gradient is given back to the result ([`panels::Panel::shift`]). Unknowns and equations stay the same, and
+//! the gradient is given back to the result (`panels::Panel::shift`). Unknowns and equations stay the same, and
 //! `J = -1/2 int f v - 1/2 int l v`.
 //!
 //! Between v > 0 and v < 0 there is an arc that sticks, of a length exponentially small in 1 / (hi - lo), the logarithm of
