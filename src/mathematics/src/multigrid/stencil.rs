@@ -56,6 +56,8 @@ impl Boundary<'_> {
     #[inline(always)]
     pub(super) fn relax<D: Dimension>(self, node: BoundaryNode, sum: f64) -> f64 {
         match self {
+            // Without a limit no node slips down, and the general formulas would take longer for the same bits.
+            Boundary::Law { limit: f64::INFINITY } => (sum * inverse::<D>()).max(0.0),
             Boundary::Law { limit } => {
                 let (up, down) = (sum, sum + node.limit(limit));
                 (up * inverse::<D>()).max((down * inverse::<D>()).min(0.0))
@@ -73,6 +75,13 @@ impl Boundary<'_> {
         sum: f64,
     ) -> BoundaryResidual {
         match self {
+            Boundary::Law { limit: f64::INFINITY } => {
+                let residual = sum - diagonal::<D>() * value;
+                let natural = value.min(-residual * (node.share * coupling)).abs();
+                let in_contact = value == 0.0 && residual <= 0.0;
+                let truncated = if in_contact { 0.0 } else { residual };
+                BoundaryResidual { truncated, natural, in_contact }
+            }
             Boundary::Law { limit } => {
                 let up = sum - diagonal::<D>() * value;
                 let down = up + node.limit(limit);
