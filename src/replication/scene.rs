@@ -291,8 +291,7 @@ impl Scene {
 
     /// Returns the law on the boundary.
     pub(crate) fn law(&self) -> Law {
-        let law = self.law.map_or(Ok(Law::SIGNORINI), LawParameter::law);
-        law.expect("validated: a law with this parameter")
+        LawParameter::law_or_papers(self.law).expect("validated: a law with this parameter")
     }
 
     /// Returns the r whose solution is drawn: the middle one, unless the scene names another.

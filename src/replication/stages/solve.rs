@@ -17,7 +17,7 @@ use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
     Iteration, Monitor, Outcome, Pair, Params, Plain, StopReason, StopRule, solve_nested,
@@ -135,11 +135,6 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     }
 }
 
-/// Law with this parameter, the paper's without one.
-fn law_of(parameter: Option<LawParameter>) -> Result<Law, String> {
-    parameter.map_or(Ok(Law::SIGNORINI), |parameter| parameter.law().map_err(|e| e.to_string()))
-}
-
 fn task(scene: &Scene, cell: Cell) -> Task {
     let id = id(scene, cell.stop, cell.r);
     Task::new(id, parameters(&cell), Vec::new(), move |_| solve(&cell))
@@ -150,7 +145,7 @@ fn run(cell: &Cell, monitor: &mut impl Monitor) -> Result<(Vec<Outcome>, Pair), 
     let grids = nested(&cell.grids)?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &cell.f, cell.load)).collect();
     let params = Params {
-        law: law_of(cell.law)?,
+        law: LawParameter::law_or_papers(cell.law).map_err(|e| e.to_string())?,
         r: cell.r,
         rule: cell.stop,
         max_iterations: cell.max_iterations,

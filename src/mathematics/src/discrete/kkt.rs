@@ -3,7 +3,7 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::simd::Largest;
-use crate::problem::law::{BoundaryState, Law};
+use crate::problem::law::{BoundaryState, Law, greater, lesser};
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
@@ -62,11 +62,10 @@ impl Judgement {
         y: &[f64],
     ) -> Vec<f64> {
         let of_node = |((node, measure), flux): ((usize, f64), &f64)| {
-            let [above_lo, above_hi] =
-                [self.law.lo(), self.law.hi()].map(|end| flux - measure * end - y[node]);
-            if above_lo <= self.rounding {
+            let [above_lo, above_hi] = self.law.above_ends(*flux, measure);
+            if above_lo - y[node] <= self.rounding {
                 self.law.lo()
-            } else if above_hi >= -self.rounding {
+            } else if above_hi - y[node] >= -self.rounding {
                 self.law.hi()
             } else {
                 self.law.project(flux / measure)
@@ -174,8 +173,8 @@ impl Judge {
         let mut complementarity = Largest::default();
         for (flux, (node, measure)) in flux.iter().zip(parts.clone()) {
             let potential = measure * law.potential(y[node]);
-            min_y = min(min_y, y[node]);
-            min_lambda = min(min_lambda, flux / measure);
+            min_y = lesser(min_y, y[node]);
+            min_lambda = lesser(min_lambda, flux / measure);
             complementarity.put(law.residual(y[node], *flux, measure));
             energy += potential;
             work += y[node] * flux + potential;
@@ -189,20 +188,11 @@ impl Judge {
         let states = flux.iter().zip(parts).map(of_node).collect();
         let [stationarity, complementarity, scale] =
             [self.stationarity, complementarity, self.load].map(Largest::value);
-        let natural = max(stationarity, complementarity);
+        let natural = greater(stationarity, complementarity);
         let relative = if natural == 0.0 { 0.0 } else { natural / scale };
         let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
         Judgement { kkt, energy, flux, work, states, rounding, law }
     }
-}
-
-/// The larger of two, or NaN if either is: `f64::max` would hide a NaN, as `f64::min` would.
-fn max(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
-}
-
-fn min(a: f64, b: f64) -> f64 {
-    if a <= b || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]

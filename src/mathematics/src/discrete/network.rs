@@ -71,6 +71,17 @@ pub struct Row<'a> {
     pub weights: &'a [f64],
 }
 
+/// Row of a contact node during a sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactRow {
+    /// Load plus the sum of weight times y over the coupled nodes.
+    pub sum: f64,
+    /// Diagonal entry of the stiffness matrix.
+    pub diagonal: f64,
+    /// Length or area of the boundary at the node.
+    pub measure: f64,
+}
+
 impl Row<'_> {
     /// Returns `start` plus the sum of weight times y over the coupled nodes, added from left to right.
     #[inline(always)]
@@ -258,6 +269,29 @@ impl Network {
     fn part(&self, from: u32, to: u32) -> Row<'_> {
         let range = from as usize..to as usize;
         Row { others: &self.others[range.clone()], weights: &self.weights[range] }
+    }
+
+    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at fixed nodes
+    /// become zero; `at_contact` gives the value of the contact node in this position from its row.
+    #[inline(always)]
+    pub fn sweep(
+        &self,
+        load: &[f64],
+        y: &mut [f64],
+        mut at_contact: impl FnMut(usize, ContactRow) -> f64,
+    ) {
+        for node in 0..self.nodes() {
+            let sum = self.row(node).add_to(load[node], y);
+            let diagonal = self.diagonal[node];
+            y[node] = match self.condition(node) {
+                NodeCondition::Inner => sum / diagonal,
+                NodeCondition::Fixed => 0.0,
+                NodeCondition::Contact(b) => {
+                    let measure = self.contact[b].measure;
+                    at_contact(b, ContactRow { sum, diagonal, measure })
+                }
+            };
+        }
     }
 
     /// Writes the gradient `A y - F` of the energy to `out`, all three nodal vectors.

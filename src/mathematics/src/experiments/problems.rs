@@ -66,7 +66,7 @@ impl Problem {
     /// # Errors
     /// A sentence if its parameter makes no law.
     pub fn law(&self) -> Result<Law, String> {
-        self.law.map_or(Ok(Law::SIGNORINI), |parameter| parameter.law().map_err(|e| e.to_string()))
+        LawParameter::law_or_papers(self.law).map_err(|e| e.to_string())
     }
 
     /// Returns the problem on its grids.

@@ -27,7 +27,7 @@ use super::input::{InputError, check_components, check_length};
 use super::layout::Dimension;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
-use crate::discrete::network::{ContactNode, Network, NodeCondition, count_components};
+use crate::discrete::network::{ContactNode, ContactRow, Network, count_components};
 use crate::problem::law::{BoundaryState, Law};
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
@@ -191,17 +191,9 @@ impl StateProblem<'_> {
     fn relax(&self, y: &mut [f64], sweeps: usize) {
         let law = Law::new(0.0, self.limit).expect("a positive limit");
         for _ in 0..sweeps {
-            for node in 0..y.len() {
-                let sum = self.network.row(node).add_to(self.load[node], y);
-                let diagonal = self.network.diagonal()[node];
-                y[node] = match self.network.condition(node) {
-                    NodeCondition::Inner => sum / diagonal,
-                    NodeCondition::Fixed => 0.0,
-                    NodeCondition::Contact(b) => {
-                        law.settle(sum, diagonal, self.network.contact()[b].measure)
-                    }
-                };
-            }
+            self.network.sweep(self.load, y, |_, ContactRow { sum, diagonal, measure }| {
+                law.settle(sum, diagonal, measure)
+            });
         }
     }
 

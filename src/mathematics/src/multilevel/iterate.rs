@@ -1,7 +1,7 @@
 //! Conjugate gradients on one network, with a set of held nodes that changes.
 
 use super::cycle::Cycle;
-use crate::discrete::network::{Network, NodeCondition};
+use crate::discrete::network::{ContactRow, Network, NodeCondition};
 use crate::multigrid::active_set::Balance;
 use crate::problem::law::{BoundaryState, Law};
 
@@ -81,23 +81,14 @@ impl<'a> Iterate<'a> {
     /// One Gauss-Seidel sweep: the energy is minimised over one value after the other.
     fn relax(&mut self) {
         let ContactProblem { network, law, .. } = *self.problem;
-        for node in 0..self.y.len() {
-            let sum = network.row(node).add_to(self.load[node], &self.y);
-            let diagonal = network.diagonal()[node];
-            self.y[node] = match network.condition(node) {
-                NodeCondition::Inner => sum / diagonal,
-                NodeCondition::Contact(b) => {
-                    let value = law.settle(sum, diagonal, network.contact()[b].measure);
-                    self.slips_down[b] = value < 0.0;
-                    self.held[node] = value == 0.0;
-                    value
-                }
-                NodeCondition::Fixed => {
-                    self.held[node] = true;
-                    0.0
-                }
-            };
-        }
+        let Self { y, held, slips_down, .. } = self;
+        network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure }| {
+            let value = law.settle(sum, diagonal, measure);
+            slips_down[b] = value < 0.0;
+            held[network.contact()[b].node as usize] = value == 0.0;
+            value
+        });
+        network.fixed().iter().for_each(|&node| held[node as usize] = true);
         self.work += self.y.len() as f64;
     }
 

@@ -277,7 +277,7 @@ impl Law {
     /// Differences between a gradient and `measure` times the ends of the interval; infinite for an infinite end, whatever
     /// the gradient.
     #[inline(always)]
-    fn above_ends(self, gradient: f64, measure: f64) -> [f64; 2] {
+    pub(crate) fn above_ends(self, gradient: f64, measure: f64) -> [f64; 2] {
         [self.lo, self.hi].map(|end| if end.is_finite() { gradient - measure * end } else { -end })
     }
 
@@ -353,6 +353,14 @@ impl LawParameter {
             Self::Limit(limit) => Law::limited(limit),
         }
     }
+
+    /// Law with this parameter, the paper's without one.
+    ///
+    /// # Errors
+    /// [`LawError::Parameter`].
+    pub fn law_or_papers(parameter: Option<Self>) -> Result<Law, LawError> {
+        parameter.map_or(Ok(Law::SIGNORINI), Self::law)
+    }
 }
 
 fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {
@@ -364,12 +372,12 @@ fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {
 }
 
 /// The lesser of two, or NaN if either is: `f64::min` would hide a NaN.
-fn lesser(a: f64, b: f64) -> f64 {
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
     if a <= b || a.is_nan() { a } else { b }
 }
 
 /// The greater of two, or NaN if either is.
-fn greater(a: f64, b: f64) -> f64 {
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }
 

@@ -12,7 +12,7 @@
 //! function.
 
 use super::{Pair, StopRule};
-use crate::discrete::network::{Network, NodeCondition};
+use crate::discrete::network::{ContactRow, Network, NodeCondition};
 use crate::problem::law::{BoundaryRow, Law};
 
 /// The discrete problem with the duality parameter of (7).
@@ -61,19 +61,9 @@ impl Plain<'_> {
     /// Minimises M over one component of y after the other, in the order of the nodes: (9)-(11).
     pub fn sweep(&self, pair: &mut Pair) {
         let Pair { y, a } = pair;
-        for node in 0..self.network.nodes() {
-            let sum = self.network.row(node).add_to(self.load[node], y);
-            let diagonal = self.network.diagonal()[node];
-            y[node] = match self.network.condition(node) {
-                NodeCondition::Inner => sum / diagonal,
-                NodeCondition::Fixed => 0.0,
-                NodeCondition::Contact(b) => {
-                    let measure = self.network.contact()[b].measure;
-                    let row = BoundaryRow { sum, diagonal, measure, a: a[b], r: self.r };
-                    self.law.relax(row)
-                }
-            };
-        }
+        self.network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure }| {
+            self.law.relax(BoundaryRow { sum, diagonal, measure, a: a[b], r: self.r })
+        });
     }
 
     /// Replaces `a` by `P(a - r y)` (12); returns the largest change of a component, the paper's Delta a.
