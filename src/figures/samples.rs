@@ -48,7 +48,7 @@ impl SolvedSample {
         let problem = MeshProblem::new(coarsest, times, f, Law::SIGNORINI).unwrap();
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
-        let nodes = problem.network().contact().iter().map(|contact| contact.node as usize);
+        let nodes = problem.network().contact().iter().map(|contact| contact.node);
         let mut in_contact = vec![false; y.len()];
         for (node, touches) in nodes.zip(problem.judge(&y).in_contact()) {
             in_contact[node] = touches;

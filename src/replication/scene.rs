@@ -277,7 +277,11 @@ impl Scene {
         // A known solution is proof enough, and its integral takes milliseconds on every command.
         if self.f.exact().is_none() || self.law.is_some() {
             let integrals = [integral(&self.f), integral(&self.f.absolute())];
-            solvable(&self.f, integrals, BoundaryFlux { law: self.law(), perimeter: 4.0 })?;
+            solvable(
+                &self.f,
+                integrals,
+                BoundaryFlux { law: self.law(), perimeter: Grid::PERIMETER },
+            )?;
         }
         let finest = self.finest().cells();
         if finest > MAX_CELLS {

@@ -30,7 +30,7 @@ fn solutions(n: usize, load: &[f64]) -> Vec<Vec<f64>> {
 fn in_contact(grid: Grid, y: &[f64], load: &[f64]) -> Vec<bool> {
     let judgement = judge(grid, Law::SIGNORINI, y, load);
     let contact = judgement.in_contact();
-    let a = judgement.multiplier(grid.boundary().map(|node| (node, grid.h())), y);
+    let a = judgement.multiplier(y);
     assert_eq!(Pair { y: y.to_vec(), a }.in_contact(grid, Law::SIGNORINI), contact);
     contact
 }
@@ -147,9 +147,9 @@ fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
         let params = MultigridParams::default();
         let (y, _) = multigrid::solve_cube(n, &load, None, &params).unwrap();
         let judgement = cube::judge(grid, Law::SIGNORINI, &y, &load);
-        let a = judgement.multiplier(grid.boundary_shares(), &y);
+        let a = judgement.multiplier(&y);
         let mut multiplier = vec![0.0; grid.nodes()];
-        grid.boundary().into_iter().zip(&a).for_each(|(node, a)| multiplier[node] = *a);
+        judgement.contact.iter().zip(&a).for_each(|(contact, a)| multiplier[contact.node] = *a);
         let mut force = 0.0;
         for (node, at) in grid.indices().enumerate() {
             for axis in 0..3 {
@@ -167,8 +167,9 @@ fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
             assert!((judgement.kkt.min_lambda - least).abs() < 1e-15, "{n}: {least}");
         }
     }
-    let area: f64 = cube::Grid::new(5).unwrap().boundary_shares().map(|(_, share)| share).sum();
-    assert!((area - 6.0).abs() < 1e-14, "{area}");
+    let nodes = cube::Grid::new(5).unwrap().contact_nodes();
+    let area: f64 = nodes.iter().map(|contact| contact.measure).sum();
+    assert!((area - cube::Grid::PERIMETER).abs() < 1e-14, "{area}");
 }
 
 #[test]

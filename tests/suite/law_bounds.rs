@@ -189,8 +189,7 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
             let f = Halves([0.0; 2].map(|_| dice.between(-6.0, 6.0)));
             let (levels, finest) = refined(&coarse, 3).unwrap();
             let MeshLoad { integral, .. } = mesh_load(&finest, &f);
-            let perimeter: f64 =
-                levels[3].network.contact_parts().map(|(_, measure)| measure).sum();
+            let perimeter = levels[3].network.perimeter();
             let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
             let law = match problem % 4 {
                 0 => Law::new(-g, 2.0 * g),

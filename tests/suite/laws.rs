@@ -61,7 +61,7 @@ fn random_problem(network: &Network, dice: &mut Dice) -> (Law, Vec<f64>) {
     let load: Vec<f64> =
         shape.iter().zip(network.masses()).map(|(f, mass)| (f - mean) * mass).collect();
     let sum: f64 = load.iter().sum();
-    let perimeter: f64 = network.contact_parts().map(|(_, measure)| measure).sum();
+    let perimeter = network.perimeter();
     // Just above the least bound that can balance the load, up to one under which most nodes stick.
     let t = dice.between(0.0, 1.0);
     let g = 1.001 * sum.abs() / perimeter + 1e-3 + 2.0 * t * t;

@@ -146,35 +146,31 @@ pub(super) struct Answer {
 impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let (n, y) = (problem.finest(), &solved.pair.y);
-        let nodes = problem.domain.boundary(n);
-        let Judgement { flux, .. } = &solved.judgement;
-        let in_contact = solved.judgement.in_contact();
-        let contact = problem.domain.contact(n, y, &solved.judgement);
-        let of_nodes = flux.iter().zip(&in_contact).filter(|(_, touches)| **touches);
         let law = problem.params.law;
-        let mut force = match &contact {
-            Some(arcs) => arcs.iter().map(|arc| arc.force).sum(),
-            None => of_nodes.map(|(flux, _)| flux).sum::<f64>(),
-        };
+        let Judgement { contact, flux, .. } = &solved.judgement;
+        let (mut force, mut complementarity) = (0.0, 0.0);
         let mut states = States { sticks: 0, slips_up: 0, slips_down: 0 };
-        let parts = problem.domain.boundary_parts(n);
-        for (state, (_, measure)) in solved.judgement.states.iter().zip(parts) {
+        for ((state, contact), flux) in solved.judgement.states.iter().zip(contact).zip(flux) {
+            complementarity += y[contact.node] * flux;
             match state {
-                BoundaryState::Sticks => states.sticks += 1,
+                BoundaryState::Sticks => {
+                    states.sticks += 1;
+                    force += flux;
+                }
                 BoundaryState::SlipsUp => {
                     states.slips_up += 1;
-                    force += measure * law.lo();
+                    force += contact.measure * law.lo();
                 }
                 BoundaryState::SlipsDown => {
                     states.slips_down += 1;
-                    force += measure * law.hi();
+                    force += contact.measure * law.hi();
                 }
             }
         }
         let mut answer = Self {
-            complementarity: nodes.iter().zip(flux).map(|(&node, flux)| y[node] * flux).sum(),
+            complementarity,
             states,
-            contact,
+            contact: problem.domain.contact(n, y, &solved.judgement),
             force,
             errors: problem.domain.errors(n, y, load).filter(|_| law.is_signorini()),
             bounds: problem.domain.bounds(n, law, y),

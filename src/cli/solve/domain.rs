@@ -134,9 +134,13 @@ impl Domain {
     pub(super) fn solvable(&self, law: Law) -> Result<f64> {
         match self {
             Self::Square { f, .. } => {
-                solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 4.0 })
+                solvable(f, self.integrals(), BoundaryFlux { law, perimeter: Grid::PERIMETER })
             }
-            Self::Cube { f } => solvable(f, self.integrals(), BoundaryFlux { law, perimeter: 6.0 }),
+            Self::Cube { f } => solvable(
+                f,
+                self.integrals(),
+                BoundaryFlux { law, perimeter: cube::Grid::PERIMETER },
+            ),
             // Judged when the problem was made.
             Self::Mesh(mesh) => Ok(mesh.problem.f.integral),
         }
@@ -178,29 +182,18 @@ impl Domain {
     }
 
     /// True if the discrete problem with this sum of its load vector has a solution: a part of the boundary is fixed, or
-    /// the flux can balance the load.
-    pub(super) fn has_solution(&self, n: usize, law: Law, sum_load: f64) -> bool {
-        let perimeter = self.boundary_parts(n).into_iter().map(|(_, measure)| measure).sum();
+    /// the flux through a boundary of this `perimeter` can balance the load.
+    pub(super) fn has_solution(
+        &self,
+        sum_load: f64,
+        BoundaryFlux { law, perimeter }: BoundaryFlux,
+    ) -> bool {
         self.has_fixed_part() || law.check_solvable(sum_load, perimeter).is_ok()
     }
 
     /// True if v = 0 on a part of the boundary.
     pub(super) fn has_fixed_part(&self) -> bool {
         matches!(self, Self::Mesh(mesh) if !mesh.problem.network().fixed().is_empty())
-    }
-
-    /// Returns the positions of the boundary nodes in a nodal vector; on the square in the order of a multiplier.
-    pub(super) fn boundary(&self, n: usize) -> Vec<usize> {
-        self.boundary_parts(n).into_iter().map(|(node, _)| node).collect()
-    }
-
-    /// Returns the [boundary](Self::boundary) nodes, each with the measure of its part of the boundary.
-    pub(super) fn boundary_parts(&self, n: usize) -> Vec<(usize, f64)> {
-        match self {
-            Self::Square { .. } => square(n).boundary().map(|node| (node, square(n).h())).collect(),
-            Self::Cube { .. } => cube(n).boundary_shares().collect(),
-            Self::Mesh(mesh) => mesh.problem.levels[n].network.contact_parts().collect(),
-        }
     }
 
     /// Returns the errors, if the solution has a formula.
@@ -305,7 +298,7 @@ impl Domain {
     ) -> Result<Vec<u8>> {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
-            Self::Cube { f } => Fields::new(3, n, |at| f.at(at), self.boundary(n), pair),
+            Self::Cube { f } => Fields::new(3, n, |at| f.at(at), cube(n).boundary(), pair),
             Self::Mesh(mesh) => return mesh.file(kind, pair, ReportedAs { name, law }),
         };
         match kind {

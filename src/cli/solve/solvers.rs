@@ -6,6 +6,7 @@ use super::domain::{Domain, square};
 use super::mesh::MeshDomain;
 use super::problem::Problem;
 use crate::pipeline::error::{Error, Result};
+use crate::replication::scene::BoundaryFlux;
 use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::{largest, sum};
 use signorini_mathematics::discrete::verdict::Verdict;
@@ -131,10 +132,7 @@ impl Problem {
         let networks = &mesh.problem.levels;
         let pair = solve_networks(networks, loads, &params, &mut |k, run, pair| {
             let judgement = self.domain.judge(k, self.params.law, &pair.y, &loads[k]);
-            let Judgement { kkt, energy, work, .. } = judgement;
             let sum_load = sum(&loads[k]);
-            let has_solution = self.domain.has_solution(k, self.params.law, sum_load);
-            let verdict = Verdict::new(has_solution, &kkt, energy, work);
             if run.stop == StopReason::Diverged {
                 diverged = Some((k, run.iterations));
             }
@@ -143,10 +141,10 @@ impl Problem {
                 iterations: run.iterations,
                 sweeps: Some(run.sweeps),
                 stop: run.stop.name(),
-                energy,
+                energy: judgement.energy,
                 sum_load,
-                kkt,
-                verdict,
+                kkt: judgement.kkt,
+                verdict: self.verdict(&judgement, sum_load),
             });
             last = Some(judgement);
         });
@@ -177,20 +175,25 @@ impl Problem {
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
         let judgement = self.domain.judge(n, self.params.law, &y, load);
-        let Judgement { kkt, energy, work, .. } = judgement;
         let sum_load = sum(load);
-        let has_solution = self.domain.has_solution(n, self.params.law, sum_load);
         let level = Level {
             number: n,
             iterations,
             sweeps: None,
             stop: stop.name(),
-            energy,
+            energy: judgement.energy,
             sum_load,
-            kkt,
-            verdict: Verdict::new(has_solution, &kkt, energy, work),
+            kkt: judgement.kkt,
+            verdict: self.verdict(&judgement, sum_load),
         };
         Ok(self.solved(vec![level], y, judgement, work_units))
+    }
+
+    /// Judges whether a nodal vector solves the discrete problem, whose load vector has this sum.
+    fn verdict(&self, judgement: &Judgement, sum_load: f64) -> Verdict {
+        let flux = BoundaryFlux { law: self.params.law, perimeter: judgement.perimeter() };
+        let has_solution = self.domain.has_solution(sum_load, flux);
+        Verdict::new(has_solution, &judgement.kkt, judgement.energy, judgement.work)
     }
 
     /// Returns the solution with the multiplier that follows from it, not with a multiplier of the solver.
@@ -201,8 +204,7 @@ impl Problem {
         judgement: Judgement,
         work_units: Option<f64>,
     ) -> Solved {
-        let n = self.finest();
-        let a = judgement.multiplier(self.domain.boundary_parts(n), &y);
+        let a = judgement.multiplier(&y);
         Solved { levels, pair: Pair { y, a }, judgement, work_units }
     }
 

@@ -91,8 +91,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let params = MultigridParams { law: scene.law(), ..MultigridParams::default() };
     let (y, _) = multigrid::solve_square(grid.cells(), &load, None, &params)
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let parts = grid.boundary().map(|node| (node, grid.h()));
-    let a = judge(grid, params.law, &y, &load).multiplier(parts, &y);
+    let a = judge(grid, params.law, &y, &load).multiplier(&y);
     Ok(Pair { y, a })
 }
 

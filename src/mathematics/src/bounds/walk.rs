@@ -48,7 +48,7 @@ pub(super) fn total(
     recovered: Option<&mut [f64]>,
 ) -> Result<Total, NoBound> {
     let data = AllCells::new(grid, f);
-    match law.check_solvable(data.integral, 4.0) {
+    match law.check_solvable(data.integral, Grid::PERIMETER) {
         Err(_) if law.is_signorini() => return Err(NoBound::NotCoercive),
         Err(_) => return Err(NoBound::Unbalanced),
         Ok(()) => (),

@@ -1,5 +1,7 @@
 //! Uniform P1 grids of the square (-1/2, 1/2)^2 and the order of their nodes.
 
+use crate::problem::law::ContactNode;
+
 /// Cells per side of the coarsest grid that has an interior node.
 pub const MIN_CELLS: usize = 2;
 
@@ -61,6 +63,9 @@ impl Grid {
         self.side() * self.side()
     }
 
+    /// Length of the boundary.
+    pub const PERIMETER: f64 = 4.0;
+
     /// Length of a boundary vector.
     pub fn boundary_nodes(self) -> usize {
         4 * self.n
@@ -117,6 +122,11 @@ impl Grid {
             let (i, j) = self.boundary_node(b);
             self.index(i, j)
         })
+    }
+
+    /// Boundary nodes in boundary order.
+    pub fn contact_nodes(self) -> Vec<ContactNode> {
+        self.boundary().map(|node| ContactNode { node, measure: self.h() }).collect()
     }
 
     /// True if boundary node `b` is a corner of the square.

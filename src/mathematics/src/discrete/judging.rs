@@ -16,12 +16,12 @@ pub fn judge_network(network: &Network, law: Law, y: &[f64], load: &[f64]) -> Ju
     let mut judge = Judge::with_energy(network.energy(y, load), y, load);
     let mut flux = Vec::with_capacity(network.contact().len());
     for contact in network.contact() {
-        flux.push(std::mem::take(&mut gradient[contact.node as usize]));
+        flux.push(std::mem::take(&mut gradient[contact.node]));
     }
     for &node in network.fixed() {
         gradient[node as usize] = y[node as usize];
     }
     judge.see_residuals(&gradient);
     let cells = (y.len() as f64).sqrt() as usize;
-    judge.judgement(JudgedValues { law, cells, y, flux }, network.contact_parts())
+    judge.judgement(JudgedValues { law, cells, y, contact: network.contact().to_vec(), flux })
 }

@@ -3,7 +3,7 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::simd::Largest;
-use crate::problem::law::{BoundaryState, Law, greater, lesser};
+use crate::problem::law::{BoundaryState, ContactNode, Law, greater, lesser};
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
@@ -34,7 +34,10 @@ pub struct Judgement {
     pub kkt: Kkt,
     /// `1/2 <A y, y> - <F, y>` and the law's term.
     pub energy: f64,
-    /// `A y - F` at the boundary nodes: a boundary vector, on the cube in the order of a nodal vector.
+    /// Boundary nodes where the law holds: on the square in the order of a boundary vector, on the cube in that of a nodal
+    /// vector.
+    pub contact: Vec<ContactNode>,
+    /// `A y - F` at these nodes.
     pub flux: Vec<f64>,
     /// Sum over the boundary nodes of y times the flux, and of the law's term of the energy: zero at the solution, and
     /// elsewhere, if all other conditions hold, a bound of the energy's error.
@@ -54,14 +57,15 @@ impl Judgement {
         self.states.iter().map(|state| *state == BoundaryState::Sticks).collect()
     }
 
-    /// The multiplier at the boundary nodes, each given with the measure of its part of the boundary: the flux over
-    /// this measure, an end of the law's interval where the flux of a solution is that end but for rounding errors.
-    pub fn multiplier(
-        &self,
-        boundary: impl IntoIterator<Item = (usize, f64)>,
-        y: &[f64],
-    ) -> Vec<f64> {
-        let of_node = |((node, measure), flux): ((usize, f64), &f64)| {
+    /// Length or area of the boundary where the law holds.
+    pub fn perimeter(&self) -> f64 {
+        self.contact.iter().map(|contact| contact.measure).sum()
+    }
+
+    /// The multiplier at the boundary nodes for the nodal vector `y` that was judged: the flux over the measure of the
+    /// node, an end of the law's interval where the flux of a solution is that end but for rounding errors.
+    pub fn multiplier(&self, y: &[f64]) -> Vec<f64> {
+        let of_node = |(&ContactNode { node, measure }, flux): (&ContactNode, &f64)| {
             let [above_lo, above_hi] = self.law.above_ends(*flux, measure);
             if above_lo - y[node] <= self.rounding {
                 self.law.lo()
@@ -71,7 +75,7 @@ impl Judgement {
                 self.law.project(flux / measure)
             }
         };
-        boundary.into_iter().zip(&self.flux).map(of_node).collect()
+        self.contact.iter().zip(&self.flux).map(of_node).collect()
     }
 }
 
@@ -102,8 +106,7 @@ pub fn judge(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Judgement {
             flux[grid.boundary_index(i, j)] = gradient[i];
         }
     }
-    let judged = JudgedValues { law, cells: n, y, flux };
-    judge.judgement(judged, grid.boundary().map(|node| (node, grid.h())))
+    judge.judgement(JudgedValues { law, cells: n, y, contact: grid.contact_nodes(), flux })
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.
@@ -131,7 +134,9 @@ pub(crate) struct JudgedValues<'a> {
     pub(crate) cells: usize,
     /// Nodal vector.
     pub(crate) y: &'a [f64],
-    /// `A y - F` at the boundary nodes.
+    /// Boundary nodes where the law holds.
+    pub(crate) contact: Vec<ContactNode>,
+    /// `A y - F` at these nodes.
     pub(crate) flux: Vec<f64>,
 }
 
@@ -161,17 +166,12 @@ impl Judge {
         self.stationarity.see(1.0, residuals);
     }
 
-    /// The judgement of values whose boundary nodes are given as `parts`, in the order of the flux: positions in `y`, and
-    /// measures of their parts of the boundary.
-    pub(crate) fn judgement(
-        &self,
-        JudgedValues { law, cells, y, flux }: JudgedValues<'_>,
-        parts: impl IntoIterator<Item = (usize, f64)> + Clone,
-    ) -> Judgement {
+    pub(crate) fn judgement(&self, judged: JudgedValues<'_>) -> Judgement {
+        let JudgedValues { law, cells, y, contact, flux } = judged;
         let (mut min_y, mut min_lambda) = (f64::INFINITY, f64::INFINITY);
         let (mut energy, mut work) = (self.energy, 0.0);
         let mut complementarity = Largest::default();
-        for (flux, (node, measure)) in flux.iter().zip(parts.clone()) {
+        for (flux, &ContactNode { node, measure }) in flux.iter().zip(&contact) {
             let potential = measure * law.potential(y[node]);
             min_y = lesser(min_y, y[node]);
             min_lambda = lesser(min_lambda, flux / measure);
@@ -182,16 +182,16 @@ impl Judge {
         let mut largest = self.value;
         largest.see(1.0, &flux);
         let rounding = rounding(cells, largest.value());
-        let of_node = |(flux, (node, measure)): (&f64, (usize, f64))| {
-            law.state(y[node], *flux, measure, rounding)
+        let of_node = |(flux, contact): (&f64, &ContactNode)| {
+            law.state(y[contact.node], *flux, contact.measure, rounding)
         };
-        let states = flux.iter().zip(parts).map(of_node).collect();
+        let states = flux.iter().zip(&contact).map(of_node).collect();
         let [stationarity, complementarity, scale] =
             [self.stationarity, complementarity, self.load].map(Largest::value);
         let natural = greater(stationarity, complementarity);
         let relative = if natural == 0.0 { 0.0 } else { natural / scale };
         let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
-        Judgement { kkt, energy, flux, work, states, rounding, law }
+        Judgement { kkt, energy, contact, flux, work, states, rounding, law }
     }
 }
 

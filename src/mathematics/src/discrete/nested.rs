@@ -33,7 +33,7 @@ impl NestedNetwork {
             NodeCondition::Inner | NodeCondition::Fixed => 0.0,
         };
         let old = self.coarse_nodes();
-        let contact = self.network.contact().iter().map(|contact| contact.node as usize);
+        let contact = self.network.contact().iter().map(|contact| contact.node);
         let interpolated = contact.map(|node| match node.checked_sub(old) {
             None => value(node as u32),
             Some(new) => 0.5 * self.parents[new].map(value).iter().sum::<f64>(),

@@ -4,14 +4,7 @@
 //! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the boundary
 //! at a node takes the place of h.
 
-/// Node of the boundary where the law of the problem holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactNode {
-    /// Number of the node.
-    pub node: u32,
-    /// Length or area of the boundary at the node: the integral of the hat function over the boundary in contact.
-    pub measure: f64,
-}
+use crate::problem::law::ContactNode;
 
 /// Condition on y at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,7 +152,7 @@ impl Network {
     pub(super) fn set_contact(&mut self, contact: Vec<ContactNode>) {
         self.places.fill(INNER);
         for (place, contact) in contact.iter().enumerate() {
-            self.places[contact.node as usize] = place as u32;
+            self.places[contact.node] = place as u32;
         }
         self.fixed.iter().for_each(|&node| self.places[node as usize] = FIXED);
         self.contact = contact;
@@ -208,9 +201,9 @@ impl Network {
         &self.contact
     }
 
-    /// Contact nodes with the measures of their parts of the boundary.
-    pub fn contact_parts(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
-        self.contact.iter().map(|contact| (contact.node as usize, contact.measure))
+    /// Length or area of the boundary where the law holds.
+    pub fn perimeter(&self) -> f64 {
+        self.contact.iter().map(|contact| contact.measure).sum()
     }
 
     /// Nodes at which y = 0.

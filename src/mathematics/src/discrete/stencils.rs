@@ -2,20 +2,19 @@
 
 use super::cube;
 use super::grid::Grid;
-use super::network::{ContactNode, Coupling, Network};
+use super::network::{Coupling, Network};
+use crate::problem::law::ContactNode;
 
 impl Network {
     /// Network of the five-point matrix of the square: the paper's triangulation, with nodes and boundary nodes in the
     /// order of [`Grid`].
     pub fn of_square(grid: Grid) -> Self {
-        let node = |node| ContactNode { node: node as u32, measure: grid.h() };
-        Self::uniform(2, grid.cells(), 1.0, grid.boundary().map(node).collect())
+        Self::uniform(2, grid.cells(), 1.0, grid.contact_nodes())
     }
 
     /// Network of the seven-point matrix of the cube, with nodes and boundary nodes in the order of [`cube::Grid`].
     pub fn of_cube(grid: cube::Grid) -> Self {
-        let node = |(node, measure)| ContactNode { node: node as u32, measure };
-        Self::uniform(3, grid.cells(), grid.h(), grid.boundary_shares().map(node).collect())
+        Self::uniform(3, grid.cells(), grid.h(), grid.contact_nodes())
     }
 
     /// Network of the stencil on two or three axes with `n` cells each, whose couplings inside are 1, with all boundary
@@ -27,7 +26,7 @@ impl Network {
             network.diagonal().iter().enumerate().filter(|(_, entry)| **entry < inside);
         let node = |(node, entry): (usize, &f64)| {
             let share = entry / inside;
-            ContactNode { node: node as u32, measure: 2.0 * share * faces(share) }
+            ContactNode { node, measure: 2.0 * share * faces(share) }
         };
         let contact = on_boundary.map(node).collect();
         network.set_contact(contact);
@@ -101,7 +100,7 @@ mod tests {
         let mut gradient = vec![0.0; 64];
         network.gradient(&y, &load, &mut gradient);
         for (contact, flux) in network.contact().iter().zip(&judged.flux) {
-            assert!((gradient[contact.node as usize] - flux).abs() < 1e-13);
+            assert!((gradient[contact.node] - flux).abs() < 1e-13);
         }
         assert!((network.energy(&y, &load) - judged.energy).abs() < 1e-11 * judged.energy.abs());
     }

@@ -21,7 +21,7 @@ pub fn mesh_arcs(
     y: &[f64],
     judgement: &Judgement,
 ) -> Vec<ContactArc> {
-    let nodes = network.contact().iter().map(|contact| contact.node as usize);
+    let nodes = network.contact().iter().map(|contact| contact.node);
     let mut force = vec![None; y.len()];
     for ((node, touches), flux) in nodes.clone().zip(judgement.in_contact()).zip(&judgement.flux) {
         force[node] = touches.then_some(*flux);

@@ -2,7 +2,8 @@
 
 use super::geometry::measure;
 use super::{Condition, Edges, Element, Mesh};
-use crate::discrete::network::{ContactNode, Coupling, Network};
+use crate::discrete::network::{Coupling, Network};
+use crate::problem::law::ContactNode;
 
 /// Coupling over the least diagonal of its nodes below which it is the rounding error of a right angle.
 const RIGHT_ANGLE: f64 = 1e-14;
@@ -69,7 +70,7 @@ fn boundary_nodes<const D: usize, const V: usize>(
         if is_fixed[node] {
             fixed.push(node as u32);
         } else if measure > 0.0 {
-            contact.push(ContactNode { node: node as u32, measure });
+            contact.push(ContactNode { node, measure });
         }
     }
     (contact, fixed)

@@ -27,8 +27,8 @@ use super::input::{InputError, check_components, check_length};
 use super::layout::Dimension;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
-use crate::discrete::network::{ContactNode, ContactRow, Network, count_components};
-use crate::problem::law::{BoundaryState, Law};
+use crate::discrete::network::{ContactRow, Network, count_components};
+use crate::problem::law::{BoundaryState, ContactNode, Law};
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_ON_SQUARE: usize = 256;
@@ -98,7 +98,7 @@ fn on_network(
     let components = network.components();
     check_components(network, &components, law, load)?;
     let one_sided = law.one_sided(load);
-    let load = one_sided.load(load, network.contact_parts());
+    let load = one_sided.load(load, network.contact());
     let problem =
         StateProblem { network, components: &components, load: &load, limit: one_sided.limit };
     let mut direct = Direct::new(network, order);
@@ -134,8 +134,8 @@ fn on_network(
         }
     };
     for contact in network.contact() {
-        let value = &mut y[contact.node as usize];
-        *value = match states[contact.node as usize] {
+        let value = &mut y[contact.node];
+        *value = match states[contact.node] {
             BoundaryState::SlipsDown => value.min(0.0),
             _ => value.max(0.0),
         };
@@ -182,8 +182,8 @@ impl StateProblem<'_> {
     pub(crate) fn all_stick(&self) -> Vec<BoundaryState> {
         let mut states = vec![BoundaryState::SlipsUp; self.load.len()];
         let contact = self.network.contact().iter().map(|contact| contact.node);
-        let zero = contact.chain(self.network.fixed().iter().copied());
-        zero.for_each(|node| states[node as usize] = BoundaryState::Sticks);
+        let zero = contact.chain(self.network.fixed().iter().map(|&node| node as usize));
+        zero.for_each(|node| states[node] = BoundaryState::Sticks);
         states
     }
 
@@ -201,9 +201,9 @@ impl StateProblem<'_> {
     fn states_of(&self, y: &[f64]) -> Vec<BoundaryState> {
         let mut states = self.all_stick();
         for contact in self.network.contact() {
-            let value = y[contact.node as usize];
+            let value = y[contact.node];
             if value != 0.0 {
-                states[contact.node as usize] =
+                states[contact.node] =
                     if value > 0.0 { BoundaryState::SlipsUp } else { BoundaryState::SlipsDown };
             }
         }
@@ -214,8 +214,8 @@ impl StateProblem<'_> {
     pub(crate) fn load_with(&self, states: &[BoundaryState]) -> Vec<f64> {
         let mut load = self.load.to_vec();
         for contact in self.network.contact() {
-            if states[contact.node as usize] == BoundaryState::SlipsDown {
-                load[contact.node as usize] += contact.measure * self.limit;
+            if states[contact.node] == BoundaryState::SlipsDown {
+                load[contact.node] += contact.measure * self.limit;
             }
         }
         load
@@ -237,7 +237,7 @@ impl StateProblem<'_> {
             has_fixed[self.components[node as usize] as usize] = true;
         }
         for contact in self.network.contact() {
-            let node = contact.node as usize;
+            let node = contact.node;
             let gradient = self.network.gradient_at(node, y, self.load);
             next[node] = match states[node] {
                 BoundaryState::Sticks if gradient < 0.0 => BoundaryState::SlipsUp,
@@ -266,10 +266,10 @@ impl StateProblem<'_> {
     /// `needed` balance the load if they slip down.
     fn shift(&self, component: usize, needed: f64, y: &[f64], next: &mut [BoundaryState]) {
         let of_component =
-            |contact: &&ContactNode| self.components[contact.node as usize] as usize == component;
+            |contact: &&ContactNode| self.components[contact.node] as usize == component;
         let mut order: Vec<ShiftedNode> = Vec::new();
         for contact in self.network.contact().iter().filter(of_component) {
-            let node = contact.node as usize;
+            let node = contact.node;
             let multiplier = self.network.gradient_at(node, y, self.load);
             order.push(ShiftedNode { node, measure: contact.measure, value: y[node], multiplier });
         }

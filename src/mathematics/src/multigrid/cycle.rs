@@ -22,7 +22,8 @@ use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, LevelProblem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::stencil::{boundary_parts, energy};
+use super::stencil::{contact_nodes, energy};
+use crate::problem::law::ContactNode;
 
 /// Ratio of the natural residual to the load at which nested iteration leaves a grid.
 const SETTLED: f64 = 1.0;
@@ -137,7 +138,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             return level.in_contact.contains(&true);
         }
         let (mut down, mut sticking) = (0.0, 0.0);
-        for (number, (node, measure)) in boundary_parts::<G>(level.n).into_iter().enumerate() {
+        let nodes = contact_nodes::<G>(level.n);
+        for (number, ContactNode { node, measure }) in nodes.into_iter().enumerate() {
             if level.in_contact[number] {
                 sticking += measure;
             } else if level.value(node) < 0.0 {
@@ -155,17 +157,18 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     /// zero somewhere on the boundary.
     fn shift_into_contact(&mut self, l: usize) {
         let level = &mut self.levels[l];
-        let parts = boundary_parts::<G>(level.n);
-        let mut order: Vec<usize> = (0..parts.len()).collect();
-        order.sort_by(|&a, &b| level.value(parts[a].0).total_cmp(&level.value(parts[b].0)));
+        let nodes = contact_nodes::<G>(level.n);
+        let mut order: Vec<usize> = (0..nodes.len()).collect();
+        let value = |number: usize| level.value(nodes[number].node);
+        order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
         let (mut measure, mut at) = (0.0, order[0]);
         for number in order {
-            (measure, at) = (measure + parts[number].1, number);
+            (measure, at) = (measure + nodes[number].measure, number);
             if measure >= self.balance {
                 break;
             }
         }
-        let zero = level.value(parts[at].0);
+        let zero = value(at);
         rows::for_each(&mut level.values, |value| *value -= zero);
         let (nodes, has_limit) = (level.nodes as f64, level.limit.is_finite());
         self.count(0.25 * nodes);

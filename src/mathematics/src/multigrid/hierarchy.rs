@@ -12,7 +12,7 @@ use super::pass;
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict};
 use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::stencil::{boundary_parts, coupling, multiplications_per_visit};
+use super::stencil::{contact_nodes, coupling, multiplications_per_visit};
 use super::stopping::{
     self, CyclePart, CyclePosition, CycledHierarchy, InitialState, IterationEnd,
 };
@@ -181,7 +181,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             self.set_load(load, law)?;
         } else {
             LoadStats::measure(load).check(law, perimeter::<G>())?;
-            let load = self.one_sided.load(load, boundary_parts::<G>(n));
+            let load = self.one_sided.load(load, &contact_nodes::<G>(n));
             self.set_load(&load, Law::SIGNORINI)?;
         }
         self.set_limit(f64::INFINITY);

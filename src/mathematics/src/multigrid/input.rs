@@ -110,7 +110,7 @@ pub(crate) fn loaded_components(
         found[components[node as usize] as usize].has_fixed = true;
     }
     for contact in network.contact() {
-        found[components[contact.node as usize] as usize].measure += contact.measure;
+        found[components[contact.node] as usize].measure += contact.measure;
     }
     found
 }

@@ -7,6 +7,7 @@ use super::level::MultigridLevel;
 use super::rows::{self, Colour, stride};
 use crate::discrete::stencils::faces;
 use crate::machine::simd::Largest;
+use crate::problem::law::ContactNode;
 
 /// Boundary condition of a level.
 #[derive(Clone, Copy)]
@@ -180,20 +181,19 @@ pub(super) fn for_each_boundary_node<D: Dimension>(
     }
 }
 
-/// Boundary nodes in the order of their numbers: their positions in natural order, and the measures of their parts of the
-/// boundary.
-pub(super) fn boundary_parts<D: Dimension>(n: usize) -> Vec<(usize, f64)> {
-    let mut parts = Vec::with_capacity(boundary_nodes::<D>(n));
+/// Boundary nodes in the order of their numbers, with their positions in natural order.
+pub(super) fn contact_nodes<D: Dimension>(n: usize) -> Vec<ContactNode> {
+    let mut nodes = Vec::with_capacity(boundary_nodes::<D>(n));
     let face = (1.0 / n as f64).powi(D::AXES as i32 - 1);
     for_each_boundary_node::<D>(n, |_, [i, r, s]| {
         let across = if D::AXES == 2 { 1.0 } else { share(n, r) };
         let share = share(n, i) * across * share(n, s);
-        parts.push((
-            (s * rows_per_slab::<D>(n) + r) * (n + 1) + i,
-            2.0 * share * faces(share) * face,
-        ));
+        nodes.push(ContactNode {
+            node: (s * rows_per_slab::<D>(n) + r) * (n + 1) + i,
+            measure: 2.0 * share * faces(share) * face,
+        });
     });
-    parts
+    nodes
 }
 
 /// Energy of a level under the law, up to a factor, with one node after the other.

@@ -165,7 +165,7 @@ mod tests {
             let count = network.contact().len();
             let mut held = vec![false; nodes];
             for k in held_from..held_from + held_nodes {
-                held[network.contact()[k % count].node as usize] = true;
+                held[network.contact()[k % count].node] = true;
             }
             let mut cycle = Cycle::new(&levels);
             cycle.hold(top, &held);

@@ -85,7 +85,7 @@ impl<'a> Iterate<'a> {
         network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure }| {
             let value = law.settle(sum, diagonal, measure);
             slips_down[b] = value < 0.0;
-            held[network.contact()[b].node as usize] = value == 0.0;
+            held[network.contact()[b].node] = value == 0.0;
             value
         });
         network.fixed().iter().for_each(|&node| held[node as usize] = true);
@@ -101,7 +101,7 @@ impl<'a> Iterate<'a> {
         let ContactProblem { network, law, components, has_fixed, .. } = *self.problem;
         let mut balances = vec![Balance::default(); has_fixed.len()];
         for (b, (contact, &component)) in network.contact().iter().zip(components).enumerate() {
-            let state = if self.held[contact.node as usize] {
+            let state = if self.held[contact.node] {
                 BoundaryState::Sticks
             } else if self.slips_down[b] {
                 BoundaryState::SlipsDown
@@ -118,7 +118,7 @@ impl<'a> Iterate<'a> {
             }
             let of_component = |b: &usize| components[*b] as usize == component;
             let mut order: Vec<usize> = (0..components.len()).filter(of_component).collect();
-            let value = |b: usize| self.y[network.contact()[b].node as usize];
+            let value = |b: usize| self.y[network.contact()[b].node];
             order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
             let mut measure = 0.0;
             let at = order.into_iter().find(|&b| {
@@ -126,7 +126,7 @@ impl<'a> Iterate<'a> {
                 measure >= needed
             });
             let Some(at) = at else { continue };
-            let node = network.contact()[at].node as usize;
+            let node = network.contact()[at].node;
             lower(network, node, self.y[node], &mut self.y);
             self.y[node] = 0.0;
             self.held[node] = true;
@@ -135,9 +135,9 @@ impl<'a> Iterate<'a> {
         if is_shifted && law.hi().is_finite() {
             // Values may have changed their sign, or have left zero.
             for (b, contact) in network.contact().iter().enumerate() {
-                let value = self.y[contact.node as usize];
+                let value = self.y[contact.node];
                 self.slips_down[b] = value < 0.0;
-                self.held[contact.node as usize] = value == 0.0;
+                self.held[contact.node] = value == 0.0;
             }
         }
         is_shifted
@@ -150,7 +150,7 @@ impl<'a> Iterate<'a> {
         self.residual.iter_mut().for_each(|residual| *residual = -*residual);
         for (contact, slips_down) in network.contact().iter().zip(&self.slips_down) {
             if *slips_down {
-                self.residual[contact.node as usize] += contact.measure * self.problem.law.hi();
+                self.residual[contact.node] += contact.measure * self.problem.law.hi();
             }
         }
         self.product = 0.0;
@@ -199,7 +199,7 @@ impl<'a> Iterate<'a> {
         let mut twice = terms.map(|((y, load), residual)| y * (load + residual)).sum::<f64>();
         if self.problem.law.hi().is_finite() {
             for (b, contact) in self.problem.network.contact().iter().enumerate() {
-                twice += self.y[contact.node as usize] * self.flux(b);
+                twice += self.y[contact.node] * self.flux(b);
             }
         }
         -0.5 * twice
@@ -255,8 +255,7 @@ impl<'a> Iterate<'a> {
         let ContactProblem { network, law, .. } = *self.problem;
         let mut bends: Vec<Bend> = Vec::new();
         for contact in network.contact() {
-            let (y, direction) =
-                (self.y[contact.node as usize], self.direction[contact.node as usize]);
+            let (y, direction) = (self.y[contact.node], self.direction[contact.node]);
             if y * direction < 0.0 {
                 let slope = contact.measure * law.hi() * direction.abs();
                 bends.push(Bend { at: -y / direction, slope });
@@ -287,7 +286,7 @@ impl<'a> Iterate<'a> {
         let ContactProblem { network, law, .. } = *self.problem;
         let mut changed = false;
         for (b, contact) in network.contact().iter().enumerate() {
-            let node = contact.node as usize;
+            let node = contact.node;
             let value = self.y[node];
             let has_crossed = if self.slips_down[b] { value > 0.0 } else { value < 0.0 };
             if !self.held[node] && has_crossed {
@@ -300,7 +299,7 @@ impl<'a> Iterate<'a> {
             }
         }
         for (b, contact) in network.contact().iter().enumerate() {
-            let node = contact.node as usize;
+            let node = contact.node;
             let limit = contact.measure * law.hi();
             if !self.held[node] || network.condition(node) == NodeCondition::Fixed {
                 continue;

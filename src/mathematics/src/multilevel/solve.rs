@@ -4,7 +4,6 @@ use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
 use crate::discrete::judging::judge_network;
 use crate::discrete::nested::{NestedNetwork, restricted};
-use crate::discrete::network::Network;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
 use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, MultigridStop, ROUNDING_FLOOR};
@@ -37,7 +36,7 @@ pub fn solve_nested_networks(
     check_length(network.nodes(), load)?;
     let components = Components::of(levels, params.law, load)?;
     let one_sided = params.law.one_sided(load);
-    let shifted = one_sided.load(load, network.contact_parts());
+    let shifted = one_sided.load(load, network.contact());
     let scale = LoadStats::measure(&shifted).scale();
     let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());
     let nested = NestedProblem { levels, loads, components, scale };
@@ -78,8 +77,11 @@ impl NestedProblem<'_> {
         let [finest, network] = [self.finest(), level].map(|level| &self.levels[level].network);
         // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
         // Without contact nodes there is nothing to balance.
-        let longer =
-            if network.contact().is_empty() { 1.0 } else { perimeter(finest) / perimeter(network) };
+        let longer = if network.contact().is_empty() {
+            1.0
+        } else {
+            finest.perimeter() / network.perimeter()
+        };
         Ok(Law::new(0.0, limit * longer)?)
     }
 
@@ -137,11 +139,6 @@ impl NestedProblem<'_> {
     }
 }
 
-/// Measure of the boundary in contact.
-fn perimeter(network: &Network) -> f64 {
-    network.contact().iter().map(|contact| contact.measure).sum()
-}
-
 /// Connected components of nested networks.
 struct Components {
     /// True for each component that has a fixed node.
@@ -162,7 +159,7 @@ impl Components {
             let new: Vec<u32> = level.parents.iter().map(of_parent).collect();
             of_nodes.extend(new);
             let contact = level.network.contact().iter();
-            of_contact.push(contact.map(|contact| of_nodes[contact.node as usize]).collect());
+            of_contact.push(contact.map(|contact| of_nodes[contact.node]).collect());
         }
         let has_fixed = check_components(&levels[levels.len() - 1].network, &of_nodes, law, load)?;
         Ok(Self { has_fixed, of_contact, of_nodes })

@@ -25,7 +25,7 @@ pub(super) fn set_coarse_springs(
     let network = &level.network;
     let mut transfer = Transfer { level, held: fine.held, coarse };
     for contact in network.contact() {
-        let node = contact.node as usize;
+        let node = contact.node;
         let of_node = transfer.sum_of_functions(node);
         if !fine.held[node] {
             transfer.add(node, fine.springs[node] * of_node);

@@ -55,6 +55,15 @@ impl TryFrom<LawTable> for LawParameter {
     }
 }
 
+/// Node of the boundary where the law holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactNode {
+    /// Number of the node.
+    pub node: usize,
+    /// Length or area of the boundary at the node: the integral of the hat function over the boundary in contact.
+    pub measure: f64,
+}
+
 /// Numbers that make no law, or a law under which a problem has no solution.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
@@ -119,12 +128,11 @@ pub struct OneSided {
 }
 
 impl OneSided {
-    /// Load vector of the other problem, for the load vector F; `boundary` has the nodes with the measures of their
-    /// parts of the boundary.
-    pub fn load(self, load: &[f64], boundary: impl IntoIterator<Item = (usize, f64)>) -> Vec<f64> {
+    /// Load vector of the other problem, for the load vector F and the nodes where the law holds.
+    pub fn load(self, load: &[f64], contact: &[ContactNode]) -> Vec<f64> {
         let mut shifted: Vec<f64> = load.iter().map(|value| self.signed(*value)).collect();
-        for (node, measure) in boundary {
-            shifted[node] += measure * self.shift;
+        for contact in contact {
+            shifted[contact.node] += contact.measure * self.shift;
         }
         shifted
     }

@@ -66,7 +66,7 @@ impl Pair {
         let zero = rounding(cells, largest(&self.y).max(largest(&forces)));
         let mut in_contact = vec![false; network.nodes()];
         for (contact, a) in network.contact().iter().zip(&self.a) {
-            let node = contact.node as usize;
+            let node = contact.node;
             in_contact[node] =
                 law.is_inside(*a, zero / contact.measure) || self.y[node].abs() <= zero;
         }
@@ -77,7 +77,7 @@ impl Pair {
     pub fn multiplier_on(&self, network: &Network) -> Vec<f64> {
         let mut multiplier = vec![0.0; network.nodes()];
         for (contact, a) in network.contact().iter().zip(&self.a) {
-            multiplier[contact.node as usize] = *a;
+            multiplier[contact.node] = *a;
         }
         multiplier
     }

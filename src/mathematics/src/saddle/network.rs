@@ -28,7 +28,6 @@ impl NetworkRun {
         let Plain { network, law, load, .. } = *problem;
         let Judgement { kkt, energy, work, .. } = judge_network(network, law, &pair.y, load);
         let sum_load = load.iter().sum();
-        let perimeter = network.contact_parts().map(|(_, measure)| measure).sum();
         let (mut gradient_signed, mut gradient_abs) = (f64::NEG_INFINITY, 0.0f64);
         for node in 0..network.nodes() {
             let gradient = problem.gradient(node, pair);
@@ -47,7 +46,8 @@ impl NetworkRun {
             kkt,
             work,
             has_solution: if network.fixed().is_empty() {
-                (!law.is_signorini()).then(|| law.check_solvable(sum_load, perimeter).is_ok())
+                (!law.is_signorini())
+                    .then(|| law.check_solvable(sum_load, network.perimeter()).is_ok())
             } else {
                 Some(true)
             },

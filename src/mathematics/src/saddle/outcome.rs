@@ -38,9 +38,6 @@ pub struct Outcome {
     pub has_solution: Option<bool>,
 }
 
-/// Length of the boundary of the square.
-const PERIMETER: f64 = 4.0;
-
 /// State of an iteration after its last step.
 pub(super) struct LastStep {
     /// Steps of the multiplier done.
@@ -72,7 +69,7 @@ impl Outcome {
             kkt,
             work,
             has_solution: (!law.is_signorini())
-                .then(|| law.check_solvable(sum_load, PERIMETER).is_ok()),
+                .then(|| law.check_solvable(sum_load, Grid::PERIMETER).is_ok()),
         }
     }
 

@@ -70,7 +70,7 @@ impl Plain<'_> {
     pub fn dual_step(&self, pair: &mut Pair) -> f64 {
         let mut delta_a = 0.0f64;
         for (a, contact) in pair.a.iter_mut().zip(self.network.contact()) {
-            let next = self.law.project(*a - self.r * pair.y[contact.node as usize]);
+            let next = self.law.project(*a - self.r * pair.y[contact.node]);
             delta_a = delta_a.max((next - *a).abs());
             *a = next;
         }

@@ -109,6 +109,7 @@ mod sources;
 mod trace;
 
 use crate::discrete::contact::ContactArc;
+use crate::discrete::grid::Grid;
 use crate::problem::law::{Law, LawError};
 use crate::problem::source::Source;
 pub use checks::Checks;
@@ -131,9 +132,6 @@ const STARTS: [ContactStart; 6] = [
     ContactStart { n: 1024, careful: true },
     ContactStart { n: 1024, careful: false },
 ];
-
-/// Length of the boundary.
-const PERIMETER: f64 = 4.0;
 
 /// Resolution of the quadratures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -255,7 +253,7 @@ pub fn spectral_under(
     if law.is_signorini() && problem.integral >= 0.0 {
         return Err(SpectralError::NotCoercive(problem.integral));
     }
-    law.check_solvable(problem.integral, PERIMETER)?;
+    law.check_solvable(problem.integral, Grid::PERIMETER)?;
     let mut error = SpectralError::NoContactSet(problem.jumps.nearly_touching());
     for start in STARTS {
         let Some(arcs) = start.arcs(f, law) else { continue };

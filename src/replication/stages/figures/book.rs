@@ -148,7 +148,7 @@ fn on_domains() -> Result<Picture, String> {
         let (y, _) =
             solve_nested_networks(&problem.levels, &problem.f.load, &MultigridParams::default())
                 .map_err(|e| format!("{name}: {e}"))?;
-        let contact = problem.network().contact().iter().map(|contact| contact.node as usize);
+        let contact = problem.network().contact().iter().map(|contact| contact.node);
         let mut in_contact = vec![false; y.len()];
         contact.for_each(|node| in_contact[node] = y[node] == 0.0);
         solved.push((name, problem.mesh, y, in_contact));

@@ -142,14 +142,14 @@ fn admissible<'a>(network: &Network, law: Law, y: &'a [f64]) -> Cow<'a, [f64]> {
     let is_forbidden = |value: f64| {
         (law.hi().is_infinite() && value < 0.0) || (law.lo().is_infinite() && value > 0.0)
     };
-    let is_in_k = !network.contact().iter().any(|contact| is_forbidden(y[contact.node as usize]))
+    let is_in_k = !network.contact().iter().any(|contact| is_forbidden(y[contact.node]))
         && network.fixed().iter().all(|&node| y[node as usize] == 0.0);
     if is_in_k {
         return Cow::Borrowed(y);
     }
     let mut w = y.to_vec();
     for contact in network.contact() {
-        let value = &mut w[contact.node as usize];
+        let value = &mut w[contact.node];
         if is_forbidden(*value) {
             *value = 0.0;
         }

@@ -53,7 +53,7 @@ impl<const D: usize, const V: usize> TestProblem<D, V> {
         let nodes = self.y.len();
         let load = load_of_cells(&self.mesh, &self.f.mean);
         let mut range = vec![[f64::NEG_INFINITY, f64::INFINITY]; nodes];
-        self.network.contact().iter().for_each(|contact| range[contact.node as usize][0] = 0.0);
+        self.network.contact().iter().for_each(|contact| range[contact.node][0] = 0.0);
         self.network.fixed().iter().for_each(|&node| range[node as usize] = [0.0; 2]);
         let factor = 2.0 / (1.0 + 2.0 / libm::pow(nodes as f64, 1.0 / D as f64));
         for _ in 0..sweeps {
@@ -130,7 +130,7 @@ fn overlap(intervals: &[[f64; 2]]) -> bool {
 fn the_polygon_of_the_disc_is_bracketed_on_all_its_refinements() {
     let levels = disc([-1.0; 6]).levels(5);
     for (problem, _) in &levels {
-        assert!(problem.network.contact().iter().all(|c| problem.y[c.node as usize] == 0.0));
+        assert!(problem.network.contact().iter().all(|c| problem.y[c.node] == 0.0));
     }
     let energies: Vec<_> = levels.iter().map(|(_, bounds)| bounds.energy).collect();
     assert!(overlap(&energies), "{energies:?}");

@@ -11,7 +11,7 @@ pub use norms::errors;
 
 use crate::discrete::grid::{GridError, MIN_CELLS};
 use crate::discrete::kkt::{Judge, JudgedValues, Judgement};
-use crate::problem::law::Law;
+use crate::problem::law::{ContactNode, Law};
 
 /// The uniform grid with `n` cells of width `h = 1/n` along each side.
 ///
@@ -40,6 +40,9 @@ impl Grid {
         (self.n + 1).pow(3)
     }
 
+    /// Area of the boundary.
+    pub const PERIMETER: f64 = 6.0;
+
     /// Mesh width.
     pub fn h(self) -> f64 {
         1.0 / self.n as f64
@@ -59,18 +62,25 @@ impl Grid {
 
     /// Positions of the boundary nodes in a nodal vector.
     pub fn boundary(self) -> Vec<usize> {
-        self.boundary_shares().map(|(node, _)| node).collect()
+        self.contact_nodes().iter().map(|contact| contact.node).collect()
     }
 
-    /// Positions of the boundary nodes in a nodal vector, each with the measure of its part of the boundary: h^2 on
-    /// faces, half of it on each of the two that meet in edges, a quarter on each of the three in corners.
-    pub fn boundary_shares(self) -> impl Iterator<Item = (usize, f64)> + Clone {
-        let share = move |(node, at): (usize, [usize; 3])| {
-            let faces = at.iter().filter(|&&i| i == 0 || i == self.n).count();
-            // Of the cell around the node, each face halves the part inside, and the part of the other faces.
-            (faces > 0).then(|| (node, 2.0 * faces as f64 * self.share(at) * self.h().powi(2)))
-        };
-        self.indices().enumerate().filter_map(share)
+    /// Boundary nodes in the order of a nodal vector. Their measures are h^2 on faces, half of it on each of the two that
+    /// meet in edges, a quarter on each of the three in corners.
+    pub fn contact_nodes(self) -> Vec<ContactNode> {
+        let (n, side) = (self.n, self.n + 1);
+        let mut nodes = Vec::with_capacity(6 * n * n + 2);
+        for row in 0..side * side {
+            let [j, k] = [row % side, row / side];
+            let step = if j % n > 0 && k % n > 0 { n } else { 1 };
+            for i in (0..side).step_by(step) {
+                let faces = [i, j, k].iter().filter(|&&index| index % n == 0).count();
+                // Of the cell around the node, each face halves the part inside, and the part of the other faces.
+                let measure = 2.0 * faces as f64 * self.share([i, j, k]) * self.h().powi(2);
+                nodes.push(ContactNode { node: row * side + i, measure });
+            }
+        }
+        nodes
     }
 
     /// Part of the cell around a node that lies inside the cube: 1, on faces 1/2, edges 1/4, corners 1/8.
@@ -122,7 +132,7 @@ fn residual_row(grid: Grid, [j, k]: [usize; 2], y: &[f64], load: &[f64], out: &m
 }
 
 /// Judges the nodal vector `y`, as [`kkt::judge`](crate::discrete::kkt::judge) does on the square; the multiplier of
-/// a node is `A y - F` over its [part of the boundary](Grid::boundary_shares).
+/// a node is `A y - F` over its [part of the boundary](Grid::contact_nodes).
 ///
 /// # Panics
 /// If a slice is not of length `grid.nodes()`.
@@ -141,7 +151,7 @@ pub fn judge(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Judgement {
             false => flux.extend_from_slice(&gradient),
         }
     }
-    judge.judgement(JudgedValues { law, cells: n, y, flux }, grid.boundary_shares())
+    judge.judgement(JudgedValues { law, cells: n, y, contact: grid.contact_nodes(), flux })
 }
 
 #[cfg(test)]

@@ -2,9 +2,10 @@
 
 use super::{DomainPlan, DomainsPlan, problem};
 use crate::discrete::nested::NestedNetwork;
-use crate::discrete::network::{ContactNode, Coupling, Network};
+use crate::discrete::network::{Coupling, Network};
 use crate::experiments::numbers::RandomNumbers;
 use crate::mesh::AnyMesh;
+use crate::problem::law::ContactNode;
 use crate::saddle::{Pair, Params, StopReason, StopRule, solve_network, solve_networks, tolerance};
 use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
@@ -228,7 +229,7 @@ fn renumbered(network: &Network, places: &[u32]) -> Network {
     }
     let contact = network.contact().iter();
     let contact = contact.map(|contact| ContactNode {
-        node: places[contact.node as usize],
+        node: places[contact.node] as usize,
         measure: contact.measure,
     });
     let fixed = network.fixed().iter().map(|&node| places[node as usize]);

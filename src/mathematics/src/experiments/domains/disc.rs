@@ -5,7 +5,7 @@ use crate::mesh::{BuiltIn, Element, Mesh, OnCells, mesh_arcs, mesh_load, quadrat
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
-use crate::problem::law::Law;
+use crate::problem::law::{ContactNode, Law};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -93,10 +93,9 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
         .map_err(|e| e.to_string())?;
     let network = &levels[times].network;
     let judged = judge_network(network, Law::SIGNORINI, &y, &load);
-    let parts = network.contact_parts();
-    let multiplier = judged.multiplier(parts.clone(), &y);
+    let multiplier = judged.multiplier(&y);
     let (mut rim, mut square) = (0.0f64, 0.0);
-    for ((node, measure), l) in parts.zip(&multiplier) {
+    for (&ContactNode { node, measure }, l) in network.contact().iter().zip(&multiplier) {
         let [px, py] = mesh.points()[node];
         let t = libm::atan2(py, px);
         rim = rim.max((y[node] - problem.rim(t)).abs());
