@@ -1,25 +1,28 @@
 //! Guaranteed two-sided bounds of the energy and of the error of a finite element solution on the square.
 //!
 //! # The identity
-//! Let K be the functions of H^1 that are not negative on the boundary, J(v) = 1/2 |grad v|^2 - (f, v), and
-//! sigma a *flux*: `-div sigma = f` inside, `sigma.n >= 0` on the boundary. For w in K integration by parts
-//! gives
+//! Let the [law](crate::problem::law) keep dv/dn in `[lo, hi]`, and let j(v) be the largest of `-l v` over the l of this
+//! interval. Let K be the functions of H^1 where j(v) is finite on the boundary, J(v) = 1/2 |grad v|^2 - (f, v) + the integral
+//! of j(v) over the boundary, and sigma a *flux*: `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the boundary. For w in
+//! K integration by parts gives
 //!
 //! ```text
-//! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <sigma.n, w> =: G(w, sigma),
+//! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
 //! ```
 //!
-//! and likewise with the solution u in place of w, or its flux `grad u` in place of sigma. So J(u) lies between
-//! J(w) - G and J(w), and `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in K, with equality where v vanishes on
-//! the contact set. No constant of Poincaré's or of the trace inequality appears, so the bounds do not depend on the
+//! where `< >` is the integral over the boundary, nowhere negative under it. Under the paper's law K has the functions that
+//! are not negative on the boundary, and j is zero. The identity holds likewise with the solution u in place of w, or its
+//! flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), and `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in
+//! K, with equality where v vanishes on the part of the boundary that sticks and has the sign of u on the others. No constant of Poincaré's or of the trace inequality appears, so the bounds do not depend on the
 //! problem being only semicoercive. (Prager and Synge 1947; for Signorini's problem Bartels, Gudi and Kaltenbach,
 //! arXiv 2407.10912.) Nothing is assumed of v: iteration errors, wrong loads and wrong solutions make the bounds wide,
 //! not wrong.
 //!
 //! # Algorithm
-//! 1. Set negative boundary values to zero; their energy norm is added to the bounds of the error (`project`).
-//! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, scaled so that they
-//!    balance f (`flux.rs`).
+//! 1. Set boundary values to zero that the law forbids, under the paper's law negative ones; their energy norm is added to
+//!    the bounds of the error (`project`).
+//! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, inside the interval of the
+//!    law and so that they balance f: under the paper's law scaled, under others shifted by one constant (`flux.rs`).
 //! 3. In one sweep over the cells, row by row (`walk.rs`), form the flux (`flux.rs`, `strip.rs`), the recovery
 //!    (`recovery.rs`), the sums of all energies (`regular.rs` where f is constant around a cell, else `cells.rs`), and
 //!    the residual (`residual.rs`).
@@ -87,7 +90,7 @@ pub struct Bounds {
 impl Bounds {
     /// Upper bound of the error relative to `|grad u|`; infinite if the bounds do not exclude `|grad u| = 0`.
     pub fn relative(&self) -> f64 {
-        // |grad u|^2 = -2 J(u), since the reactions do no work on u.
+        // |grad u|^2 = -2 J(u) under every law, since j(u) = -(du/dn) u on the boundary.
         let size = (-2.0 * self.energy[1]).max(0.0).sqrt();
         if size > 0.0 { self.error[1] / size } else { f64::INFINITY }
     }

@@ -19,16 +19,43 @@ pub const CONTACT: [(&str, &str); 2] = [
     ("two-arcs", "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5"),
 ];
 
-/// Problems with friction: f, and the bound g of dv/dn. In the first three v has one sign, and so it has in the last two; in
-/// the fourth both. The flux of the last one is nearly at its bound everywhere.
-pub const FRICTION: [(&str, f64); 6] = [
-    ("quadrant(ll)=3; else=-1.002", 0.3),
-    ("quadrant(ll)=-6; else=1.998", 0.6),
-    ("else=1", 0.3),
-    ("halfplane(1,0,0)=8; else=-8", 1.0),
-    ("rect(-0.5,0,-0.25,0.25)=6; else=-1", 0.25),
-    ("else=4", 1.01),
+/// Problem with friction.
+#[derive(Clone, Copy, Debug)]
+pub struct FrictionProblem {
+    /// f in the notation of scenes.
+    pub f: &'static str,
+    /// Bound of |dv/dn|.
+    pub g: f64,
+}
+
+/// Problems with friction. In the first three v has one sign, and so it has in the last two; in the fourth both. The flux of
+/// the last one is nearly at its bound everywhere.
+pub const FRICTION: [FrictionProblem; 6] = [
+    FrictionProblem { f: "quadrant(ll)=3; else=-1.002", g: 0.3 },
+    FrictionProblem { f: "quadrant(ll)=-6; else=1.998", g: 0.6 },
+    FrictionProblem { f: "else=1", g: 0.3 },
+    FrictionProblem { f: "halfplane(1,0,0)=8; else=-8", g: 1.0 },
+    FrictionProblem { f: "rect(-0.5,0,-0.25,0.25)=6; else=-1", g: 0.25 },
+    FrictionProblem { f: "else=4", g: 1.01 },
 ];
+
+impl FrictionProblem {
+    /// Returns f.
+    ///
+    /// # Panics
+    /// If the text is no f.
+    pub fn source(self) -> Source {
+        self.f.parse().expect("a valid f")
+    }
+
+    /// Returns the law.
+    ///
+    /// # Panics
+    /// If g is not positive.
+    pub fn law(self) -> Law {
+        Law::friction(self.g).expect("a positive bound")
+    }
+}
 
 /// One of the paper's problems, on the grids and with the parameters of its table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -28,7 +28,9 @@ use super::layout::Dimension;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network, count_components};
+use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::law::{BoundaryState, ContactNode, Law};
+use std::cmp::Ordering;
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_ON_SQUARE: usize = 256;
@@ -225,9 +227,7 @@ impl StateProblem<'_> {
     /// present ones.
     ///
     /// A solution whose nodes could then not balance the load of a connected component, or of which none would stick, is
-    /// shifted by the constant of least energy: in increasing order of their values, and for nodes at zero in decreasing
-    /// order of their multipliers, the nodes slip down until they balance the load, the next one sticks, and the others
-    /// slip up.
+    /// shifted by the constant of least energy: the node that it [sets to zero](place_at_zero) sticks, and the others slip.
     pub(crate) fn next_states(&self, states: &[BoundaryState], y: &[f64]) -> Vec<BoundaryState> {
         let mut next = vec![BoundaryState::SlipsUp; states.len()];
         let count = count_components(self.components);
@@ -265,59 +265,20 @@ impl StateProblem<'_> {
     /// Sets the states of a component after the shift by the constant of least energy, where nodes with the measure
     /// `needed` balance the load if they slip down.
     fn shift(&self, component: usize, needed: f64, y: &[f64], next: &mut [BoundaryState]) {
-        let of_component =
-            |contact: &&ContactNode| self.components[contact.node] as usize == component;
-        let mut order: Vec<ShiftedNode> = Vec::new();
-        for contact in self.network.contact().iter().filter(of_component) {
-            let node = contact.node;
-            let multiplier = self.network.gradient_at(node, y, self.load);
-            order.push(ShiftedNode { node, measure: contact.measure, value: y[node], multiplier });
+        let mut nodes: Vec<ContactValue> = Vec::new();
+        for &ContactNode { node, measure } in self.network.contact() {
+            if self.components[node] as usize == component {
+                let multiplier = self.network.gradient_at(node, y, self.load);
+                nodes.push(ContactValue { number: node, measure, value: y[node], multiplier });
+            }
         }
-        order.sort_by(|a, b| {
-            a.value.total_cmp(&b.value).then(b.multiplier.total_cmp(&a.multiplier))
-        });
-        let mut measure = 0.0;
-        for shifted in order {
-            let before = measure;
-            measure += shifted.measure;
-            next[shifted.node] = if measure < needed {
-                BoundaryState::SlipsDown
-            } else if before <= needed {
-                BoundaryState::Sticks
-            } else {
-                BoundaryState::SlipsUp
+        let at = place_at_zero(&mut nodes, needed);
+        for (place, node) in nodes.iter().enumerate() {
+            next[node.number] = match place.cmp(&at) {
+                Ordering::Less => BoundaryState::SlipsDown,
+                Ordering::Equal => BoundaryState::Sticks,
+                Ordering::Greater => BoundaryState::SlipsUp,
             };
         }
-    }
-}
-
-/// Contact node that is shifted with its component.
-struct ShiftedNode {
-    node: usize,
-    measure: f64,
-    value: f64,
-    multiplier: f64,
-}
-
-/// Measures of the boundary of a connected component by the states of its nodes.
-#[derive(Clone, Default)]
-pub(crate) struct Balance {
-    sticks: f64,
-    slips_down: f64,
-}
-
-impl Balance {
-    pub(crate) fn see(&mut self, state: BoundaryState, measure: f64) {
-        match state {
-            BoundaryState::Sticks => self.sticks += measure,
-            BoundaryState::SlipsDown => self.slips_down += measure,
-            BoundaryState::SlipsUp => {}
-        }
-    }
-
-    /// True if the nodes that stick can balance the load, given the measure that does so if it slips down.
-    pub(crate) fn holds(&self, needed: f64) -> bool {
-        let most = self.slips_down + self.sticks;
-        self.sticks > 0.0 && (self.slips_down..=most).contains(&needed)
     }
 }

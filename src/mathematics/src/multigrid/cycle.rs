@@ -23,7 +23,8 @@ use super::pass::{self, LevelProblem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
 use super::stencil::{contact_nodes, energy};
-use crate::problem::law::ContactNode;
+use crate::problem::balance::{Balance, ContactValue, place_at_zero};
+use crate::problem::law::{BoundaryState, ContactNode};
 
 /// Ratio of the natural residual to the load at which nested iteration leaves a grid.
 const SETTLED: f64 = 1.0;
@@ -137,38 +138,32 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         if level.limit.is_infinite() {
             return level.in_contact.contains(&true);
         }
-        let (mut down, mut sticking) = (0.0, 0.0);
+        let mut balance = Balance::default();
         let nodes = contact_nodes::<G>(level.n);
-        for (number, ContactNode { node, measure }) in nodes.into_iter().enumerate() {
-            if level.in_contact[number] {
-                sticking += measure;
-            } else if level.value(node) < 0.0 {
-                down += measure;
-            }
+        for (ContactNode { node, measure }, sticks) in nodes.into_iter().zip(&level.in_contact) {
+            let state = match sticks {
+                true => BoundaryState::Sticks,
+                false if level.value(node) < 0.0 => BoundaryState::SlipsDown,
+                false => BoundaryState::SlipsUp,
+            };
+            balance.see(state, measure);
         }
-        sticking > 0.0 && (down..=down + sticking).contains(&self.balance)
+        balance.holds(self.needed)
     }
 
-    /// Subtracts the constant that minimises the energy, which sets the boundary node to zero up to which, in increasing
-    /// order of the values, the nodes balance the load if they slip down; for the paper's law, the lowest. Puts that
-    /// node in contact.
+    /// Subtracts the constant of least energy, and puts the node that the constant [sets to zero](place_at_zero) in contact.
     ///
     /// With an empty contact set the corrections would be unbounded. Since the flux can balance the load, the solution is
     /// zero somewhere on the boundary.
     fn shift_into_contact(&mut self, l: usize) {
         let level = &mut self.levels[l];
-        let nodes = contact_nodes::<G>(level.n);
-        let mut order: Vec<usize> = (0..nodes.len()).collect();
-        let value = |number: usize| level.value(nodes[number].node);
-        order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
-        let (mut measure, mut at) = (0.0, order[0]);
-        for number in order {
-            (measure, at) = (measure + nodes[number].measure, number);
-            if measure >= self.balance {
-                break;
-            }
+        let mut nodes = Vec::with_capacity(level.in_contact.len());
+        for (number, contact) in contact_nodes::<G>(level.n).into_iter().enumerate() {
+            let (measure, value) = (contact.measure, level.value(contact.node));
+            nodes.push(ContactValue { number, measure, value, multiplier: 0.0 });
         }
-        let zero = value(at);
+        let place = place_at_zero(&mut nodes, self.needed);
+        let ContactValue { number: at, value: zero, .. } = nodes[place];
         rows::for_each(&mut level.values, |value| *value -= zero);
         let (nodes, has_limit) = (level.nodes as f64, level.limit.is_finite());
         self.count(0.25 * nodes);

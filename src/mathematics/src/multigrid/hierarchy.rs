@@ -31,7 +31,7 @@ pub(super) struct Hierarchy<G: MultigridGeometry> {
     /// Flow through the boundary that balances the load.
     needed_flow: f64,
     /// Measure of the boundary that balances the load if it slips down and all else slips up; zero for the paper's law.
-    pub(super) balance: f64,
+    pub(super) needed: f64,
     /// Power of two by which the load is divided, so that no residual overflows or underflows.
     scale: f64,
     /// Norm of the load on the finest grid but one, before a residual takes its place.
@@ -69,7 +69,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             springs: SpringSource { cells: None, in_contact: Vec::new() },
             one_sided: OneSided { is_reflected: false, shift: 0.0, limit: f64::INFINITY },
             needed_flow: 0.0,
-            balance: 0.0,
+            needed: 0.0,
             scale: 1.0,
             coarse_load: 0.0,
             work_units: 0.0,
@@ -193,7 +193,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         for level in &mut self.levels {
             level.limit = 2.0 / level.n as f64 * (limit / self.scale);
         }
-        self.balance = self.needed_flow / limit;
+        self.needed = self.needed_flow / limit;
     }
 
     /// Sets the scaled loads of all grids.

@@ -2,8 +2,8 @@
 
 use super::cycle::Cycle;
 use crate::discrete::network::{ContactRow, Network, NodeCondition};
-use crate::multigrid::active_set::Balance;
-use crate::problem::law::{BoundaryState, Law};
+use crate::problem::balance::{Balance, ContactValue, place_at_zero};
+use crate::problem::law::{BoundaryState, ContactNode, Law};
 
 /// Problem under the law `[0, limit]`.
 pub(super) struct ContactProblem<'a> {
@@ -92,9 +92,8 @@ impl<'a> Iterate<'a> {
         self.work += self.y.len() as f64;
     }
 
-    /// Subtracts the constant of least energy in each component without fixed nodes that cannot balance its load: it sets the
-    /// contact node to zero up to which, in increasing order of the values, the nodes balance the load if they slip
-    /// down; for the paper's law, the lowest. Holds that node.
+    /// Subtracts the constant of least energy in each component without fixed nodes that cannot balance its load, and holds
+    /// the node that the constant [sets to zero](place_at_zero).
     ///
     /// True if there was such a component.
     fn shift_into_contact(&mut self) -> bool {
@@ -116,18 +115,20 @@ impl<'a> Iterate<'a> {
             if has_fixed[component] || balance.holds(needed) {
                 continue;
             }
-            let of_component = |b: &usize| components[*b] as usize == component;
-            let mut order: Vec<usize> = (0..components.len()).filter(of_component).collect();
-            let value = |b: usize| self.y[network.contact()[b].node];
-            order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
-            let mut measure = 0.0;
-            let at = order.into_iter().find(|&b| {
-                measure += network.contact()[b].measure;
-                measure >= needed
-            });
-            let Some(at) = at else { continue };
-            let node = network.contact()[at].node;
-            lower(network, node, self.y[node], &mut self.y);
+            let mut nodes: Vec<ContactValue> = Vec::new();
+            for (&ContactNode { node, measure }, &other) in network.contact().iter().zip(components)
+            {
+                if other as usize == component {
+                    let value = self.y[node];
+                    nodes.push(ContactValue { number: node, measure, value, multiplier: 0.0 });
+                }
+            }
+            if nodes.is_empty() {
+                continue;
+            }
+            let at = place_at_zero(&mut nodes, needed);
+            let ContactValue { number: node, value, .. } = nodes[at];
+            lower(network, node, value, &mut self.y);
             self.y[node] = 0.0;
             self.held[node] = true;
             is_shifted = true;

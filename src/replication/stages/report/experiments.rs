@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::claims::{ClaimMeasure, Claims, Spread, WeightRow};
 use signorini_mathematics::experiments::cube::CubeFindings;
-use signorini_mathematics::experiments::problems::FRICTION;
+use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::experiments::stress::Stress;
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Reference};
 use signorini_mathematics::experiments::work::{Comparison, CostLaw};
@@ -129,7 +129,7 @@ fn friction(of_the_paper: &Claims, found: &Claims) -> Value {
     for row in &of_the_paper.weight_rows {
         weights.push(weight_row(format!("problem {}", row.problem), row));
     }
-    for ((f, g), problem) in FRICTION.into_iter().zip(&found.problems) {
+    for (FrictionProblem { f, g }, problem) in FRICTION.into_iter().zip(&found.problems) {
         let table = problem.tables.iter().find(|table| table.rule == StopRule::Printed);
         let line = table.and_then(|table| table.lines.iter().max_by(|a, b| a.r.total_cmp(&b.r)));
         let iterations =
@@ -137,7 +137,7 @@ fn friction(of_the_paper: &Claims, found: &Claims) -> Value {
         let delta_a = line.map(|line| line.delta_a);
         counts.push(json!({ "f": f, "g": g, "counts": iterations, "delta_a": delta_a }));
     }
-    for ((f, g), row) in FRICTION.into_iter().zip(&found.weight_rows) {
+    for (FrictionProblem { f, g }, row) in FRICTION.into_iter().zip(&found.weight_rows) {
         weights.push(weight_row(format!("`{f}`, g = {g}"), row));
     }
     let rows = || of_the_paper.weight_rows.iter().chain(&found.weight_rows);

@@ -4,17 +4,19 @@
 //! distance from the domain with the curve is not in the bounds.
 //!
 //! # The identity
-//! K are the functions v of H^1 with v >= 0 on the contact boundary and v = 0 on the fixed boundary. A *flux* sigma has
-//! `-div sigma = f` inside, `sigma.n >= 0` on the contact boundary, `sigma.n = 0` on the free boundary, and a `sigma.n`
-//! of any sign on the fixed boundary. Then, for w in K,
+//! Let the law keep dv/dn in `[lo, hi]` on the contact boundary, and let j(v) be the largest of `-l v` over the l of this
+//! interval. K are the functions v of H^1 with finite j(v) on the contact boundary, under the paper's law v >= 0, and v = 0 on
+//! the fixed boundary. A *flux* sigma has `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the contact boundary,
+//! `sigma.n = 0` on the free boundary, and any `sigma.n` on the fixed boundary. Then, for w in K, with `< >` the integral over
+//! the contact boundary,
 //!
 //! ```text
-//! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <sigma.n, w> =: G(w, sigma),
+//! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
 //! -1/2 |sigma|^2 <= J(u) <= J(w),    |grad (u - w)|^2 <= 2 G.
 //! ```
 //!
-//! w is the linear function of the nodal vector, with zero in place of negative values on the contact boundary and of all
-//! values on the fixed boundary. Nothing else is assumed of the vector.
+//! w is the linear function of the nodal vector, with zero in place of values on the contact boundary that the law forbids
+//! and of all values on the fixed boundary. Nothing else is assumed of the vector.
 //!
 //! # The flux
 //! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux for

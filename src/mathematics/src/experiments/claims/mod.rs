@@ -13,7 +13,7 @@ pub use verdict::{Spread, Verdicts};
 use crate::discrete::load::LoadRule;
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
-use crate::experiments::problems::{FRICTION, Problem};
+use crate::experiments::problems::{FRICTION, FrictionProblem, Problem};
 use crate::problem::law::LawParameter;
 use crate::saddle::batch::End;
 use crate::saddle::{Method, StopReason, StopRule};
@@ -63,7 +63,7 @@ impl ClaimsPlan {
     /// Plan of the book for problems with friction: fewer values of r, and coarser grids.
     pub fn friction() -> Self {
         let mut problems = Vec::new();
-        for (number, (f, g)) in (1..).zip(FRICTION) {
+        for (number, FrictionProblem { f, g }) in (1..).zip(FRICTION) {
             problems.push(Problem {
                 number,
                 f: f.into(),
