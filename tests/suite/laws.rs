@@ -101,12 +101,12 @@ fn compare(
 
 #[test]
 fn multigrid_and_the_active_set_agree_on_random_laws() {
-    for (n, problems) in [(16, 150), (32, 100)] {
+    for (n, problems) in [(16, 1500), (32, 1000)] {
         let network = Network::of_square(Grid::new(n).unwrap());
         compare(&network, problems, |load, params| solve_square(n, load, None, params));
     }
     let network = Network::of_cube(cube::Grid::new(8).unwrap());
-    compare(&network, 60, |load, params| solve_cube(8, load, None, params));
+    compare(&network, 500, |load, params| solve_cube(8, load, None, params));
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn so_they_do_on_meshes() {
     for name in ["disc", "lshape", "annulus"] {
         let AnyMesh::Plane(mesh) = AnyMesh::built_in(name).unwrap() else { panic!("in space") };
         let (levels, _) = refined(&mesh, 3).unwrap();
-        compare(&levels[3].network, 60, |load, params| {
+        compare(&levels[3].network, 700, |load, params| {
             solve_nested_networks(&levels, load, params)
         });
     }
