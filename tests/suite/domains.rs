@@ -87,7 +87,7 @@ impl Domain for Square {
 
 impl Domain for Cube {
     const DIMENSION: i32 = 3;
-    const COMPARED: [usize; 5] = [2, 4, 6, 12, 16];
+    const COMPARED: [usize; 5] = [2, 4, 6, 8, 12];
     const CELLS_PER_SIDE: usize = 32;
     const FINE: usize = 64;
     const BYTES_PER_NODE: f64 = BYTES[1];

@@ -143,7 +143,7 @@ fn the_command_solves_on_a_file_and_on_a_domain() {
     let f = "rect(-2,0,-2,0)=-6; else=1";
     let project = Project::with(TABLE);
     for (mesh, more) in
-        [(["--mesh", gear.as_str()], ["--free", "hole"]), (["--domain", "disc"], ["--refine", "4"])]
+        [(["--mesh", gear.as_str()], ["--free", "hole"]), (["--domain", "disc"], ["--refine", "3"])]
     {
         for solver in ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal"] {
             let args =
