@@ -17,6 +17,8 @@ pub(super) struct GaussSeidel<'a> {
     law: Law,
     r: f64,
     h: f64,
+    /// Ends of the law's interval times h.
+    ends: [f64; 2],
     /// Diagonal of the rows of edge nodes.
     edge: SweepDiagonal,
     /// Diagonal of the rows of corner nodes.
@@ -61,7 +63,9 @@ impl<'a> GaussSeidel<'a> {
     ) -> Self {
         let edge = SweepDiagonal::new(2.0 + 0.5 * shift);
         let corner = SweepDiagonal::new(1.0 + 0.25 * shift);
-        Self { grid, load, a, law, r, h: grid.h(), edge, corner, inside: 1.0 / (4.0 + shift) }
+        let (h, inside) = (grid.h(), 1.0 / (4.0 + shift));
+        let ends = [h * law.lo(), h * law.hi()];
+        Self { grid, load, a, law, r, h, ends, edge, corner, inside }
     }
 
     /// Replaces `y` by the result of one sweep.
@@ -122,15 +126,18 @@ impl<'a> GaussSeidel<'a> {
     /// Returns the minimiser (10), (11) at boundary node `b`: `sum` is `F_i - sum_j A_ij y_j` without the diagonal.
     #[inline(always)]
     fn boundary(&self, b: usize, diagonal: SweepDiagonal, sum: f64) -> f64 {
-        let Self { law, r, h, .. } = *self;
+        let Self { law, r, h, ends: [least, most], .. } = *self;
         let a = self.a[b];
-        let up = diagonal.inverse * (sum + h * law.lo());
+        let up = diagonal.inverse * (sum + least);
         if up >= (a - law.lo()) / r {
             return up;
         }
-        let down = diagonal.inverse * (sum + h * law.hi());
-        if down <= (a - law.hi()) / r {
-            return down;
+        // Without an upper end nothing slips down, and a division for each node that sticks is saved.
+        if most.is_finite() {
+            let down = diagonal.inverse * (sum + most);
+            if down <= (a - law.hi()) / r {
+                return down;
+            }
         }
         (sum + h * a) / (diagonal.value + h * r)
     }

@@ -307,13 +307,20 @@ impl Lanes {
             let slips_up: [bool; LANES] = from_fn(|l| up.0[l] >= least.0[l]);
             let next = match slips_up.iter().all(|slips| *slips) {
                 true => up,
-                false => V(from_fn(|l| {
-                    let sticks = (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l]);
-                    let down = inverse.0[l] * (sum.0[l] + h * hi);
-                    let slips_down = down <= (a.0[l] - hi) / r.0[l];
-                    let other = if slips_down { down } else { sticks };
-                    if slips_up[l] { up.0[l] } else { other }
-                })),
+                false => {
+                    let mut other =
+                        V(from_fn(|l| (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l])));
+                    // Without an upper end nothing slips down, and a division for each node is saved.
+                    if hi.is_finite() {
+                        let down = *inverse * (sum + V::all(h * hi));
+                        let most = V(from_fn(|l| (a.0[l] - hi) / r.0[l]));
+                        other =
+                            V(from_fn(
+                                |l| if down.0[l] <= most.0[l] { down.0[l] } else { other.0[l] },
+                            ));
+                    }
+                    V(from_fn(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
+                }
             };
             self.y[node] = arithmetic.node(next);
         }
