@@ -27,6 +27,7 @@ fn answers_tell_what_sticks_and_which_way_the_rest_slips() {
     assert_eq!((json["law"]["lo"].as_f64(), json["law"]["hi"].as_f64()), (Some(-1.0), Some(1.0)));
     assert!(json["kkt"]["relative"].as_f64().unwrap() < 1e-10, "{json}");
     assert!(json["force"].as_f64().unwrap().abs() < 1e-12, "{json}");
+    assert!(json["kkt"]["complementarity"].as_f64().unwrap().abs() < 1e-12, "{json}");
     assert_eq!(json["contact"].as_array().unwrap().len(), 2);
     let text = project.run(&f);
     let lines = text.lines();
@@ -38,6 +39,20 @@ fn answers_tell_what_sticks_and_which_way_the_rest_slips() {
     assert!(json["law"].is_null() && json["states"].is_null(), "{json}");
     let json = project.run(&["solve", "--f", "else=-1", "--limit", "9", "--json"]).json();
     assert_eq!(json["law"]["hi"].as_f64(), Some(9.0));
+}
+
+#[test]
+fn a_flux_that_does_not_balance_the_load_is_told_in_the_words_of_the_law() {
+    let project = Project::with(SCENE);
+    let f = ["solve", "--f", "quadrant(ll)=3; else=-1.002", "--h", "1/32"];
+    let warnings = |law: &[&str]| {
+        let args = [&f[..], law, &["--solver", "arrow-hurwicz", "--json"]].concat();
+        project.run(&args).json()["warnings"].to_string()
+    };
+    let with_friction = warnings(&["--friction", "0.3"]);
+    let words = "so the nodes that stick are not those of the solution";
+    assert!(with_friction.contains(words), "{with_friction}");
+    assert!(warnings(&[]).contains("so the contact set is not that of the solution"));
 }
 
 #[test]

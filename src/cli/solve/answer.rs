@@ -123,9 +123,6 @@ fn finite(value: f64) -> Option<f64> {
 
 pub(super) struct Answer {
     pub solved: Solved,
-    /// Sum of v r over the boundary nodes, r the gradient of the energy: zero at the solution, and elsewhere, if all
-    /// other conditions hold, a bound of the energy's error.
-    complementarity: f64,
     /// Numbers of boundary nodes by their states.
     states: States,
     /// Arcs in contact, with ends estimated within the cell; `None` on the cube.
@@ -148,10 +145,9 @@ impl Answer {
         let (n, y) = (problem.finest(), &solved.pair.y);
         let law = problem.params.law;
         let Judgement { contact, flux, .. } = &solved.judgement;
-        let (mut force, mut complementarity) = (0.0, 0.0);
+        let mut force = 0.0;
         let mut states = States { sticks: 0, slips_up: 0, slips_down: 0 };
         for ((state, contact), flux) in solved.judgement.states.iter().zip(contact).zip(flux) {
-            complementarity += y[contact.node] * flux;
             match state {
                 BoundaryState::Sticks => {
                     states.sticks += 1;
@@ -168,7 +164,6 @@ impl Answer {
             }
         }
         let mut answer = Self {
-            complementarity,
             states,
             contact: problem.domain.contact(n, y, &solved.judgement),
             force,
@@ -219,7 +214,7 @@ impl Answer {
                 "stationarity": kkt.stationarity,
                 "min_y": kkt.min_y,
                 "min_lambda": kkt.min_lambda,
-                "complementarity": self.complementarity,
+                "complementarity": self.solved.judgement.work,
                 "max_min": kkt.complementarity,
                 "natural": kkt.natural,
                 "relative": kkt.relative,

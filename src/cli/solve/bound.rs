@@ -58,14 +58,20 @@ pub(super) struct BoundaryWords {
     holds: &'static str,
     /// Integral of dv/dn over the boundary.
     total: &'static str,
+    /// Difference from the solution if the flux does not balance the load.
+    difference: &'static str,
 }
 
 impl BoundaryWords {
     pub(super) fn of(law: Law) -> Self {
         if law.is_signorini() {
-            Self { holds: "contact", total: "contact force" }
+            Self { holds: "contact", total: "contact force", difference: "contact set is not that" }
         } else {
-            Self { holds: "sticks", total: "flux through the boundary" }
+            Self {
+                holds: "sticks",
+                total: "flux through the boundary",
+                difference: "nodes that stick are not those",
+            }
         }
     }
 
@@ -73,6 +79,14 @@ impl BoundaryWords {
     pub(super) fn force(&self, force: f64, minus_integral: f64, digits: usize) -> String {
         let (digits, total) = (digits - 1, self.total);
         format!("{total} {force:.digits$e}, minus the integral of f {minus_integral:.digits$e}\n")
+    }
+
+    /// Returns the message that the total flux does not balance the load.
+    pub(super) fn unbalanced(&self, force: f64, load: f64) -> String {
+        let Self { total, difference, .. } = self;
+        format!(
+            "the {total} {force:.4e} does not balance the load, {load:.4e}, so the {difference} of the solution"
+        )
     }
 
     /// Returns, as text, the place and the force of an arc at zero.

@@ -2,7 +2,7 @@
 
 use super::accuracy::Accuracy;
 use super::answer::{Answer, Level};
-use super::bound;
+use super::bound::{self, BoundaryWords};
 use super::domain::{Domain, Guarantee};
 use super::problem::Problem;
 use signorini_mathematics::discrete::verdict::Verdict;
@@ -121,7 +121,8 @@ impl Answer {
         }
     }
 
-    /// Warns if the contact force does not balance the load: at the discrete solution their sum is zero up to rounding.
+    /// Warns if the flux through the boundary does not balance the load: at the discrete solution their sum is zero up to
+    /// rounding.
     ///
     /// A difference counts where it exceeds the error of the grid and the error that the user accepts.
     fn warn_of_force(&mut self, problem: &Problem) {
@@ -132,11 +133,8 @@ impl Answer {
         // A fixed part of the boundary bears the rest.
         let balanced = problem.domain.has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
-            self.warnings.push(format!(
-                "the contact force {force:.4e} does not balance the load, {load:.4e}, {}; {}",
-                "so the contact set is not that of the solution",
-                problem.closer()
-            ));
+            let (words, remedy) = (BoundaryWords::of(problem.params.law), problem.closer());
+            self.warnings.push(format!("{}; {remedy}", words.unbalanced(force, load)));
         }
     }
 }

@@ -33,9 +33,9 @@ pub enum Violation {
     Residual(f64),
     /// The energy, this one, is above that of v = 0.
     Energy(f64),
-    /// The sum of v r over the boundary, r the gradient of the energy, is not small beside the energy.
+    /// The sum over the boundary of v r, r the gradient of the energy, and of the law's term is not small beside the energy.
     Work {
-        /// Sum of v r, zero at the solution.
+        /// This sum, zero at the solution.
         work: f64,
         /// Energy.
         energy: f64,

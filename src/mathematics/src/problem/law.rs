@@ -344,10 +344,16 @@ impl fmt::Display for Law {
             return out.write_str("Signorini");
         }
         if self.lo == -self.hi {
-            return write!(out, "friction {}", self.hi);
+            return write!(out, "friction {}", shown(self.hi));
         }
-        write!(out, "flux from {} to {}", self.lo, self.hi)
+        write!(out, "flux from {} to {}", shown(self.lo), shown(self.hi))
     }
+}
+
+/// Number as texts have it: with an exponent where there would be many zeros.
+fn shown(end: f64) -> String {
+    let is_plain = end == 0.0 || (1e-5..1e16).contains(&end.abs());
+    if is_plain { end.to_string() } else { format!("{end:e}") }
 }
 
 impl LawParameter {
@@ -488,6 +494,14 @@ mod tests {
         assert!(message.contains("between -1.2") && !message.contains('\n'), "{message}");
         assert!(Law::SIGNORINI.check_solvable(-1e-9, 4.0).is_ok());
         assert!(Law::SIGNORINI.check_solvable(0.0, 4.0).is_err());
+    }
+
+    #[test]
+    fn texts_have_no_rows_of_zeros() {
+        let friction = [0.3, 2.0, 1e300, 1e-7].map(|g| Law::friction(g).unwrap().to_string());
+        assert_eq!(friction, ["friction 0.3", "friction 2", "friction 1e300", "friction 1e-7"]);
+        let half_line = Law::new(-0.5, f64::INFINITY).unwrap();
+        assert_eq!(half_line.to_string(), "flux from -0.5 to inf");
     }
 
     #[test]
