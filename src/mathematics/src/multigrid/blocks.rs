@@ -115,7 +115,7 @@ pub(super) struct SlabBlock<'a> {
 impl SlabBlock<'_> {
     /// Computes the residual of a red slab, restricts it, and sets the contact flags of the slab.
     ///
-    /// `first` is the first slab that is restricted; `natural` collects the natural residuals of an obstacle problem.
+    /// `first` is the first slab that is restricted; `natural` collects the natural residuals under the law.
     #[inline(always)]
     pub(super) fn restrict<D: Weighting>(
         &mut self,

@@ -121,7 +121,7 @@ impl Coarsest {
     /// Solves the problem under the law by the primal-dual active set method. Returns the work in visits of unknowns.
     ///
     /// See [`active_set`](super::active_set) on convergence.
-    pub(super) fn solve_obstacle(&mut self, level: &mut MultigridLevel) -> f64 {
+    pub(super) fn solve_under_law(&mut self, level: &mut MultigridLevel) -> f64 {
         let network = Arc::clone(&self.network);
         let components = vec![0; network.nodes()];
         let load: Vec<_> = self.nodes.iter().map(|node| node.load(level)).collect();

@@ -42,11 +42,11 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     pub(super) fn nested_iteration(&mut self) {
         self.solve_coarsest();
         for l in 1..self.levels.len() - 1 {
-            self.obstacle_pass(l, &Self::smooth_twice(Interpolate));
+            self.pass_under_law(l, &Self::smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
                 let smooth = Self::smooth_twice(Correct(G::OVERCORRECTION));
                 self.find_correction(l, G::DOUBLE_VISITS_BELOW);
-                let residual = self.obstacle_pass(l, &smooth);
+                let residual = self.pass_under_law(l, &smooth);
                 if residual <= SETTLED * self.levels[l].load_scale {
                     break;
                 }
@@ -54,10 +54,10 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         }
     }
 
-    /// Solves the obstacle problem of the coarsest grid directly.
+    /// Solves the problem under the law of the coarsest grid directly.
     pub(super) fn solve_coarsest(&mut self) {
         self.springs.cells = None;
-        let work = self.coarsest.solve_obstacle(&mut self.levels[0]);
+        let work = self.coarsest.solve_under_law(&mut self.levels[0]);
         self.count(work);
     }
 
@@ -170,14 +170,14 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         self.move_bytes(16.0 * nodes);
         if has_limit {
             // Where values have changed their sign, so has the flux: the residual is another one.
-            self.obstacle_pass(l, &[Relax(Red, 1.0), Relax(Black, 1.0), Restrict]);
+            self.pass_under_law(l, &[Relax(Red, 1.0), Relax(Black, 1.0), Restrict]);
         }
         let in_contact = &mut self.levels[l].in_contact;
         in_contact[at] |= !in_contact.contains(&true);
     }
 
-    /// Runs a pass on an obstacle problem, whose last stage restricts; returns the natural residual of the red nodes.
-    pub(super) fn obstacle_pass(&mut self, l: usize, stages: &[Stage]) -> f64 {
+    /// Runs a pass on the problem under the law, whose last stage restricts; returns the natural residual of the red nodes.
+    pub(super) fn pass_under_law(&mut self, l: usize, stages: &[Stage]) -> f64 {
         self.pass(l, BoundaryLaw, stages).expect("the last stage restricts")
     }
 

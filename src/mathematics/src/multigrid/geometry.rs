@@ -18,7 +18,7 @@ pub(super) trait MultigridGeometry: Weighting + Sized {
     const RELAXATION: f64;
     /// Over-relaxation factor of the half-sweeps that begin and end a visit to a correction problem.
     const COARSE_RELAXATION: f64;
-    /// Factor of the corrections that reach an obstacle problem.
+    /// Factor of the corrections to the problem under the law.
     const OVERCORRECTION: f64;
     /// Number of grids from the finest down to the first grid that is visited twice.
     const DOUBLE_VISITS_BELOW: usize;

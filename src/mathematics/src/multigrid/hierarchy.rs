@@ -154,12 +154,12 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         let residual = match start {
             Some(start) => {
                 self.set_start(start)?;
-                self.obstacle_pass(finest, &[Relax(Red, 1.0), Relax(Black, 1.0), Restrict])
+                self.pass_under_law(finest, &[Relax(Red, 1.0), Relax(Black, 1.0), Restrict])
             }
             None => {
                 self.nested_iteration();
                 // As in the nested iteration, one sweep more saves a cycle.
-                self.obstacle_pass(finest, &Self::smooth_twice(Interpolate))
+                self.pass_under_law(finest, &Self::smooth_twice(Interpolate))
             }
         };
         let initial = InitialState { residual, load: self.finest().load_scale, scale: self.scale };
@@ -272,10 +272,9 @@ impl<G: MultigridGeometry> CycledHierarchy for Hierarchy<G> {
         };
         let correct = Correct(part * G::OVERCORRECTION);
         match position {
-            CyclePosition::Last => {
-                self.obstacle_pass(finest, &[correct, Relax(Red, 1.0), Relax(Black, 1.0), Restrict])
-            }
-            CyclePosition::Inner => self.obstacle_pass(finest, &Self::smooth_twice(correct)),
+            CyclePosition::Last => self
+                .pass_under_law(finest, &[correct, Relax(Red, 1.0), Relax(Black, 1.0), Restrict]),
+            CyclePosition::Inner => self.pass_under_law(finest, &Self::smooth_twice(correct)),
         }
     }
 

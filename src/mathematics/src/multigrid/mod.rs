@@ -5,7 +5,7 @@
 //! 2. Solve the problem of the coarsest grid directly (`coarsest.rs`).
 //! 3. Nested iteration (`cycle.rs`): interpolate the solution to the next finer grid and apply one cycle there, or
 //!    more if the residual is still large; repeat up to the finest grid.
-//! 4. Apply cycles on the finest grid until the goal is reached (`stopping.rs`). One cycle on an obstacle problem:
+//! 4. Apply cycles on the finest grid until the goal is reached (`stopping.rs`). One cycle on a problem under the law:
 //!    1. Find the boundary nodes in contact, and the springs by which coarser grids represent them
 //!       (`square/contact.rs`, `cube/contact.rs`).
 //!    2. Restrict the residual of the nodes that are not in contact (`transfer.rs`).

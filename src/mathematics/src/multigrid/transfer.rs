@@ -129,7 +129,7 @@ impl Buffers {
         }
     }
 
-    /// Adds a correction to the black values of a slab, except at nodes in contact; an obstacle problem is projected.
+    /// Adds a correction to the black values of a slab, except at nodes in contact; under the law no value changes its sign.
     #[inline(always)]
     pub(super) fn correct<D: Dimension>(
         &mut self,
