@@ -13,6 +13,8 @@ use crate::problem::source::Source;
 
 /// Length below which arcs and gaps are left out.
 pub(super) const SHORTEST: f64 = 2e-6;
+/// Length below which arcs between v of opposite signs are not resolved: it magnifies the rounding errors of their ends.
+const SHORTEST_BETWEEN_SIGNS: f64 = 1e-7;
 /// Length below which gaps round corners are left out in the end.
 pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
 /// Size of negative multipliers, relative to the largest multiplier, that is tolerated.
@@ -42,7 +44,13 @@ impl ContactStart {
         let params = MultigridParams { law, goal, ..Default::default() };
         let (y, _) = multigrid::solve_square(n, &load, None, &params).ok()?;
         let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
-        let mut places = changes(&values, &free_nodes(&values, n), n);
+        let mut free = free_nodes(&values, n);
+        for b in 0..values.len() {
+            if crossing(&values, b).is_some_and(|crossing| crossing.cells == 2) {
+                free[(b + 1) % values.len()] = true;
+            }
+        }
+        let mut places = changes(&values, &free, n);
         if careful {
             for (j, end) in places.iter_mut().enumerate() {
                 *end = behind_corner(j, *end);
@@ -96,10 +104,10 @@ fn alike(free: &[bool], node: usize, step: usize) -> usize {
 fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<BoundaryPlace> {
     let mut places = Vec::new();
     for b in 0..free.len() {
-        if free[b] != free[(b + 1) % free.len()] {
+        if let Some(crossing) = crossing(values, b) {
+            places.extend(arc_between(b, crossing, n));
+        } else if free[b] != free[(b + 1) % free.len()] {
             places.push(end_after(b, values, free, n));
-        } else if free[b] && values[b] * values[(b + 1) % free.len()] < 0.0 {
-            places.extend(arc_between(b, [values[b], values[(b + 1) % free.len()]], n));
         }
     }
     if !free[0] && !places.is_empty() {
@@ -118,11 +126,29 @@ fn end_after(b: usize, values: &[f64], free: &[bool], n: usize) -> BoundaryPlace
     BoundaryPlace::new(3, (node as f64 + if free[b] { -part } else { part }) / n as f64)
 }
 
-/// Ends of the arc that sticks between a boundary node and the next one, where v changes sign without a node that sticks.
-fn arc_between(b: usize, [v, next]: [f64; 2], n: usize) -> [BoundaryPlace; 2] {
-    /// Half of its length in cells: at a longer one, a node would stick.
+/// Change of the sign of v after a boundary node.
+struct Crossing {
+    /// Number of cells to the node where v has the other sign: two if the node between sticks.
+    cells: usize,
+    /// Distance from the node to the zero of the line through the values, in cells.
+    zero: f64,
+}
+
+/// Change of the sign of v between a boundary node and the next one that does not stick, if at most one sticks between: an
+/// arc there is shorter than two cells.
+fn crossing(values: &[f64], b: usize) -> Option<Crossing> {
+    let value = |cells: usize| values[(b + cells) % values.len()];
+    let cells = (1..=2).find(|&cells| value(cells) != 0.0)?;
+    let is_opposite = value(0) * value(cells) < 0.0;
+    let zero = cells as f64 * value(0) / (value(0) - value(cells));
+    is_opposite.then_some(Crossing { cells, zero })
+}
+
+/// Ends of the arc that sticks where v changes its sign after a boundary node.
+fn arc_between(b: usize, crossing: Crossing, n: usize) -> [BoundaryPlace; 2] {
+    /// Half of its length in cells: at a longer one, more nodes would stick.
     const HALF: f64 = 0.1;
-    let middle = (v / (v - next)).clamp(2.0 * HALF, 1.0 - 2.0 * HALF);
+    let middle = crossing.zero.clamp(2.0 * HALF, crossing.cells as f64 - 2.0 * HALF);
     [-HALF, HALF].map(|part| BoundaryPlace::new(3, (b as f64 + middle + part) / n as f64))
 }
 
@@ -234,7 +260,14 @@ pub(super) fn without_short(
             // Negative where ends have changed their order.
             let length = next.after(place) + turn;
             let corner_gap = j % 2 == 1 && place.t < 0.0 && next.t > 0.0;
-            length < if corner_gap { round_corner } else { SHORTEST }
+            let least = if corner_gap {
+                round_corner
+            } else if is_between_signs(j, &flux) {
+                SHORTEST_BETWEEN_SIGNS
+            } else {
+                SHORTEST
+            };
+            length < least
         });
         match short {
             None => return Some(StickArcs { places, flux }),
@@ -253,16 +286,21 @@ pub(super) fn without_short(
             }
             Some(j) => {
                 // An arc between gaps of opposite signs cannot be left out.
-                let gap = j / 2;
-                let before = flux[(gap + flux.len() - 1) % flux.len()];
-                if j.is_multiple_of(2) && before != flux[gap] {
+                if is_between_signs(j, &flux) {
                     return None;
                 }
-                flux.remove(gap);
+                flux.remove(j / 2);
                 places.drain(j..j + 2);
             }
         }
     }
+}
+
+/// True if the `j`-th end begins an arc between gaps of opposite signs, whose fluxes are given.
+fn is_between_signs(j: usize, flux: &[f64]) -> bool {
+    let gap = j / 2;
+    let before = flux[(gap + flux.len() - 1) % flux.len()];
+    j.is_multiple_of(2) && before != flux[gap]
 }
 
 #[cfg(test)]

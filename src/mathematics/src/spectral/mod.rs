@@ -71,7 +71,7 @@
 //! refused.
 //!
 //! # Limits
-//! An f is refused if arcs or gaps of less than 2e-6 matter, and where the integral of f is lost to rounding. Of random
+//! An f is refused if arcs or gaps of less than 2e-6 matter, arcs between opposite signs of v of less than 1e-7, and where the integral of f is lost to rounding. Of random
 //! f, one piece of which balances the background, one in 4000 was refused where the integral was 1e-6 to 0.1 of the
 //! piece's, one in 600 where it was 1e-7 to 1e-6, one in five where it was 1e-8 to 1e-7. Where a piece of size r has
 //! values like r^-2 the energy loses digits like r^-3, so that f is refused for r below about 2e-4.

@@ -311,10 +311,12 @@ fn longest(places: &[BoundaryPlace], changes: &[Change]) -> f64 {
             }
             Change::Logarithm(d) => d.abs(),
             Change::Arc { middle, logarithm, .. } => {
+                /// Largest change of the logarithm in a step: the conditions are almost linear in it.
+                const LOGARITHM: f64 = 4.0;
                 let other = places[across_gap(places, j)];
                 let [before, after] = [places[j].after(other), other.after(places[j])];
                 let gap = if j.is_multiple_of(2) { before } else { after };
-                (middle.abs() / (0.4 * gap.rem_euclid(4.0))).max(logarithm.abs())
+                (middle.abs() / (0.4 * gap.rem_euclid(4.0))).max(logarithm.abs() / LOGARITHM)
             }
         });
     }
