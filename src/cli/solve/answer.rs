@@ -86,6 +86,19 @@ pub(super) struct Solved {
     pub work_units: Option<f64>,
 }
 
+impl Solved {
+    /// Returns the nodal vector `y` with the multiplier that follows from it, not with a multiplier of the solver.
+    pub(super) fn new(
+        levels: Vec<Level>,
+        y: Vec<f64>,
+        judgement: Judgement,
+        work_units: Option<f64>,
+    ) -> Self {
+        let a = judgement.multiplier(&y);
+        Self { levels, pair: Pair { y, a }, judgement, work_units }
+    }
+}
+
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct States {

@@ -14,7 +14,7 @@ use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, MultigridStop};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::saddle::{
-    self, Pair, Params, SaddleRun, StopReason, on_nested, solve_networks, tolerance,
+    self, Params, SaddleRun, StopReason, on_nested, solve_networks, tolerance,
 };
 use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, Solver, SolverRun};
 use std::borrow::Cow;
@@ -95,7 +95,7 @@ impl Problem {
         let levels = outcomes.iter().map(Level::of_saddle_run).collect();
         let judgement =
             self.domain.judge(self.finest(), self.params.law, &pair.y, &loads[loads.len() - 1]);
-        Ok(self.solved(levels, pair.y, judgement, None))
+        Ok(Solved::new(levels, pair.y, judgement, None))
     }
 
     /// Returns the message that a saddle-point method diverged.
@@ -152,7 +152,7 @@ impl Problem {
             return Err(self.diverged(k, iterations));
         }
         let judgement = last.expect("at least one mesh");
-        Ok(self.solved(levels, pair.y, judgement, None))
+        Ok(Solved::new(levels, pair.y, judgement, None))
     }
 
     /// Law and goal of a solver on the finest grid.
@@ -186,7 +186,7 @@ impl Problem {
             kkt: judgement.kkt,
             verdict: self.verdict(&judgement, sum_load),
         };
-        Ok(self.solved(vec![level], y, judgement, work_units))
+        Ok(Solved::new(vec![level], y, judgement, work_units))
     }
 
     /// Judges whether a nodal vector solves the discrete problem, whose load vector has this sum.
@@ -194,18 +194,6 @@ impl Problem {
         let flux = BoundaryFlux { law: self.params.law, perimeter: judgement.perimeter() };
         let has_solution = self.domain.has_solution(sum_load, flux);
         Verdict::new(has_solution, &judgement.kkt, judgement.energy, judgement.work)
-    }
-
-    /// Returns the solution with the multiplier that follows from it, not with a multiplier of the solver.
-    fn solved(
-        &self,
-        levels: Vec<Level>,
-        y: Vec<f64>,
-        judgement: Judgement,
-        work_units: Option<f64>,
-    ) -> Solved {
-        let a = judgement.multiplier(&y);
-        Solved { levels, pair: Pair { y, a }, judgement, work_units }
     }
 
     /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
