@@ -15,7 +15,6 @@ A workflow is to be run in the folder of the project. `signorini run` then finds
 everything done, and writes figures/ and report/.\n\
 Examples:\n  \
   signorini dag --dot | dot -Tsvg > dag.svg\n  \
-  signorini dag --make > tasks.mk && make -j 8 -f tasks.mk\n  \
   signorini dag --snakemake > Snakefile && snakemake --cores 8";
 
 #[derive(Args)]
@@ -36,9 +35,6 @@ struct Form {
     /// For Graphviz
     #[arg(long)]
     dot: bool,
-    /// As a makefile that runs one task per rule, for `make -j`
-    #[arg(long)]
-    make: bool,
     /// As a Snakefile that runs one task per job, on this machine or a cluster
     #[arg(long)]
     snakemake: bool,
@@ -56,7 +52,6 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     say(&match () {
         () if form.mermaid => Graph::of(plan.tasks()).mermaid(),
         () if form.dot => Graph::of(plan.tasks()).dot(),
-        () if form.make => workflow(&plan, root, &args.cache, |engine| engine.make())?,
         () if form.snakemake => workflow(&plan, root, &args.cache, |engine| engine.snakemake())?,
         () if form.json => workflow(&plan, root, &args.cache, |engine| Ok(engine.json()))?,
         () => list(&plan),

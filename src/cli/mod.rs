@@ -87,7 +87,7 @@ enum Command {
         after_help = "Examples:\n  signorini explain report\n  signorini explain solve/problem1"
     )]
     Explain(status::ExplainArgs),
-    /// Print the graph of tasks, to look at or as a workflow for make or Snakemake
+    /// Print the graph of tasks, to look at or as a workflow for Snakemake
     #[command(after_help = dag::EXAMPLES)]
     Dag(dag::DagArgs),
     /// Compare our tables with the published ones, cell by cell

@@ -7,7 +7,6 @@
 use super::{Plan, Store, stage};
 use crate::pipeline::error::{Error, Result};
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Plan in the form of a workflow, to be run in the folder of the project.
@@ -54,40 +53,6 @@ impl<'a> Engine<'a> {
         text.expect("names are plain data") + "\n"
     }
 
-    /// Returns a makefile for GNU make: a rule for each task, and one that keeps the file up to date.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if make cannot name one of the paths.
-    pub fn make(&self) -> Result<String> {
-        refuse(self.program, "the program", char::is_control, "move it")?;
-        refuse(self.cache, "the cache", is_special_in_make, "give another with --cache-dir")?;
-        let stamp_of: BTreeMap<&str, &str> =
-            self.tasks().map(|task| (task.id, task.stamp)).collect();
-        let mut text = format!(
-            "{MAKE_TITLE}SIGNORINI := {}\nCACHE := {}\nSTAMPS := {}\n{MAKE}",
-            in_make(&in_shell(self.program)),
-            in_make(&in_shell(self.cache)),
-            in_make(&self.folder).replace(' ', "\\ ").replace(':', "\\:"),
-        );
-        text += "\nall:";
-        for stamp in &self.stamps {
-            text += &format!(" \\\n  $(STAMPS)/{stamp}");
-        }
-        text += "\n";
-        for StampedTask { id, needs, stamp } in self.tasks() {
-            text += &format!("\n$(MADE)/{stamp}:");
-            if !needs.is_empty() {
-                // The needs determine the order only: times of stamps mean nothing.
-                text += " |";
-            }
-            for need in needs {
-                text += &format!(" $(STAMPS)/{}", stamp_of[need.as_str()]);
-            }
-            text += &format!("\n\t@$(TASK) {}\n", in_shell(id).replace('$', "$$"));
-        }
-        Ok(text)
-    }
-
     /// Returns a Snakefile: a rule for each stage, whose jobs run one task each.
     ///
     /// # Errors
@@ -114,11 +79,6 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// True if make gives the character a meaning of its own in names of targets, even if it is escaped.
-fn is_special_in_make(c: char) -> bool {
-    c.is_control() || "*?[;|\\".contains(c)
-}
-
 /// True if the character encloses a wildcard in names of files of Snakemake.
 fn is_brace(c: char) -> bool {
     "{}".contains(c)
@@ -140,32 +100,6 @@ fn refuse(name: &str, what: &str, is_special: impl Fn(char) -> bool, remedy: &st
         None => Ok(()),
     }
 }
-
-/// Quotes a word of a shell's command.
-fn in_shell(word: &str) -> String {
-    format!("'{}'", word.replace('\'', r"'\''"))
-}
-
-/// Quotes the value of a variable of a makefile.
-fn in_make(value: &str) -> String {
-    let mut text = String::new();
-    for c in value.chars() {
-        if c == '#' {
-            // Make reads pairs of backslashes before this character as single ones.
-            let backslashes = text.chars().rev().take_while(|&c| c == '\\').count();
-            text += &"\\".repeat(backslashes + 1);
-        }
-        text += if c == '$' { "$" } else { "" };
-        text.push(c);
-    }
-    text
-}
-
-/// First lines of the makefile.
-const MAKE_TITLE: &str = include_str!("engine/title.mk");
-
-/// Part of the makefile between the paths and the rules of the tasks.
-const MAKE: &str = include_str!("engine/head.mk");
 
 /// First lines of the Snakefile.
 const SNAKEMAKE_TITLE: &str = include_str!("engine/title.smk");

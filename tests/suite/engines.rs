@@ -7,8 +7,6 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::thread;
-use std::time::{Duration, SystemTime};
 
 /// Six cells of two scenes, their tables, pictures and a book.
 fn small() -> Project {
@@ -164,10 +162,7 @@ fn workflow(project: &Project, form: &str, name: &str) {
 fn engine(project: &Project, command: &str, args: &[&str]) -> Output {
     let mut command = Command::new(command);
     command.args(args).current_dir(project.path("")).stdin(Stdio::null());
-    for name in ["MAKEFLAGS", "MAKELEVEL", "SNAKEMAKE_PROFILE"] {
-        command.env_remove(name);
-    }
-    command.output().unwrap()
+    command.env_remove("SNAKEMAKE_PROFILE").output().unwrap()
 }
 
 /// Whether a program can be started.
@@ -198,122 +193,7 @@ fn asked(project: &Project) -> usize {
     asked
 }
 
-#[test]
-fn make_runs_the_tasks() {
-    if !is_there("make") {
-        return skip("no make on the PATH");
-    }
-    let project = small();
-    workflow(&project, "--make", "tasks.mk");
-    let program = noted(&project, "tasks.mk", "noted");
-    let make = |what: &str| {
-        let signorini = format!("SIGNORINI={program}");
-        let output = engine(&project, "make", &["-j2", "-f", "tasks.mk", &signorini]);
-        assert!(output.status.success(), "{what}: {output:?}");
-        asked(&project)
-    };
-    let all = tasks(&project).len();
-    assert_eq!(make("from nothing"), all);
-    assert_eq!(make("again"), 0);
-    assert_done(&project, &made_at_once(small));
-    // make sees by itself what an edit concerns: a cell of each r, a table, and what shows all.
-    project.scene("b", &TABLE.replace("else=-1", "disc(0,0,0.3)=1; else=-3"));
-    assert_eq!(make("after an edit"), 5);
-    assert_eq!(project.run(&["run", "-v"]).ran(), [""; 0]);
-}
-
-/// Runs make in the project on `tasks.mk`, in one process.
-fn make(project: &Project, args: &[&str]) -> Output {
-    engine(project, "make", &[&["-s", "-f", "tasks.mk"], args].concat())
-}
-
-/// Lets the stamps have times one second apart, in this order.
-fn date_stamps<'a>(stamps: impl Iterator<Item = &'a PathBuf>) {
-    let mut time = SystemTime::now() - Duration::from_secs(1000);
-    for stamp in stamps {
-        File::options().append(true).open(stamp).unwrap().set_modified(time).unwrap();
-        time += Duration::from_secs(1);
-    }
-}
-
-#[test]
-fn make_settles_whatever_the_times_of_the_stamps() {
-    if !is_there("make") {
-        return skip("no make on the PATH");
-    }
-    let project = small();
-    workflow(&project, "--make", "tasks.mk");
-    assert!(make(&project, &[]).status.success());
-    let stamps = fs::read_dir(project.path(".signorini/v2/stamps")).unwrap();
-    let mut stamps: Vec<PathBuf> = stamps.map(|entry| entry.unwrap().path()).collect();
-    stamps.sort();
-    let program = format!("SIGNORINI={}", noted(&project, "tasks.mk", "noted"));
-    let settles = |what: &str| {
-        assert!(make(&project, &["-q", &program]).status.success(), "{what}");
-        assert_eq!(asked(&project), 0, "{what}");
-    };
-    date_stamps(stamps.iter());
-    settles("by name");
-    date_stamps(stamps.iter().rev());
-    settles("backwards");
-    // A stamp that was lost is written again, and that is all.
-    for stamp in &stamps {
-        fs::remove_file(stamp).unwrap();
-        assert!(make(&project, &[&program]).status.success());
-        assert_eq!(asked(&project), 1, "{stamp:?}");
-        settles("after the loss of a stamp");
-    }
-}
-
-#[test]
-fn two_makes_at_once_both_succeed() {
-    if !is_there("make") {
-        return skip("no make on the PATH");
-    }
-    let project = Project::with(TABLE);
-    workflow(&project, "--make", "tasks.mk");
-    let there = || fs::read_dir(project.path("")).unwrap().count();
-    for k in 1..=10 {
-        project.scene("a", &TABLE.replace("else=-1", &format!("else=-{k}")));
-        let [one, two] = thread::scope(|scope| {
-            [(); 2].map(|()| scope.spawn(|| make(&project, &[]))).map(|make| make.join().unwrap())
-        });
-        assert!(one.status.success() && two.status.success(), "{one:?} {two:?}");
-        assert!(make(&project, &["-q"]).status.success());
-    }
-    // What cannot be planned leaves the file as it was, and nothing beside it.
-    let [text, before] =
-        [fs::read(project.path("tasks.mk")).unwrap(), there().to_le_bytes().into()];
-    project.scene("a", "f = ");
-    assert!(!make(&project, &[]).status.success());
-    assert_eq!(
-        [fs::read(project.path("tasks.mk")).unwrap(), there().to_le_bytes().into()],
-        [text, before]
-    );
-}
-
-#[test]
-#[cfg(unix)]
-fn make_renews_a_linked_private_file_in_its_place() {
-    if !is_there("make") {
-        return skip("no make on the PATH");
-    }
-    let project = Project::with(TABLE);
-    workflow(&project, "--make", "real.mk");
-    std::os::unix::fs::symlink("real.mk", project.path("tasks.mk")).unwrap();
-    let private = std::os::unix::fs::PermissionsExt::from_mode(0o600);
-    fs::set_permissions(project.path("real.mk"), private).unwrap();
-    project.scene("b", TABLE);
-    assert!(make(&project, &[]).status.success());
-    assert!(fs::symlink_metadata(project.path("tasks.mk")).unwrap().is_symlink());
-    assert!(fs::read_to_string(project.path("real.mk")).unwrap().contains("solve/b/"));
-    let mode = std::os::unix::fs::PermissionsExt::mode(
-        &fs::metadata(project.path("real.mk")).unwrap().permissions(),
-    );
-    assert_eq!(mode & 0o777, 0o600);
-}
-
-/// Characters that are special to a shell, to make, to Python or to Snakemake.
+/// Characters that are special to a shell, to Python or to Snakemake.
 #[cfg(unix)]
 const SPECIAL: &str = "a b'c\"d#e$HOME%f:g=h(i)&j~k!`l`é";
 
@@ -336,7 +216,7 @@ fn in_special_folders() -> (tempfile::TempDir, PathBuf, PathBuf) {
 #[track_caller]
 fn succeeds(folder: &Path, program: impl AsRef<OsStr>, args: &[&str]) -> Vec<u8> {
     let mut command = Command::new(program);
-    command.args(args).current_dir(folder).env_remove("MAKEFLAGS").stdin(Stdio::null());
+    command.args(args).current_dir(folder).stdin(Stdio::null());
     let output = command.output().unwrap();
     assert!(output.status.success(), "{args:?}: {output:?}");
     output.stdout
@@ -361,15 +241,6 @@ fn runs_in_special_folders(form: &str, command: &str, args: &[&str]) {
 
 #[test]
 #[cfg(unix)]
-fn make_runs_a_program_and_a_project_in_folders_with_special_names() {
-    if !is_there("make") {
-        return skip("no make on the PATH");
-    }
-    runs_in_special_folders("--make", "make", &["-s", "-f", "workflow"]);
-}
-
-#[test]
-#[cfg(unix)]
 fn snakemake_runs_a_program_and_a_project_in_folders_with_special_names() {
     if !is_there("snakemake") {
         return skip(NO_SNAKEMAKE);
@@ -381,13 +252,10 @@ fn snakemake_runs_a_program_and_a_project_in_folders_with_special_names() {
 #[test]
 fn names_that_engines_cannot_take_are_refused() {
     let project = small();
-    let refused = |form: &str, cache: &str| {
-        let said = project.run(&["dag", form, "--cache-dir", cache]);
+    for cache in ["a{b", "a}b"] {
+        let said = project.run(&["dag", "--snakemake", "--cache-dir", cache]);
         assert!(said.refusal().contains("give another with --cache-dir"), "{said:?}");
-    };
-    let special = ["a*b", "a?b", "a[b", "a;b", "a|b", "a\\b", "a\nb"];
-    special.iter().for_each(|cache| refused("--make", cache));
-    ["a{b", "a}b"].iter().for_each(|cache| refused("--snakemake", cache));
+    }
     fs::create_dir(project.path("sub")).unwrap();
     // A folder is meant as seen from where the command is given.
     let mut below = project.command(&["dag", "--json", "--cache-dir", ".signorini"]);
