@@ -4,6 +4,7 @@
 //! A = c0 / 2, B = c1 / (4 (k + 1)) and s = cos(k t / 2) in each of k equal sectors. For 2 B <= A all of the rim is in
 //! contact; else a part around each of the k maxima of f is free.
 
+use super::complex::Complex;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Problem on the unit disc with the whole rim in contact.
@@ -72,24 +73,24 @@ impl DiscProblem {
     pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.coefficients();
         let (k, [x, y]) = (f64::from(self.k), point);
-        let z = PlaneNumber { re: x, im: y };
-        let before = (1..self.k).fold(PlaneNumber { re: 1.0, im: 0.0 }, |power, _| power.times(z));
-        let s = z.times(before);
+        let z = Complex::new(x, y);
+        let before = (1..self.k).fold(Complex::new(1.0, 0.0), |power, _| power * z);
+        let s = z * before;
         let alpha = self.free_angle();
         let harmonic = if alpha == 0.0 {
-            PlaneNumber { re: k, im: 0.0 }
+            Complex::new(k, 0.0)
         } else {
             // The root and the quotient q = (2 cos(alpha) - s) / (1 + root), written such that s divides out.
             let cosine = libm::cos(alpha);
-            let root = s.times(s).plus(s.scaled(-2.0 * cosine)).shifted(1.0).root();
-            let q = s.scaled(-1.0).shifted(2.0 * cosine).over(root.shifted(1.0));
-            let rest = q.scaled(cosine).shifted(-1.0).over(root.shifted(1.0));
-            q.scaled(-1.0).shifted(k + 1.0).plus(rest)
+            let root = (s * s + s.scaled(-2.0 * cosine)).shifted(1.0).sqrt();
+            let q = (-s).shifted(2.0 * cosine) / root.shifted(1.0);
+            let rest = q.scaled(cosine).shifted(-1.0) / root.shifted(1.0);
+            (-q).shifted(k + 1.0) + rest
         };
         // Of P.
-        let along = PlaneNumber { re: x, im: -y }.scaled(a - 2.0 * b * s.re);
+        let along = z.conj().scaled(a - 2.0 * b * s.re);
         let of_power = before.scaled(-b * k * (x * x + y * y));
-        let slope = harmonic.times(before).scaled(b).plus(along).plus(of_power);
+        let slope = (harmonic * before).scaled(b) + along + of_power;
         [slope.re, -slope.im]
     }
 
@@ -125,46 +126,6 @@ impl DiscProblem {
             sum += value * factor(angle) * alpha * libm::cos(u) * step;
         }
         sum
-    }
-}
-
-/// Complex number.
-#[derive(Clone, Copy)]
-struct PlaneNumber {
-    re: f64,
-    im: f64,
-}
-
-impl PlaneNumber {
-    fn times(self, other: Self) -> Self {
-        let re = self.re * other.re - self.im * other.im;
-        Self { re, im: self.re * other.im + self.im * other.re }
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-
-    /// Sum with a real number.
-    fn shifted(self, by: f64) -> Self {
-        Self { re: self.re + by, ..self }
-    }
-
-    fn scaled(self, by: f64) -> Self {
-        Self { re: self.re * by, im: self.im * by }
-    }
-
-    fn over(self, other: Self) -> Self {
-        let square = other.re * other.re + other.im * other.im;
-        self.times(Self { im: -other.im, ..other }).scaled(1.0 / square)
-    }
-
-    /// Root with a real part that is not negative.
-    fn root(self) -> Self {
-        let size = libm::hypot(self.re, self.im);
-        let re = (0.5 * (size + self.re)).max(0.0).sqrt();
-        let im = (0.5 * (size - self.re)).max(0.0).sqrt();
-        Self { re, im: libm::copysign(im, self.im) }
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod torsion;
 
+use super::complex::Complex;
 use super::field::{Field, bump, falling, hill, product};
 use super::shape::Known;
 use std::f64::consts::PI;
@@ -165,10 +166,10 @@ fn free_segment(x: f64, y: f64) -> Sample {
 pub(super) fn segment(x: f64, t: f64) -> Field<2> {
     const LEFT: f64 = -0.23;
     const RIGHT: f64 = 0.19;
-    let z = ComplexNumber { re: x, im: t };
-    let (from_left, from_right) = (z.minus(LEFT), z.minus(RIGHT));
-    let root = from_left.sqrt().times(from_right.sqrt());
-    let derivative = root.times(from_left.plus(from_right)).scaled(1.5);
+    let z = Complex::new(x, t);
+    let (from_left, from_right) = (z.shifted(-LEFT), z.shifted(-RIGHT));
+    let root = from_left.sqrt() * from_right.sqrt();
+    let derivative = (root * (from_left + from_right)).scaled(1.5);
     harmonic(root.cubed(), derivative)
 }
 
@@ -180,12 +181,12 @@ fn free_corner(x: f64, y: f64) -> Sample {
     const ALONG_Y: f64 = 0.27;
     const AMPLITUDE: f64 = 60.0;
     let (x, y) = (x + 0.5, y + 0.5);
-    let z = ComplexNumber { re: x, im: y };
-    let zeta = z.times(z);
-    let (from_y, from_x) = (zeta.minus(-ALONG_Y * ALONG_Y), zeta.minus(ALONG_X * ALONG_X));
-    let root = from_y.sqrt().times(from_x.sqrt());
+    let z = Complex::new(x, y);
+    let zeta = z * z;
+    let (from_y, from_x) = (zeta.shifted(ALONG_Y * ALONG_Y), zeta.shifted(-ALONG_X * ALONG_X));
+    let root = from_y.sqrt() * from_x.sqrt();
     // d zeta / dz = 2 z.
-    let derivative = root.times(from_y.plus(from_x)).times(z).scaled(3.0);
+    let derivative = (root * (from_y + from_x) * z).scaled(3.0);
     let psi = harmonic(root.cubed(), derivative);
     let load = product([bump(x), bump(y)]).scaled(AMPLITUDE);
     product([falling(x), falling(y)]).times(psi).minus(load).into()
@@ -193,56 +194,8 @@ fn free_corner(x: f64, y: f64) -> Sample {
 
 /// `-Im` of an analytic function.
 #[inline(always)]
-fn harmonic(analytic: ComplexNumber, derivative: ComplexNumber) -> Field<2> {
+fn harmonic(analytic: Complex, derivative: Complex) -> Field<2> {
     Field { value: -analytic.im, gradient: [-derivative.im, -derivative.re], laplacian: 0.0 }
-}
-
-#[derive(Clone, Copy)]
-struct ComplexNumber {
-    re: f64,
-    im: f64,
-}
-
-impl ComplexNumber {
-    #[inline(always)]
-    fn minus(self, real: f64) -> Self {
-        Self { re: self.re - real, im: self.im }
-    }
-
-    #[inline(always)]
-    fn plus(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-
-    #[inline(always)]
-    fn times(self, other: Self) -> Self {
-        Self {
-            re: self.re * other.re - self.im * other.im,
-            im: self.re * other.im + self.im * other.re,
-        }
-    }
-
-    #[inline(always)]
-    fn scaled(self, factor: f64) -> Self {
-        Self { re: factor * self.re, im: factor * self.im }
-    }
-
-    #[inline(always)]
-    fn cubed(self) -> Self {
-        self.times(self).times(self)
-    }
-
-    /// Principal root of a number of the closed upper half-plane: no cut in there.
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let size = (self.re * self.re + self.im * self.im).sqrt();
-        let large = (0.5 * (size + self.re.abs())).sqrt();
-        let small = if large == 0.0 { 0.0 } else { 0.5 * self.im / large };
-        match self.re >= 0.0 {
-            true => Self { re: large, im: small },
-            false => Self { re: small, im: large },
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! psi inside the square, by integrals of its gradient along curves from the boundary.
 
-use super::complex::{Complex, distance};
+use super::complex::distance;
 use super::curve::{Arc, Curve, SAME};
 use super::place::{BoundaryPlace, tangent};
 use super::potential::Potential;
 use super::problem::SpectralProblem;
 use super::rule::{GaussNode, Rules, halved};
+use crate::problem::complex::Complex;
 
 /// Node of a quadrature on a curve.
 pub(super) struct Node {

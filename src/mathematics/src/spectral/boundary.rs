@@ -1,11 +1,12 @@
 //! psi on the boundary, interpolated: its gradient, a sum of logarithms, is wanted at thousands of points.
 
-use super::complex::{Complex, distance};
+use super::complex::distance;
 use super::jumps::Jumps;
 use super::panels::LANES;
 use super::place::{BoundaryPlace, tangent};
 use super::potential::Potential;
 use super::rule::halved;
+use crate::problem::complex::Complex;
 use std::f64::consts::PI;
 
 /// Number of terms of a series. No piece is longer than its distance from a singular point, so that the terms fall like

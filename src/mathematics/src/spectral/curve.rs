@@ -1,6 +1,7 @@
 //! Lines and circles: the points at which they meet, and the curves that bound a region.
 
-use super::complex::Complex;
+use super::complex::arg;
+use crate::problem::complex::Complex;
 use crate::problem::region::Region;
 use crate::problem::shape::scaled;
 use std::f64::consts::TAU;
@@ -80,7 +81,7 @@ impl Curve {
         if self.curvature == 0.0 {
             return local.re;
         }
-        self.polar(z).nu.arg() / self.curvature
+        arg(self.polar(z).nu) / self.curvature
     }
 
     /// Position with respect to another curve.

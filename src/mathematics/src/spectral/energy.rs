@@ -1,13 +1,13 @@
 //! Energy of the solution, and moments of f, from integrals over the boundary and along the jumps of f.
 
 use super::along::Node;
-use super::complex::Complex;
 use super::jumps::{JumpEdge, Jumps};
 use super::place::{BoundaryPlace, CORNERS};
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use super::sources::Point;
 use super::trace::Trace;
+use crate::problem::complex::Complex;
 
 /// Integrals over the boundary and over the square.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,10 +1,10 @@
 //! Curves inside the square across which f jumps.
 
-use super::complex::Complex;
 use super::curve::{Arc, Curve, ROUNDING, SAME, SIDES, borders};
 use super::parts::{CurvePart, append, close};
 use super::place::BoundaryPlace;
 use super::potential::Potential;
+use crate::problem::complex::Complex;
 use crate::problem::source::{Region, Source};
 use std::fmt;
 

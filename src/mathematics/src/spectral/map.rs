@@ -4,8 +4,8 @@
 //! parameter 1/2 throughout. The angle grows like the square of the distance from a corner, so that
 //! points near one are known by that distance.
 
-use super::complex::Complex;
 use super::elementary::sincos_pi;
+use crate::problem::complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Complete elliptic integral of the parameter 1/2, a quarter of the period.

@@ -110,10 +110,10 @@ mod trace;
 
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
+use crate::problem::complex::Complex;
 use crate::problem::law::{Law, LawError};
 use crate::problem::source::Source;
 pub use checks::Checks;
-use complex::Complex;
 use contact::ContactStart;
 use energy::Energies;
 pub use jumps::Touch;

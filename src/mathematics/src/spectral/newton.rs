@@ -1,7 +1,6 @@
 //! Newton's method for the ends of contact.
 
 use super::arcs::StickArcs;
-use super::complex::Complex;
 use super::contact::{SHORTEST, without_short};
 use super::map::Angle;
 use super::panels::{Ends, LANES, Panel};
@@ -11,6 +10,7 @@ use super::rule::Rules;
 use super::sources::{Point, SourceField, Sources};
 use crate::discrete::norms::largest;
 use crate::machine::simd::vectorised;
+use crate::problem::complex::Complex;
 
 /// Ends of contact after some Newton steps.
 pub(super) struct NewtonEnds {

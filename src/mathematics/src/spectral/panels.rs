@@ -1,13 +1,14 @@
 //! Panels of the boundary: between ends of contact, corners and jumps, short where a singularity is near.
 
 use super::arcs::StickArcs;
-use super::complex::{Complex, distance};
+use super::complex::distance;
 use super::curve::SAME;
 use super::jumps::Jumps;
 use super::map::{Angle, half_sine};
 use super::place::{BoundaryPlace, tangent};
 use super::potential::Potential;
 use super::rule::{GaussNode, cut};
+use crate::problem::complex::Complex;
 
 /// Panels shorter than this are not cut further.
 const SHORTEST: f64 = 1e-13;

@@ -1,6 +1,6 @@
 //! Points of the boundary, relative to the corners.
 
-use super::complex::Complex;
+use crate::problem::complex::Complex;
 
 /// Corners of the square, anticlockwise from the lower right one.
 pub(super) const CORNERS: [Complex; 4] = [

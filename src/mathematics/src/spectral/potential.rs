@@ -1,9 +1,10 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the boundary but for its jumps.
 
-use super::complex::Complex;
+use super::complex::{arg, ln};
 use super::curve::{Arc, Polar, SAME};
 use super::place::CORNERS;
 use crate::machine::simd::vectorised;
+use crate::problem::complex::Complex;
 use std::f64::consts::{PI, TAU};
 
 /// psi up to a harmonic polynomial of degree four, chosen so that its gradient vanishes in the corners.
@@ -56,9 +57,7 @@ impl Potential {
         let tangent = arc.curve.tangent;
         let far = match arc.ends {
             _ if arc.curve.curvature > 0.0 => 0.0,
-            [from, to] => {
-                to.map_or(tangent.arg(), |_| 0.0) - from.map_or((-tangent).arg(), |_| 0.0)
-            }
+            [from, to] => to.map_or(arg(tangent), |_| 0.0) - from.map_or(arg(-tangent), |_| 0.0),
         };
         self.jumps.push(Jump { arc, size, far });
     }
@@ -121,7 +120,7 @@ impl Potential {
         for (logs, &v) in logs.chunks_exact_mut(points.len()).zip(&self.vertices) {
             // At a vertex, where it is finite here, the factors of the logarithm vanish.
             for (log, &z) in logs.iter_mut().zip(points) {
-                *log = (v - z).ln();
+                *log = ln(v - z);
             }
         }
         logs

@@ -1,13 +1,13 @@
 //! Quadrature nodes on the boundary, and sums of Cauchy kernels over them.
 
 use super::boundary::BoundaryPotential;
-use super::complex::Complex;
 use super::map::{Angle, eighth_turns};
 use super::panels::{Ends, GradedRule, LANES, Panel, Special, panels};
 use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
 use super::rule::Rules;
 use crate::machine::simd::vectorised;
+use crate::problem::complex::Complex;
 use std::ops::Range;
 
 /// Sources on consecutive panels.

@@ -1,6 +1,6 @@
 //! Solution on the boundary.
 
-use super::complex::{Complex, distance};
+use super::complex::distance;
 use super::map::{Angle, corner_angle, to_disc};
 use super::panels::{Ends, GradedRule, LANES, Panel, Special};
 use super::place::BoundaryPlace;
@@ -8,6 +8,7 @@ use super::problem::SpectralProblem;
 use super::rule::{GaussNode, Rules, halved, interpolation};
 use super::sources::{Point, SourceField};
 use crate::discrete::contact::ContactArc;
+use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use std::f64::consts::TAU;
 
