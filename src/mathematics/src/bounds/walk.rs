@@ -11,6 +11,7 @@ use super::regular::Regular;
 use super::residual::Pyramid;
 use super::strip::FluxStrip;
 use crate::discrete::grid::Grid;
+use crate::machine::extremes::max_or_second;
 use crate::machine::simd::vectorised;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -256,13 +257,8 @@ fn largest(v: &[f64]) -> f64 {
     let mut largest = [0.0; LANES];
     for block in blocks {
         for (largest, v) in largest.iter_mut().zip(block) {
-            *largest = larger(v.abs(), *largest);
+            *largest = max_or_second(v.abs(), *largest);
         }
     }
-    rest.iter().map(|v| v.abs()).chain(largest).fold(0.0, larger)
-}
-
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    rest.iter().map(|v| v.abs()).chain(largest).fold(0.0, max_or_second)
 }

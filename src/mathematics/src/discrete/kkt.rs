@@ -2,8 +2,9 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::stiffness::{add_energy, residual_row};
+use crate::machine::extremes::{max_or_nan, min_or_nan};
 use crate::machine::simd::Largest;
-use crate::problem::law::{BoundaryState, ContactNode, Law, greater, lesser};
+use crate::problem::law::{BoundaryState, ContactNode, Law};
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
@@ -173,8 +174,8 @@ impl Judge {
         let mut complementarity = Largest::default();
         for (flux, &ContactNode { node, measure }) in flux.iter().zip(&contact) {
             let potential = measure * law.potential(y[node]);
-            min_y = lesser(min_y, y[node]);
-            min_lambda = lesser(min_lambda, flux / measure);
+            min_y = min_or_nan(min_y, y[node]);
+            min_lambda = min_or_nan(min_lambda, flux / measure);
             complementarity.put(law.residual(y[node], *flux, measure));
             energy += potential;
             work += y[node] * flux + potential;
@@ -188,7 +189,7 @@ impl Judge {
         let states = flux.iter().zip(&contact).map(of_node).collect();
         let [stationarity, complementarity, scale] =
             [self.stationarity, complementarity, self.load].map(Largest::value);
-        let natural = greater(stationarity, complementarity);
+        let natural = max_or_nan(stationarity, complementarity);
         let relative = if natural == 0.0 { 0.0 } else { natural / scale };
         let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
         Judgement { kkt, energy, contact, flux, work, states, rounding, law }

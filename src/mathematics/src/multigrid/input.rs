@@ -1,6 +1,7 @@
 //! Validation of the input of a solver: lengths, finite numbers, a load with a negative sum.
 
 use crate::discrete::network::{Network, count_components};
+use crate::machine::extremes::max_or_second;
 use crate::machine::simd::LANES;
 use crate::problem::law::{Law, LawError};
 
@@ -164,7 +165,8 @@ impl LoadStats {
             let ((a, b), (c, d)) = (a.split_at(LANES), b.split_at(LANES));
             for lane in 0..LANES {
                 let (a, b, c, d) = (a[lane], b[lane], c[lane], d[lane]);
-                let size = larger(larger(a.abs(), b.abs()), larger(c.abs(), d.abs()));
+                let size =
+                    max_or_second(max_or_second(a.abs(), b.abs()), max_or_second(c.abs(), d.abs()));
                 lanes.take(lane, size, (a + b) + (c + d));
             }
         }
@@ -228,7 +230,7 @@ impl LaneStats {
     /// Adds `sum`, a sum of entries of absolute value `size` at most, to a lane.
     #[inline(always)]
     fn take(&mut self, lane: usize, size: f64, sum: f64) {
-        self.largest[lane] = larger(size, self.largest[lane]);
+        self.largest[lane] = max_or_second(size, self.largest[lane]);
         (self.sums[lane], self.losses[lane]) = two_sum(self.sums[lane], self.losses[lane], sum);
     }
 
@@ -244,12 +246,6 @@ fn two_sum(sum: f64, lost: f64, value: f64) -> (f64, f64) {
     let next = sum + value;
     let part = next - sum;
     (next, lost + ((sum - (next - part)) + (value - part)))
-}
-
-/// Maximum in one machine instruction, which `f64::max` is not.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// Power of two within a factor of two of `x`. It and its inverse are normal numbers.

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use super::input::LoadStats;
 use super::layout::{Slab, places_per_slab, rows_per_slab};
 use super::level::MultigridLevel;
-use super::rows::{ColourRows, LINE, MIN_PLACES, as_slices, deinterleave, long_and_short, worse};
+use super::rows::{ColourRows, LINE, MIN_PLACES, as_slices, deinterleave, long_and_short};
 use super::stencil::coupling;
 use super::transfer::{FineLoad, Weighting};
+use crate::machine::extremes::max_or_nan;
 use crate::machine::simd::{Largest, vectorised};
 use crate::machine::threads::in_tasks;
 use std::ops::Range;
@@ -57,7 +58,7 @@ pub(super) fn set_finest_two<D: Weighting>(
         )
     });
     let (stats, largest): (Vec<_>, Vec<_>) = parts.unzip();
-    coarse.load_scale = largest.into_iter().fold(0.0, worse);
+    coarse.load_scale = largest.into_iter().fold(0.0, max_or_nan);
     LoadStats::join(&stats)
 }
 
@@ -74,7 +75,7 @@ pub(super) fn restrict<D: Weighting>(fine: &MultigridLevel, coarse: &mut Multigr
             || weigh_slabs::<D>(n, &fine, part * slabs, [red, black], &mut row),
         )
     });
-    coarse.load_scale = largest.reduce(|| 0.0, worse);
+    coarse.load_scale = largest.reduce(|| 0.0, max_or_nan);
 }
 
 /// Euclidean norm of the load of the mirrored stencil, the same bits for any number of threads.

@@ -19,9 +19,10 @@ use rayon::prelude::*;
 use super::blocks::{Cuts, PassOutput, SlabBlock, blocks};
 use super::layout::{Dimension, Slab, places_per_slab};
 use super::level::MultigridLevel;
-use super::rows::{self, CHUNK, Colour, worse};
+use super::rows::{self, CHUNK, Colour};
 use super::stencil::{Boundary, LevelEquation, ResidualReport, StencilRow, diagonal, edges};
 use super::transfer::{CoarseCorrection, Weighting};
+use crate::machine::extremes::max_or_nan;
 use crate::machine::simd::{Largest, vectorised};
 use crate::machine::threads::in_tasks;
 
@@ -158,13 +159,13 @@ impl<D: Weighting> Pass<'_, D> {
             let slabs = self.slabs_inside(&block.slabs);
             self.run_vectorised(block, &slabs)
         });
-        let inside = inside.reduce(|| 0.0, worse);
+        let inside = inside.reduce(|| 0.0, max_or_nan);
         let mut blocks = output.split::<D>(&cuts.middles(self.n));
         let between = blocks.par_iter_mut().zip(cuts.inner()).map(|(block, &seam)| {
             let slabs = self.slabs_at_seam(seam);
             self.run_vectorised(block, &slabs)
         });
-        worse(inside, between.reduce(|| 0.0, worse))
+        max_or_nan(inside, between.reduce(|| 0.0, max_or_nan))
     }
 
     /// Number of slabs that a stage keeps away from the end of a block; even for the restriction.
@@ -323,7 +324,7 @@ pub(super) fn natural_residual<D: Dimension>(level: &MultigridLevel) -> f64 {
             )
         },
     );
-    residuals.reduce(|| 0.0, worse)
+    residuals.reduce(|| 0.0, max_or_nan)
 }
 
 /// Natural residual of one slab; `buffer` holds one colour of a slab.

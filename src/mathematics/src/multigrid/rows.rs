@@ -169,9 +169,3 @@ pub(super) fn deinterleave(source: &[f64], long: &mut [f64], short: &mut [f64]) 
     }
     end[0] = source[2 * cells];
 }
-
-/// Returns the larger number, or NaN if one of them is NaN.
-#[inline(always)]
-pub(super) fn worse(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
-}

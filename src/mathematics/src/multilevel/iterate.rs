@@ -2,6 +2,7 @@
 
 use super::cycle::Cycle;
 use crate::discrete::network::{ContactRow, Network, NodeCondition};
+use crate::machine::extremes::max_or_nan;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::law::{BoundaryState, ContactNode, Law};
 
@@ -178,10 +179,7 @@ impl<'a> Iterate<'a> {
                 }
                 NodeCondition::Fixed => 0.0,
             };
-            // The maximum would hide a NaN.
-            if violation > largest || violation.is_nan() {
-                largest = violation;
-            }
+            largest = max_or_nan(largest, violation);
         }
         largest
     }

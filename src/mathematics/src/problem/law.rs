@@ -14,6 +14,7 @@
 //! The energy of the problem has the term `j(v)`, the largest of `-l v` over the interval.
 //! In the paper's formulas the projection onto the interval takes the place of `( )^+`.
 
+use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -279,7 +280,7 @@ impl Law {
     #[inline(always)]
     pub fn residual(self, y: f64, gradient: f64, measure: f64) -> f64 {
         let [above_lo, above_hi] = self.above_ends(gradient, measure);
-        lesser(above_lo, greater(y, above_hi)).abs()
+        min_or_nan(above_lo, max_or_nan(y, above_hi)).abs()
     }
 
     /// Differences between a gradient and `measure` times the ends of the interval; infinite for an infinite end, whatever
@@ -383,16 +384,6 @@ fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {
     } else {
         Err(LawError::Parameter { name, value })
     }
-}
-
-/// The lesser of two, or NaN if either is: `f64::min` would hide a NaN.
-pub(crate) fn lesser(a: f64, b: f64) -> f64 {
-    if a <= b || a.is_nan() { a } else { b }
-}
-
-/// The greater of two, or NaN if either is.
-pub(crate) fn greater(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]
