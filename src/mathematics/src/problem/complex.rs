@@ -83,7 +83,7 @@ impl Complex {
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
         let large = (0.5 * (self.norm() + self.re.abs())).sqrt();
-        let small = if large == 0.0 { 0.0 } else { 0.5 * self.im / large };
+        let small = if large == 0.0 { self.im } else { 0.5 * self.im / large };
         match (self.re >= 0.0, self.im.is_sign_negative()) {
             (true, _) => Self::new(large, small),
             (false, false) => Self::new(small, large),
