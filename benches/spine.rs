@@ -4,6 +4,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
 use std::fs;
@@ -27,7 +28,7 @@ fn tables(c: &mut Criterion) {
                     let params = Params { r, ..Params::default() };
                     black_box(solve_nested(
                         &grids,
-                        &loads,
+                        Law::SIGNORINI.with_loads(&loads),
                         &params,
                         Prolongation::default(),
                         &mut (),
@@ -57,7 +58,7 @@ fn iteration(c: &mut Criterion) {
         group.bench_function(format!("1/{n}"), |b| {
             b.iter(|| {
                 let mut pair = Pair::zero(grid);
-                arrow_hurwicz(grid, &load, &params, &mut pair)
+                arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair)
             });
         });
     }
