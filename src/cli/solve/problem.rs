@@ -55,9 +55,9 @@ impl Problem {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
-        let domain = domain(args, scene, &mut overridden)?;
-        let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
         let law = law(args, scene)?;
+        let domain = domain(args, scene, law, &mut overridden)?;
+        let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
         let integral = domain.solvable(law)?;
         let solver = args.solver.unwrap_or(default_solver(args));
         check_solver_options(args, solver)?;
@@ -238,8 +238,13 @@ fn check_mesh_options(args: &SolveArgs, domain: &Domain) -> Result<()> {
     }
 }
 
-fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {
-    if let Some(mesh) = MeshDomain::read(args, scene, overridden)? {
+fn domain(
+    args: &SolveArgs,
+    scene: Option<&Scene>,
+    law: Law,
+    overridden: &mut Vec<String>,
+) -> Result<Domain> {
+    if let Some(mesh) = MeshDomain::read(args, scene, law, overridden)? {
         return Ok(Domain::Mesh(Box::new(mesh)));
     }
     if let Some(text) = &args.cube {

@@ -60,7 +60,8 @@ impl Multigrid {
     /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
     ///
     /// # Errors
-    /// If a length is wrong, a number is not finite, or the load does not have a negative sum.
+    /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its sum is
+    /// not negative.
     pub fn solve(
         &mut self,
         problem: LawAndLoad<'_>,
@@ -101,14 +102,16 @@ impl Multigrid {
     }
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary of the square, `A` the five-point stiffness matrix of the
-/// natural boundary condition on a grid with `n` cells per side.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the boundary nodes of the square, under the paper's law
+/// over `y >= 0` there; `A` is the five-point stiffness matrix of the natural boundary condition on a grid with `n` cells
+/// per side.
 ///
-/// `load` and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
+/// The load and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
 ///
 /// # Errors
-/// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the sum
-/// of the load is not negative: then the energy is not bounded below, or has no unique minimiser.
+/// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the flux
+/// cannot balance the load, under the paper's law if its sum is not negative: then the energy is not bounded below, or has
+/// no unique minimiser.
 pub fn solve_square(
     n: usize,
     problem: LawAndLoad<'_>,
@@ -118,10 +121,9 @@ pub fn solve_square(
     Multigrid::square(n)?.solve_once(problem, start, params)
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary of the cube, `A` the seven-point stiffness matrix; see
-/// [`solve_square`].
+/// Minimises the energy of [`solve_square`] on the cube, where `A` is the seven-point stiffness matrix.
 ///
-/// `load` and the solution hold `(n + 1)^3` numbers, x fastest.
+/// The load and the solution hold `(n + 1)^3` numbers, x fastest.
 ///
 /// # Errors
 /// If `n` is not a power of two (at least 2) times 1 or 3, and as [`solve_square`].
