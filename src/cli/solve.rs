@@ -229,7 +229,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let mut problem = Problem::read(args)?;
     let file = args.file(&problem)?;
     if problem.solver == Solver::Spectral {
-        let (n, law) = (problem.finest(), problem.params.law);
+        let (n, law) = (problem.finest(), problem.law);
         let solution = spectral::solve(args, &problem)?;
         return args
             .write(&problem, file, || Ok((n, spectral::on_grid(&solution, square(n), law))));
@@ -245,7 +245,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     let (n, pair) = (problem.finest(), answer.solved.pair);
     args.write(&problem, file, || match args.recover {
-        true => Ok((2 * n, problem.domain.recovered(n, problem.params.law, &pair)?)),
+        true => Ok((2 * n, problem.domain.recovered(n, problem.law, &pair)?)),
         false => Ok((n, pair)),
     })?;
     answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))

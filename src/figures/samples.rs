@@ -47,7 +47,8 @@ impl SolvedSample {
     pub(super) fn on(coarsest: &AnyMesh, times: usize, f: &str) -> Self {
         let problem = MeshProblem::new(coarsest, times, f, Law::SIGNORINI).unwrap();
         let params = MultigridParams::default();
-        let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+        let load = problem.law.with_load(&problem.f.load);
+        let (y, _) = solve_nested_networks(&problem.levels, load, &params).unwrap();
         let nodes = problem.network().contact().iter().map(|contact| contact.node);
         let mut in_contact = vec![false; y.len()];
         for (node, touches) in nodes.zip(problem.judge(&y).in_contact()) {

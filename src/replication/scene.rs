@@ -111,18 +111,19 @@ const NOT_ON_DOMAINS: [(Output, &str); 2] = [
     (Output::Identify, "no table was published"),
 ];
 
-impl From<DomainScene> for Scene {
-    fn from(scene: DomainScene) -> Self {
-        let DomainScene { title, f, domain, law, r, stop, max_iterations, outputs, draw_r } = scene;
+impl DomainScene {
+    /// Returns the scene, still without a name.
+    fn scene(self) -> Result<Scene> {
+        let Self { title, f, domain, law, r, stop, max_iterations, outputs, draw_r } = self;
         let f = f.split_whitespace().collect::<Vec<_>>().join(" ");
-        Self {
+        Ok(Scene {
             name: String::new(),
             title,
             paper_table: None,
             domain: Some(SceneDomain {
                 settings: domain,
                 f,
-                law: Law::SIGNORINI,
+                law: checked_law(law)?,
                 files: BTreeMap::new(),
             }),
             f: Source::constant(0.0),
@@ -135,8 +136,13 @@ impl From<DomainScene> for Scene {
             max_iterations,
             outputs,
             draw_r,
-        }
+        })
     }
+}
+
+/// Returns the law of a scene with this parameter.
+fn checked_law(parameter: Option<LawParameter>) -> Result<Law> {
+    LawParameter::law_or_papers(parameter).map_err(|e| Error::input(format!("law: {e}")))
 }
 
 fn paper_grids() -> Vec<Grid> {
@@ -175,7 +181,8 @@ impl Scene {
                         "{what}: `{key}` is for the square; leave it out beside `domain`, whose meshes are its refinements"
                     )));
                 }
-                from_toml::<DomainScene>(&what, text)?.into()
+                let scene = from_toml::<DomainScene>(&what, text)?.scene();
+                scene.map_err(|e| Error::input(format!("{what}: {e}")))?
             }
         };
         scene.name = name.into();
@@ -207,18 +214,12 @@ impl Scene {
 
     /// Fills in the values that follow from others, and makes the checks that a parser cannot.
     fn complete(&mut self) -> std::result::Result<(), Failure> {
-        if let Some(parameter) = self.law {
-            parameter.law().map_err(|e| format!("law: {e}"))?;
-        }
+        checked_law(self.law)?;
         if self.law.is_some() && self.paper_table.is_some() {
             return Err(
                 "the published tables are for the paper's law; leave out `law`, or `paper_table`"
                     .into(),
             );
-        }
-        let law = self.law();
-        if let Some(domain) = &mut self.domain {
-            domain.law = law;
         }
         self.check_on_domain()?;
         if self.r.is_empty() || self.stop.is_empty() {

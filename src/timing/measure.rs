@@ -120,7 +120,7 @@ fn time_sweep(plan: &TimingPlan) -> Sweep {
         ..Params::default()
     };
     let MedianTime { seconds, spread } = time(plan.repeats, || {
-        arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid));
+        arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut Pair::zero(grid));
     });
     Sweep { cells: CELLS, ns: 1e9 * seconds / (ITERATIONS * grid.nodes()) as f64, spread }
 }
@@ -134,6 +134,7 @@ fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>
         say(&format!("multigrid, h = 1/{cells}"));
         let grid = Grid::new(cells).map_err(|e| e.to_string())?;
         let load = load(grid, &Source::Exact(TIMED), LoadRule::default());
+        let problem = Law::SIGNORINI.with_load(&load);
         let mut workspace = Multigrid::square(cells).map_err(|e| e.to_string())?;
         let mut y = vec![0.0; load.len()];
         for &threads in &threads {
@@ -141,10 +142,10 @@ fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>
             let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
             for goal in Goal::ALL {
                 let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
-                let outcome = workspace.solve(&load, None, &params).map_err(|e| e.to_string())?;
+                let outcome = workspace.solve(problem, None, &params).map_err(|e| e.to_string())?;
                 let MedianTime { seconds, spread } = pool.install(|| {
                     time(plan.repeats, || {
-                        let _ = workspace.solve(&load, None, &params);
+                        let _ = workspace.solve(problem, None, &params);
                         // A caller waits for the solution in the order of the load.
                         workspace.write_solution(&mut y);
                     })
@@ -237,11 +238,12 @@ fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached,
     let cells: Vec<usize> = (2..=finest).map(|level| 1 << level).collect();
     let grids = nested(&cells).map_err(|e| e.to_string())?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
+    let problem = Law::SIGNORINI.with_loads(&loads);
     let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };
     let (_, Pair { y, .. }) =
-        solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
+        solve_nested(&grids, problem, &params, Prolongation::default(), &mut ());
     let MedianTime { seconds, spread } = time(plan.repeats, || {
-        solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
+        solve_nested(&grids, problem, &params, Prolongation::default(), &mut ());
     });
     Ok(Reached {
         solver: Solver::ArrowHurwicz,

@@ -22,7 +22,12 @@ const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    (grid, multigrid::solve_square(n, &load(grid, f, rule), None, &params).unwrap().0)
+    (
+        grid,
+        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load(grid, f, rule)), None, &params)
+            .unwrap()
+            .0,
+    )
 }
 
 /// Problems with their true energies.
@@ -147,13 +152,15 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 1),
         ] {
             let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
-            let (y, _) = multigrid::solve_square(cells, &load, None, &params).unwrap();
+            let (y, _) =
+                multigrid::solve_square(cells, Law::SIGNORINI.with_load(&load), None, &params)
+                    .unwrap();
             judge(&(rule, goal, max_cycles), &y);
         }
         for max_iterations in [1, 10, 100] {
             let params = Params { max_iterations, rule: StopRule::Printed, ..Params::default() };
             let mut pair = Pair::zero(grid);
-            arrow_hurwicz(grid, &load, &params, &mut pair);
+            arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
             judge(&(rule, max_iterations), &pair.y);
         }
     }
@@ -259,7 +266,14 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
         for n in [64, 128] {
             let grid = Grid::new(n).unwrap();
             let load = load(grid, &f, EXACT);
-            let y = multigrid::solve_square(n, &load, None, &MultigridParams::default()).unwrap().0;
+            let y = multigrid::solve_square(
+                n,
+                Law::SIGNORINI.with_load(&load),
+                None,
+                &MultigridParams::default(),
+            )
+            .unwrap()
+            .0;
             let error = errors(grid, problem, &y).h1;
             let [least, most] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().error;
             // The quadrature of the error is good to about 1e-4 of it.

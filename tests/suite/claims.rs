@@ -6,6 +6,7 @@ use signorini::replication::scene::Scene;
 use signorini_mathematics::experiments::claims::{
     ClaimMeasure, ClaimVerdict, Claims, ClaimsPlan, claims,
 };
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
 use std::sync::OnceLock;
 
@@ -53,8 +54,13 @@ fn the_lanes_count_what_the_solver_counts() {
     for table in &measured().problems[1].tables {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
-        let (outcomes, _) =
-            solve_nested(&scene.grids, &loads, &params, scene.prolongation, &mut ());
+        let (outcomes, _) = solve_nested(
+            &scene.grids,
+            Law::SIGNORINI.with_loads(&loads),
+            &params,
+            scene.prolongation,
+            &mut (),
+        );
         let theirs: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
         let ours: Vec<_> = line.counts.iter().map(|count| count.iterations).collect();
         assert_eq!(ours, theirs, "{}", table.rule);

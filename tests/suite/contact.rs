@@ -19,7 +19,8 @@ const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 /// The solutions for a load vector by multigrid and, on coarse grids, by the active sets.
 fn solutions(n: usize, load: &[f64]) -> Vec<Vec<f64>> {
     let params = MultigridParams::default();
-    let mut solutions = vec![multigrid::solve_square(n, load, None, &params).unwrap().0];
+    let mut solutions =
+        vec![multigrid::solve_square(n, Law::SIGNORINI.with_load(load), None, &params).unwrap().0];
     if n <= 64 {
         solutions.push(active_set::<Square>(n, Law::SIGNORINI, load).unwrap().0);
     }
@@ -145,7 +146,8 @@ fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
         let grid = cube::Grid::new(n).unwrap();
         let load = cube::exact_load(grid, &f);
         let params = MultigridParams::default();
-        let (y, _) = multigrid::solve_cube(n, &load, None, &params).unwrap();
+        let (y, _) =
+            multigrid::solve_cube(n, Law::SIGNORINI.with_load(&load), None, &params).unwrap();
         let judgement = cube::judge(grid, Law::SIGNORINI, &y, &load);
         let a = judgement.multiplier(&y);
         let mut multiplier = vec![0.0; grid.nodes()];

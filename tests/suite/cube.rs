@@ -92,7 +92,9 @@ fn work_does_not_depend_on_the_grid() {
                 (Goal::RoundingFloor, HARD_WORK_UNITS[2]),
             ] {
                 let params = MultigridParams { goal, ..Default::default() };
-                let outcome = workspace.solve(&load, None, &params).expect("valid load");
+                let outcome = workspace
+                    .solve(Law::SIGNORINI.with_load(&load), None, &params)
+                    .expect("valid load");
                 assert!(outcome.work_units < limit, "{name} {n} {goal:?} {outcome:?}");
                 let floor = goal == Goal::RoundingFloor;
                 let expected =

@@ -97,6 +97,70 @@ fn counts_are_those_of_the_command() {
     assert!(said.out.contains("wrote v.vtu"), "{said:?}");
 }
 
+/// Laws of scenes, as their files have them; the first is the paper's.
+const LAWS: [(&str, &str); 3] = [
+    ("papers", ""),
+    ("friction", "law = { friction = 0.45 }\n"),
+    ("limit", "law = { limit = 0.7 }\n"),
+];
+
+/// Kinds of domain that a scene can have, each with an f that no law leaves at v = 0.
+const DOMAINS: [(&str, &str); 6] = [
+    ("square", "f = \"formula(16*x - 0.5)\"\ngrids = [4, 8]\n"),
+    ("disc", "f = \"formula(3*x - 0.5)\"\ndomain = { name = \"disc\", refine = 2 }\n"),
+    ("lshape", "f = \"formula(3*x - 0.1)\"\ndomain = { name = \"lshape\", refine = 2 }\n"),
+    ("annulus", "f = \"formula(9*x - 0.5)\"\ndomain = { name = \"annulus\", refine = 1 }\n"),
+    ("ball", "f = \"formula(6*x - 0.5)\"\ndomain = { name = \"ball\", refine = 1 }\n"),
+    (
+        "gear",
+        "f = \"formula(3*x - 0.5)\"\n\
+         domain = { mesh = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n",
+    ),
+];
+
+#[test]
+fn run_and_solve_have_one_answer_under_every_law_on_every_domain() {
+    let project = project();
+    for ((law, key), (domain, of_domain)) in
+        LAWS.iter().flat_map(|law| DOMAINS.map(|of| (*law, of)))
+    {
+        let text = format!(
+            "title = \"{domain}\"\n{of_domain}{key}r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\"]\n"
+        );
+        project.scene(&format!("{domain}-{law}"), &text);
+    }
+    project.run(&["run"]).lines();
+    let results = fs::read_to_string(project.path("report/results.csv")).unwrap();
+    let mut energies = Vec::new();
+    for (scene, (law, domain)) in DOMAINS
+        .iter()
+        .flat_map(|(domain, _)| LAWS.map(|(law, _)| (format!("{domain}-{law}"), (law, *domain))))
+    {
+        let json = project.run(&["solve", &scene, "--json"]).json();
+        let grids = json["grids"].as_array().unwrap();
+        let rows: Vec<Vec<&str>> = results
+            .lines()
+            .filter(|row| row.starts_with(&format!("{scene},")))
+            .map(|row| row.split(',').collect())
+            .collect();
+        assert_eq!(rows.len(), grids.len(), "{scene}: {json}");
+        for (row, grid) in rows.iter().zip(grids) {
+            assert_eq!(row[6], grid["iterations"].to_string(), "{scene}: {json}");
+            assert_eq!(row[7], grid["stop"], "{scene}: {json}");
+            let numbers = [row[12], row[13], row[18]].map(|number| number.parse::<f64>().unwrap());
+            let said = [&grid["energy"], &grid["sum_load"], &grid["kkt"]["natural"]];
+            assert_eq!(numbers, said.map(|number| number.as_f64().unwrap()), "{scene}: {json}");
+        }
+        energies.push((domain, law, json["energy"].as_f64().unwrap()));
+    }
+    // Each law has a solution of its own, so that none stands in for another.
+    for laws in energies.chunks(3) {
+        let [papers, friction, limit] = [0, 1, 2].map(|at| laws[at].2);
+        assert!(papers < 0.0 && friction < 0.0 && limit < 0.0, "{laws:?}");
+        assert!(papers != friction && friction != limit && limit != papers, "{laws:?}");
+    }
+}
+
 #[test]
 fn an_edited_mesh_makes_its_scene_alone_anew() {
     let project = project();

@@ -2,6 +2,7 @@
 
 use crate::solvers::{BYTES, absurd_starts, assert_threads_do_not_matter, distance};
 use crate::{cube, multigrid as square};
+use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::experiments::problems;
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::cube::Cube;
@@ -36,7 +37,12 @@ pub(crate) trait Domain {
     fn exact_loads(n: usize) -> Vec<Named>;
     fn stress_loads(n: usize) -> Vec<Named>;
 
-    fn solve(n: usize, load: &[f64], start: Option<&[f64]>, params: &MultigridParams) -> Solved;
+    fn solve(
+        n: usize,
+        problem: LawAndLoad<'_>,
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Solved;
     fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError>;
     fn workspace(n: usize) -> Result<Multigrid, InputError>;
 
@@ -60,8 +66,13 @@ impl Domain for Square {
     const FREE: &str = "free-corner";
     const REFUSED: &[usize] = &[0, 1, 9, 11];
 
-    fn solve(n: usize, load: &[f64], start: Option<&[f64]>, params: &MultigridParams) -> Solved {
-        solve_square(n, load, start, params)
+    fn solve(
+        n: usize,
+        problem: LawAndLoad<'_>,
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Solved {
+        solve_square(n, problem, start, params)
     }
 
     fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError> {
@@ -94,8 +105,13 @@ impl Domain for Cube {
     const FREE: &str = "free-disc";
     const REFUSED: &[usize] = &[0, 1, 9, 10, 14];
 
-    fn solve(n: usize, load: &[f64], start: Option<&[f64]>, params: &MultigridParams) -> Solved {
-        solve_cube(n, load, start, params)
+    fn solve(
+        n: usize,
+        problem: LawAndLoad<'_>,
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Solved {
+        solve_cube(n, problem, start, params)
     }
 
     fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError> {
@@ -121,7 +137,7 @@ impl Domain for Cube {
 
 pub(crate) fn run<D: Domain>(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
     let params = MultigridParams { goal, ..Default::default() };
-    D::solve(n, load, None, &params).expect("valid load")
+    D::solve(n, Law::SIGNORINI.with_load(load), None, &params).expect("valid load")
 }
 
 /// Natural residual that rounding errors alone leave, in the units of the load.
@@ -200,7 +216,8 @@ fn absurd_starts_lead_to_the_same_solution<D: Domain>() {
     for (name, load) in D::exact_loads(n) {
         let (y, _) = run::<D>(n, &load, Goal::RoundingFloor);
         for (k, start) in absurd_starts(&y).iter().enumerate() {
-            let (z, outcome) = D::solve(n, &load, Some(start), &params).expect("valid");
+            let (z, outcome) =
+                D::solve(n, Law::SIGNORINI.with_load(&load), Some(start), &params).expect("valid");
             assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} start {k} {outcome:?}");
             let rounding = 1e3 * f64::EPSILON * largest(&y);
             assert!(distance(&y, &z) < rounding, "{name} start {k} {}", distance(&y, &z));
@@ -214,10 +231,12 @@ fn impossible_input_is_refused<D: Domain>() {
     let good = vec![-1.0; expected];
     let refusals = |n: usize, load: &[f64]| {
         let direct = D::direct(n, load).map(|_| ());
-        [D::solve(n, load, None, &params).map(|_| ()), direct]
+        [D::solve(n, Law::SIGNORINI.with_load(load), None, &params).map(|_| ()), direct]
     };
     for &wrong in D::REFUSED {
-        let refusal = D::solve(wrong, &vec![-1.0; D::nodes(wrong)], None, &params).map(|_| ());
+        let refusal =
+            D::solve(wrong, Law::SIGNORINI.with_load(&vec![-1.0; D::nodes(wrong)]), None, &params)
+                .map(|_| ());
         assert!(
             matches!(refusal, Err(InputError::GridSize { cells, .. }) if cells == wrong),
             "{wrong}"
@@ -230,7 +249,7 @@ fn impossible_input_is_refused<D: Domain>() {
         bad[40] = value;
         let not_finite = |what| Err(InputError::NotFinite(what));
         assert_eq!(refusals(n, &bad), [not_finite("load"), not_finite("load")]);
-        let start = D::solve(n, &good, Some(&bad), &params).map(|_| ());
+        let start = D::solve(n, Law::SIGNORINI.with_load(&good), Some(&bad), &params).map(|_| ());
         assert_eq!(start, not_finite("start"));
     }
     for value in [1.0, 0.0] {
@@ -247,7 +266,9 @@ fn the_workspace_stays_small_and_can_be_used_again<D: Domain>() {
     let n = D::FINE;
     let mut workspace = D::workspace(n).expect("valid size");
     let mut solve = |load: &[f64]| {
-        workspace.solve(load, None, &MultigridParams::default()).expect("valid load");
+        workspace
+            .solve(Law::SIGNORINI.with_load(load), None, &MultigridParams::default())
+            .expect("valid load");
         let mut y = vec![0.0; load.len()];
         workspace.write_solution(&mut y);
         y

@@ -77,7 +77,13 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         let loads: Vec<_> = grids.iter().map(|&g| load(g, &scene.f, scene.load)).collect();
         for (row, &r) in scene.r.iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
-            let (outcomes, _) = solve_nested(&grids, &loads, &params, scene.prolongation, &mut ());
+            let (outcomes, _) = solve_nested(
+                &grids,
+                Law::SIGNORINI.with_loads(&loads),
+                &params,
+                scene.prolongation,
+                &mut (),
+            );
             let theirs: f64 = tables[k]["delta_a"][row].as_str().unwrap().parse().unwrap();
             assert_eq!(theirs.to_bits(), outcomes[4].delta_a.to_bits(), "{name}, r = {r}");
         }
@@ -120,7 +126,7 @@ const answer = JSON.stringify(texts.map((f) => {
             let params = params(max_iterations);
             let (_, pair) = solve_nested(
                 grids,
-                &loads[..grids.len()],
+                Law::SIGNORINI.with_loads(&loads[..grids.len()]),
                 &params,
                 Prolongation::default(),
                 &mut (),

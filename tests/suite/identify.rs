@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::identify::*;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -53,7 +54,13 @@ fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
     let mut table = Table { counts: Vec::new(), delta_a: Vec::new() };
     for r in R {
         let params = Params { r, rule, max_iterations: 5000, ..Params::default() };
-        let (outcomes, _) = solve_nested(&grids, &loads, &params, variant.prolongation, &mut ());
+        let (outcomes, _) = solve_nested(
+            &grids,
+            Law::SIGNORINI.with_loads(&loads),
+            &params,
+            variant.prolongation,
+            &mut (),
+        );
         table.counts.push(outcomes.iter().map(|o| Some(o.iterations)).collect());
         table.delta_a.push(outcomes[levels - 1].delta_a);
     }

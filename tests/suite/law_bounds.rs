@@ -22,9 +22,9 @@ const ENERGIES: [(usize, f64); 2] = [(0, -0.024_787_188_375_613_3), (3, -0.627_9
 
 fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
-    let params = MultigridParams { law, goal, ..MultigridParams::default() };
+    let params = MultigridParams { goal, ..MultigridParams::default() };
     let load = load(grid, f, LoadRule::Bilinear {});
-    (grid, solve_square(n, &load, None, &params).unwrap().0)
+    (grid, solve_square(n, law.with_load(&load), None, &params).unwrap().0)
 }
 
 /// Bounds of the solution of a problem on a grid.

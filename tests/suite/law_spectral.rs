@@ -25,8 +25,8 @@ fn extrapolated(f: &str, law: Law) -> f64 {
     let [coarse, fine] = [512, 1024].map(|n| {
         let grid = Grid::new(n).unwrap();
         let load = load(grid, &f.parse::<Source>().unwrap(), LoadRule::Bilinear {});
-        let params = MultigridParams { law, ..MultigridParams::default() };
-        let (y, _) = solve_square(n, &load, None, &params).unwrap();
+        let params = MultigridParams::default();
+        let (y, _) = solve_square(n, law.with_load(&load), None, &params).unwrap();
         judge(grid, law, &y, &load).energy
     });
     fine + (fine - coarse) / 3.0
@@ -136,8 +136,8 @@ fn energies_with_both_signs_lie_in_the_brackets_of_a_grid() {
         }
         let grid = Grid::new(128).unwrap();
         let load = load(grid, &f, LoadRule::Bilinear {});
-        let params = MultigridParams { law, ..MultigridParams::default() };
-        let (y, _) = solve_square(128, &load, None, &params).unwrap();
+        let params = MultigridParams::default();
+        let (y, _) = solve_square(128, law.with_load(&load), None, &params).unwrap();
         let states = judge(grid, law, &y, &load).states;
         if [BoundaryState::SlipsUp, BoundaryState::SlipsDown].iter().all(|s| states.contains(s)) {
             let [low, high] = bounds(grid, &f, law, &y).unwrap().energy;

@@ -5,6 +5,7 @@ use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -32,10 +33,6 @@ const COUNTS: [[usize; 5]; 6] = [
 ];
 
 const BILINEAR: LoadRule = LoadRule::Bilinear {};
-
-fn under(law: Law) -> MultigridParams {
-    MultigridParams { law, ..MultigridParams::default() }
-}
 
 fn load_of(n: usize, f: &str) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
@@ -79,13 +76,13 @@ fn random_problem(network: &Network, dice: &mut Dice) -> (Law, Vec<f64>) {
 fn compare(
     network: &Network,
     problems: usize,
-    mut solve: impl FnMut(&[f64], &MultigridParams) -> Result<(Vec<f64>, MultigridOutcome), InputError>,
+    mut solve: impl FnMut(LawAndLoad<'_>) -> Result<(Vec<f64>, MultigridOutcome), InputError>,
 ) {
     let mut dice = Dice(network.nodes() as u64);
     let mut with_both_signs = 0;
     for problem in 0..problems {
         let (law, load) = random_problem(network, &mut dice);
-        let (y, outcome) = solve(&load, &under(law)).unwrap();
+        let (y, outcome) = solve(law.with_load(&load)).unwrap();
         assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{problem}: {law}");
         let (expected, _) = active_set_on(network, law, &load).unwrap();
         let judged = judge_network(network, law, &y, &load);
@@ -103,10 +100,12 @@ fn compare(
 fn multigrid_and_the_active_set_agree_on_random_laws() {
     for (n, problems) in [(16, 1500), (32, 1000)] {
         let network = Network::of_square(Grid::new(n).unwrap());
-        compare(&network, problems, |load, params| solve_square(n, load, None, params));
+        compare(&network, problems, |problem| {
+            solve_square(n, problem, None, &MultigridParams::default())
+        });
     }
     let network = Network::of_cube(cube::Grid::new(8).unwrap());
-    compare(&network, 500, |load, params| solve_cube(8, load, None, params));
+    compare(&network, 500, |problem| solve_cube(8, problem, None, &MultigridParams::default()));
 }
 
 #[test]
@@ -114,8 +113,8 @@ fn so_they_do_on_meshes() {
     for name in ["disc", "lshape", "annulus"] {
         let AnyMesh::Plane(mesh) = AnyMesh::built_in(name).unwrap() else { panic!("in space") };
         let (levels, _) = refined(&mesh, 3).unwrap();
-        compare(&levels[3].network, 700, |load, params| {
-            solve_nested_networks(&levels, load, params)
+        compare(&levels[3].network, 700, |problem| {
+            solve_nested_networks(&levels, problem, &MultigridParams::default())
         });
     }
 }
@@ -128,7 +127,8 @@ fn energies_with_friction_are_those_of_the_true_solutions() {
         let law = problem.law();
         let energy = |n: usize| {
             let (grid, load) = load_of(n, problem.f);
-            let (y, _) = solve_square(n, &load, None, &under(law)).unwrap();
+            let (y, _) =
+                solve_square(n, law.with_load(&load), None, &MultigridParams::default()).unwrap();
             judge(grid, law, &y, &load).energy
         };
         // The error falls by four with each halving of h.
@@ -145,9 +145,14 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
         let f = problem.source();
         let loads: Vec<_> =
             grids.iter().map(|&grid| load(grid, &f, LoadRule::LumpedAverage {})).collect();
-        let params =
-            Params { law: problem.law(), r: 1e6, rule: StopRule::Printed, ..Params::default() };
-        let (outcomes, _) = solve_nested(&grids, &loads, &params, Prolongation::default(), &mut ());
+        let params = Params { r: 1e6, rule: StopRule::Printed, ..Params::default() };
+        let (outcomes, _) = solve_nested(
+            &grids,
+            problem.law().with_loads(&loads),
+            &params,
+            Prolongation::default(),
+            &mut (),
+        );
         let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
         assert_eq!(counts, expected, "{problem:?}");
     }
@@ -159,16 +164,17 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         let law = problem.law();
         let (grid, load) = load_of(32, problem.f);
         let opposite = negative(&load);
-        let [(y, _), (minus, _)] =
-            [&load, &opposite].map(|load| solve_square(32, load, None, &under(law)).unwrap());
+        let [(y, _), (minus, _)] = [&load, &opposite].map(|load| {
+            solve_square(32, law.with_load(load), None, &MultigridParams::default()).unwrap()
+        });
         assert!(negative(&y) == minus, "{problem:?}: multigrid");
         let [(y, _), (minus, _)] =
             [&load, &opposite].map(|load| active_set::<Square>(32, law, load).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: active set");
-        let params = Params { law, rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
+        let params = Params { rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
         let [(pair, run), (minus, other)] = [&load, &opposite].map(|load| {
             let mut pair = Pair::zero(grid);
-            let run = solve(grid, load, &params, &mut pair, None);
+            let run = solve(grid, law.with_load(load), &params, &mut pair, None);
             (pair, run)
         });
         assert!((negative(&pair.y), negative(&pair.a)) == (minus.y, minus.a), "{problem:?}");
@@ -180,17 +186,29 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
 fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
     for f in ["quadrant(ll)=-6; else=1.998", "disc(0.1,0.2,0.2)=5; else=-2"] {
         let (grid, load) = load_of(32, f);
-        let (y, _) = solve_square(32, &load, None, &MultigridParams::default()).unwrap();
+        let (y, _) =
+            solve_square(32, Law::SIGNORINI.with_load(&load), None, &MultigridParams::default())
+                .unwrap();
         let judged = judge(grid, Law::SIGNORINI, &y, &load);
         let most = judged.flux.iter().fold(0.0f64, |most, flux| most.max(*flux)) / grid.h();
         let limited = Law::limited(1.0001 * most).unwrap();
-        assert!(y == solve_square(32, &load, None, &under(limited)).unwrap().0, "{f}");
+        assert!(
+            y == solve_square(32, limited.with_load(&load), None, &MultigridParams::default())
+                .unwrap()
+                .0,
+            "{f}"
+        );
         let [(y, _), (z, _)] =
             [Law::SIGNORINI, limited].map(|law| active_set::<Square>(32, law, &load).unwrap());
         assert!(y == z, "{f}");
         // A limit below the largest reaction is felt.
-        let felt = under(Law::limited(0.7 * most).unwrap());
-        assert!(y != solve_square(32, &load, None, &felt).unwrap().0, "{f}");
+        let felt = Law::limited(0.7 * most).unwrap();
+        assert!(
+            y != solve_square(32, felt.with_load(&load), None, &MultigridParams::default())
+                .unwrap()
+                .0,
+            "{f}"
+        );
     }
 }
 
@@ -199,10 +217,13 @@ fn friction_where_v_has_one_sign_is_the_papers_problem_with_another_load() {
     for problem in [0, 2, 4, 5].map(|at| FRICTION[at]) {
         let (grid, load) = load_of(32, problem.f);
         let law = problem.law();
-        let (y, _) = solve_square(32, &load, None, &under(law)).unwrap();
+        let (y, _) =
+            solve_square(32, law.with_load(&load), None, &MultigridParams::default()).unwrap();
         let mut less = load.clone();
         grid.boundary().for_each(|node| less[node] -= grid.h() * problem.g);
-        let (z, _) = solve_square(32, &less, None, &MultigridParams::default()).unwrap();
+        let (z, _) =
+            solve_square(32, Law::SIGNORINI.with_load(&less), None, &MultigridParams::default())
+                .unwrap();
         assert!(y == z, "{problem:?}");
         assert!(grid.boundary().all(|node| y[node] >= 0.0), "{problem:?}");
     }
@@ -244,7 +265,8 @@ fn components_may_slip_in_opposite_directions() {
         load[node] = sign * network.masses()[node] * if x + y < 0.8 { 3.0 } else { -0.6 };
     }
     let law = Law::friction(0.2).unwrap();
-    let (y, outcome) = solve_nested_networks(&levels, &load, &under(law)).unwrap();
+    let (y, outcome) =
+        solve_nested_networks(&levels, law.with_load(&load), &MultigridParams::default()).unwrap();
     assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
     let (expected, _) = active_set_on(network, law, &load).unwrap();
     let mut left = 0.0f64;
@@ -265,9 +287,19 @@ fn components_may_slip_in_opposite_directions() {
 fn loads_that_the_flux_cannot_balance_are_refused() {
     let (_, load) = load_of(16, "else=4");
     for law in [Law::friction(0.99), Law::limited(3.0)].map(Result::unwrap) {
-        let message = solve_square(16, &load, None, &under(law)).unwrap_err().to_string();
+        let message = solve_square(16, law.with_load(&load), None, &MultigridParams::default())
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("the flux through the boundary can only balance"), "{message}");
         assert_eq!(active_set::<Square>(16, law, &load).unwrap_err().to_string(), message);
     }
-    assert!(solve_square(16, &load, None, &under(Law::friction(1.001).unwrap())).is_ok());
+    assert!(
+        solve_square(
+            16,
+            Law::friction(1.001).unwrap().with_load(&load),
+            None,
+            &MultigridParams::default()
+        )
+        .is_ok()
+    );
 }

@@ -175,7 +175,9 @@ fn work_does_not_depend_on_the_grid() {
 #[should_panic(expected = "one number for each node")]
 fn a_short_slice_does_not_hold_the_solution() {
     let mut workspace = Multigrid::square(16).expect("valid size");
-    workspace.solve(&[-1.0; 289], None, &MultigridParams::default()).expect("valid load");
+    workspace
+        .solve(Law::SIGNORINI.with_load(&[-1.0; 289]), None, &MultigridParams::default())
+        .expect("valid load");
     workspace.write_solution(&mut [0.0; 272]);
 }
 

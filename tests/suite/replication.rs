@@ -21,8 +21,13 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let loads: Vec<_> = scene.grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
-        let (outcomes, _) =
-            solve_nested(&scene.grids, &loads, &params, scene.prolongation, &mut ());
+        let (outcomes, _) = solve_nested(
+            &scene.grids,
+            Law::SIGNORINI.with_loads(&loads),
+            &params,
+            scene.prolongation,
+            &mut (),
+        );
         Row {
             r,
             counts: outcomes.iter().map(|o| o.iterations).collect(),
@@ -60,7 +65,13 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let load = |&grid: &Grid| load(grid, &scene.f, scene.load);
         let (grids, loads) = (&scene.grids, scene.grids.iter().map(load).collect::<Vec<_>>());
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
-        let (made, made_pair) = solve_nested(grids, &loads, &params, scene.prolongation, &mut ());
+        let (made, made_pair) = solve_nested(
+            grids,
+            Law::SIGNORINI.with_loads(&loads),
+            &params,
+            scene.prolongation,
+            &mut (),
+        );
         let (defined, pair) =
             on_nested(grids, &loads, scene.prolongation, |level, grid, load, pair| {
                 let definition =
@@ -182,7 +193,12 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         let params =
             Params { r: 10.0, tolerance: 1e-11, rule: StopRule::Printed, ..Params::default() };
         let mut pair = Pair::zero(grid);
-        let outcome = arrow_hurwicz(grid, &load(grid, &scene.f, scene.load), &params, &mut pair);
+        let outcome = arrow_hurwicz(
+            grid,
+            Law::SIGNORINI.with_load(&load(grid, &scene.f, scene.load)),
+            &params,
+            &mut pair,
+        );
         assert_eq!(outcome.stop, StopReason::Converged);
         assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
         errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
@@ -203,7 +219,13 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
     let mut errors = Errors(|x, y| exact.at(x, y).value, Vec::new());
-    solve_nested(&grids, &loads, &params, scene.prolongation, &mut errors);
+    solve_nested(
+        &grids,
+        Law::SIGNORINI.with_loads(&loads),
+        &params,
+        scene.prolongation,
+        &mut errors,
+    );
     let order = (errors.1[3] / errors.1[4]).log2();
     assert!(order < 1.7, "order {order} of {:?}", errors.1);
 }

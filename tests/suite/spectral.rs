@@ -6,6 +6,7 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::stiffness::energy;
 use signorini_mathematics::multigrid::{self, MultigridParams};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral};
 
@@ -276,7 +277,13 @@ fn compare(f: &Source) -> f64 {
     let [coarse, fine] = [64, 128].map(|n| {
         let grid = Grid::new(n).unwrap();
         let load = load(grid, f, LoadRule::Exact { diagonal: Diagonal::Rising });
-        let (y, _) = multigrid::solve_square(n, &load, None, &MultigridParams::default()).unwrap();
+        let (y, _) = multigrid::solve_square(
+            n,
+            Law::SIGNORINI.with_load(&load),
+            None,
+            &MultigridParams::default(),
+        )
+        .unwrap();
         energy(grid, &y, &load)
     });
     let change = fine - coarse;

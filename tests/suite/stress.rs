@@ -73,7 +73,9 @@ fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
     let [before, after] = [plateau.steps - 1, plateau.steps].map(|max_iterations| {
         let (rule, tolerance) = (StopRule::Signed, f64::MIN_POSITIVE);
         let params = Params { r: 10.0, tolerance, rule, max_iterations, ..Params::default() };
-        arrow_hurwicz(grid, &load, &params, &mut Pair::zero(grid)).gradient_signed / largest
+        arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut Pair::zero(grid))
+            .gradient_signed
+            / largest
     });
     assert!(before > greatest && after <= least, "{before:e} {after:e} {plateau:?}");
 }
@@ -144,11 +146,16 @@ fn what_is_not_a_number_is_never_a_result() {
             let params = Params { rule, max_iterations: 1000, ..Params::default() };
             let mut poisoned = good.clone();
             poisoned[40] = bad;
-            let outcome = arrow_hurwicz(grid, &poisoned, &params, &mut Pair::zero(grid));
+            let outcome = arrow_hurwicz(
+                grid,
+                Law::SIGNORINI.with_load(&poisoned),
+                &params,
+                &mut Pair::zero(grid),
+            );
             assert_eq!(outcome.stop, StopReason::Diverged, "load {bad} {rule}");
             let mut pair = Pair::zero(grid);
             pair.a[3] = bad;
-            let outcome = arrow_hurwicz(grid, &good, &params, &mut pair);
+            let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&good), &params, &mut pair);
             let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
             assert!(finite || outcome.stop == StopReason::Diverged, "a {bad} {rule}");
         }
@@ -187,7 +194,12 @@ fn count(table: &Problem, r: f64, cells: usize, factor: f64) -> usize {
         let grid = Grid::new(n).unwrap();
         let tolerance = tolerance(k + 1) * if n == cells { factor } else { 1.0 };
         let params = Params { r, tolerance, rule: StopRule::Signed, ..Params::default() };
-        let outcome = arrow_hurwicz(grid, &load(grid, &f, table.load), &params, &mut pair);
+        let outcome = arrow_hurwicz(
+            grid,
+            Law::SIGNORINI.with_load(&load(grid, &f, table.load)),
+            &params,
+            &mut pair,
+        );
         if n == cells {
             return outcome.iterations;
         }
@@ -231,7 +243,7 @@ proptest! {
         let tolerance = 10f64.powf(relative_exponent) * largest;
         let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000, ..Params::default() };
         let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero(grid) };
-        let outcome = arrow_hurwicz(grid, &load, &params, &mut pair);
+        let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
         let natural = kkt(grid, Law::SIGNORINI, &pair.y, &load).natural;
         prop_assert!(natural.is_finite());
         if outcome.stop == StopReason::Converged {

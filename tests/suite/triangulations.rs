@@ -24,7 +24,8 @@ fn mesh(name: &str) -> AnyMesh {
 
 fn solve(problem: &MeshProblem, goal: Goal) -> (Vec<f64>, MultigridStop) {
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    let (y, outcome) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+    let load = problem.law.with_load(&problem.f.load);
+    let (y, outcome) = solve_nested_networks(&problem.levels, load, &params).unwrap();
     (y, outcome.stop)
 }
 
@@ -126,12 +127,13 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
     let grid = cube::Grid::new(8).unwrap();
     let f = "box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1".parse().unwrap();
     let load = cube::exact_load(grid, &f);
-    let (y, _) = solve_cube(8, &load, None, &MultigridParams::default()).unwrap();
+    let (y, _) =
+        solve_cube(8, Law::SIGNORINI.with_load(&load), None, &MultigridParams::default()).unwrap();
     let network = Network::of_cube(grid);
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero_on(&network);
-    let run = solve_network(&network, &load, &params, &mut pair);
+    let run = solve_network(&network, Law::SIGNORINI.with_load(&load), &params, &mut pair);
     assert_eq!(run.stop, StopReason::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");

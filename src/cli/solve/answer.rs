@@ -156,7 +156,7 @@ pub(super) struct Answer {
 impl Answer {
     pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
         let (n, y) = (problem.finest(), &solved.pair.y);
-        let law = problem.params.law;
+        let law = problem.law;
         let Judgement { contact, flux, .. } = &solved.judgement;
         let mut force = 0.0;
         let mut states = States { sticks: 0, slips_up: 0, slips_down: 0 };
@@ -246,8 +246,8 @@ impl Answer {
             "warnings": problem.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
-        if !problem.params.law.is_signorini() {
-            json["law"] = law_json(problem.params.law);
+        if !problem.law.is_signorini() {
+            json["law"] = law_json(problem.law);
             json["states"] = json!(self.states);
         }
         if let Some(sweeps) = last.sweeps {
@@ -299,8 +299,8 @@ impl Answer {
         if let Some(work_units) = self.solved.work_units {
             text += &format!(", the cost of {work_units:.1} sweeps");
         }
-        text += &format!("\n{}\n", self.states.text(problem.params.law));
-        let words = BoundaryWords::of(problem.params.law);
+        text += &format!("\n{}\n", self.states.text(problem.law));
+        let words = BoundaryWords::of(problem.law);
         for arc in self.contact.iter().flatten() {
             text += &words.arc(arc, 6);
         }

@@ -133,7 +133,7 @@ impl Answer {
         // A fixed part of the boundary bears the rest.
         let balanced = problem.domain.has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
-            let (words, remedy) = (BoundaryWords::of(problem.params.law), problem.closer());
+            let (words, remedy) = (BoundaryWords::of(problem.law), problem.closer());
             self.warnings.push(format!("{}; {remedy}", words.unbalanced(force, load)));
         }
     }

@@ -9,6 +9,7 @@ use crate::replication::scene::Scene;
 use crate::timing::machine;
 use signorini_mathematics::formats::MeshFields;
 use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::triangulated::MeshProblem;
 use std::collections::BTreeMap;
@@ -30,6 +31,7 @@ impl MeshDomain {
     pub(super) fn read(
         args: &SolveArgs,
         scene: Option<&Scene>,
+        law: Law,
         overridden: &mut Vec<String>,
     ) -> Result<Option<Self>> {
         let Some(NamedDomain { name, settings, coarsest, f }) =
@@ -39,7 +41,6 @@ impl MeshDomain {
         };
         let times = settings.refinements(&coarsest);
         check_memory(&coarsest, times)?;
-        let law = scene.map_or_else(|| args.law(), |scene| Ok(scene.law()))?;
         let problem = MeshProblem::new(&coarsest, times, &f, law)
             .map_err(|e| Error::input(format!("{name}: {e}")))?;
         Ok(Some(Self { coarsest, width: problem.mesh.width(), problem, name }))

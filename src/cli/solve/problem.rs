@@ -27,6 +27,8 @@ pub(super) struct Problem {
     /// Name of the scene, if f is that of a scene.
     pub scene: Option<String>,
     pub domain: Domain,
+    /// Law on the boundary.
+    pub law: Law,
     /// Integral of f.
     pub integral: f64,
     pub solver: Solver,
@@ -53,9 +55,10 @@ impl Problem {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
-        let domain = domain(args, scene, &mut overridden)?;
+        let law = law(args, scene)?;
+        let domain = domain(args, scene, law, &mut overridden)?;
         let warnings = warn_of_outside(args.scene.as_deref(), &domain.outside());
-        let integral = domain.solvable(law(args, scene)?)?;
+        let integral = domain.solvable(law)?;
         let solver = args.solver.unwrap_or(default_solver(args));
         check_solver_options(args, solver)?;
         check_mesh_options(args, &domain)?;
@@ -81,6 +84,7 @@ impl Problem {
             // Measured: a file's fields, and the recovered solution on four times as many nodes.
             bytes_to_write: if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) },
             integral,
+            law,
             domain,
         };
         problem.check_memory()?;
@@ -126,7 +130,7 @@ impl Problem {
 
     /// Returns the bytes of a file with a solution on a grid.
     pub(super) fn file(&self, kind: Format, n: usize, pair: &Pair) -> Result<Vec<u8>> {
-        let reported = ReportedAs { name: self.name(), law: self.params.law };
+        let reported = ReportedAs { name: self.name(), law: self.law };
         self.domain.file(kind, n, pair, reported)
     }
 
@@ -156,8 +160,8 @@ impl Problem {
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the grids.
     pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
-        if !self.params.law.is_signorini() {
-            settings.push(("law", self.params.law.to_string().into()));
+        if !self.law.is_signorini() {
+            settings.push(("law", self.law.to_string().into()));
         }
         if let Domain::Square { rule, .. } = &self.domain {
             settings.push(("load", rule_name(rule).into()));
@@ -234,8 +238,13 @@ fn check_mesh_options(args: &SolveArgs, domain: &Domain) -> Result<()> {
     }
 }
 
-fn domain(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Domain> {
-    if let Some(mesh) = MeshDomain::read(args, scene, overridden)? {
+fn domain(
+    args: &SolveArgs,
+    scene: Option<&Scene>,
+    law: Law,
+    overridden: &mut Vec<String>,
+) -> Result<Domain> {
+    if let Some(mesh) = MeshDomain::read(args, scene, law, overridden)? {
         return Ok(Domain::Mesh(Box::new(mesh)));
     }
     if let Some(text) = &args.cube {
@@ -279,7 +288,6 @@ fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
     let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
     let defaults = Params::default();
     Ok(Params {
-        law: law(args, scene)?,
         r: positive_r(r.unwrap_or(10.0))?,
         rule: rule.unwrap_or(StopRule::Printed),
         max_iterations: limit.unwrap_or(defaults.max_iterations),

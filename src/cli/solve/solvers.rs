@@ -84,7 +84,7 @@ impl Problem {
                 let method =
                     self.solver.method(0.1 * tolerance, false).expect("a saddle-point method");
                 let params = Params { method, tolerance, ..self.params };
-                let run = saddle::solve(grid, load, &params, pair, None);
+                let run = saddle::solve(grid, self.law.with_load(load), &params, pair, None);
                 (run, run.outcome.stop)
             });
         if let Some(SaddleRun { outcome: end, .. }) =
@@ -94,7 +94,7 @@ impl Problem {
         }
         let levels = outcomes.iter().map(Level::of_saddle_run).collect();
         let judgement =
-            self.domain.judge(self.finest(), self.params.law, &pair.y, &loads[loads.len() - 1]);
+            self.domain.judge(self.finest(), self.law, &pair.y, &loads[loads.len() - 1]);
         Ok(Solved::new(levels, pair.y, judgement, None))
     }
 
@@ -108,7 +108,7 @@ impl Problem {
 
     /// Runs a solver that works on the finest grid alone.
     fn on_finest_grid(&self, solve: SolveOnGrid, load: &[f64]) -> Result<Solved> {
-        let run = solve(self.finest(), load, &self.multigrid_params(load));
+        let run = solve(self.finest(), self.law.with_load(load), &self.multigrid_params(load));
         self.judged(run.map_err(|e| self.refused(&e))?, load)
     }
 
@@ -116,10 +116,14 @@ impl Problem {
     fn on_finest_mesh(&self, mesh: &MeshDomain, load: &[f64]) -> Result<Solved> {
         let problem = &mesh.problem;
         let run = match self.solver {
-            Solver::ActiveSet => active_set_on(problem.network(), self.params.law, load)
-                .map(FinestRun::of_active_set),
-            _ => solve_nested_networks(&problem.levels, load, &self.multigrid_params(load))
-                .map(FinestRun::of_multigrid),
+            Solver::ActiveSet => {
+                active_set_on(problem.network(), self.law, load).map(FinestRun::of_active_set)
+            }
+            _ => {
+                let (levels, params) = (&problem.levels, self.multigrid_params(load));
+                solve_nested_networks(levels, self.law.with_load(load), &params)
+                    .map(FinestRun::of_multigrid)
+            }
         };
         self.judged(run.map_err(|e| self.refused(&e))?, load)
     }
@@ -130,24 +134,25 @@ impl Problem {
         let params = Params { method, ..self.params };
         let (mut levels, mut diverged, mut last) = (Vec::new(), None, None);
         let networks = &mesh.problem.levels;
-        let pair = solve_networks(networks, loads, &params, &mut |k, run, pair| {
-            let judgement = self.domain.judge(k, self.params.law, &pair.y, &loads[k]);
-            let sum_load = sum(&loads[k]);
-            if run.stop == StopReason::Diverged {
-                diverged = Some((k, run.iterations));
-            }
-            levels.push(Level {
-                number: k,
-                iterations: run.iterations,
-                sweeps: Some(run.sweeps),
-                stop: run.stop.name(),
-                energy: judgement.energy,
-                sum_load,
-                kkt: judgement.kkt,
-                verdict: self.verdict(&judgement, sum_load),
+        let pair =
+            solve_networks(networks, self.law.with_loads(loads), &params, &mut |k, run, pair| {
+                let judgement = self.domain.judge(k, self.law, &pair.y, &loads[k]);
+                let sum_load = sum(&loads[k]);
+                if run.stop == StopReason::Diverged {
+                    diverged = Some((k, run.iterations));
+                }
+                levels.push(Level {
+                    number: k,
+                    iterations: run.iterations,
+                    sweeps: Some(run.sweeps),
+                    stop: run.stop.name(),
+                    energy: judgement.energy,
+                    sum_load,
+                    kkt: judgement.kkt,
+                    verdict: self.verdict(&judgement, sum_load),
+                });
+                last = Some(judgement);
             });
-            last = Some(judgement);
-        });
         if let Some((k, iterations)) = diverged {
             return Err(self.diverged(k, iterations));
         }
@@ -155,7 +160,7 @@ impl Problem {
         Ok(Solved::new(levels, pair.y, judgement, None))
     }
 
-    /// Law and goal of a solver on the finest grid.
+    /// Goal of a solver on the finest grid.
     fn multigrid_params(&self, load: &[f64]) -> MultigridParams {
         let goal = match (self.accuracy, self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
@@ -163,7 +168,7 @@ impl Problem {
             // The bracket of the energy is much narrower than the error.
             _ => Goal::RoundingFloor,
         };
-        MultigridParams { law: self.params.law, goal, ..MultigridParams::default() }
+        MultigridParams { goal, ..MultigridParams::default() }
     }
 
     /// Judges a run on the finest grid.
@@ -174,7 +179,7 @@ impl Problem {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
-        let judgement = self.domain.judge(n, self.params.law, &y, load);
+        let judgement = self.domain.judge(n, self.law, &y, load);
         let sum_load = sum(load);
         let level = Level {
             number: n,
@@ -191,7 +196,7 @@ impl Problem {
 
     /// Judges whether a nodal vector solves the discrete problem, whose load vector has this sum.
     fn verdict(&self, judgement: &Judgement, sum_load: f64) -> Verdict {
-        let flux = BoundaryFlux { law: self.params.law, perimeter: judgement.perimeter() };
+        let flux = BoundaryFlux { law: self.law, perimeter: judgement.perimeter() };
         let has_solution = self.domain.has_solution(sum_load, flux);
         Verdict::new(has_solution, &judgement.kkt, judgement.energy, judgement.work)
     }

@@ -23,7 +23,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let Domain::Square { f, .. } = &problem.domain else {
         unreachable!("the cube has no such solver")
     };
-    let law = problem.params.law;
+    let law = problem.law;
     let start = Instant::now();
     let solution = spectral_under(law, f, SpectralParams::default())
         .map_err(|e| failed(problem.name(), &e))?;

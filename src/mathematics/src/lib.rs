@@ -17,7 +17,8 @@
 //! let grid = Grid::new(128)?;
 //! // The default is the paper's rule, f at the nodes, whose sum may be positive though the integral is not.
 //! let load = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::default() });
-//! let (y, outcome) = multigrid::solve_square(128, &load, None, &MultigridParams::default())?;
+//! let problem = Law::SIGNORINI.with_load(&load);
+//! let (y, outcome) = multigrid::solve_square(128, problem, None, &MultigridParams::default())?;
 //! assert!(kkt(grid, Law::SIGNORINI, &y, &load).relative < 1e-10);
 //! assert!(outcome.work_units < 60.0);
 //! let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y)?.energy;

@@ -2,6 +2,7 @@
 //!
 //! A new solver is an entry of [`SOLVERS`] and a room of its own.
 
+use crate::discrete::law_and_load::LawAndLoad;
 use crate::multigrid::active_set::{ActiveSetOutcome, MOST_ON_CUBE, MOST_ON_SQUARE, active_set};
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
@@ -71,8 +72,8 @@ pub enum SolverRun {
     Spectral,
 }
 
-/// Solve on the grid with this number of cells per side, for a load vector, with the law and the goal of these parameters.
-pub type SolveOnGrid = fn(usize, &[f64], &MultigridParams) -> Result<FinestRun, InputError>;
+/// Solve on the grid with this number of cells per side, for a law and a load vector, with the goal of these parameters.
+pub type SolveOnGrid = fn(usize, LawAndLoad<'_>, &MultigridParams) -> Result<FinestRun, InputError>;
 
 /// Solvers, in the order of the help.
 pub const SOLVERS: [SolverEntry; 6] = [
@@ -113,11 +114,11 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; down to 1/256, \
             on the cube to 1/24",
         run: SolverRun::Finest {
-            square: |n, load, params| {
-                active_set::<Square>(n, params.law, load).map(FinestRun::of_active_set)
+            square: |n, LawAndLoad { law, load }, _| {
+                active_set::<Square>(n, law, load).map(FinestRun::of_active_set)
             },
-            cube: |n, load, params| {
-                active_set::<Cube>(n, params.law, load).map(FinestRun::of_active_set)
+            cube: |n, LawAndLoad { law, load }, _| {
+                active_set::<Cube>(n, law, load).map(FinestRun::of_active_set)
             },
             takes_goal: false,
         },
@@ -131,10 +132,12 @@ pub const SOLVERS: [SolverEntry; 6] = [
         in_words: "multigrid",
         description: "Full multigrid to the rounding floor: the fastest on a grid",
         run: SolverRun::Finest {
-            square: |n, load, params| {
-                solve_square(n, load, None, params).map(FinestRun::of_multigrid)
+            square: |n, problem, params| {
+                solve_square(n, problem, None, params).map(FinestRun::of_multigrid)
             },
-            cube: |n, load, params| solve_cube(n, load, None, params).map(FinestRun::of_multigrid),
+            cube: |n, problem, params| {
+                solve_cube(n, problem, None, params).map(FinestRun::of_multigrid)
+            },
             takes_goal: true,
         },
         most_on_square: None,

@@ -88,10 +88,10 @@ pub(super) fn tasks(scene: &Scene, stop: StopRule) -> Vec<Task> {
 pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
     let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
-    let params = MultigridParams { law: scene.law(), ..MultigridParams::default() };
-    let (y, _) = multigrid::solve_square(grid.cells(), &load, None, &params)
+    let (law, params) = (scene.law(), MultigridParams::default());
+    let (y, _) = multigrid::solve_square(grid.cells(), law.with_load(&load), None, &params)
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let a = judge(grid, params.law, &y, &load).multiplier(&y);
+    let a = judge(grid, law, &y, &load).multiplier(&y);
     Ok(Pair { y, a })
 }
 
@@ -143,14 +143,14 @@ fn task(scene: &Scene, cell: Cell) -> Task {
 fn run(cell: &Cell, monitor: &mut impl Monitor) -> Result<(Vec<Outcome>, Pair), Failure> {
     let grids = nested(&cell.grids)?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &cell.f, cell.load)).collect();
+    let law = LawParameter::law_or_papers(cell.law).map_err(|e| e.to_string())?;
     let params = Params {
-        law: LawParameter::law_or_papers(cell.law).map_err(|e| e.to_string())?,
         r: cell.r,
         rule: cell.stop,
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    Ok(solve_nested(&grids, &loads, &params, cell.prolongation, monitor))
+    Ok(solve_nested(&grids, law.with_loads(&loads), &params, cell.prolongation, monitor))
 }
 
 fn solve(cell: &Cell) -> Result<Artifacts, Failure> {

@@ -66,7 +66,7 @@ impl TimedGoal {
             Self::Finest { solve, goal, .. } => {
                 let goal = goal.unwrap_or(Goal::Floor).asked();
                 let params = MultigridParams { goal, ..MultigridParams::default() };
-                Some(solve(grid.cells(), load, &params).ok()?.y)
+                Some(solve(grid.cells(), Law::SIGNORINI.with_load(load), &params).ok()?.y)
             }
         }
     }

@@ -6,6 +6,7 @@ pub mod cube;
 pub mod grid;
 pub mod judging;
 pub mod kkt;
+pub mod law_and_load;
 pub mod load;
 pub mod nested;
 pub mod network;

@@ -11,6 +11,7 @@ use crate::multigrid::{
     Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
 };
 use crate::problem::exact::Exact;
+use crate::problem::law::Law;
 use crate::spectral::SpectralParams;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -243,7 +244,7 @@ pub(super) fn cost(
     for (goal, solution) in GOALS.into_iter().zip(&mut solutions) {
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let outcome = workspace
-            .solve(load, None, &params)
+            .solve(Law::SIGNORINI.with_load(load), None, &params)
             .map_err(|e| format!("{name} on grid 1/{n}: {e}"))?;
         *solution = vec![0.0; load.len()];
         workspace.write_solution(solution);

@@ -122,7 +122,8 @@ fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
 /// Runs multigrid, by nested iteration or from `start`.
 pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), load, start, &params) else {
+    let problem = Law::SIGNORINI.with_load(load);
+    let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), problem, start, &params) else {
         return Trial { stop: "refused".into(), ..Trial::default() };
     };
     let claim = match (outcome.stop, goal) {

@@ -177,7 +177,12 @@ impl OnGrid {
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
-        let solved = multigrid::solve_square(grid.cells(), &level.load, None, &params);
+        let solved = multigrid::solve_square(
+            grid.cells(),
+            Law::SIGNORINI.with_load(&level.load),
+            None,
+            &params,
+        );
         level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
         Ok(level)
     }
@@ -223,8 +228,9 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<WorkRun, String> {
         let OnGrid { grid, load, .. } = level;
         let params =
             MultigridParams { goal: Goal::DiscretisationError, ..MultigridParams::default() };
-        let (y, outcome) = multigrid::solve_square(grid.cells(), load, None, &params)
-            .map_err(|e| e.to_string())?;
+        let (y, outcome) =
+            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), None, &params)
+                .map_err(|e| e.to_string())?;
         run.reached.push(ReachedWork {
             cells: grid.cells(),
             visits: outcome.work_units * grid.nodes() as f64,

@@ -224,13 +224,15 @@ mod tests {
         for f in sources() {
             let grid = Grid::new(40).expect("fine enough");
             let load = load(grid, &f, exact);
+            let problem = Law::SIGNORINI.with_load(&load);
             compare(|| {
-                params.each_ref().map(|params| solve_square(grid.cells(), &load, None, params))
+                params.each_ref().map(|params| solve_square(grid.cells(), problem, None, params))
             });
             compare(|| bounds(grid, &f, Law::SIGNORINI, &waves(grid.nodes())));
         }
         let grid = cube::Grid::new(12).expect("fine enough");
         let load = cube::load(grid, |point| OnCube::FreeDisc.at(point).f);
-        compare(|| params.each_ref().map(|params| solve_cube(grid.cells(), &load, None, params)));
+        let problem = Law::SIGNORINI.with_load(&load);
+        compare(|| params.each_ref().map(|params| solve_cube(grid.cells(), problem, None, params)));
     }
 }

@@ -17,6 +17,7 @@ use super::stopping::{
     self, CyclePart, CyclePosition, CycledHierarchy, InitialState, IterationEnd,
 };
 use super::{Goal, MultigridOutcome, MultigridParams};
+use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
 use crate::problem::law::{Law, OneSided};
 
@@ -92,25 +93,25 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
     pub(super) fn solve(
         &mut self,
-        load: &[f64],
+        problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<MultigridOutcome, InputError> {
-        among_threads(self.finest().nodes, || self.solve_here(load, start, params))
+        among_threads(self.finest().nodes, || self.solve_here(problem, start, params))
     }
 
     fn solve_here(
         &mut self,
-        load: &[f64],
+        problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<MultigridOutcome, InputError> {
         // The load is read in natural order and written in red and black rows, the solution the other way round.
         (self.work_units, self.traffic) = (0.0, 32.0);
-        self.set_problem(load, params.law)?;
+        self.set_problem(problem)?;
         let mut end = self.solve_prepared(start, params)?;
         if self.is_limit_exceeded() {
-            self.set_problem(load, params.law)?;
+            self.set_problem(problem)?;
             self.set_limit(self.one_sided.limit);
             end = self.solve_prepared(start, params)?;
         }
@@ -173,7 +174,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     }
 
     /// Sets the scaled loads of all grids, without the limit of the law.
-    fn set_problem(&mut self, load: &[f64], law: Law) -> Result<(), InputError> {
+    fn set_problem(&mut self, LawAndLoad { law, load }: LawAndLoad<'_>) -> Result<(), InputError> {
         let (n, nodes) = (self.finest().n, self.finest().nodes);
         check_length(nodes, load)?;
         self.one_sided = law.one_sided(load);

@@ -10,11 +10,11 @@
 //!       (`square/contact.rs`, `cube/contact.rs`).
 //!    2. Restrict the residual of the nodes that are not in contact (`transfer.rs`).
 //!    3. Solve the linear correction problem recursively, by an F- or W-cycle.
-//!    4. Add the interpolated correction, project the boundary values to `y >= 0`, and smooth by red-black
-//!       Gauss-Seidel sweeps (`stencil.rs`).
+//!    4. Add the interpolated correction, put the boundary nodes whose values changed sign at zero, and smooth
+//!       by red-black Gauss-Seidel sweeps (`stencil.rs`).
 //!
 //! All half-sweeps and transfers between two visits to the coarser grid are one *pass* over the memory (`pass.rs`).
-//! The central function is `cycle` in `cycle.rs`. [`square`] and [`cube`] give the theory, the cost and the references.
+//! The central function is `find_correction` in `cycle.rs`. [`square`] and [`cube`] give the theory, the cost and the references.
 //!
 //! # Easily broken
 //! - Results are compared by hash between machines and numbers of threads: neither the order of additions nor the
@@ -50,7 +50,6 @@ pub use input::InputError;
 pub(crate) use stopping::ROUNDING_FLOOR;
 pub use workspace::{Multigrid, solve_cube, solve_square};
 
-use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
 /// Reason for which multigrid or the active set method ended.
@@ -95,8 +94,6 @@ pub enum Goal {
 /// Parameters of multigrid.
 #[derive(Clone, Debug)]
 pub struct MultigridParams {
-    /// Law on the boundary.
-    pub law: Law,
     /// Goal at which the iteration stops.
     pub goal: Goal,
     /// Limit on the number of cycles on the finest grid.
@@ -105,7 +102,7 @@ pub struct MultigridParams {
 
 impl Default for MultigridParams {
     fn default() -> Self {
-        Self { law: Law::SIGNORINI, goal: Goal::RoundingFloor, max_cycles: 60 }
+        Self { goal: Goal::RoundingFloor, max_cycles: 60 }
     }
 }
 

@@ -7,6 +7,7 @@ use super::hierarchy::Hierarchy;
 use super::input::InputError;
 use super::square::Square;
 use super::{MultigridOutcome, MultigridParams};
+use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
 
 /// Preallocated grids for problems with `n` cells per side.
@@ -59,16 +60,17 @@ impl Multigrid {
     /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
     ///
     /// # Errors
-    /// If a length is wrong, a number is not finite, or the load does not have a negative sum.
+    /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its sum is
+    /// not negative.
     pub fn solve(
         &mut self,
-        load: &[f64],
+        problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<MultigridOutcome, InputError> {
         match &mut self.grids {
-            Grids::Square(grids) => grids.solve(load, start, params),
-            Grids::Cube(grids) => grids.solve(load, start, params),
+            Grids::Square(grids) => grids.solve(problem, start, params),
+            Grids::Cube(grids) => grids.solve(problem, start, params),
         }
     }
 
@@ -86,13 +88,13 @@ impl Multigrid {
     /// Solves the problem for one load and returns the solution with the outcome.
     fn solve_once(
         mut self,
-        load: &[f64],
+        problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-        let mut solution = vec![0.0; load.len()];
-        let outcome = among_threads(load.len(), || {
-            let outcome = self.solve(load, start, params)?;
+        let mut solution = vec![0.0; problem.load.len()];
+        let outcome = among_threads(problem.load.len(), || {
+            let outcome = self.solve(problem, start, params)?;
             self.write_solution(&mut solution);
             Ok::<_, InputError>(outcome)
         })?;
@@ -100,35 +102,36 @@ impl Multigrid {
     }
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary of the square, `A` the five-point stiffness matrix of the
-/// natural boundary condition on a grid with `n` cells per side.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the boundary nodes of the square, under the paper's law
+/// over `y >= 0` there; `A` is the five-point stiffness matrix of the natural boundary condition on a grid with `n` cells
+/// per side.
 ///
-/// `load` and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
+/// The load and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
 ///
 /// # Errors
-/// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the sum
-/// of the load is not negative: then the energy is not bounded below, or has no unique minimiser.
+/// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the flux
+/// cannot balance the load, under the paper's law if its sum is not negative: then the energy is not bounded below, or has
+/// no unique minimiser.
 pub fn solve_square(
     n: usize,
-    load: &[f64],
+    problem: LawAndLoad<'_>,
     start: Option<&[f64]>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-    Multigrid::square(n)?.solve_once(load, start, params)
+    Multigrid::square(n)?.solve_once(problem, start, params)
 }
 
-/// Minimises `1/2 y'Ay - F'y` over `y >= 0` on the boundary of the cube, `A` the seven-point stiffness matrix; see
-/// [`solve_square`].
+/// Minimises the energy of [`solve_square`] on the cube, where `A` is the seven-point stiffness matrix.
 ///
-/// `load` and the solution hold `(n + 1)^3` numbers, x fastest.
+/// The load and the solution hold `(n + 1)^3` numbers, x fastest.
 ///
 /// # Errors
 /// If `n` is not a power of two (at least 2) times 1 or 3, and as [`solve_square`].
 pub fn solve_cube(
     n: usize,
-    load: &[f64],
+    problem: LawAndLoad<'_>,
     start: Option<&[f64]>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-    Multigrid::cube(n)?.solve_once(load, start, params)
+    Multigrid::cube(n)?.solve_once(problem, start, params)
 }

@@ -3,6 +3,7 @@
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
 use crate::discrete::judging::judge_network;
+use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
@@ -29,13 +30,13 @@ const STAGNATION: f64 = 0.5;
 /// If there are no levels.
 pub fn solve_nested_networks(
     levels: &[NestedNetwork],
-    load: &[f64],
+    LawAndLoad { law, load }: LawAndLoad<'_>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
     let network = &levels[levels.len() - 1].network;
     check_length(network.nodes(), load)?;
-    let components = Components::of(levels, params.law, load)?;
-    let one_sided = params.law.one_sided(load);
+    let components = Components::of(levels, law, load)?;
+    let one_sided = law.one_sided(load);
     let shifted = one_sided.load(load, network.contact());
     let scale = LoadStats::measure(&shifted).scale();
     let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());

@@ -25,8 +25,8 @@ use super::stopping::{StopReason, StopRule};
 use super::sweep::GaussSeidel;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
+use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::norms::largest;
-use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -69,13 +69,11 @@ impl Method {
     }
 }
 
-/// Parameters of the iteration, besides grid and load vector.
+/// Parameters of the iteration, besides grid, law and load vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params {
     /// Method.
     pub method: Method,
-    /// Law on the boundary.
-    pub law: Law,
     /// Duality parameter r > 0, the step of the multiplier.
     pub r: f64,
     /// Bound of the stopping rule, evaluated after each step of the multiplier; the paper takes 10^-N on grid N.
@@ -86,18 +84,10 @@ pub struct Params {
     pub max_iterations: usize,
 }
 
-impl Params {
-    /// Parameters of the boundary term of (7).
-    pub(super) fn duality(&self) -> Duality {
-        Duality { law: self.law, r: self.r }
-    }
-}
-
 impl Default for Params {
     fn default() -> Self {
         Self {
             method: Method::ArrowHurwicz,
-            law: Law::SIGNORINI,
             r: 1.0,
             tolerance: 1e-5,
             rule: StopRule::Signed,
@@ -141,12 +131,12 @@ pub struct SaddleRun {
 /// If a slice has the wrong length for `grid`, or `params.r` is not positive.
 pub fn solve(
     grid: Grid,
-    load: &[f64],
+    LawAndLoad { law, load }: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
     mut monitor: Option<OnIteration>,
 ) -> SaddleRun {
-    let mut steps = Steps::new(grid, load, params.method, params.duality());
+    let mut steps = Steps::new(grid, load, params.method, Duality { law, r: params.r });
     let stop = loop {
         if let ControlFlow::Break(stop) = steps.step(pair, params.max_iterations) {
             break stop;
@@ -169,15 +159,20 @@ pub fn solve(
         gradient: steps.gradient.extrema(load, pair),
         stop,
     };
-    SaddleRun { outcome: Outcome::judge(grid, params.law, load, pair, &last), sweeps: steps.sweeps }
+    SaddleRun { outcome: Outcome::judge(grid, law, load, pair, &last), sweeps: steps.sweeps }
 }
 
 /// Solves by the paper's method whatever `params.method` says, without a monitor.
 ///
 /// # Panics
 /// If a slice has the wrong length for `grid`, or `params.r` is not positive.
-pub fn arrow_hurwicz(grid: Grid, load: &[f64], params: &Params, pair: &mut Pair) -> Outcome {
-    solve(grid, load, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None).outcome
+pub fn arrow_hurwicz(
+    grid: Grid,
+    problem: LawAndLoad<'_>,
+    params: &Params,
+    pair: &mut Pair,
+) -> Outcome {
+    solve(grid, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None).outcome
 }
 
 /// Iteration of a method on one grid, one step of the multiplier at a time, without a stopping rule.

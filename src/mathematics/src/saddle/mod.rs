@@ -18,6 +18,7 @@ pub use stopping::{StopReason, StopRule};
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::rounding;
+use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -28,7 +29,7 @@ use crate::problem::law::Law;
 pub struct Pair {
     /// Nodal vector.
     pub y: Vec<f64>,
-    /// Boundary vector, non-negative.
+    /// Boundary vector; its entries are in the interval of the law, under the paper's law non-negative.
     pub a: Vec<f64>,
 }
 
@@ -108,7 +109,7 @@ impl Monitor for () {}
 
 /// Solves on each of the nested `grids` in turn, starting from zero and then from the prolonged pair.
 ///
-/// `loads[k]` is the load vector on `grids[k]`. On the k-th grid `params.tolerance` is replaced by
+/// The k-th load vector is that on `grids[k]`. On the k-th grid `params.tolerance` is replaced by
 /// [`tolerance`]`(k)`. Returns the outcome on each grid and the last pair; ends after a grid on which the
 /// iteration diverged.
 ///
@@ -116,7 +117,7 @@ impl Monitor for () {}
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load vector has the wrong length.
 pub fn solve_nested(
     grids: &[Grid],
-    loads: &[Vec<f64>],
+    LawAndLoads { law, loads }: LawAndLoads<'_>,
     params: &Params,
     prolongation: Prolongation,
     monitor: &mut impl Monitor,
@@ -126,7 +127,7 @@ pub fn solve_nested(
         let watched = monitor.wants_iterations();
         let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
         let on_iteration = watched.then_some(&mut on_iteration as OnIteration);
-        let outcome = solve(grid, load, &params, pair, on_iteration).outcome;
+        let outcome = solve(grid, law.with_load(load), &params, pair, on_iteration).outcome;
         monitor.level(grid, pair);
         (outcome, outcome.stop)
     })

@@ -5,6 +5,7 @@ use super::plain::Plain;
 use super::{Outcome, Pair, Params, StopReason, tolerance};
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
+use crate::discrete::law_and_load::{LawAndLoad, LawAndLoads};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
@@ -62,11 +63,11 @@ impl NetworkRun {
 /// If a slice has the wrong length for `network`, or `params.r` is not positive.
 pub fn solve_network(
     network: &Network,
-    load: &[f64],
+    LawAndLoad { law, load }: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
 ) -> NetworkRun {
-    let Params { method, law, r, .. } = *params;
+    let Params { method, r, .. } = *params;
     assert!(r > 0.0, "the duality parameter r must be positive");
     assert!(load.len() == network.nodes() && pair.y.len() == load.len());
     let outer = Plain { network, law, load, r };
@@ -113,14 +114,14 @@ pub fn solve_network(
 }
 
 /// Solves on each of nested networks in turn, coarsest first, starting from zero and then from the interpolated pair, with
-/// the [`tolerance`] of each; ends after a network on which the iteration diverged. `loads` has the load vector of each.
+/// the [`tolerance`] of each; ends after a network on which the iteration diverged. There is a load vector for each.
 /// `after` receives the position of each network, its end and its pair. Returns the last pair.
 ///
 /// # Panics
 /// If there are no levels, or as [`solve_network`].
 pub fn solve_networks(
     levels: &[NestedNetwork],
-    loads: &[Vec<f64>],
+    LawAndLoads { law, loads }: LawAndLoads<'_>,
     params: &Params,
     after: &mut dyn FnMut(usize, &NetworkRun, &Pair),
 ) -> Pair {
@@ -138,7 +139,7 @@ pub fn solve_networks(
             Method::ArrowHurwicz => Method::ArrowHurwicz,
         };
         let params = Params { method, tolerance, ..*params };
-        let run = solve_network(&level.network, load, &params, &mut pair);
+        let run = solve_network(&level.network, law.with_load(load), &params, &mut pair);
         after(k, &run, &pair);
         if run.stop == StopReason::Diverged {
             break;
@@ -166,15 +167,14 @@ mod tests {
         for (method, law) in methods.into_iter().flat_map(|method| laws.map(|law| (method, law))) {
             let params = Params {
                 method,
-                law,
                 r: 4.0,
                 tolerance: 1e-3,
                 rule: StopRule::Printed,
                 ..Params::default()
             };
             let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero_on(&network));
-            let expected = solve(grid, &load, &params, &mut on_grid, None);
-            let run = solve_network(&network, &load, &params, &mut on_network);
+            let expected = solve(grid, law.with_load(&load), &params, &mut on_grid, None);
+            let run = solve_network(&network, law.with_load(&load), &params, &mut on_network);
             assert_eq!(run.iterations, expected.outcome.iterations, "{method:?} {law}");
             assert_eq!(run.sweeps, expected.sweeps, "{method:?} {law}");
             if method.weight() == 0.0 {

@@ -41,8 +41,8 @@ impl ContactStart {
         // unless the integral of f nearly vanishes.
         let quick = Goal::Kkt(0.05 * largest(&load));
         let goal = if careful { Goal::RoundingFloor } else { quick };
-        let params = MultigridParams { law, goal, ..Default::default() };
-        let (y, _) = multigrid::solve_square(n, &load, None, &params).ok()?;
+        let params = MultigridParams { goal, ..MultigridParams::default() };
+        let (y, _) = multigrid::solve_square(n, law.with_load(&load), None, &params).ok()?;
         let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
         let mut free = free_nodes(&values, n);
         for b in 0..values.len() {

@@ -145,9 +145,9 @@ fn on_domains() -> Result<Picture, String> {
         let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
         let problem = MeshProblem::new(&coarsest, refinements, f, Law::SIGNORINI)
             .map_err(|e| format!("{name}: {e}"))?;
-        let (y, _) =
-            solve_nested_networks(&problem.levels, &problem.f.load, &MultigridParams::default())
-                .map_err(|e| format!("{name}: {e}"))?;
+        let load = problem.law.with_load(&problem.f.load);
+        let (y, _) = solve_nested_networks(&problem.levels, load, &MultigridParams::default())
+            .map_err(|e| format!("{name}: {e}"))?;
         let contact = problem.network().contact().iter().map(|contact| contact.node);
         let mut in_contact = vec![false; y.len()];
         contact.for_each(|node| in_contact[node] = y[node] == 0.0);

@@ -30,7 +30,7 @@ pub(super) fn task(id: String, domain: &SceneDomain, cell: &Cell) -> Task {
 
 fn solve(cell: &MeshCell, inputs: &Inputs) -> Result<Artifacts, Failure> {
     let RefinedProblem { problem, .. } = cell.domain.problem(inputs.files)?;
-    let (networks, loads) = (&problem.levels, problem.loads());
+    let (networks, law, loads) = (&problem.levels, problem.law, problem.loads());
     let params = Params {
         r: cell.r,
         rule: cell.stop,
@@ -38,9 +38,9 @@ fn solve(cell: &MeshCell, inputs: &Inputs) -> Result<Artifacts, Failure> {
         ..Params::default()
     };
     let mut levels = Vec::new();
-    let pair = solve_networks(networks, &loads, &params, &mut |k, run, pair| {
+    let pair = solve_networks(networks, law.with_loads(&loads), &params, &mut |k, run, pair| {
         let network = &networks[k].network;
-        let plain = Plain { network, law: params.law, load: &loads[k], r: cell.r };
+        let plain = Plain { network, law, load: &loads[k], r: cell.r };
         levels.push(run.outcome(&plain, pair));
     });
     if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {

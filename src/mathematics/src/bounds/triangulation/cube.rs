@@ -54,7 +54,8 @@ mod tests {
     /// Solution on a grid.
     fn solved(n: usize, f: &Source) -> Vec<f64> {
         let load = exact_load(grid(n), f);
-        solve_cube(n, &load, None, &MultigridParams::default()).unwrap().0
+        let problem = Law::SIGNORINI.with_load(&load);
+        solve_cube(n, problem, None, &MultigridParams::default()).unwrap().0
     }
 
     #[test]

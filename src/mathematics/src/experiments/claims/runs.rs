@@ -131,14 +131,13 @@ impl<'a> ClaimCase<'a> {
         let mut starts = vec![Pair::zero(grids[0])];
         for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {
             let params = Params {
-                law,
                 r: 100.0,
                 tolerance: START,
                 rule: StopRule::PrintedDual,
                 ..Params::default()
             };
             let mut pair = starts[k].clone();
-            let outcome = arrow_hurwicz(grid, &solvable[k], &params, &mut pair);
+            let outcome = arrow_hurwicz(grid, law.with_load(&solvable[k]), &params, &mut pair);
             if outcome.stop != StopReason::Converged {
                 return Err(format!("no solution on grid 1/{}: {}", grid.cells(), outcome.stop));
             }

@@ -119,7 +119,7 @@ pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Counted
             let params =
                 Params { r, rule, max_iterations: plan.max_iterations, ..Params::default() };
             let (mut counts, mut delta_a) = (Vec::new(), 0.0);
-            solve_networks(levels, loads, &params, &mut |_, run, _| {
+            solve_networks(levels, made.law.with_loads(loads), &params, &mut |_, run, _| {
                 counts.push(run.iterations);
                 delta_a = run.delta_a;
             });
@@ -207,7 +207,7 @@ fn renumbered_counts(
         let tolerance = tolerance(k + 1);
         let params =
             Params { r, rule: StopRule::Signed, tolerance, max_iterations, ..Params::default() };
-        let run = solve_network(&network, &load, &params, &mut other);
+        let run = solve_network(&network, problem.law.with_load(&load), &params, &mut other);
         counts.push(run.iterations);
         if run.stop == StopReason::Diverged {
             break;

@@ -89,7 +89,8 @@ fn on_disc(problem: DiscProblem, refinements: usize) -> Result<DiscFindings, Str
 fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<DiscLevel, String> {
     let (levels, mesh) = refined(coarsest, times).map_err(|e| e.to_string())?;
     let load = mesh_load(&mesh, &problem).load;
-    let (y, _) = solve_nested_networks(&levels, &load, &MultigridParams::default())
+    let loaded = Law::SIGNORINI.with_load(&load);
+    let (y, _) = solve_nested_networks(&levels, loaded, &MultigridParams::default())
         .map_err(|e| e.to_string())?;
     let network = &levels[times].network;
     let judged = judge_network(network, Law::SIGNORINI, &y, &load);

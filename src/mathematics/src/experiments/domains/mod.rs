@@ -165,8 +165,9 @@ struct Solved {
 
 fn solved(problem: &MeshProblem, goal: Goal) -> Result<Solved, String> {
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    let (y, outcome) = solve_nested_networks(&problem.levels, &problem.f.load, &params)
-        .map_err(|e| e.to_string())?;
+    let load = problem.law.with_load(&problem.f.load);
+    let (y, outcome) =
+        solve_nested_networks(&problem.levels, load, &params).map_err(|e| e.to_string())?;
     let judged = problem.judge(&y);
     Ok(Solved {
         y,

@@ -71,6 +71,7 @@ pub(super) struct Undisturbed<'a> {
 impl<'a> Undisturbed<'a> {
     pub(super) fn new(problem: &'a Problem) -> Result<Self, String> {
         let Discrete { grids, loads, .. } = problem.discrete()?;
+        let on_grids = problem.law()?.with_loads(&loads);
         let runs: Vec<(Vec<usize>, Margins)> = problem
             .r
             .par_iter()
@@ -78,7 +79,7 @@ impl<'a> Undisturbed<'a> {
                 let params = Params { r, rule: StopRule::Signed, ..Params::default() };
                 let mut margins = Margins::default();
                 let (outcomes, _) =
-                    solve_nested(&grids, &loads, &params, problem.prolongation, &mut margins);
+                    solve_nested(&grids, on_grids, &params, problem.prolongation, &mut margins);
                 (outcomes.iter().map(|outcome| outcome.iterations).collect(), margins)
             })
             .collect();

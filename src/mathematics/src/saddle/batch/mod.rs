@@ -268,16 +268,10 @@ mod tests {
         for law in laws() {
             let ends = run(grid, law, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
             for ((r, rule), ours) in all().zip(ends) {
-                let params = Params {
-                    law,
-                    r,
-                    rule,
-                    tolerance: 1e-4,
-                    max_iterations: 1000,
-                    ..Params::default()
-                };
+                let params =
+                    Params { r, rule, tolerance: 1e-4, max_iterations: 1000, ..Params::default() };
                 let mut pair = start.clone();
-                let theirs = arrow_hurwicz(grid, &load, &params, &mut pair);
+                let theirs = arrow_hurwicz(grid, law.with_load(&load), &params, &mut pair);
                 assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
                 assert_eq!(ours.outcome(grid, law, &job((r, rule))), theirs);
                 assert_eq!(ours.pair, pair);
@@ -318,14 +312,13 @@ mod tests {
             for (job, ours) in jobs.iter().zip(run(grid, law, &jobs, &mut AsDefined)) {
                 let params = Params {
                     method: job.method,
-                    law,
                     r: job.r,
                     tolerance: 1e-4,
                     rule: StopRule::Printed,
                     ..Params::default()
                 };
                 let mut pair = start.clone();
-                let run = solve(grid, &load, &params, &mut pair, None);
+                let run = solve(grid, law.with_load(&load), &params, &mut pair, None);
                 assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
                 assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
             }

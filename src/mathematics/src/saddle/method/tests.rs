@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::discrete::load::{LoadRule, load};
+use crate::problem::law::Law;
 
 const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
 
@@ -22,8 +23,13 @@ fn uzawa(weight: f64) -> Method {
 fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
     [0.0, weight].map(|weight| {
         let mut pair = Pair::zero(grid);
-        let SaddleRun { outcome: end, sweeps } =
-            solve(grid, load, &Params { method: uzawa(weight), ..*params }, &mut pair, None);
+        let SaddleRun { outcome: end, sweeps } = solve(
+            grid,
+            Law::SIGNORINI.with_load(load),
+            &Params { method: uzawa(weight), ..*params },
+            &mut pair,
+            None,
+        );
         (end, sweeps, pair)
     })
 }
@@ -37,7 +43,7 @@ fn every_method_finds_the_solution_of_arrow_hurwicz() {
     for f in PROBLEMS {
         let (grid, load) = setting(f);
         let mut want = Pair::zero(grid);
-        let outcome = arrow_hurwicz(grid, &load, &tight(10.0), &mut want);
+        let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(10.0), &mut want);
         assert_eq!(outcome.stop, StopReason::Converged);
         for r in [1.0, 10.0, 1e3, 1e6] {
             for (end, sweeps, pair) in both(grid, &load, &tight(r), 1.0) {
@@ -59,10 +65,15 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load) = setting(PROBLEMS[0]);
     let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
     let mut ours = Pair::zero(grid);
-    let SaddleRun { outcome: end, sweeps } =
-        solve(grid, &load, &Params { method: once, ..tight(3.0) }, &mut ours, None);
+    let SaddleRun { outcome: end, sweeps } = solve(
+        grid,
+        Law::SIGNORINI.with_load(&load),
+        &Params { method: once, ..tight(3.0) },
+        &mut ours,
+        None,
+    );
     let mut theirs = Pair::zero(grid);
-    assert_eq!(end, arrow_hurwicz(grid, &load, &tight(3.0), &mut theirs));
+    assert_eq!(end, arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(3.0), &mut theirs));
     assert_eq!(sweeps, end.iterations);
     assert_eq!(ours, theirs);
 }
@@ -88,7 +99,7 @@ fn without_a_minimum_both_end_at_a_cap() {
     assert_eq!((plain.stop, sweeps), (StopReason::IterationLimit, 3000));
     assert_eq!(plain.iterations, 0, "the inner problem has no minimum");
     let mut further = up.clone();
-    solve(grid, &load, &capped, &mut further, None);
+    solve(grid, Law::SIGNORINI.with_load(&load), &capped, &mut further, None);
     let drift = 3000.0 * 0.5 * grid.h() * grid.h() * load.iter().sum::<f64>();
     for (low, high) in up.y.iter().zip(&further.y) {
         assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
@@ -130,7 +141,8 @@ fn the_monitor_sees_each_step() {
     let mut record = |iteration: &Iteration| seen.push(*iteration);
     let mut pair = Pair::zero(grid);
     let params = Params { method: uzawa(0.0), ..tight(1.0) };
-    let end = solve(grid, &load, &params, &mut pair, Some(&mut record)).outcome;
+    let end =
+        solve(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair, Some(&mut record)).outcome;
     assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.iterations));
     let last = seen.last().unwrap();
     assert_eq!((last.gradient_abs, last.delta_a), (end.gradient_abs, end.delta_a));

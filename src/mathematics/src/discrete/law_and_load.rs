@@ -1,0 +1,36 @@
+//! Law on the boundary and load vector: all of a discrete problem but its grid or mesh.
+//!
+//! A solver takes both at once. Neither is a setting of the solver, and neither has a default, so that no caller can
+//! forget the law.
+
+use crate::problem::law::Law;
+
+/// Law on the boundary, and load vector.
+#[derive(Clone, Copy, Debug)]
+pub struct LawAndLoad<'a> {
+    /// Law on the boundary.
+    pub law: Law,
+    /// Load vector F (6), one number per node.
+    pub load: &'a [f64],
+}
+
+/// Law on the boundary, and the load vectors of nested grids or meshes.
+#[derive(Clone, Copy, Debug)]
+pub struct LawAndLoads<'a> {
+    /// Law on the boundary.
+    pub law: Law,
+    /// Load vector of each grid, coarsest first.
+    pub loads: &'a [Vec<f64>],
+}
+
+impl Law {
+    /// Returns this law with a load vector.
+    pub fn with_load(self, load: &[f64]) -> LawAndLoad<'_> {
+        LawAndLoad { law: self, load }
+    }
+
+    /// Returns this law with the load vectors of nested grids or meshes, coarsest first.
+    pub fn with_loads(self, loads: &[Vec<f64>]) -> LawAndLoads<'_> {
+        LawAndLoads { law: self, loads }
+    }
+}
