@@ -8,10 +8,9 @@ use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::problems::Problem;
-use signorini_mathematics::experiments::rounding::{self, rounding};
 use signorini_mathematics::experiments::stress::{self, Stress, stress};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz, tolerance};
+use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
 fn tables(grids: &[usize]) -> Vec<Problem> {
@@ -166,59 +165,18 @@ fn what_is_not_a_number_is_never_a_result() {
 fn threads_do_not_change_a_bit() {
     let plan =
         stress::StressPlan { cap: 500, random: 8, ..stress::StressPlan::new(tables(&[4, 8])) };
-    let shaken =
-        rounding::RoundingPlan { repetitions: 8, ..rounding::RoundingPlan::new(tables(&[4, 8])) };
-    let found = || (stress(&plan).unwrap(), rounding(&shaken).unwrap());
+    let found = || stress(&plan).unwrap();
     assert!(on_threads(1, found) == on_threads(3, found));
 }
 
 #[test]
-fn counts_survive_rounding_but_not_everything() {
-    let few = rounding::RoundingPlan {
-        repetitions: 20,
-        further: 1,
-        ..rounding::RoundingPlan::new(tables(&[4, 8, 16]))
-    };
-    let found = rounding(&few).unwrap();
-    assert_eq!((found.fragile, found.reordered), (0, 0));
-    let rough = rounding(&rounding::RoundingPlan { sizes: vec![1e-2], ..few }).unwrap();
-    assert!(rough.fragile > 10, "the experiment must see what is there: {}", rough.fragile);
-    assert_eq!(rough.first_flip, Some(1e-2));
-}
-
-/// Iterations on the grid with so many cells, where `factor` multiplies the tolerance.
-fn count(table: &Problem, r: f64, cells: usize, factor: f64) -> usize {
-    let f = table.f.parse().unwrap();
-    let mut pair = Pair::zero(Grid::new(table.grids[0]).unwrap());
-    for (k, &n) in table.grids.iter().enumerate() {
-        let grid = Grid::new(n).unwrap();
-        let tolerance = tolerance(k + 1) * if n == cells { factor } else { 1.0 };
-        let params = Params { r, tolerance, rule: StopRule::Signed, ..Params::default() };
-        let outcome = arrow_hurwicz(
-            grid,
-            Law::SIGNORINI.with_load(&load(grid, &f, table.load)),
-            &params,
-            &mut pair,
-        );
-        if n == cells {
-            return outcome.iterations;
-        }
-        pair = pair.prolonged(grid, table.prolongation);
-    }
-    panic!("no grid with {cells} cells");
-}
-
-#[test]
-fn a_tolerance_changed_by_the_margin_changes_the_nearest_count() {
-    for table in tables(&[4, 8, 16]) {
-        let plan = rounding::RoundingPlan::new(vec![table.clone()]);
-        let found = rounding(&rounding::RoundingPlan { sizes: vec![0.0], ..plan }).unwrap();
-        let rounding::Nearest { r, cells, margin, .. } = found.nearest;
-        let with =
-            [-1.001, -0.999, 0.999, 1.001].map(|of| count(&table, r, cells, 1.0 + of * margin));
-        assert_eq!(with[1], with[2], "{with:?} {:?}", found.nearest);
-        assert!(with[0] != with[1] || with[3] != with[1], "{with:?} {:?}", found.nearest);
-    }
+fn counts_survive_small_errors_of_the_load_but_not_all() {
+    let plan =
+        stress::StressPlan { cap: 10, random: 0, ..stress::StressPlan::new(tables(&[4, 8, 16])) };
+    let noise = stress(&plan).unwrap().load_noise;
+    assert_eq!(noise.least, 1e-15);
+    let change = noise.first_change.expect("errors of one per cent are tried");
+    assert!((1e-12..=1e-2).contains(&change), "{change:e}");
 }
 
 proptest! {

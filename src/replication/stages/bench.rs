@@ -17,7 +17,6 @@ use serde::de::DeserializeOwned;
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::claims::ClaimsPlan;
 use signorini_mathematics::experiments::problems::Problem;
-use signorini_mathematics::experiments::rounding;
 use signorini_mathematics::experiments::{self, accuracy, stress, truth};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
@@ -35,7 +34,6 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     });
     let truth = truth::TruthPlan::new(named);
     let stress = stress::StressPlan::new(problems.clone());
-    let rounding = rounding::RoundingPlan::new(problems.clone());
     let plan = ClaimsPlan::new(problems);
     vec![
         task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
@@ -49,7 +47,6 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         ),
         task("truth", truth, truth::truth),
         task("stress", stress, stress::stress),
-        task("rounding", rounding, rounding::rounding),
     ]
 }
 

@@ -4,7 +4,7 @@
 //! other results. Run times are measured elsewhere, by `signorini bench`.
 //!
 //! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
-//! [`claims::claims`], [`cube::cube`], [`domains::domains`], [`rounding::rounding`], [`stress::stress`], [`truth::truth`].
+//! [`claims::claims`], [`cube::cube`], [`domains::domains`], [`stress::stress`], [`truth::truth`].
 
 pub mod accuracy;
 pub mod claims;
@@ -13,7 +13,6 @@ pub mod domains;
 pub mod known;
 mod numbers;
 pub mod problems;
-pub mod rounding;
 pub mod saddle;
 pub mod stress;
 pub mod trial;

@@ -1,10 +1,12 @@
 //! Solvers under stress, and the values at which they fail: extreme parameters, data, tolerances and starts.
 
+mod noise;
 mod pending;
 mod random;
 mod runs;
 mod summary;
 
+pub use noise::LoadNoise;
 pub use random::RandomProblems;
 pub use summary::{Plateau, StressSummary};
 
@@ -114,8 +116,10 @@ pub struct Stress {
     pub jumps: Series<f64>,
     /// Series over the size of a spike of f in one node: `multigrid`.
     pub spikes: Series<f64>,
-    /// RandomNumbers problems.
+    /// Random problems.
     pub random: RandomProblems,
+    /// Errors of the load that change a count of the tables.
+    pub load_noise: LoadNoise,
     /// All runs together.
     pub tally: Tally,
     /// Numbers that the book mentions.
@@ -172,7 +176,7 @@ fn trials_of<'a, X: 'a>(
 /// Runs the experiments.
 ///
 /// # Errors
-/// If f cannot be read, or a grid is too coarse.
+/// If f cannot be read, a grid is too coarse, or a run of the tables does not meet its rule.
 pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
     let runs = Runs::new(plan)?;
     let mut stress = Stress {
@@ -186,6 +190,7 @@ pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
         jumps: runs.jumps(),
         spikes: runs.spikes(),
         random: RandomProblems::of(plan.random),
+        load_noise: LoadNoise::of(&plan.problems)?,
         tally: Tally::default(),
         summary: StressSummary::default(),
     };

@@ -5,7 +5,7 @@ use crate::discrete::kkt::judge;
 use crate::machine::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams, MultigridStop};
 use crate::problem::law::Law;
-use crate::saddle::batch::{AsDefined, End, Job, JobGoal, run};
+use crate::saddle::batch::{End, Job, JobGoal, run};
 use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
@@ -97,7 +97,7 @@ fn finite(x: f64) -> Option<f64> {
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
 pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
-    let ends = run(grid, Law::SIGNORINI, jobs, &mut AsDefined);
+    let ends = run(grid, Law::SIGNORINI, jobs);
     jobs.iter().zip(ends).map(|(job, end)| saddle_trial(grid, job, &end)).collect()
 }
 

@@ -10,7 +10,7 @@ use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
 use crate::problem::law::Law;
 use crate::saddle::Pair;
-use crate::saddle::batch::{AsDefined, GradientMeasure, LANES, Lanes, V};
+use crate::saddle::batch::{GradientMeasure, LANES, Lanes, V};
 use std::ops::{Add, Mul};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -139,12 +139,12 @@ impl<'a> Evaluator<'a> {
         mut judge: impl FnMut(&mut Level, GradientMeasure),
     ) -> [f64; LANES] {
         let (at, measure) = (&mut self.levels[level], self.variant.measure.in_lanes());
-        at.lanes.sweep(&mut AsDefined);
+        at.lanes.sweep();
         let early = self.variant.residual == ResidualTime::BeforeDual;
         if early {
             judge(at, measure);
         }
-        let change = at.lanes.step([true; LANES], &mut AsDefined);
+        let change = at.lanes.step([true; LANES]);
         if !early {
             judge(at, measure);
         }

@@ -137,7 +137,7 @@ mod tests {
     use crate::problem::law::Law;
     use crate::problem::source::Source;
     use crate::problem::{cube::Exact as OnCube, exact::Exact};
-    use crate::saddle::batch::{AsDefined, Job, JobGoal, run};
+    use crate::saddle::batch::{Job, JobGoal, run};
     use crate::saddle::{Method, Pair, StopRule};
     use crate::spectral::{SpectralParams, spectral};
     use std::fmt::Debug;
@@ -202,7 +202,7 @@ mod tests {
                     jobs.push(Job { load: &load, start: &start, method, r, goal, cap: 300 });
                 }
             }
-            run(grid, Law::SIGNORINI, &jobs, &mut AsDefined)
+            run(grid, Law::SIGNORINI, &jobs)
         });
     }
 

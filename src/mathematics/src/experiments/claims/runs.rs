@@ -7,9 +7,7 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
-use crate::saddle::batch::{
-    AsDefined, End, Job, JobGoal, LANES, Nested, NestedGrids, run, run_nested,
-};
+use crate::saddle::batch::{End, Job, JobGoal, LANES, Nested, NestedGrids, run, run_nested};
 use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz};
 use rayon::prelude::*;
 
@@ -160,7 +158,7 @@ impl<'a> ClaimCase<'a> {
         let runs: Vec<_> = batch.iter().map(|run| Nested { loads, r: run.r, rule }).collect();
         let (limit, prolongation) = (self.problem.max_iterations, self.problem.prolongation);
         let grids = NestedGrids { grids: &self.grids, prolongation };
-        let ends = run_nested(grids, self.law, &runs, |_, _| limit, &mut AsDefined);
+        let ends = run_nested(grids, self.law, &runs, |_, _| limit);
         let mut results = Vec::new();
         for ends in &ends {
             let on_grids = self.grids.iter().zip(loads).zip(ends);
@@ -190,7 +188,7 @@ impl<'a> ClaimCase<'a> {
             let goal = JobGoal::Kkt(target);
             jobs.push(Job { load, start, method, r: run.r, goal, cap: plan.cap });
         }
-        let ends = run(grid, self.law, &jobs, &mut AsDefined);
+        let ends = run(grid, self.law, &jobs);
         ends.iter().map(|end| vec![self.result(grid, load, end)]).collect()
     }
 
@@ -217,8 +215,7 @@ impl<'a> ClaimCase<'a> {
             let goal = JobGoal::Kkt(target);
             jobs.push(Job { load, start, method, r: R_OF_WEIGHTS, goal, cap: plan.cap });
         }
-        let mut counts: Vec<_> =
-            run(grid, self.law, &jobs, &mut AsDefined).iter().map(Count::of).collect();
+        let mut counts: Vec<_> = run(grid, self.law, &jobs).iter().map(Count::of).collect();
         let arrow_hurwicz = counts.pop().expect("one run more than weights");
         WeightRow { problem: self.problem.number, cells: grid.cells(), counts, arrow_hurwicz }
     }

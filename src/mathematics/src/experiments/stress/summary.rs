@@ -135,7 +135,7 @@ impl StressSummary {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{RandomProblems, Series, StressPlan, Tally};
+    use super::super::{LoadNoise, RandomProblems, Series, StressPlan, Tally};
     use super::*;
     use crate::discrete::load::LoadRule;
     use crate::discrete::transfer::Prolongation;
@@ -246,6 +246,7 @@ mod tests {
                 unsolved: 0,
                 wrong: 0,
             },
+            load_noise: LoadNoise::default(),
             tally: Tally::default(),
             summary: StressSummary::default(),
         }

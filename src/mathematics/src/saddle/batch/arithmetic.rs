@@ -1,4 +1,4 @@
-//! Numbers of all lanes, and the operations of the iteration that may be rounded in other ways.
+//! Numbers of all lanes.
 
 use super::LANES;
 use crate::problem::law::Law;
@@ -66,40 +66,3 @@ impl V {
         Self(self.0.map(|flux| law.project(flux)))
     }
 }
-
-/// Operations of the iteration, in all lanes at once, that an arithmetic may round in its own way; the defaults are those
-/// of [`Plain`](crate::saddle::Plain).
-///
-/// All other operations are exact but for one rounding each: the mesh width and the diagonals are powers of two.
-pub trait Arithmetic {
-    /// `load + east + north + south + west`.
-    #[inline(always)]
-    fn star(&mut self, [load, east, north, south, west]: [V; 5]) -> V {
-        (((load + east) + north) + south) + west
-    }
-    /// `load + first + second + third`: the neighbours of a boundary node times their weights.
-    #[inline(always)]
-    fn edge(&mut self, [load, first, second, third]: [V; 4]) -> V {
-        ((load + first) + second) + third
-    }
-    /// `a - r y`.
-    #[inline(always)]
-    fn step(&mut self, a: f64, r: f64, y: f64) -> f64 {
-        a - r * y
-    }
-    /// The new values of a node.
-    #[inline(always)]
-    fn node(&mut self, y: V) -> V {
-        y
-    }
-    /// A run enters a lane.
-    fn enter(&mut self, _lane: usize, _run: usize) {}
-    /// It leaves it again.
-    fn leave(&mut self, _lane: usize, _run: usize) {}
-}
-
-/// Every operation as [`Plain`](crate::saddle::Plain) defines it.
-#[derive(Clone, Copy, Debug)]
-pub struct AsDefined;
-
-impl Arithmetic for AsDefined {}

@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{Arithmetic, V};
+use super::arithmetic::V;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -88,9 +88,9 @@ const INSIDE: u32 = u32::MAX;
 
 /// (9) at an interior node: `centre` times the sum of the terms.
 #[inline(always)]
-fn relaxed(centre: V, terms: [V; 5], arithmetic: &mut impl Arithmetic) -> V {
-    let sum = arithmetic.star(terms);
-    arithmetic.node(centre * sum)
+fn relaxed(centre: V, terms: [V; 5]) -> V {
+    let [load, east, north, south, west] = terms;
+    centre * ((((load + east) + north) + south) + west)
 }
 
 impl Lanes {
@@ -198,51 +198,51 @@ impl Lanes {
     }
 
     /// (9)-(11) in every lane.
-    pub fn sweep(&mut self, arithmetic: &mut impl Arithmetic) {
+    pub fn sweep(&mut self) {
         vectorised(
             #[inline(always)]
-            || self.sweep_inline(arithmetic),
+            || self.sweep_inline(),
         );
     }
 
     #[inline(always)]
-    fn sweep_inline(&mut self, arithmetic: &mut impl Arithmetic) {
+    fn sweep_inline(&mut self) {
         let (n, all) = (self.grid.cells(), self.edges.len());
         match self.order {
             Order::Lexicographic => {
-                self.relax_boundary(0, n + 1, arithmetic);
+                self.relax_boundary(0, n + 1);
                 // Two boundary nodes in each row between the first and the last.
                 let ends = |j: usize| n + 1 + 2 * (j - 1);
                 let mut j = 1;
                 while j + 1 < n {
-                    self.relax_boundary(ends(j), 1, arithmetic);
-                    self.relax_boundary(ends(j + 1), 1, arithmetic);
-                    self.relax_two_rows(j, arithmetic);
-                    self.relax_boundary(ends(j) + 1, 1, arithmetic);
-                    self.relax_boundary(ends(j + 1) + 1, 1, arithmetic);
+                    self.relax_boundary(ends(j), 1);
+                    self.relax_boundary(ends(j + 1), 1);
+                    self.relax_two_rows(j);
+                    self.relax_boundary(ends(j) + 1, 1);
+                    self.relax_boundary(ends(j + 1) + 1, 1);
                     j += 2;
                 }
                 if j < n {
-                    self.relax_boundary(ends(j), 1, arithmetic);
-                    self.relax_row(j, arithmetic);
-                    self.relax_boundary(ends(j) + 1, 1, arithmetic);
+                    self.relax_boundary(ends(j), 1);
+                    self.relax_row(j);
+                    self.relax_boundary(ends(j) + 1, 1);
                 }
-                self.relax_boundary(all - n - 1, n + 1, arithmetic);
+                self.relax_boundary(all - n - 1, n + 1);
             }
             Order::BoundaryFirst => {
-                self.relax_boundary(0, all, arithmetic);
-                (1..n).for_each(|j| self.relax_row(j, arithmetic));
+                self.relax_boundary(0, all);
+                (1..n).for_each(|j| self.relax_row(j));
             }
             Order::InteriorFirst => {
-                (1..n).for_each(|j| self.relax_row(j, arithmetic));
-                self.relax_boundary(0, all, arithmetic);
+                (1..n).for_each(|j| self.relax_row(j));
+                self.relax_boundary(0, all);
             }
         }
     }
 
     /// (9) at the interior nodes of row `j`.
     #[inline(always)]
-    fn relax_row(&mut self, j: usize, arithmetic: &mut impl Arithmetic) {
+    fn relax_row(&mut self, j: usize) {
         let side = self.grid.side();
         let load = if self.regularised { &self.target } else { &self.load };
         let (below, rest) = self.y.split_at_mut(j * side);
@@ -251,8 +251,7 @@ impl Lanes {
         let (row, load) = (&mut row[..side], &load[j * side..][..side]);
         let mut west = row[0];
         for i in 1..side - 1 {
-            west =
-                relaxed(self.centre, [load[i], row[i + 1], north[i], south[i], west], arithmetic);
+            west = relaxed(self.centre, [load[i], row[i + 1], north[i], south[i], west]);
             row[i] = west;
         }
     }
@@ -260,7 +259,7 @@ impl Lanes {
     /// (9) at the interior nodes of rows `j` and `j + 1`, the upper one column behind the lower: neither waits for
     /// the other, and each node finds the values that it finds row by row.
     #[inline(always)]
-    fn relax_two_rows(&mut self, j: usize, arithmetic: &mut impl Arithmetic) {
+    fn relax_two_rows(&mut self, j: usize) {
         let side = self.grid.side();
         let load = if self.regularised { &self.target } else { &self.load };
         let (below, rest) = self.y.split_at_mut(j * side);
@@ -269,33 +268,27 @@ impl Lanes {
         let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
         let [lower_load, upper_load] = [j, j + 1].map(|j| &load[j * side..][..side]);
         let centre = self.centre;
-        lower[1] =
-            relaxed(centre, [lower_load[1], lower[2], upper[1], south[1], lower[0]], arithmetic);
+        lower[1] = relaxed(centre, [lower_load[1], lower[2], upper[1], south[1], lower[0]]);
         let [mut west, mut west_above] = [lower[1], upper[0]];
         for i in 2..side - 1 {
             let (before, beside) = (west, upper[i]);
-            west =
-                relaxed(centre, [lower_load[i], lower[i + 1], beside, south[i], west], arithmetic);
-            west_above = relaxed(
-                centre,
-                [upper_load[i - 1], beside, north[i - 1], before, west_above],
-                arithmetic,
-            );
+            west = relaxed(centre, [lower_load[i], lower[i + 1], beside, south[i], west]);
+            west_above =
+                relaxed(centre, [upper_load[i - 1], beside, north[i - 1], before, west_above]);
             (lower[i], upper[i - 1]) = (west, west_above);
         }
         let i = side - 2;
-        upper[i] =
-            relaxed(centre, [upper_load[i], upper[i + 1], north[i], west, west_above], arithmetic);
+        upper[i] = relaxed(centre, [upper_load[i], upper[i + 1], north[i], west, west_above]);
     }
 
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
     #[inline(always)]
-    fn relax_boundary(&mut self, first: usize, count: usize, arithmetic: &mut impl Arithmetic) {
+    fn relax_boundary(&mut self, first: usize, count: usize) {
         let load = if self.regularised { &self.target } else { &self.load };
         for edge in &self.edges[first..first + count] {
             let node = edge.node as usize;
             let [first, second, third] = edge.terms(&self.y);
-            let sum = arithmetic.edge([load[node], first, second, third]);
+            let sum = ((load[node] + first) + second) + third;
             let ([diagonal, inverse], h) = match edge.is_corner {
                 false => (&self.edge, self.weights[0]),
                 true => (&self.corner, self.weights[1]),
@@ -322,29 +315,25 @@ impl Lanes {
                     V(from_fn(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
                 }
             };
-            self.y[node] = arithmetic.node(next);
+            self.y[node] = next;
         }
     }
 
     /// (12) in the lanes that step, and the largest change in each; NaN if a value is no longer finite.
-    pub fn step(&mut self, steps: [bool; LANES], arithmetic: &mut impl Arithmetic) -> [f64; LANES] {
+    pub fn step(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
         vectorised(
             #[inline(always)]
-            || self.step_inline(steps, arithmetic),
+            || self.step_inline(steps),
         )
     }
 
     #[inline(always)]
-    fn step_inline(
-        &mut self,
-        steps: [bool; LANES],
-        arithmetic: &mut impl Arithmetic,
-    ) -> [f64; LANES] {
+    fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
         let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
         let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
         for edge in &self.edges {
             let (y, a) = (self.y[edge.node as usize], &mut self.a[edge.place as usize]);
-            let next = V(from_fn(|l| arithmetic.step(a.0[l], self.r.0[l], y.0[l])));
+            let next = *a - self.r * y;
             let next = V(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);

@@ -4,13 +4,13 @@
 //! side by side cost less than three one after the other, and rows in pairs shorten the wait. A run's
 //! stopping rule is first tried at the node that broke it last; all nodes are tried only when that one no
 //! longer does. Iterates and counts are those of [`solve`](crate::saddle::solve) to the last bit, unless
-//! another arithmetic is asked for, or values of Uzawa's method are not finite: that run ends at its cap.
+//! values of Uzawa's method are not finite: that run ends at its cap.
 
 mod arithmetic;
 mod lanes;
 mod measure;
 
-pub use arithmetic::{Arithmetic, AsDefined, V};
+pub use arithmetic::V;
 pub use lanes::{LaneStart, Lanes, Order};
 pub use measure::GradientMeasure;
 
@@ -84,7 +84,7 @@ impl End {
 ///
 /// # Panics
 /// If a load vector or a start has the wrong length for `grid`.
-pub fn run(grid: Grid, law: Law, jobs: &[Job], arithmetic: &mut impl Arithmetic) -> Vec<End> {
+pub fn run(grid: Grid, law: Law, jobs: &[Job]) -> Vec<End> {
     let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
     let mut waiting = jobs.iter().enumerate();
     let mut lanes = Lanes::new(grid, law, Order::Lexicographic, 1.0);
@@ -96,18 +96,17 @@ pub fn run(grid: Grid, law: Law, jobs: &[Job], arithmetic: &mut impl Arithmetic)
             if let Some((number, job)) = waiting.next() {
                 let &Job { load, start, method, r, .. } = job;
                 lanes.enter(lane, &LaneStart { r, load, weight: method.weight(), start });
-                arithmetic.enter(lane, number);
                 *run = Some(LaneRun::new(number, job));
             }
         }
         if runs.iter().all(Option::is_none) {
             return ends.into_iter().flatten().collect();
         }
-        lanes.sweep(arithmetic);
+        lanes.sweep();
         let inner = from_fn(|lane| runs[lane].as_ref().and_then(|run| run.inner));
         let within = lanes.all_within(GradientMeasure::Inner, inner, &mut inner_witnesses);
         let steps = from_fn(|lane| runs[lane].is_some() && (inner[lane].is_none() || within[lane]));
-        let changes = lanes.step(steps, arithmetic);
+        let changes = lanes.step(steps);
         let loose = |lane: usize| steps[lane] && runs[lane].as_ref().is_some_and(LaneRun::is_loose);
         let gradients = (0..LANES).any(loose).then(|| lanes.worst(GradientMeasure::Printed));
         for lane in 0..LANES {
@@ -122,7 +121,6 @@ pub fn run(grid: Grid, law: Law, jobs: &[Job], arithmetic: &mut impl Arithmetic)
             }
             if let Some(stop) = run.stop(&lanes, lane, steps[lane]) {
                 let LaneRun { sweeps, delta_a, number, .. } = *run;
-                arithmetic.leave(lane, number);
                 ends[number] = Some(End { sweeps, stop, delta_a, pair: lanes.pair(lane) });
                 runs[lane] = None;
             }
@@ -212,7 +210,6 @@ pub fn run_nested(
     law: Law,
     runs: &[Nested],
     cap: impl Fn(usize, usize) -> usize,
-    arithmetic: &mut impl Arithmetic,
 ) -> Vec<Vec<End>> {
     let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
     let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
@@ -230,7 +227,7 @@ pub fn run_nested(
                 cap: cap(number, k),
             })
             .collect();
-        let ends = run(grid, law, &jobs, arithmetic);
+        let ends = run(grid, law, &jobs);
         for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
             if k + 1 < grids.len() {
                 *pair = end.pair.prolonged(grid, prolongation);
@@ -266,7 +263,7 @@ mod tests {
             Job { load: &load, start: &start, method, r, goal, cap: 1000 }
         };
         for law in laws() {
-            let ends = run(grid, law, &all().map(job).collect::<Vec<_>>(), &mut AsDefined);
+            let ends = run(grid, law, &all().map(job).collect::<Vec<_>>());
             for ((r, rule), ours) in all().zip(ends) {
                 let params =
                     Params { r, rule, tolerance: 1e-4, max_iterations: 1000, ..Params::default() };
@@ -291,7 +288,7 @@ mod tests {
                 // One sweep leaves numbers before the node; a cap of none is one as well.
                 for cap in [0, 1] {
                     let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap };
-                    let end = &run(grid, Law::SIGNORINI, &[job], &mut AsDefined)[0];
+                    let end = &run(grid, Law::SIGNORINI, &[job])[0];
                     assert!(end.stop != StopReason::Converged, "node {node}, {goal:?}");
                     assert_eq!(end.sweeps, 1);
                 }
@@ -309,7 +306,7 @@ mod tests {
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
         for law in laws() {
-            for (job, ours) in jobs.iter().zip(run(grid, law, &jobs, &mut AsDefined)) {
+            for (job, ours) in jobs.iter().zip(run(grid, law, &jobs)) {
                 let params = Params {
                     method: job.method,
                     r: job.r,
