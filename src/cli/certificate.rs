@@ -1,11 +1,14 @@
-//! `certificate`: a CODECHECK bundle, a page on it and an RO-Crate of the run, for a reviewer to attach to a review.
+//! `certificate`: a record of the run for a reviewer to attach to a review: a page on it, an RO-Crate, and a CODECHECK
+//! manifest if the run has a table of the paper.
 
+mod bundle;
 mod checkout;
 mod contents;
 mod machine;
+mod reviewer;
 
 use super::diff::comparisons;
-use super::output::{OutputFile, is_there, say, talk};
+use super::output::{is_there, say, talk};
 use super::pipeline::{Scope, Workplace, outside_report};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
@@ -13,11 +16,11 @@ use crate::pipeline::{LockFile, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::stages::report;
 use crate::timing::machine::COMPILER;
-use checkout::Checkout;
+use checkout::{Checkout, without_places};
 use clap::Args;
 use contents::{File, differing, files, inputs, reservations, sentences};
+use reviewer::{NOBODY, Reviewer};
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use tera::{Context, Kwargs, State, Tera};
 
@@ -27,19 +30,12 @@ const TITLE: &str = "The study semicoercive Signorini problem by Arrow-Hurwicz m
 const DEVELOPERS: &str = "The signorini developers";
 const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
 
-/// Commands that make the files of the bundle, each with its effect in words.
-const COMMANDS: [(&str, &str); 4] = [
-    (
-        "cargo run --release -- run --locked",
-        "fails if one hash differs from those in pipeline/lock.toml",
-    ),
-    ("cargo run --release -- diff", "shows both tables cell by cell"),
-    ("cargo run --release -- certificate", "writes these files"),
-    ("cargo test --release", "tests the program"),
+/// Commands that make the files of the bundle, each with its effect in words and true if it needs a published table.
+const COMMANDS: [(&str, &str, bool); 3] = [
+    ("signorini run --locked", "fails if one hash differs from those in pipeline/lock.toml", false),
+    ("signorini diff", "shows the tables cell by cell beside the published ones", true),
+    ("signorini certificate", "writes these files", false),
 ];
-
-/// Name of a codechecker who gives none.
-const NOBODY: &str = "(name of the codechecker)";
 
 #[derive(Args)]
 pub(super) struct CertificateArgs {
@@ -55,7 +51,7 @@ pub(super) struct CertificateArgs {
     /// Where the code is published
     #[arg(long, value_name = "URL", default_value = "not published yet")]
     repository: String,
-    /// Overwrite a codecheck.yml that is there already
+    /// Replace an earlier bundle, or what is left of one; files edited since stay, but for codecheck.yml
     #[arg(short, long)]
     force: bool,
     #[command(flatten)]
@@ -63,46 +59,31 @@ pub(super) struct CertificateArgs {
 }
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
-    args.orcid.as_deref().map_or(Ok(()), check_orcid)?;
+    let reviewer = Reviewer::read(args)?;
     let workplace = Workplace::open(&args.cache)?;
     let folder = match &args.output {
         Some(folder) => is_there(folder).map(|()| folder.clone())?,
         None => workplace.project.root.join("codecheck"),
     };
     outside_report(&workplace.project.root, &folder, "the certificate")?;
-    if !args.force && folder.join(MANIFEST).exists() {
-        return Err(Error::input(format!(
-            "{} is there already; move it away, or overwrite it with --force",
-            folder.join(MANIFEST).display()
-        )));
+    if !args.force {
+        refuse_earlier(&folder)?;
     }
     let summary = up_to_date(&workplace)?;
     let tables = comparisons(&workplace, &summary.manifests)?;
-    let mut files = files(&workplace, &summary, &tables)?;
+    let files = files(&workplace, &summary, &tables)?;
+    let mut context = context(&workplace, &summary, &tables, &files)?;
+    context.insert("reviewer", &reviewer);
+    context.insert("agent", &reviewer.id());
+    let checkout = checkout(&workplace, &mut context);
     let count = files.len();
-    let mut context = context(args, &workplace, &summary, &tables, &files)?;
-    let project = &workplace.project;
-    let paths: Vec<&str> = project.files.keys().map(String::as_str).collect();
-    let checkout = Checkout::of(&project.root, &paths, LOCK_FILE);
-    let inputs = inputs(project);
-    context.insert("input_files", &inputs);
-    files.extend(inputs);
-    context.insert("checkout", &checkout.as_ref().ok());
-    context.insert("no_checkout", &checkout.as_ref().err());
-    let page = render(include_str!("certificate/certificate.md.tera"), &context);
-    files.push(File::new(PAGE, "what matched and how exactly, on one page", page.into_bytes()));
-    context.insert("page", &files.last());
-    context.insert("parts", &files);
-    let record = render(include_str!("certificate/ro_crate.json.tera"), &context);
-    files.push(File::new(RECORD, "", record.into_bytes()));
-    context.insert("record", &files.last());
-    let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
-    files.push(File::new(MANIFEST, "", manifest.into_bytes()));
-    write(&folder, &files)?;
+    let bundle = bundle(&workplace, files, context, !tables.is_empty());
+    bundle::write(&folder, &bundle, args.force)?;
     let here = current_folder()?;
     let shown = folder.strip_prefix(&here).unwrap_or(&folder);
-    let written = [PAGE, MANIFEST, RECORD].map(|name| format!("{}\n", shown.join(name).display()));
-    say(&written.concat())?;
+    let named = [PAGE, MANIFEST, RECORD].into_iter();
+    let written = named.filter(|name| bundle.iter().any(|file| file.path == *name));
+    say(&written.map(|name| format!("{}\n", shown.join(name).display())).collect::<String>())?;
     talk(&format!("{count} files with their hashes"));
     for table in &tables {
         talk(&format!(
@@ -114,61 +95,57 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
             table.rows.len()
         ));
     }
-    if let Err(why) = &checkout {
+    if let Err(why) = checkout {
         talk(&format!("warning: the certificate names no commit: {why}"));
     }
     Ok(0)
 }
 
-/// Refuses a text that is no ORCID.
-fn check_orcid(id: &str) -> Result<()> {
-    let groups: Vec<usize> = id.split('-').map(str::len).collect();
-    if groups == [4; 4] && orcid_sum(&id.replace('-', "")) == Some(1) {
-        return Ok(());
+/// Refuses a folder with an earlier bundle.
+fn refuse_earlier(folder: &Path) -> Result<()> {
+    match [MANIFEST, RECORD].map(|name| folder.join(name)).iter().find(|path| path.exists()) {
+        Some(path) => Err(Error::input(format!(
+            "{} is there already; move it away, or overwrite it with --force",
+            path.display()
+        ))),
+        None => Ok(()),
     }
-    Err(Error::input(format!(
-        "--orcid {id}: no ORCID, or mistyped, for its check digit is another; write it as 0000-0002-1825-0097"
-    )))
 }
 
-/// Returns the check sum of an ORCID by ISO 7064 MOD 11-2, which is 1 for a valid one: sum of the digits, each times two
-/// to the number of digits after it, modulo 11. The last digit may be X for ten; `None` if another is no digit.
-fn orcid_sum(digits: &str) -> Option<u32> {
-    let mut sum = 0;
-    for (place, digit) in digits.chars().enumerate() {
-        let value = if (place, digit) == (15, 'X') { 10 } else { digit.to_digit(10)? };
-        sum = (2 * sum + value) % 11;
-    }
-    Some(sum)
+/// Adds the commit to the data of the templates, or the reason why none can be named, and returns the reason.
+fn checkout(workplace: &Workplace, context: &mut Context) -> std::result::Result<(), String> {
+    let project = &workplace.project;
+    let paths: Vec<&str> = project.files.keys().map(String::as_str).collect();
+    let checkout = Checkout::of(&project.root, &paths, LOCK_FILE);
+    context.insert("checkout", &checkout.as_ref().ok());
+    context.insert("no_checkout", &checkout.as_ref().err().map(|why| without_places(why)));
+    checkout.map(|_| ())
 }
 
-/// Writes all files of the bundle, or none if a file that a certificate has not written would be overwritten.
-fn write(folder: &Path, files: &[File]) -> Result<()> {
-    let before = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
-    let mut checked = Vec::new();
-    for file in files {
-        let path = folder.join(&file.path);
-        match fs::read(&path) {
-            Err(e) if e.kind() == ErrorKind::NotFound => {}
-            Ok(found)
-                if found == file.bytes
-                    || file.path == MANIFEST
-                    || before.contains(&hash(&found)) => {}
-            _ => {
-                return Err(Error::input(format!(
-                    "{} is there already and not as a certificate wrote it; move it away, or name another folder with --output",
-                    path.display()
-                )));
-            }
-        }
-        let parent = path.parent().expect("a file lies in a folder");
-        fs::create_dir_all(parent).context("create", parent)?;
-        checked.push(OutputFile::check(&path)?);
+/// Returns all files of the bundle: the results, the inputs, the page, the record, and the manifest if there is a
+/// published table, without which nobody checks the code of a paper.
+fn bundle(
+    workplace: &Workplace,
+    results: Vec<File>,
+    mut context: Context,
+    is_compared: bool,
+) -> Vec<File> {
+    let mut files = results;
+    let inputs = inputs(&workplace.project);
+    context.insert("input_files", &inputs);
+    files.extend(inputs);
+    let page = render(include_str!("certificate/certificate.md.tera"), &context);
+    files.push(File::new(PAGE, "what the run made, and how, on one page", page.into_bytes()));
+    context.insert("page", &files.last());
+    context.insert("parts", &files);
+    let record = render(include_str!("certificate/ro_crate.json.tera"), &context);
+    files.push(File::new(RECORD, "", record.into_bytes()));
+    if is_compared {
+        context.insert("record", &files.last());
+        let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
+        files.push(File::new(MANIFEST, "", manifest.into_bytes()));
     }
-    for (checked, file) in checked.iter().zip(files) {
-        checked.write(&file.bytes)?;
-    }
-    Ok(())
+    files
 }
 
 /// Path of the lock file in the project, in the form that git takes.
@@ -209,19 +186,26 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     )))
 }
 
-/// Returns the data of the templates, but what is known of their files only after they are made.
+/// Returns the data of the templates, but for what is known of the user and of git, and of files only after they are
+/// made.
 fn context(
-    args: &CertificateArgs,
     workplace: &Workplace,
     summary: &Summary,
     tables: &[TableComparison],
     files: &[File],
 ) -> Result<Context> {
     let project = &workplace.project;
+    let is_compared = !tables.is_empty();
     let inputs: Vec<_> = project.files.iter().map(|(path, bytes)| (path, hash(bytes))).collect();
-    let span = workplace.store.span(summary.manifests.keys())?;
     let lock = LockFile::path(&project.root);
     let lock_file = summary.lock_file();
+    let reservations = if is_compared { reservations(project) } else { Vec::new() };
+    let sentences = sentences(project, tables);
+    let name = match is_compared {
+        true => format!("Replication of {AUTHOR}, {TITLE}"),
+        false => "A run of signorini".into(),
+    };
+    let commands = COMMANDS.iter().filter(|(_, _, of_tables)| is_compared || !of_tables);
     let context = Context::from_serialize(&serde_json::json!({
         "author": AUTHOR,
         "developers": DEVELOPERS,
@@ -230,24 +214,16 @@ fn context(
         "version": env!("CARGO_PKG_VERSION"),
         "compiler": COMPILER,
         "program": env!("SIGNORINI_PROGRAM"),
-        "commands": COMMANDS,
-        "codechecker": args.name,
-        "is_named": args.name != NOBODY,
-        "orcid": args.orcid,
-        "repository": args.repository,
-        "is_published": args.repository.starts_with("http"),
+        "commands": commands.collect::<Vec<_>>(),
         "time": machine::check_time()?,
-        "start": machine::utc(span.start),
-        "end": machine::utc(span.end),
         "machine": machine::description(),
         "libraries": report::versions(),
-        "summary": sentences(tables),
         "tables": tables,
         "differing": tables.iter().flat_map(differing).collect::<Vec<_>>(),
-        "reservations": reservations(project),
-        "name": format!("Replication of {AUTHOR}, {TITLE}"),
-        "description": format!("{} {}", sentences(tables), reservations(project).join(" ")),
-        "place": place(),
+        "name": name,
+        "description": format!("{sentences} {}", reservations.join(" ")).trim_end(),
+        "summary": sentences,
+        "reservations": reservations,
         "build": format!("Built by {COMPILER} from sources with blake3 {}", env!("SIGNORINI_PROGRAM")),
         "files": files,
         "inputs": inputs,
@@ -256,15 +232,6 @@ fn context(
         "lock_hash": hash(&fs::read(&lock).context("read", &lock)?),
     }));
     Ok(context.expect("plain data"))
-}
-
-/// Returns the machine in one line.
-fn place() -> String {
-    let mut parts = Vec::new();
-    for (name, value) in machine::description() {
-        parts.push(format!("{name}: {value}"));
-    }
-    parts.join("; ")
 }
 
 fn render(template: &str, context: &Context) -> String {

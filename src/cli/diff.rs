@@ -36,6 +36,11 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
     let tables = comparisons(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
+    if tables.is_empty() {
+        return Err(Error::input(
+            "no scene has a `paper_table`; add one to compare with the paper",
+        ));
+    }
     if args.json {
         say_json(&DiffJson { schema: 1, tables: &tables })?;
     } else {
@@ -57,11 +62,6 @@ pub(super) fn comparisons(
             Error::input(format!("{}: {e}; do `signorini run --force`", manifest.task))
         })?;
         tables.push(table);
-    }
-    if tables.is_empty() {
-        return Err(Error::input(
-            "no scene has a `paper_table`; add one to compare with the paper",
-        ));
     }
     tables.sort_by_key(|table| table.table);
     Ok(tables)

@@ -129,9 +129,12 @@ enum Command {
     /// Build the book, and open it with --open
     Report(report::ReportArgs),
     /// Write what a reviewer attaches to a review: CODECHECK files and an RO-Crate
-    #[command(after_help = "Only for a run that is up to date.\n\
+    #[command(
+        after_help = "Only for a run that is up to date. If no scene has a `paper_table`, it is an RO-Crate \
+        of the run\nwith a page on it, without the files of CODECHECK.\n\
         Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
-        signorini certificate --output ../review")]
+        signorini certificate --output ../review"
+    )]
     Certificate(certificate::CertificateArgs),
     /// List the scenes, the solvers, and the problems with known solutions
     List(list::ListArgs),

@@ -88,7 +88,7 @@ pub(super) fn is_temporary(name: &str) -> bool {
 /// Returns the temporary files and folders in those of these folders that can be read.
 ///
 /// If no run is at work, runs that were killed have left them.
-pub(super) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+pub(crate) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     let mut leftovers = Vec::new();
     for entries in folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()) {
         for entry in entries.flatten() {
@@ -109,7 +109,7 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
 }
 
 /// Removes a file, and the folders up to `top` that it leaves empty.
-pub(super) fn remove_from(top: &Path, file: &Path) -> Result<()> {
+pub(crate) fn remove_from(top: &Path, file: &Path) -> Result<()> {
     fs::remove_file(file).context("remove", file)?;
     for folder in file.ancestors().skip(1).take_while(|folder| *folder != top) {
         // Fails for a folder that is not empty.

@@ -213,7 +213,7 @@ fn refuse_second_of_a_table(scenes: &[Scene]) -> Result<()> {
 }
 
 /// Folder of the scenes in the project.
-const SCENES: &str = "pipeline/scenes";
+pub const SCENES: &str = "pipeline/scenes";
 
 /// Reads every `pipeline/scenes/*.toml` with a `wanted` name, sorted by name.
 fn read_scenes(root: &Path, wanted: impl Fn(&str) -> bool) -> Result<(Vec<Scene>, Artifacts)> {

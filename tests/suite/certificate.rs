@@ -53,6 +53,12 @@ impl Place {
         for file in ["GIT_CONFIG_GLOBAL", "GIT_CONFIG_SYSTEM"] {
             git.env(file, "/dev/null");
         }
+        // A hook that runs these tests names a repository, in which nothing is to be changed.
+        for name in
+            ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_OBJECT_DIRECTORY", "GIT_PREFIX"]
+        {
+            git.env_remove(name);
+        }
         let said = git.output().unwrap();
         assert!(said.status.success(), "{args:?}: {said:?}");
         String::from_utf8(said.stdout).unwrap().trim().to_owned()
@@ -90,21 +96,23 @@ fn assert_says(page: &str, parts: &[&str]) {
     assert!(!page.contains("authors'"), "{page}");
 }
 
-/// What a page says of a whole project in a commit of the repository in `folder`.
-fn whole(folder: &Path, commit: &str) -> [String; 3] {
-    let folder = folder.canonicalize().unwrap();
+/// What a page says of a whole project in a commit of its repository, in which it is this folder.
+fn whole(folder: &str, commit: &str) -> [String; 3] {
+    let folder = match folder {
+        "" => String::new(),
+        folder => format!(", in which it is the folder `{folder}`"),
+    };
     [
         format!(
-            "checked out from commit `{commit}` of the git repository in `{}`, without changes",
-            folder.display()
+            "checked out from commit `{commit}` of its git repository{folder}, without changes"
         ),
-        "Of the 2 inputs, all are as in this commit.".into(),
+        "Of the 2 inputs under `pipeline/`, all are as in this commit.".into(),
         format!(", which is the one in commit `{commit}`."),
     ]
 }
 
 #[track_caller]
-fn assert_whole((page, warnings): (String, String), folder: &Path, commit: &str) {
+fn assert_whole((page, warnings): (String, String), folder: &str, commit: &str) {
     let parts = whole(folder, commit);
     assert_says(&page, &parts.each_ref().map(String::as_str));
     assert!(!warnings.contains("warning"), "{warnings}");
@@ -114,7 +122,7 @@ fn assert_whole((page, warnings): (String, String), folder: &Path, commit: &str)
 fn a_certificate_says_which_files_are_those_of_the_commit() {
     let place = Place::new();
     let first = place.repository("study");
-    assert_whole(place.certificate("study", &[]), &place.path("study"), &first);
+    assert_whole(place.certificate("study", &[]), "", &first);
     place.edit_and_run("study");
     let edited = |page: &str| {
         let lock = format!("is **not** the one in commit `{first}`");
@@ -134,9 +142,9 @@ fn a_certificate_says_which_files_are_those_of_the_commit() {
     edited(&place.certificate("study", &[]).0);
     // The reader's own commit is as good as another; whose it is cannot be known.
     let own = place.commit("study");
-    assert_whole(place.certificate("study", &[]), &place.path("study"), &own);
+    assert_whole(place.certificate("study", &[]), "", &own);
     place.git("study", &["checkout", "-q", "--detach"]);
-    assert_whole(place.certificate("study", &[]), &place.path("study"), &own);
+    assert_whole(place.certificate("study", &[]), "", &own);
     place.git("study", &["rm", "-q", "--cached", "pipeline/lock.toml"]);
     place.git("study", &["commit", "-qm", "without"]);
     let without = place.git("study", &["rev-parse", "HEAD"]);
@@ -182,7 +190,7 @@ fn a_foreign_repository_around_the_project_is_not_taken_for_its_own() {
     let hook = hook.each_ref().map(|(name, path)| (*name, path.to_str().unwrap()));
     let index = [("GIT_INDEX_FILE", "/nonexistent"), ("GIT_PREFIX", "study/")];
     for env in [&hook[..1], &hook, &index] {
-        assert_whole(place.certificate("study", env), &place.path("study"), &own);
+        assert_whole(place.certificate("study", env), "", &own);
     }
 }
 
@@ -193,10 +201,10 @@ fn projects_in_folders_work_trees_and_submodules_have_their_commit() {
     fs::write(place.path("thesis.tex"), "one").unwrap();
     let outer = place.repository(".");
     fs::write(place.path("thesis.tex"), "two").unwrap();
-    assert_whole(place.certificate("study", &[]), &place.path("."), &outer);
+    assert_whole(place.certificate("study", &[]), "study", &outer);
     place.git(".", &["worktree", "add", "-q", "--detach", "tree"]);
     place.signorini("tree/study", &["run"], &[]).lines();
-    assert_whole(place.certificate("tree/study", &[]), &place.path("tree"), &outer);
+    assert_whole(place.certificate("tree/study", &[]), "study", &outer);
     copy(&place.path("study"), &place.path("inner"));
     let inner = place.repository("inner");
     fs::create_dir(place.path("super")).unwrap();
@@ -204,7 +212,7 @@ fn projects_in_folders_work_trees_and_submodules_have_their_commit() {
     place.git("super", &["submodule", "--quiet", "add", "../inner", "sub"]);
     place.commit("super");
     place.signorini("super/sub", &["run"], &[]).lines();
-    assert_whole(place.certificate("super/sub", &[]), &place.path("super/sub"), &inner);
+    assert_whole(place.certificate("super/sub", &[]), "", &inner);
 }
 
 #[test]
@@ -218,11 +226,13 @@ fn where_git_names_no_commit_the_certificate_says_why() {
         assert!(said.lines().last().is_some_and(|line| line.starts_with(&warning)), "{said}");
         let yaml = fs::read_to_string(place.path("study/codecheck/codecheck.yml")).unwrap();
         assert!(yaml.contains(&format!("  no_checkout: \"{why}")), "{yaml}");
+        let here = place.path("").canonicalize().unwrap().display().to_string();
+        assert!(!page.contains(&here) && !yaml.contains(&here), "{page}{yaml}");
     };
     refused(&[], "git refuses: not a git repository");
     refused(&[("PATH", "")], "git cannot be started (");
     place.git("study", &["init", "-q"]);
-    refused(&[], "the repository in ");
+    refused(&[], "the repository has no commit yet");
     place.repository("study");
     refused(&[("PATH", "/nonexistent")], "git cannot be started (");
     let owner = Command::new("chown").args(["-R", "12345"]).arg(place.path("study")).output();
@@ -233,4 +243,16 @@ fn where_git_names_no_commit_the_certificate_says_why() {
         &[("HOME", "/nonexistent")],
         "git refuses: detected dubious ownership in repository at",
     );
+    // Settings in the environment are settings, and a trace is no reason.
+    let own = fs::read_to_string(place.path("study/.git/refs/heads/main")).unwrap();
+    let settings = [
+        ("HOME", "/nonexistent"),
+        ("GIT_CONFIG_COUNT", "1"),
+        ("GIT_CONFIG_KEY_0", "safe.directory"),
+        ("GIT_CONFIG_VALUE_0", "*"),
+        ("GIT_TRACE", "1"),
+    ];
+    assert_whole(place.certificate("study", &settings), "", own.trim());
+    let traced = [("HOME", "/nonexistent"), ("GIT_TRACE", "1")];
+    refused(&traced, "git refuses: detected dubious ownership in repository at");
 }

@@ -5,6 +5,7 @@ mod accuracy;
 mod answers;
 mod book;
 mod bounds;
+mod bundle;
 mod cache;
 mod captions;
 mod certificate;

@@ -71,7 +71,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
         "| Table 1, r = 10, grid 2 | 2 | 4 | within tolerance: off by 2 |",
         "| Table 1, r = 1, grid 2 | 100000 | 7 | **outside** tolerance: off by 99993 |",
         "| Table 1, r = 10, Δa | 1.0e-4 | 2.12e-2 | within tolerance: a factor of ",
-        "| `cargo run --release -- run --locked` | fails if",
+        "| `signorini run --locked` | fails if",
         "| cores | ",
         "polars 0.55",
     ] {
@@ -116,8 +116,31 @@ fn a_certificate_is_refused_unless_everything_is_up_to_date() {
     fs::create_dir(project.path("here")).unwrap();
     project.run(&["certificate", "--output", "here"]).lines();
     assert!(project.path("here/codecheck.yml").exists() && !project.path("codecheck").exists());
-    // Nothing to compare with.
+}
+
+#[test]
+fn a_run_without_a_published_table_has_a_record_without_a_manifest() {
+    let project = published();
+    project.run(&["run"]).lines();
+    project.run(&["certificate"]).lines();
     project.scene("a", TABLE);
     project.run(&["run"]).lines();
-    refused(&project, "no scene has a `paper_table`");
+    let said = project.run(&["certificate", "--force"]);
+    assert_eq!(said.lines(), ["codecheck/certificate.md", "codecheck/ro-crate-metadata.json"]);
+    let files = project.files("codecheck");
+    let wanted = [
+        "certificate.md",
+        "inputs/pipeline/paper.toml",
+        "inputs/pipeline/scenes/a.toml",
+        "ro-crate-metadata.json",
+        "tables/a-signed.csv",
+    ];
+    assert_eq!(files.keys().collect::<Vec<_>>(), wanted);
+    for name in ["certificate.md", "ro-crate-metadata.json"] {
+        let text = str::from_utf8(&files[name]).unwrap();
+        assert!(text.contains("Scenes: a. No published table is compared."), "{text}");
+        assert!(!text.contains("Maksimova") && !text.contains("signorini diff"), "{text}");
+    }
+    assert!(project.run(&["certificate"]).refusal().contains("overwrite it with --force"));
+    assert!(project.run(&["diff"]).refusal().contains("no scene has a `paper_table`"));
 }

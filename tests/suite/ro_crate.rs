@@ -1,13 +1,13 @@
 //! The record of a run for programs, an RO-Crate: complete and true, and read by the tools of others.
 
-use crate::common::{EVERYTHING, Project, skip, wanting};
+use crate::common::{EVERYTHING, Project, assert_same, skip, wanting};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::{Duration, SystemTime};
+use std::time::UNIX_EPOCH;
 
 const NAMED: [&str; 6] = [
     "--name",
@@ -104,29 +104,78 @@ fn the_record_of_a_run_names_the_authors_and_the_licence_of_the_citation() {
 }
 
 #[test]
-fn the_record_of_a_run_has_the_times_of_the_run_and_not_of_the_certificate() {
+fn the_record_of_a_run_is_that_of_its_copy() {
+    let project = certified(&[]);
+    let record = || {
+        let mut command = project.command(&["certificate", "--force"]);
+        let said = command.env("SOURCE_DATE_EPOCH", "1795245605").output().unwrap();
+        assert!(said.status.success(), "{said:?}");
+        project.files("codecheck")
+    };
+    let first = record();
+    for file in project.times().into_keys() {
+        fs::File::options().append(true).open(&file).unwrap().set_modified(UNIX_EPOCH).unwrap();
+    }
+    project.run(&["run"]).lines();
+    assert_same(&record(), &first);
+    let run = &entities(&project)["#run"];
+    assert!(run.get("startTime").is_none() && run.get("endTime").is_none(), "{run}");
+}
+
+#[test]
+fn inputs_are_said_to_be_what_they_are() {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
-    let utc = |time: SystemTime| {
-        chrono::DateTime::<chrono::Utc>::from(time)
-            .format("%Y-%m-%dT%H:%M:%S%.3f+00:00")
-            .to_string()
-    };
-    let before = utc(SystemTime::now() - Duration::from_millis(20));
+    let gear = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
+    // Any name will do for a mesh.
+    for name in ["gear.msh", "gear", "gear.toml"] {
+        fs::copy(gear, project.path(&format!("pipeline/{name}"))).unwrap();
+        let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nr = [10]\nstop = [\"printed-dual\"]\n\
+            outputs = [\"table\"]\n";
+        let domain = format!("domain = {{ mesh = \"{name}\", refine = 0, free = [\"hole\"] }}\n");
+        project.scene(&name.replace('.', "-"), &(scene.to_owned() + &domain));
+    }
     project.run(&["run"]).lines();
-    let after = utc(SystemTime::now());
-    let times = || {
-        project.run(&["certificate", "--force"]).lines();
-        let run = &entities(&project)["#run"];
-        ["startTime", "endTime"].map(|time| run[time].as_str().unwrap().to_owned())
+    project.run(&["certificate"]).lines();
+    let entities = entities(&project);
+    let described = |name: &str| {
+        let entity = &entities[&format!("inputs/pipeline/{name}")];
+        ["description", "encodingFormat"].map(|key| entity[key].as_str().unwrap())
     };
-    let [start, end] = times();
-    assert!(before <= start && start <= end && end <= after, "{before} {start} {end} {after}");
-    // To clean the cache runs no task, though it takes the lock and rewrites the records with an earlier run.
-    project.scene("a", &(wanting(EVERYTHING).replace("else=-1", "else=-2") + "paper_table = 1\n"));
-    project.run(&["run"]).lines();
-    let [_, end] = times();
-    project.run(&["gc"]).lines();
-    assert_eq!(times()[1], end);
+    for name in ["gear.msh", "gear", "gear.toml"] {
+        assert_eq!(described(name), ["a mesh", "model/mesh"], "{name}");
+    }
+    assert_eq!(described("paper.toml"), ["the published tables", "application/toml"]);
+    assert!(described("scenes/gear-toml.toml")[0].starts_with("a scene: "));
+}
+
+#[test]
+fn no_text_of_the_user_is_the_address_of_an_entity() {
+    let project = certified(&[]);
+    for text in
+        ["./", "ro-crate-metadata.json", "#run", "git@github.com:a/b.git", "file:///x", "a/b"]
+    {
+        project.run(&["certificate", "--force", "--repository", text]).lines();
+        assert!(entities(&project)["#signorini"].get("url").is_none(), "{text}");
+        let manifest = fs::read_to_string(project.path("codecheck/codecheck.yml")).unwrap();
+        assert!(manifest.contains(&format!("\nrepository: \"{text}\"\n")), "{manifest}");
+    }
+    let other = "https://spdx.org/licenses/MIT";
+    project.run(&["certificate", "--force", "--repository", other, "--orcid", NAMED[3]]).lines();
+    let entities = entities(&project);
+    assert_eq!(entities["#signorini"]["url"], other);
+    assert_eq!(
+        entities["#run"]["agent"]["@id"],
+        format!("https://orcid.org/{}", NAMED[3]).as_str()
+    );
+    for (option, text) in [
+        ("--repository", "https://example.org/my repo"),
+        ("--repository", "https://me:secret@example.org"),
+        ("--repository", " "),
+        ("--name", "a\nb"),
+    ] {
+        let said = project.run(&["certificate", "--force", option, text]);
+        assert!(said.refusal().contains(option), "{said:?}");
+    }
 }
 
 /// The Python that has the validator, if there is one.
@@ -143,8 +192,16 @@ fn others_open_and_validate_the_record_of_a_run() {
     let Some(python) = python() else {
         return skip("no rocrate-validator on the PATH (`pip install roc-validator rocrate`)");
     };
-    for options in [&NAMED[..], &[]] {
+    let address = ["--orcid", "https://orcid.org/0000-0002-1825-0097", "--repository", "a b"];
+    for options in [&NAMED[..], &address, &[]] {
         let project = certified(options);
+        if options.is_empty() {
+            // A study of something else, without a manifest.
+            project.scene("a", &wanting("[\"table\"]"));
+            project.run(&["run"]).lines();
+            project.run(&["certificate", "--force"]).lines();
+            assert!(!project.path("codecheck/codecheck.yml").exists());
+        }
         let mut command = Command::new(&python);
         command.args(["-c", include_str!("ro_crate.py")]).arg(project.path("codecheck"));
         let said = command.output().unwrap();

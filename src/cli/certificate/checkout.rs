@@ -1,5 +1,6 @@
 //! Commit from which a project is checked out, and comparison of its files with that commit, by git itself.
 
+use regex::Regex;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,7 +9,8 @@ use std::process::{Command, Stdio};
 /// Commit, and comparison of the files of a project with it.
 #[derive(Serialize)]
 pub(super) struct Checkout {
-    /// Folder of the repository.
+    /// Folder of the project in the repository; empty if that is the project itself. Places on this machine are nobody
+    /// else's business.
     folder: String,
     commit: String,
     /// True if files of the project that git tracks differ from the commit.
@@ -33,9 +35,10 @@ impl Checkout {
     /// # Errors
     /// The reason why no commit can be named, if possible in the words of git.
     pub(super) fn of(project: &Path, files: &[&str], lock_file: &str) -> Result<Self, String> {
-        let folder = git(project, &["rev-parse", "--show-toplevel"])?;
+        let folder =
+            git(project, &["rev-parse", "--show-prefix"])?.trim_end_matches('/').to_owned();
         let commit = git(project, &["rev-parse", "--verify", "--quiet", "HEAD^{commit}"])
-            .map_err(|_| format!("the repository in {folder} has no commit yet"))?;
+            .map_err(|_| "the repository has no commit yet")?;
         let status = ["status", "--porcelain", "--untracked-files=no", "--", "."];
         let edited = !git(project, &status)?.is_empty();
         // Contents are compared, not the index, in which a file may be marked as one to ignore.
@@ -63,7 +66,25 @@ fn entry(line: &str) -> Option<(&str, &str)> {
     Some((path, about.rsplit(' ').next()?))
 }
 
-/// Runs git in `project`, and returns its output.
+/// Variables with which git, for a hook or an alias, names the repository that it is at work in, beside its settings: those
+/// that `git rev-parse --local-env-vars` lists. That repository may be another than the project's.
+const NAMING: [&str; 13] = [
+    "GIT_ALTERNATE_OBJECT_DIRECTORIES",
+    "GIT_COMMON_DIR",
+    "GIT_DIR",
+    "GIT_GRAFT_FILE",
+    "GIT_IMPLICIT_WORK_TREE",
+    "GIT_INDEX_FILE",
+    "GIT_INTERNAL_SUPER_PREFIX",
+    "GIT_NO_REPLACE_OBJECTS",
+    "GIT_OBJECT_DIRECTORY",
+    "GIT_PREFIX",
+    "GIT_REPLACE_REF_BASE",
+    "GIT_SHALLOW_FILE",
+    "GIT_WORK_TREE",
+];
+
+/// Runs git in `project`, with the settings of its environment, and returns its output.
 ///
 /// # Errors
 /// The first line of git's message.
@@ -72,11 +93,8 @@ fn git(project: &Path, args: &[&str]) -> Result<String, String> {
     // These options keep git from writing to the repository and from starting a service.
     command.args(["--no-optional-locks", "-c", "core.fsmonitor=false", "-C"]).arg(project);
     command.args(args).stdin(Stdio::null()).env("LC_ALL", "C");
-    // If a hook of another repository calls this program, these variables name that repository.
-    for (name, _) in std::env::vars_os() {
-        if name.as_encoded_bytes().starts_with(b"GIT_") {
-            command.env_remove(name);
-        }
+    for name in NAMING {
+        command.env_remove(name);
     }
     let said = command.output().map_err(|e| format!("git cannot be started ({e})"))?;
     if said.status.success() {
@@ -84,8 +102,35 @@ fn git(project: &Path, args: &[&str]) -> Result<String, String> {
         return Ok(text.trim_end_matches('\n').to_owned());
     }
     let text = String::from_utf8_lossy(&said.stderr);
-    let why = text.lines().next().unwrap_or_default().trim_start_matches("fatal: ");
+    // Before it, there may be warnings, and what GIT_TRACE asks for.
+    let fatal = text.lines().find_map(|line| line.strip_prefix("fatal: "));
+    let why = fatal.or(text.lines().next()).unwrap_or_default();
     // Git also lists the folders in which it looked for a repository.
     let why = why.split(" (or any ").next().unwrap_or_default();
     Err(format!("git refuses: {why}"))
+}
+
+/// Returns a reason of git without the places on this machine that it names.
+pub(super) fn without_places(why: &str) -> String {
+    let place = Regex::new(r#"(^|[\s(:=])(?:'/[^']*'|"/[^"]*"|/\S*)"#).expect("a valid expression");
+    place.replace_all(why, "${1}(a folder)").into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_on_this_machine_are_left_out() {
+        for (why, said) in [
+            (
+                "dubious ownership in repository at '/home/a b/x'",
+                "dubious ownership in repository at (a folder)",
+            ),
+            ("invalid gitfile format: /home/x/.git", "invalid gitfile format: (a folder)"),
+            ("git cannot be started (os error 2/3)", "git cannot be started (os error 2/3)"),
+        ] {
+            assert_eq!(without_places(why), said);
+        }
+    }
 }

@@ -1,11 +1,11 @@
-//! Statements of a certificate on the tables, and the files of its bundle.
+//! Statements of a certificate on the tables, and the files of its bundle with their descriptions.
 
 use crate::cli::pipeline::Workplace;
 use crate::pipeline::error::{IoContext, Result};
 use crate::pipeline::{Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::PAPER;
-use crate::replication::project::{IDENTIFIED, Project, TRUTH};
+use crate::replication::project::{IDENTIFIED, Project, SCENES, TRUTH};
 use crate::replication::stages::tabulate;
 use crate::timing::recorded;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
@@ -51,7 +51,7 @@ impl File {
 }
 
 /// Returns the SHA-256 of some bytes in hexadecimal digits.
-fn sha256(bytes: &[u8]) -> String {
+pub(super) fn sha256(bytes: &[u8]) -> String {
     let mut digits = String::new();
     for byte in Sha256::digest(bytes) {
         write!(digits, "{byte:02x}").expect("a string takes every text");
@@ -78,13 +78,14 @@ const RESERVED: &AsciiSet = &CONTROLS
     .add(b'|')
     .add(b'}');
 
-/// Returns the address of a file in the bundle. RO-Crate prefers letters beyond ASCII as they are.
+/// Returns the address of a file in the bundle. RO-Crate prefers letters beyond ASCII as they are; other characters there
+/// may be some that no address has.
 fn address(path: &str) -> String {
     let mut address = String::new();
     for c in path.chars() {
-        match c.is_ascii() {
-            true => address.extend(utf8_percent_encode(c.encode_utf8(&mut [0; 4]), RESERVED)),
-            false => address.push(c),
+        match c.is_alphanumeric() {
+            true => address.push(c),
+            false => address.extend(utf8_percent_encode(c.encode_utf8(&mut [0; 4]), RESERVED)),
         }
     }
     address
@@ -95,14 +96,22 @@ fn media_type(path: &str) -> &'static str {
     match path.rsplit('.').next() {
         Some("csv") => "text/csv",
         Some("md") => "text/markdown",
+        Some("msh") => MESH,
         Some("svg") => "image/svg+xml",
         Some("toml") => "application/toml",
         _ => "application/octet-stream",
     }
 }
 
-/// Returns a sentence on each table: the numbers of values that match.
-pub(super) fn sentences(tables: &[TableComparison]) -> String {
+/// Media type of meshes.
+const MESH: &str = "model/mesh";
+
+/// Returns a sentence on each table with the numbers of values that match, or one on the scenes if none is compared.
+pub(super) fn sentences(project: &Project, tables: &[TableComparison]) -> String {
+    if tables.is_empty() {
+        let names: Vec<_> = project.scenes.iter().map(|scene| scene.name.as_str()).collect();
+        return format!("Scenes: {}. No published table is compared.", names.join(", "));
+    }
     tables.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
@@ -179,22 +188,34 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
 pub(super) fn inputs(project: &Project) -> Vec<File> {
     let mut files = Vec::new();
     for (path, bytes) in &project.files {
+        let is_mesh = project.scenes.iter().filter_map(|scene| scene.domain.as_ref());
+        let is_mesh = is_mesh.flat_map(|domain| domain.files.keys()).any(|mesh| mesh == path);
         let comment = match path.as_str() {
             PAPER => "the published tables",
             IDENTIFIED => "the record of the searches for f",
             TRUTH => "digits of true solutions",
             recorded::PATH => "recorded run times",
-            _ => "a scene: a problem, its grids, and the outputs wanted",
+            _ if is_mesh => "a mesh",
+            _ if is_scene(project, path) => "a scene: a problem, its grids, and the outputs wanted",
+            _ => "a file that the run reads",
         };
-        files.push(File::new(format!("{INPUTS}{path}"), comment, bytes.clone()));
+        let mut file = File::new(format!("{INPUTS}{path}"), comment, bytes.clone());
+        if is_mesh {
+            file.media_type = MESH;
+        }
+        files.push(file);
     }
     files
 }
 
-/// Folder of the inputs in the bundle. Their paths in it are those in the project, so that the folder is a project.
-const INPUTS: &str = "inputs/";
+fn is_scene(project: &Project, path: &str) -> bool {
+    project.scenes.iter().any(|scene| path == format!("{SCENES}/{}.toml", scene.name))
+}
 
-/// Returns both tables and all figures with their data, each with a comment on its contents.
+/// Folder of the inputs in the bundle. Their paths in it are those in the project, so that the folder is a project.
+pub(super) const INPUTS: &str = "inputs/";
+
+/// Returns all tables, and all figures with their data, each with a comment on its contents.
 pub(super) fn files(
     workplace: &Workplace,
     summary: &Summary,
@@ -203,31 +224,51 @@ pub(super) fn files(
     let mut files = Vec::new();
     for table in tables {
         let scene = workplace.project.scene(&table.scene)?;
-        let task = tabulate::id(scene, scene.stop[0]);
-        let manifest = &summary.manifests[&task];
-        let mut artifacts = workplace.store.artifacts(&task, &manifest.outputs)?;
-        let bytes = artifacts.remove(tabulate::TABLE).unwrap_or_default();
         let comment = format!(
             "Table {} of the paper: {} of {} counts exact",
             table.table, table.exact, table.cells
         );
-        files.push(File::new(format!("tables/table{}.csv", table.table), comment, bytes));
+        let bytes = table_of(workplace, summary, &tabulate::id(scene, scene.stop[0]))?;
+        let path = format!("tables/table{}.csv", table.table);
+        files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
     }
-    for path in summary.exports.files.keys().filter(|path| path.starts_with("figures/")) {
+    for scene in &workplace.project.scenes {
+        let compared = tables.iter().any(|table| table.scene == scene.name);
+        for stop in scene.stop.iter().skip(usize::from(compared)) {
+            let name = &scene.name;
+            let comment = format!(
+                "iteration counts and Delta a of scene `{name}` with the stopping rule `{stop}`"
+            );
+            let bytes = table_of(workplace, summary, &tabulate::id(scene, *stop))?;
+            let path = format!("tables/{name}-{stop}.csv");
+            files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
+        }
+    }
+    let exports = &summary.exports.files;
+    for path in exports.keys().filter(|path| path.starts_with("figures/")) {
         let on_disk = workplace.project.root.join(path);
         let bytes = fs::read(&on_disk).context("read", &on_disk)?;
-        let comment = match path.strip_suffix(".csv") {
-            Some(picture) => format!("what {picture}.svg shows, as a table"),
-            None => title(&bytes),
+        let picture = path.strip_suffix(".csv").map(|name| format!("{name}.svg"));
+        let comment = match picture.filter(|picture| exports.contains_key(picture)) {
+            Some(picture) => format!("what {picture} shows, as a table"),
+            None if path.ends_with(".svg") => title(&bytes),
+            None => "a file that the run makes".to_owned(),
         };
         files.push(File::new(path, comment, bytes));
     }
     Ok(files)
 }
 
+/// Returns the table that a task made, `None` if the run has no such task.
+fn table_of(workplace: &Workplace, summary: &Summary, task: &str) -> Result<Option<Vec<u8>>> {
+    let Some(manifest) = summary.manifests.get(task) else { return Ok(None) };
+    let mut artifacts = workplace.store.artifacts(task, &manifest.outputs)?;
+    Ok(artifacts.remove(tabulate::TABLE))
+}
+
 fn title(svg: &[u8]) -> String {
     let text = String::from_utf8_lossy(svg);
     let title = text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
-    let title = title.map_or("picture", |(title, _)| title);
+    let title = title.map_or("a picture", |(title, _)| title);
     title.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
 }

@@ -2,7 +2,7 @@
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
-use chrono::{DateTime, Utc};
+use chrono::DateTime;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Returns the facts on the machine as pairs of name and value, in the order in which they are shown.
@@ -36,11 +36,6 @@ pub(super) fn check_time() -> Result<String> {
     };
     let moment = DateTime::from_timestamp(seconds, 0);
     Ok(moment.expect("within four digits of year").format("%Y-%m-%d %H:%M:%S").to_string())
-}
-
-/// Returns a moment in UTC in the form `2026-11-21T07:20:05.123+00:00`.
-pub(super) fn utc(moment: SystemTime) -> String {
-    DateTime::<Utc>::from(moment).format("%Y-%m-%dT%H:%M:%S%.3f+00:00").to_string()
 }
 
 /// Last second of the year 9999, after which years have five digits.
