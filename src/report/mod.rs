@@ -3,6 +3,7 @@
 //!
 //! Central are [`pages`] and [`build`].
 
+mod anchors;
 mod backend;
 mod build;
 mod data;
@@ -12,9 +13,15 @@ mod labels;
 mod links;
 mod markdown;
 mod mathml;
+mod outputs;
 mod pages;
+mod prices;
+mod programs;
+mod settings;
 
 pub use build::build;
-pub(crate) use build::{first_page, settings};
+pub(crate) use build::first_page;
 pub use pages::pages;
 pub(crate) use pages::{PAGE as TEMPLATE, in_template, stubs};
+pub(crate) use programs::hashes as program_hashes;
+pub(crate) use settings::check as check_settings;

@@ -10,3 +10,4 @@ pub mod law;
 pub mod region;
 pub mod shape;
 pub mod source;
+pub mod text;
