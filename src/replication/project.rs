@@ -79,6 +79,9 @@ impl Project {
                 .or_else(|(path, e)| Err(e).context("read", &path))?,
             false => Artifacts::new(),
         };
+        for name in templates.keys() {
+            refuse_forbidden_name("file", name)?;
+        }
         Ok(Self { root, scenes, paper, files, templates, partial: false, commands: Vec::new })
     }
 

@@ -1,6 +1,7 @@
 //! Names of the files of a built book. mdBook writes one file over another of the same name without a word.
 
 use super::markdown::{parse, place};
+use super::paths::below;
 use super::settings::Settings;
 use crate::pipeline::files::read_tree;
 use crate::pipeline::names::alike;
@@ -60,7 +61,7 @@ impl Own {
 }
 
 /// A page that `SUMMARY.md` lists.
-pub(super) struct Listed {
+pub(super) struct ListedPage {
     /// Path from the folder of `book.toml`.
     file: String,
     /// Path of its HTML in the book.
@@ -72,11 +73,11 @@ pub(super) struct Listed {
 /// Returns the pages that `SUMMARY.md` lists, in its order.
 ///
 /// # Errors
-/// A sentence if one of them is outside the folder of the pages.
+/// A sentence if there is none, or one is no page in the folder of the pages.
 pub(super) fn listed(
     pages: &BTreeMap<&str, &str>,
     settings: &Settings<'_>,
-) -> std::result::Result<Vec<Listed>, String> {
+) -> std::result::Result<Vec<ListedPage>, String> {
     let summary = pages.get(SUMMARY).unwrap_or(&"");
     let mut listed = Vec::new();
     for (event, range) in parse(summary) {
@@ -92,24 +93,18 @@ pub(super) fn listed(
                 "{place}: `{dest_url}` is no page in report/templates; copy it there, and list the copy"
             ));
         };
-        let html = html(&path, settings);
-        listed.push(Listed { file: format!("src/{path}"), html, place });
-    }
-    Ok(listed)
-}
-
-/// Returns the path without steps upwards; `None` for one that leads out of the folder where it begins.
-fn below(path: &str) -> Option<String> {
-    let mut steps = Vec::new();
-    for step in path.split('/') {
-        match step {
-            "" if steps.is_empty() => return None,
-            "" | "." => (),
-            ".." => _ = steps.pop()?,
-            step => steps.push(step),
+        if !path.ends_with(".md") {
+            return Err(format!(
+                "{place}: `{dest_url}` is listed, but is no page `*.md`; rename it, here too"
+            ));
         }
+        let html = html(&path, settings);
+        listed.push(ListedPage { file: format!("src/{path}"), html, place });
     }
-    Some(steps.join("/"))
+    match listed.is_empty() && pages.contains_key(SUMMARY) {
+        true => Err(format!("{SUMMARY}:1: it lists no page; list one, as `- [Title](page.md)`")),
+        false => Ok(listed),
+    }
 }
 
 /// Returns the path in the book of the HTML of a page, given by its path among the pages.
@@ -127,7 +122,7 @@ fn html(page: &str, settings: &Settings<'_>) -> String {
 /// Refuses pages and settings that would make one file of the book twice.
 pub(super) fn check_names(
     pages: &BTreeMap<&str, &str>,
-    listed: &[Listed],
+    listed: &[ListedPage],
     settings: &Settings<'_>,
     own: &Own,
 ) -> std::result::Result<(), String> {
@@ -142,7 +137,7 @@ pub(super) fn check_names(
             ));
         }
     }
-    let mut by_name: BTreeMap<String, &Listed> = BTreeMap::new();
+    let mut by_name: BTreeMap<String, &ListedPage> = BTreeMap::new();
     for page in listed {
         let first = by_name.insert(alike(&page.html), page);
         if let Some(first) = first.filter(|first| first.file != page.file) {

@@ -1,7 +1,8 @@
 //! Programs that `book.toml` names. A run knows a program by its bytes: one with a path lies in the folder of
 //! `book.toml`, one without is looked for where the system looks.
 
-use super::settings::{Program, Settings, is_inside, plain};
+use super::paths::{is_inside, plain};
+use super::settings::{Program, Settings};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::hash;
 use std::collections::BTreeMap;
@@ -45,7 +46,7 @@ impl CommandLine {
     /// Refuses paths that lead out of the folder of `book.toml`.
     fn check(&self) -> std::result::Result<(), String> {
         let inside = "a run must know when it changes: copy it into report/";
-        if let Some(path) = self.path().filter(|path| !is_inside(path)) {
+        if let Some(path) = self.path().filter(|path| !is_inside(path) || path.starts_with('~')) {
             return Err(format!(
                 "the program `{path}` leads out of report/, and {inside}, or install it and name it without a path"
             ));

@@ -1,14 +1,15 @@
 //! Settings of mdBook in `book.toml`. A run must know of each file that the book is made from, and mdBook may write into
 //! its own folder alone: every path in the settings lies in the folder of `book.toml`.
 
+use super::line::line;
+use super::paths::{is_inside, plain};
 use super::programs;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use mdbook_driver::config::{Config, HtmlConfig};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
-use toml::de::{DeTable, DeValue};
+use std::path::{Path, PathBuf};
 
 /// Name of the file in messages.
 const NAME: &str = "report/book.toml";
@@ -207,10 +208,16 @@ impl<'a> Settings<'a> {
                 _ => (files.contains_key(&plain), "file in report/"),
             };
             if !is_there {
-                let said = format!(
-                    "{} is `{path}`, but there is no such {kind}; put it there",
-                    keys[..3].join(".")
-                );
+                let setting = keys[..3].join(".");
+                let template = plain.strip_prefix("templates/").map(|name| format!("src/{name}"));
+                let said = match template.filter(|name| files.contains_key(name)) {
+                    Some(name) => format!(
+                        "{setting} is `{path}`, whose name for mdBook is `{name}`; write that"
+                    ),
+                    None => {
+                        format!("{setting} is `{path}`, but there is no such {kind}; put it there")
+                    }
+                };
                 return Err(self.refusal(&borrowed(&keys), &said));
             }
         }
@@ -256,42 +263,6 @@ fn borrowed(keys: &[String]) -> Vec<&str> {
 fn redirected(name: &str) -> &str {
     let path = name.rsplit_once('#').map_or(name, |(path, _)| path);
     path.trim_start_matches('/')
-}
-
-/// True if a path cannot lead out of the folder where it begins.
-pub(super) fn is_inside(path: &str) -> bool {
-    let is_down = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
-    !path.is_empty() && !path.contains('\\') && Path::new(path).components().all(is_down)
-}
-
-/// Returns a path that leads nowhere upwards, without its steps `.`.
-pub(super) fn plain(path: &str) -> String {
-    let steps = path.split('/').filter(|step| !["", "."].contains(step));
-    steps.collect::<Vec<_>>().join("/")
-}
-
-/// Returns the line of a setting, given by the keys of its tables and the numbers of its items from 0 on; of the
-/// innermost one that the text names.
-fn line(text: &str, keys: &[&str]) -> usize {
-    let Ok(table) = DeTable::parse(text) else { return 1 };
-    let mut here = &DeValue::Table(table.into_inner());
-    let mut start = 0;
-    for key in keys {
-        let next = match here {
-            DeValue::Table(table) => {
-                table.get_key_value(*key).map(|(key, value)| (key.span().start, value.get_ref()))
-            }
-            DeValue::Array(items) => key
-                .parse()
-                .ok()
-                .and_then(|k: usize| items.get(k))
-                .map(|item| (item.span().start, item.get_ref())),
-            _ => None,
-        };
-        let Some((at, value)) = next else { break };
-        (start, here) = (at, value);
-    }
-    1 + text[..start].matches('\n').count()
 }
 
 #[cfg(test)]
