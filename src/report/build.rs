@@ -6,6 +6,7 @@ use super::mathml::convert;
 use super::outputs::{self, Own, PAGES, Pages};
 use super::settings::Settings;
 use super::{includes, links, programs};
+use crate::pipeline::error::Error;
 use crate::pipeline::files::{read_tree, temporary_folder};
 use crate::pipeline::names::described;
 use mdbook_driver::MDBook;
@@ -23,6 +24,21 @@ pub(crate) fn first_page<'a>(built: impl Iterator<Item = &'a str> + Clone) -> Op
         .find(|page| built.clone().any(|path| path == *page))
 }
 
+/// Refuses a `book.toml` with a mistake, or with a path that leads out of its folder.
+///
+/// # Errors
+/// [`Error::Input`](crate::pipeline::error::Error::Input) with the line of the mistake.
+pub(crate) fn check_settings(book_toml: &[u8]) -> Result<(), Error> {
+    checked(book_toml).map(|_| ())
+}
+
+/// Reads and checks `book.toml`.
+fn checked(book_toml: &[u8]) -> Result<Settings<'_>, Error> {
+    let settings = Settings::read(book_toml)?;
+    programs::check(&settings)?;
+    Ok(settings)
+}
+
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
 ///
 /// Files whose paths begin with `../` are outside that folder, and pages may include them. Formulas in `*.md` are set as
@@ -38,8 +54,9 @@ pub fn build(
     let Some(book_toml) = files.get("book.toml") else {
         return Err("report/book.toml is missing; the book needs one, if only with a title".into());
     };
-    let settings = Settings::read(book_toml).map_err(|e| e.to_string())?;
+    let settings = checked(book_toml).map_err(|e| e.to_string())?;
     settings.check_files(files).map_err(|e| e.to_string())?;
+    programs::check_files(&settings, files).map_err(|e| e.to_string())?;
     let mut pages = BTreeMap::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
         let text = std::str::from_utf8(bytes);

@@ -22,8 +22,7 @@ mod programs;
 mod settings;
 
 pub use build::build;
-pub(crate) use build::first_page;
+pub(crate) use build::{check_settings, first_page};
 pub use pages::pages;
 pub(crate) use pages::{PAGE as TEMPLATE, in_template, stubs};
 pub(crate) use programs::hashes as program_hashes;
-pub(crate) use settings::check as check_settings;

@@ -152,6 +152,34 @@ fn found(name: &str) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
 
+    fn checked(text: &str) -> Result<()> {
+        check(&Settings::read(text.as_bytes()).unwrap())
+    }
+
+    #[test]
+    fn programs_that_lead_out_are_refused_with_their_line() {
+        let html = "[output.html]\n";
+        for (text, line) in [
+            ("[output.\"../x\"]\ncommand = \"true\"", 2),
+            ("[output.x]\ncommand = \"/bin/true\"", 3),
+            ("[output.x]\ncommand = \"../true\"", 3),
+            ("[output.x]\ncommand = \"sh ../../../x\"", 3),
+            ("[output.x]\ncommand = \"sh -c 'cat < /bin/sh'\"", 3),
+            ("[preprocessor.x]\ncommand = \"~/bin/x\"", 3),
+            ("[preprocessor.x]\nbefore = [\"links\"]\ncommand = \"sh ../x\"", 4),
+            ("[preprocessor.x]\ncommand = \"sh --from=/bin\"", 3),
+            ("[output.x]\ncommand = \"'\"\n", 3),
+        ] {
+            let error = checked(&format!("{html}{text}\n")).unwrap_err().to_string();
+            let place = format!("report/book.toml: line {line}: ");
+            assert!(error.starts_with(&place), "{text}: {error}");
+        }
+        let good = "[output.x]\ncommand = \"sh -c 'cat > /dev/null; echo x > made.txt'\"\n\
+                    [output.y]\ncommand = \"python3 ../../tools/y.py --base=/\"\n\
+                    [preprocessor.z]\ncommand = \"./tools/z\"\n";
+        checked(good).unwrap();
+    }
+
     #[test]
     fn a_program_that_the_system_finds_is_known_by_its_bytes() {
         let toml = "[output.x]\ncommand = \"sh -c true\"\n[output.none-such]\n[preprocessor.y]\ncommand = \"tools/y\"\n";
