@@ -19,7 +19,7 @@ pub(super) struct RunArgs {
     /// Only this stage, and what it needs
     #[arg(long, value_name = "STAGE", hide_short_help = true)]
     only: Option<Stage>,
-    /// Only this task, for which all it needs must be there; writes to the cache alone, beside other
+    /// Run only this task; what it needs must be up to date. Writes to the cache alone, beside other
     /// processes that do the same. May be given several times
     #[arg(long, value_name = "ID", hide_short_help = true, conflicts_with_all = [
         "scenes", "only", "dry_run", "force", "keep_going", "jobs", "locked",

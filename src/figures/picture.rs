@@ -5,6 +5,7 @@ use plotters::backend::{DrawingBackend, SVGBackend};
 pub(super) use plotters::style::TextStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, IntoFont, ShapeStyle};
+use signorini_mathematics::problem::text::is_forbidden;
 use std::fmt::Write as _;
 
 /// Canvas pixels per display pixel: plotters has whole pixels only, too coarse for a mesh.
@@ -135,8 +136,7 @@ impl Picture {
     /// Writes a line of text whose middle height is at `at`.
     pub(super) fn text(&mut self, text: &str, at: Place, style: TextStyle) {
         let at = self.fine(at);
-        // XML has no control characters, not even escaped ones.
-        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        let text: String = text.chars().filter(|c| !is_forbidden(*c)).collect();
         self.shape(|svg| svg.draw_text(&text, &style, at));
     }
 
@@ -182,7 +182,7 @@ fn dark() -> String {
 
 fn escaped(text: &str) -> String {
     text.chars()
-        .filter(|c| !c.is_control() || *c == '\n')
+        .filter(|c| !is_forbidden(*c) || *c == '\n')
         .map(|c| match c {
             '<' => "&lt;".into(),
             '>' => "&gt;".into(),

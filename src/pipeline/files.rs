@@ -1,6 +1,7 @@
 //! Files as bytes: read whole if they are files, written whole or not at all.
 
 use crate::pipeline::error::{IoContext, Result};
+use signorini_mathematics::problem::text::is_forbidden;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{self, File, Permissions};
@@ -192,7 +193,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
 pub(crate) fn is_plain(path: &str) -> bool {
     !path.is_empty()
         && !path.contains('\\')
-        && !path.contains(char::is_control)
+        && !path.contains(is_forbidden)
         && Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
@@ -294,6 +295,10 @@ mod tests {
     #[test]
     fn paths_that_lead_upwards_are_not_plain() {
         assert!(["a", "a/b", "a/r=1.5"].into_iter().all(is_plain));
-        assert!(!["", "/a", "../a", "a/../b", ".", "a\\..\\b", "a\nb"].into_iter().any(is_plain));
+        assert!(
+            !["", "/a", "../a", "a/../b", ".", "a\\..\\b", "a\nb", "a\u{FFFE}"]
+                .into_iter()
+                .any(is_plain)
+        );
     }
 }

@@ -19,6 +19,7 @@ mod graph;
 mod lock;
 mod lockfile;
 mod manifest;
+pub(crate) mod names;
 mod progress;
 mod run;
 mod store;

@@ -1,8 +1,9 @@
 //! A project folder: the scenes, published values and templates that a run reads, and where it writes.
 
 use crate::pipeline::Artifacts;
-use crate::pipeline::error::{Error, IoContext, Result, from_toml};
+use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{read_if_there, read_text, read_tree};
+use crate::pipeline::names::{alike, is_left_behind, refuse_forbidden_name};
 use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
 use crate::report;
@@ -11,7 +12,6 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use unicode_normalization::UnicodeNormalization;
 
 /// Path of the record of the searches for f in the project.
 pub const IDENTIFIED: &str = "pipeline/identified.toml";
@@ -79,6 +79,9 @@ impl Project {
                 .or_else(|(path, e)| Err(e).context("read", &path))?,
             false => Artifacts::new(),
         };
+        for name in templates.keys() {
+            refuse_forbidden_name("file", name)?;
+        }
         Ok(Self { root, scenes, paper, files, templates, partial: false, commands: Vec::new })
     }
 
@@ -107,8 +110,7 @@ impl Project {
             Timings::parse(text)?;
         }
         if let Some(text) = self.templates.get("book.toml") {
-            from_toml::<toml::Table>("report/book.toml", text)?;
-            report::settings(text).map_err(Error::input)?;
+            report::check_settings(text)?;
         }
         Ok(())
     }
@@ -145,41 +147,9 @@ impl Project {
 /// Files and folders under `report/` that a run writes.
 const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
 
-/// True if a path under `report/` is generated, or is a file that operating systems and editors leave.
+/// True if a path under `report/` is generated, or is a file that operating systems and other programs leave.
 fn is_excluded(path: &str) -> bool {
     GENERATED.contains(&path) || path.rsplit('/').next().is_some_and(is_left_behind)
-}
-
-/// Endings of backups, of files that are being written, and of files that merges and patches leave.
-const LEFT_BEHIND: [&str; 12] = [
-    "~",
-    "#",
-    ".bak",
-    ".backup",
-    ".old",
-    ".orig",
-    ".rej",
-    ".save",
-    ".swo",
-    ".swp",
-    ".tmp",
-    "___jb_tmp___",
-];
-
-/// True if the name is one that operating systems and editors give to their own files.
-fn is_left_behind(name: &str) -> bool {
-    // A page whose name does not end with `.md` or `.md.tera` is a copy of that page.
-    let is_copy = name.split_once(".md.").is_some_and(|(_, end)| end != "tera");
-    name.starts_with(['.', '#'])
-        || LEFT_BEHIND.iter().any(|end| name.ends_with(end))
-        || ["desktop.ini", "Thumbs.db"].contains(&name)
-        || is_copy
-        || name.parse().is_ok_and(is_vim_probe)
-}
-
-/// True if Vim names a file so to see if it may write to a folder: 4913, or a later number in steps of 123.
-fn is_vim_probe(number: u32) -> bool {
-    number >= 4913 && (number - 4913).is_multiple_of(123)
 }
 
 /// Refuses names that some file systems do not tell apart: there, the files of one scene would overwrite those of the
@@ -187,8 +157,7 @@ fn is_vim_probe(number: u32) -> bool {
 fn refuse_names_alike(scenes: &[Scene]) -> Result<()> {
     let mut names = BTreeMap::new();
     for Scene { name, .. } in scenes {
-        let alike: String = name.nfc().flat_map(char::to_lowercase).nfc().collect();
-        if let Some(other) = names.insert(alike, name) {
+        if let Some(other) = names.insert(alike(name), name) {
             return Err(Error::input(format!(
                 "pipeline/scenes: `{other}` and `{name}` are one name where capitals or the way to write accents do not count; rename one of them"
             )));
@@ -232,6 +201,7 @@ fn read_scenes(root: &Path, wanted: impl Fn(&str) -> bool) -> Result<(Vec<Scene>
             let path = path.display();
             return Err(Error::input(format!("the name of {path} is not UTF-8; rename it")));
         }
+        refuse_forbidden_name("scene", &name)?;
         let text = read_text(&path)?;
         let mut scene = Scene::parse(&name, &text)?;
         scene.read_domain(root)?;

@@ -1,6 +1,7 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
+use crate::pipeline::names::refuse_forbidden;
 use crate::replication::domain::{DomainSettings, SceneDomain};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
@@ -257,9 +258,10 @@ impl Scene {
             )
             .into());
         }
-        if self.title.chars().any(char::is_control) {
+        if self.title.contains(['\n', '\r']) {
             return Err("`title` must be a single line".into());
         }
+        refuse_forbidden("`title`", &self.title)?;
         Ok(())
     }
 
@@ -445,6 +447,7 @@ mod tests {
         let other_grids = format!("{GOOD}paper_table = 1\ngrids = [3, 6, 12, 24, 48]\n");
         assert!(error(&other_grids).contains("let `grids` begin with 4"));
         assert!(error(&GOOD.replace("\"t\"", "\"t\\nu\"")).contains("a single line"));
+        assert!(error(&GOOD.replace("\"t\"", "\"t\\uFFFE\"")).contains("U+FFFE"));
         assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("unknown variant `never`"));
     }
 }

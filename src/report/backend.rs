@@ -1,53 +1,40 @@
 //! Further outputs of the book, made by programs that `book.toml` names.
 
+use super::programs::CommandLine;
+use super::settings::Program;
 use mdbook_driver::errors::{Error, Result};
 use mdbook_renderer::{RenderContext, Renderer};
-use serde::Deserialize;
 use std::fs;
 use std::io::{self, ErrorKind};
-use std::path::{MAIN_SEPARATOR, Path};
+use std::path::Path;
 use std::process::{Command, Stdio};
-
-/// Settings in `[output.NAME]`.
-#[derive(Deserialize)]
-pub(super) struct Settings {
-    command: Option<String>,
-    #[serde(default)]
-    optional: bool,
-}
 
 /// Output made by another program. mdBook can run the program itself, but with our standard output, which carries data.
 pub(super) struct Backend {
-    name: String,
-    settings: Settings,
+    line: CommandLine,
+    optional: bool,
 }
 
 impl Backend {
-    /// Returns the output with this name, unless mdBook makes it without another program.
-    pub(super) fn new((name, settings): (String, Settings)) -> Option<Self> {
-        let is_inside = name == "html" || name == "markdown";
-        (!is_inside).then_some(Self { name, settings })
+    /// Returns the output with this name.
+    pub(super) fn new(name: &str, table: &Program) -> Result<Self> {
+        let line = CommandLine::of("output", name, table).map_err(Error::msg)?;
+        Ok(Self { line, optional: table.optional })
     }
 
     /// Returns the program with its arguments; a path begins in the folder of `book.toml`.
-    fn command(&self, root: &Path) -> Result<Command> {
-        let line = self.settings.command.clone().unwrap_or(format!("mdbook-{}", self.name));
-        let words = shlex::split(&line).filter(|words| !words.is_empty());
-        let words = words.ok_or_else(|| {
-            Error::msg(format!(
-                "`{line}` is no command; mend [output.{}] in report/book.toml",
-                self.name
-            ))
-        })?;
-        let is_path = words[0].contains(MAIN_SEPARATOR);
-        let program = if is_path { root.join(&words[0]) } else { words[0].clone().into() };
+    fn command(&self, root: &Path) -> Command {
+        let program = match self.line.path() {
+            Some(path) => root.join(path),
+            None => self.line.words[0].clone().into(),
+        };
         let mut command = Command::new(program);
-        command.args(&words[1..]);
-        Ok(command)
+        command.args(&self.line.words[1..]);
+        command
     }
 
     fn failure(&self, why: &str) -> Error {
-        let name = &self.name;
+        let name = &self.line.name;
         Error::msg(format!(
             "the output {name} fails: {why}; mend [output.{name}] in report/book.toml"
         ))
@@ -56,15 +43,15 @@ impl Backend {
 
 impl Renderer for Backend {
     fn name(&self) -> &str {
-        &self.name
+        &self.line.name
     }
 
     fn render(&self, context: &RenderContext) -> Result<()> {
         fs::create_dir_all(&context.destination)?;
-        let mut command = self.command(&context.root)?;
+        let mut command = self.command(&context.root);
         command.stdin(Stdio::piped()).stdout(io::stderr()).current_dir(&context.destination);
         let mut child = match command.spawn() {
-            Err(e) if self.settings.optional && e.kind() == ErrorKind::NotFound => return Ok(()),
+            Err(e) if self.optional && e.kind() == ErrorKind::NotFound => return Ok(()),
             Err(e) => return Err(self.failure(&format!("its program cannot be started ({e})"))),
             Ok(child) => child,
         };

@@ -3,17 +3,17 @@
 use super::backend::Backend;
 use super::labels::Labels;
 use super::mathml::convert;
-use super::{includes, links};
+use super::outputs::{self, Own, PAGES, Pages};
+use super::settings::Settings;
+use super::{includes, links, programs};
+use crate::pipeline::error::Error;
 use crate::pipeline::files::{read_tree, temporary_folder};
+use crate::pipeline::names::described;
 use mdbook_driver::MDBook;
-use mdbook_driver::config::Config;
+use signorini_mathematics::problem::text::is_forbidden;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::str::FromStr;
-
-/// Names of pages that mdBook adds.
-const MADE_BY_MDBOOK: [&str; 2] = ["src/toc.md", "src/print.md"];
 
 /// Returns the first page of a book with these files, by path from its folder.
 ///
@@ -22,6 +22,21 @@ pub(crate) fn first_page<'a>(built: impl Iterator<Item = &'a str> + Clone) -> Op
     ["index.html", "html/index.html"]
         .into_iter()
         .find(|page| built.clone().any(|path| path == *page))
+}
+
+/// Refuses a `book.toml` with a mistake, or with a path that leads out of its folder.
+///
+/// # Errors
+/// [`Error::Input`](crate::pipeline::error::Error::Input) with the line of the mistake.
+pub(crate) fn check_settings(book_toml: &[u8]) -> Result<(), Error> {
+    checked(book_toml).map(|_| ())
+}
+
+/// Reads and checks `book.toml`.
+fn checked(book_toml: &[u8]) -> Result<Settings<'_>, Error> {
+    let settings = Settings::read(book_toml)?;
+    programs::check(&settings)?;
+    Ok(settings)
 }
 
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
@@ -36,96 +51,122 @@ pub fn build(
     files: &BTreeMap<String, Vec<u8>>,
     scratch: &Path,
 ) -> Result<BTreeMap<String, Vec<u8>>, String> {
+    let Some(book_toml) = files.get("book.toml") else {
+        return Err("report/book.toml is missing; the book needs one, if only with a title".into());
+    };
+    let settings = checked(book_toml).map_err(|e| e.to_string())?;
+    settings.check_files(files).map_err(|e| e.to_string())?;
+    programs::check_files(&settings, files).map_err(|e| e.to_string())?;
     let mut pages = BTreeMap::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
-        if MADE_BY_MDBOOK.iter().any(|made| made.eq_ignore_ascii_case(name)) {
-            return Err(format!(
-                "{name}:1: mdBook makes a page of this name itself; rename this one, also in SUMMARY.md"
-            ));
-        }
         let text = std::str::from_utf8(bytes);
         let text = text.map_err(|_| format!("{name}: not UTF-8 text"))?;
+        refuse_forbidden(name, text)?;
         pages.insert(name.as_str(), text);
     }
     let labels = Labels::of(&pages)?;
-    let mut config = match files.get("book.toml") {
-        Some(bytes) => settings(bytes)?,
-        None => {
-            return Err(
-                "report/book.toml is missing; the book needs one, if only with a title".into()
-            );
-        }
-    };
-    config.build.create_missing = false;
-
-    if is_on("links", &config) {
+    if settings.is_on("links") {
         for name in pages.keys() {
             includes::check(name, files)?;
         }
     }
 
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
-    let scratch = &scratch.path().join("report");
+    let root = &scratch.path().join("report");
     for (name, bytes) in files {
-        match pages.get(name.as_str()) {
-            Some(text) => write(&scratch.join(name), convert(name, text, &labels)?.as_bytes())?,
-            None => write(&scratch.join(name), bytes)?,
+        let Some(text) = pages.get(name.as_str()) else {
+            write(&root.join(name), bytes)?;
+            continue;
+        };
+        let page = convert(name, text, &labels)?;
+        write(&root.join(name), page.as_bytes())?;
+        if let Some(path) = name.strip_prefix("src/") {
+            write(&root.join(PAGES).join(path), page.as_bytes())?;
         }
     }
-    let folder = scratch.join(&config.build.build_dir);
-    with_mdbook(scratch, config).map_err(|error| {
-        let copies = format!("{}/src/", scratch.display());
-        format!("mdBook: {error:#}").replace(&copies, "report/templates/").replace('\n', " ")
-    })?;
-    let built = read_tree(&folder, |_| false).map_err(|(path, source)| io(&path, source))?;
-    let first = first_page(built.keys().map(String::as_str)).unwrap_or_default();
-    let inside = first.trim_end_matches("index.html");
-    let mut html: BTreeMap<&str, &[u8]> = BTreeMap::new();
-    for (name, bytes) in &built {
-        if let Some(name) = name.strip_prefix(inside) {
-            html.insert(name, bytes);
-        }
+    for program in programs::own(&settings).map_err(|e| e.to_string())? {
+        allow_to_run(&root.join(program))?;
     }
-    for (name, text) in &pages {
-        if let Some(page) = links::page(name, &html) {
-            includes::refuse_left(name, text, html[page.as_str()])?;
-            links::check(name, text, &page, &html)?;
-        }
+    let listed = outputs::listed(&pages, &settings)?;
+    if settings.has_html() {
+        let own = Own::of(root, &settings, &scratch.path().join("own"))
+            .map_err(|e| in_templates(e, root))?;
+        outputs::check_names(&pages, &listed, &settings, &own)?;
+    }
+    with_mdbook(root, &settings).map_err(|error| in_templates(error, root))?;
+    let folder = root.join(&settings.config.build.build_dir);
+    let mut built = read_tree(&folder, |_| false).map_err(|(path, source)| io(&path, source))?;
+    if let Some(inside) = settings.html_folder() {
+        outputs::add_files(&mut built, files, inside)?;
+        check_links(&pages, &built, inside)?;
     }
     Ok(built)
 }
 
+/// Refuses links and directives of pages that lead to nothing in the HTML, which is in the folder `inside` of the book.
+fn check_links(
+    pages: &BTreeMap<&str, &str>,
+    built: &BTreeMap<String, Vec<u8>>,
+    inside: &str,
+) -> Result<(), String> {
+    let mut html: BTreeMap<&str, &[u8]> = BTreeMap::new();
+    for (name, bytes) in built {
+        if let Some(name) = name.strip_prefix(inside) {
+            html.insert(name, bytes);
+        }
+    }
+    let site = links::Site::new(&html);
+    for (name, text) in pages {
+        if let Some(page) = links::page(name, &html) {
+            includes::refuse_left(name, text, html[page.as_str()])?;
+            links::check(name, text, &page, &site)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns an error of mdBook in one line, with the paths of the pages that the user knows.
+fn in_templates(error: mdbook_driver::errors::Error, root: &Path) -> String {
+    let mut said = format!("mdBook: {error:#}");
+    for folder in ["src", PAGES] {
+        said = said.replace(&format!("{}/{folder}/", root.display()), "report/templates/");
+    }
+    said.replace(&format!("{}/", root.display()), "report/")
+}
+
+/// Refuses a page with a character that no line of text may have; tabs and ends of lines and pages are none.
+fn refuse_forbidden(name: &str, text: &str) -> Result<(), String> {
+    for (k, line) in text.lines().enumerate() {
+        if let Some(c) =
+            line.chars().find(|c| is_forbidden(*c) && !['\t', '\r', '\u{c}'].contains(c))
+        {
+            return Err(format!("{name}:{}: {}; take it out", k + 1, described(c)));
+        }
+    }
+    Ok(())
+}
+
 /// Builds all outputs of the book in this folder by mdBook.
-fn with_mdbook(folder: &Path, config: Config) -> mdbook_driver::errors::Result<()> {
-    let outputs = config.outputs()?;
-    let mut book = MDBook::load_with_config(folder, config)?;
-    for backend in outputs.into_iter().filter_map(Backend::new) {
-        book.with_renderer(backend);
+fn with_mdbook(folder: &Path, settings: &Settings<'_>) -> mdbook_driver::errors::Result<()> {
+    let mut book = MDBook::load_with_config(folder, settings.config.clone())?;
+    for (name, table) in &settings.outputs {
+        book.with_renderer(Backend::new(name, table)?);
+    }
+    if settings.has_html() {
+        book.with_renderer(Pages);
     }
     book.build()
 }
 
-/// True if mdBook's own preprocessor with this name works on the pages.
-fn is_on(preprocessor: &str, config: &Config) -> bool {
-    let named = config.get::<toml::Value>(&format!("preprocessor.{preprocessor}"));
-    config.build.use_default_preprocessors || named.is_ok_and(|named| named.is_some())
-}
-
-/// Reads `book.toml`.
-pub(crate) fn settings(book_toml: &[u8]) -> Result<Config, String> {
-    let text = std::str::from_utf8(book_toml).map_err(|_| "report/book.toml: not UTF-8 text")?;
-    let config = Config::from_str(text).map_err(|error| format!("report/book.toml: {error:#}"))?;
-    // mdBook empties the first folder and may write to the second: neither may hold files of the user.
-    for (setting, folder, ours) in [
-        ("build.build-dir", &config.build.build_dir, "book"),
-        ("book.src", &config.book.src, "src"),
-    ] {
-        if folder != Path::new(ours) {
-            let folder = folder.display();
-            return Err(format!("report/book.toml: {setting} is `{folder}`, but must be `{ours}`"));
-        }
+/// Marks a file as a program.
+fn allow_to_run(path: &Path) -> Result<(), String> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        fs::set_permissions(path, fs::Permissions::from_mode(0o755))
+            .map_err(|source| io(path, source))?;
     }
-    Ok(config)
+    Ok(())
 }
 
 fn io(path: &Path, error: std::io::Error) -> String {

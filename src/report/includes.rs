@@ -90,12 +90,14 @@ fn resolved(file: &str, path: &str) -> Option<String> {
 fn has_part(bytes: &[u8], part: Option<&str>) -> Result<(), String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "the file is not UTF-8 text".to_owned())?;
     let Some(part) = part else { return Ok(()) };
-    let first = part.split(':').next().unwrap_or_default();
+    let mut parts = part.split(':');
+    let (first, last) = (parts.next().unwrap_or_default(), parts.next());
     let lines = text.lines().count();
     match first.parse::<usize>() {
+        Ok(0) => Err("lines are counted from 1 on".into()),
         Ok(line) if line > lines => Err(format!("the file has {lines} lines")),
-        Ok(_) => Ok(()),
-        Err(_) if first.is_empty() => Ok(()),
+        Ok(line) => is_last_line(last, line),
+        Err(_) if first.is_empty() => is_last_line(last, 1),
         Err(_) => {
             let mut anchors = text.split("ANCHOR:").skip(1);
             match anchors.any(|anchor| anchor.split_whitespace().next() == Some(first)) {
@@ -103,6 +105,16 @@ fn has_part(bytes: &[u8], part: Option<&str>) -> Result<(), String> {
                 false => Err(format!("the file has no line with `ANCHOR: {first}`")),
             }
         }
+    }
+}
+
+/// Refuses a last line before the `first` one, and what is no number of a line; without a number the file ends the part.
+fn is_last_line(last: Option<&str>, first: usize) -> Result<(), String> {
+    let Some(last) = last.filter(|last| !last.is_empty()) else { return Ok(()) };
+    match last.parse::<usize>() {
+        Ok(last) if last < first => Err(format!("line {last} comes before line {first}")),
+        Ok(_) => Ok(()),
+        Err(_) => Err(format!("`{last}` is no number of a line")),
     }
 }
 
@@ -156,7 +168,7 @@ mod tests {
             "{{#include ../note.txt}} and {{ #include ./../note.txt:2 }}",
             "```toml\n{{#include ../../../pipeline/scenes/plate.toml}}\n```",
             "{{#rustdoc_include ../note.txt:part}} {{#playground ../note.txt editable}}",
-            "{{#include ../note.txt:2:}} {{#include ../note.txt::3}} {{#title Another}}",
+            "{{#include ../note.txt:2:}} {{#include ../note.txt::3}} {{#include ../note.txt:1:9:x}} {{#title Another}}",
             r"\{{#include no.txt}} and {{#include no.txt}}",
             "{{#include}} {{include no.txt}} {{#template no.txt}}",
         ] {
@@ -171,6 +183,10 @@ mod tests {
             ("```rust\n{{#rustdoc_include no.rs:2:3}}\n```", "name a file"),
             ("{{#playground no.rs}}", "name a file"),
             ("{{#include ../note.txt:5}}", "the file has 4 lines"),
+            ("{{#include ../note.txt:4:2}}", "line 2 comes before line 4"),
+            ("{{#include ../note.txt::0}}", "line 0 comes before line 1"),
+            ("{{#include ../note.txt:0:3}}", "counted from 1 on"),
+            ("{{#rustdoc_include ../note.txt:1:two}}", "`two` is no number"),
             ("{{#include ../note.txt:par}}", "no line with `ANCHOR: par`"),
             ("{{#include ../photo.png}}", "not UTF-8"),
         ] {

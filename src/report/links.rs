@@ -1,10 +1,12 @@
 //! Check of the links and pictures of a page: their targets must exist.
 
+use super::anchors::anchors;
 use super::markdown::{parse, place};
 use percent_encoding::percent_decode_str;
 use pulldown_cmark::{Event, LinkType, Tag};
 use regex::Regex;
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::LazyLock;
 
@@ -26,14 +28,14 @@ pub(super) fn page(chapter: &str, built: &BTreeMap<&str, &[u8]>) -> Option<Strin
     [html(file), index].into_iter().find(|page| built.contains_key(page.as_str()))
 }
 
-/// Refuses a link or a picture of a chapter without a target in the `built` book; `page` is the page of the chapter.
+/// Refuses a link or a picture of a chapter without a target in the built book; `page` is the page of the chapter.
 ///
 /// Links to other sites and to the top of this one are not followed, and tags of HTML are not read.
 pub(super) fn check(
     chapter: &str,
     markdown: &str,
     page: &str,
-    built: &BTreeMap<&str, &[u8]>,
+    site: &Site<'_>,
 ) -> Result<(), String> {
     let mut text: Vec<Range<usize>> = Vec::new();
     for (event, range) in parse(markdown) {
@@ -52,7 +54,7 @@ pub(super) fn check(
             continue;
         };
         if link_type != LinkType::Email
-            && let Err(why) = follow(page, &dest_url, built)
+            && let Err(why) = site.follow(page, &dest_url)
         {
             let at = place(chapter, markdown, range.start);
             return Err(format!("{at}: the link to `{dest_url}` leads nowhere: {why}"));
@@ -74,43 +76,106 @@ fn html(file: &str) -> String {
     file.strip_suffix(".md").map_or(file.into(), |stem| format!("{stem}.html"))
 }
 
-/// Follows a link of the file `page` of the book.
-///
-/// # Errors
-/// The reason for which the target does not exist.
-fn follow(page: &str, target: &str, built: &BTreeMap<&str, &[u8]>) -> Result<(), String> {
-    let scheme = target.split_once(':').map(|(scheme, _)| scheme);
-    let is_scheme =
-        scheme.is_some_and(|s| s.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-'));
-    if target.starts_with('/') || is_scheme {
-        return Ok(());
+/// Returns the target of a link as mdBook writes it: links to pages in Markdown become links to their HTML, without what
+/// follows the ending but an anchor.
+fn written(target: &str) -> String {
+    match target.rsplit_once(".md") {
+        Some((page, anchor)) if anchor.starts_with('#') => format!("{page}.html{anchor}"),
+        Some((page, _)) if !target.starts_with('#') => format!("{page}.html"),
+        _ => target.to_owned(),
     }
-    let (path, id) = target.split_once('#').unwrap_or((target, ""));
-    let path = decoded(path.split('?').next().unwrap_or_default());
+}
+
+/// True if a link begins with a scheme, such as `https:`; a browser takes every such link for one to another place.
+fn has_scheme(target: &str) -> bool {
+    let is_in_scheme = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);
+    target.split_once(':').is_some_and(|(scheme, _)| {
+        scheme.starts_with(|c: char| c.is_ascii_alphabetic()) && scheme.chars().all(is_in_scheme)
+    })
+}
+
+/// Built book in which links are followed.
+pub(super) struct Site<'a> {
+    built: &'a BTreeMap<&'a str, &'a [u8]>,
+    /// Names of places in the pages to which links led.
+    anchors: RefCell<BTreeMap<String, BTreeSet<String>>>,
+}
+
+impl<'a> Site<'a> {
+    pub(super) fn new(built: &'a BTreeMap<&'a str, &'a [u8]>) -> Self {
+        Self { built, anchors: RefCell::default() }
+    }
+
+    /// Follows a link of the file `page` of the book, as a browser does.
+    ///
+    /// # Errors
+    /// The reason for which the target does not exist.
+    fn follow(&self, page: &str, target: &str) -> Result<(), String> {
+        if target.starts_with('/') || has_scheme(target) {
+            return Ok(());
+        }
+        let written = written(target);
+        let (path, fragment) = written.split_once('#').unwrap_or((&written, ""));
+        let path = decoded(path.split('?').next().unwrap_or_default());
+        let Some(file) = resolved(page, &path) else {
+            // Above the book there may be more of a site, but none of its pages.
+            return match target.contains(".md") {
+                true => Err("it leads out of the book".into()),
+                false => Ok(()),
+            };
+        };
+        let is_folder = path.ends_with('/')
+            || ["", ".", ".."].contains(&path.rsplit('/').next().unwrap_or_default());
+        let file = match !path.is_empty() && is_folder {
+            true => format!("{file}/index.html").trim_start_matches('/').to_owned(),
+            false => file,
+        };
+        let Some(bytes) = self.built.get(file.as_str()) else {
+            let remedy = match file.to_lowercase() {
+                name if name.ends_with("readme.html") => {
+                    "; mdBook makes index.html of a readme, so link to index.md"
+                }
+                name if name.ends_with(".html") => "; its pages are those in SUMMARY.md",
+                _ => "",
+            };
+            return Err(format!("the book has no {file}{remedy}"));
+        };
+        match self.has_place(&file, bytes, fragment) {
+            true => Ok(()),
+            false => Err(format!(
+                "{file} has no heading with this id, its text in small letters and - for spaces"
+            )),
+        }
+    }
+
+    /// True if a browser finds the place in the file.
+    fn has_place(&self, file: &str, bytes: &[u8], fragment: &str) -> bool {
+        // Text to be looked for is a hint, and other files than pages have rules of their own.
+        let id = fragment.split(":~:").next().unwrap_or_default();
+        if id.is_empty() || id.eq_ignore_ascii_case("top") || !file.ends_with(".html") {
+            return true;
+        }
+        let mut known = self.anchors.borrow_mut();
+        let places = known
+            .entry(file.to_owned())
+            .or_insert_with(|| anchors(&String::from_utf8_lossy(bytes)));
+        places.contains(id) || places.contains(&decoded(id))
+    }
+}
+
+/// Returns the path in the book to which a path in `page` leads; `None` if it leads out of the book.
+fn resolved(page: &str, path: &str) -> Option<String> {
     let mut steps: Vec<&str> = page.split('/').collect();
     if !path.is_empty() {
         steps.pop();
     }
     for step in path.split('/').filter(|step| !["", "."].contains(step)) {
         match step {
-            ".." => _ = steps.pop(),
+            ".." => _ = steps.pop()?,
             step => steps.push(step),
         }
     }
-    let file = html(&steps.join("/"));
-    let Some(bytes) = built.get(file.as_str()) else {
-        let remedy =
-            if file.ends_with(".html") { "; its pages are those in SUMMARY.md" } else { "" };
-        return Err(format!("the book has no {file}{remedy}"));
-    };
-    let text = String::from_utf8_lossy(bytes);
-    let id = decoded(id);
-    match id.is_empty() || text.contains(&format!(" id=\"{id}\"")) {
-        true => Ok(()),
-        false => Err(format!(
-            "{file} has no heading with this id, its text in small letters and - for spaces"
-        )),
-    }
+    Some(steps.join("/"))
 }
 
 /// Decodes `%20` and its like.
@@ -124,11 +189,11 @@ mod tests {
 
     /// Checks a link in the page `a` or `sub/b` of a small book, on line 3.
     fn checked(page: &str, link: &str) -> Result<(), String> {
-        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2>".as_bytes();
-        let files = ["a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
+        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2><a name=\"x1\"></a>".as_bytes();
+        let files = ["index.html", "a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
         let built = BTreeMap::from(files.map(|name| (name, html)));
         let markdown = format!("# One\n\n{link}\n");
-        check(&format!("src/{page}.md"), &markdown, &format!("{page}.html"), &built)
+        check(&format!("src/{page}.md"), &markdown, &format!("{page}.html"), &Site::new(&built))
     }
 
     #[test]
@@ -138,6 +203,9 @@ mod tests {
             "[x](./results.csv), ![x](figures/my%20plate.svg), ![x](<figures/my plate.svg>)",
             "[x](https://nowhere.md), [x](//nowhere.md), [x](/nowhere), <a@b.c>, [x](mailto:a@b.c), `[x](nowhere.md)`",
             "[x][y]\n\n[y]: a.md#one",
+            "[x](#x1), [x](a.html#x1), [x](#top), [x](#), [x](a.md#), [x](sub/b.md?q=1#one), [x](#one:~:text=a)",
+            "[x](./), [x](.), [x](./#one), [x](../), [x](../other/), [x](figures/my%20plate.svg#svgView(1,1))",
+            "[x](git+ssh://a.b/c.md), [x](tel:+49-1), [x](?q)",
         ] {
             assert_eq!(checked("a", link), Ok(()), "{link}");
         }
@@ -149,6 +217,10 @@ mod tests {
             ("[x](#two)", "`#two` leads nowhere: a.html has no heading with this id"),
             ("[x](sub/b.md#two)", "sub/b.html has no heading"),
             ("[x][y]\n\n[y]: b.md", "the book has no b.html"),
+            ("[x](../a.md)", "leads out of the book"),
+            ("[x](#One)", "has no heading"),
+            ("[x](sub/)", "the book has no sub/index.html"),
+            ("[x](README.md)", "so link to index.md"),
         ] {
             let error = checked("a", link).unwrap_err();
             assert!(error.starts_with("src/a.md:3: ") && error.contains(why), "{error}");

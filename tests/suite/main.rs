@@ -4,6 +4,7 @@ mod access;
 mod accuracy;
 mod answers;
 mod book;
+mod book_settings;
 mod bounds;
 mod bundle;
 mod cache;

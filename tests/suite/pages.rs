@@ -5,31 +5,31 @@ use std::fs;
 use std::os::unix::fs::symlink;
 
 /// A study in the folder `study`.
-struct Study(Project);
+pub(crate) struct Study(pub Project);
 
 impl Study {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let place = Project::with(TABLE);
         place.run(&["init", "study"]).lines();
         Self(place)
     }
 
-    fn run(&self, args: &[&str]) -> Said {
+    pub(crate) fn run(&self, args: &[&str]) -> Said {
         self.0.command(args).current_dir(self.0.path("study")).output().unwrap().into()
     }
 
-    fn read(&self, path: &str) -> String {
+    pub(crate) fn read(&self, path: &str) -> String {
         fs::read_to_string(self.0.path("study").join(path)).unwrap()
     }
 
-    fn write(&self, path: &str, text: impl AsRef<[u8]>) {
+    pub(crate) fn write(&self, path: &str, text: impl AsRef<[u8]>) {
         let path = self.0.path("study").join(path);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, text).unwrap();
     }
 
     /// Refusal of the book, which has a page with these lines at the end.
-    fn refusal(&self, page: &str) -> String {
+    pub(crate) fn refusal(&self, page: &str) -> String {
         self.write(PAGE, page);
         let said = self.run(&["run"]);
         let error = said.err.lines().last().unwrap_or_default().to_owned();
@@ -38,7 +38,7 @@ impl Study {
     }
 }
 
-const PAGE: &str = "report/templates/plate.md";
+pub(crate) const PAGE: &str = "report/templates/plate.md";
 
 #[test]
 fn a_page_includes_scenes_and_files_beside_it_and_follows_their_changes() {
@@ -82,6 +82,8 @@ fn a_directive_that_nothing_replaces_is_named_with_its_line() {
             format!("report/templates/plate.md:8: `{directive}` includes nothing: name a file");
         assert!(error.starts_with(&place), "{error}");
     }
+    let error = study.refusal("# Plate\n\n{{#include ../../pipeline/scenes/plate.toml:9:3}}\n");
+    assert!(error.ends_with("includes nothing: line 3 comes before line 9"), "{error}");
     for directive in ["{{#template a.md}}", "{{#inlcude a.md}}", "{{#if x}}"] {
         let error = study.refusal(&format!("# Plate\n\n\\{{{{#x}}}}\n\n{directive} and more\n"));
         let place = format!("report/templates/plate.md:5: `{directive}` is replaced by nothing; ");
@@ -121,13 +123,71 @@ fn names_of_pages_and_files_that_the_book_makes_itself_are_refused() {
         );
         fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
     }
-    for name in ["results.csv", "figures/plate-surface.svg"] {
+    let replaced = |name: &str, why: &str| {
         study.write(&format!("report/templates/{name}"), "mine");
         let error = study.refusal(&page);
-        assert!(error.starts_with(&format!("report/templates/{name}: a run makes")), "{error}");
+        assert!(error.starts_with(&format!("report/templates/{name}: {why}")), "{error}");
+        fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
+    };
+    for name in
+        ["results.csv", "Results.CSV", "figures/plate-surface.svg", "figures/Disc-surface.svg"]
+    {
+        replaced(name, "a run makes a file of this name");
+    }
+    let by_mdbook = "the book has a file of this name that mdBook makes";
+    for name in
+        ["index.html", "INDEX.html", "print.html", "toc.html", "404.html", "plate.html", "css"]
+    {
+        replaced(name, by_mdbook);
+    }
+    // Files of the theme have hashes in their names unless the settings say otherwise.
+    let settings = study.read("report/book.toml");
+    study.write("report/book.toml", format!("{settings}hash-files = false\n"));
+    for name in ["book.js", "searchindex.js", "css/chrome.css", "CSS/chrome.css", "fonts/fonts.css"]
+    {
+        replaced(name, by_mdbook);
+    }
+    study.write("report/book.toml", settings);
+    // The source of mdBook's own page on errors is a page of the user.
+    study.write("report/templates/404.md", "# Lost\n");
+    study.run(&["run"]).lines();
+    assert!(study.read("report/book/404.html").contains("Lost"));
+}
+
+#[test]
+fn pages_that_become_one_file_or_none_are_refused_with_their_line() {
+    let study = Study::new();
+    let page = study.read(PAGE);
+    let list = study.read("report/templates/SUMMARY.md");
+    for (name, listed, why) in [
+        (
+            "Plate.md",
+            "Plate.md",
+            "`plate.md` and `Plate.md` become one file of the book, Plate.html",
+        ),
+        ("plate.txt", "plate.txt", "is no page `*.md`"),
+        ("b.MD", "b.MD", "is no page `*.md`"),
+        ("b.md", "../../../b.md", "is no page in report/templates"),
+        ("b.md", "/b.md", "is no page in report/templates"),
+    ] {
+        study.write(&format!("report/templates/{name}"), "# Mine\n");
+        study.write("report/templates/SUMMARY.md", format!("{list}- [B]({listed})\n"));
+        let error = study.refusal(&page);
+        let line = list.lines().count() + 1;
+        assert!(error.starts_with(&format!("report/templates/SUMMARY.md:{line}: ")), "{error}");
+        assert!(error.contains(why), "{error}");
         fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
     }
+    for name in ["README.md", "index.md"] {
+        study.write(&format!("report/templates/{name}"), "# Mine\n");
+    }
+    study
+        .write("report/templates/SUMMARY.md", format!("- [A](README.md)\n{list}- [B](index.md)\n"));
+    assert!(study.refusal(&page).contains("`README.md` and `index.md` become one file"));
+    study.write("report/templates/SUMMARY.md", format!("{list}- [A](README.md)\n"));
     study.run(&["run"]).lines();
+    study.write("report/templates/SUMMARY.md", "# Summary\n\n- [A](plate.md\n");
+    assert!(study.refusal(&page).contains("SUMMARY.md:1: it lists no page"));
 }
 
 #[test]
@@ -149,7 +209,20 @@ fn what_editors_leave_is_no_input_and_in_no_book() {
         fs::remove_file(&lock).unwrap();
         symlink("user@host.4711:1700000000", lock).unwrap();
     }
-    for name in ["plate.md.tmp.4711", "plate.md.sb-0815-abc", "Thumbs.db", "plate.md___jb_tmp___"] {
+    for name in [
+        "plate.md.tmp.4711",
+        "plate.md.sb-0815-abc",
+        "plate.md___jb_tmp___",
+        "Thumbs.db",
+        "~$notes.docx",
+        ".~lock.notes.odt#",
+        "photo.png.part",
+        "photo.png.crdownload",
+        "photo.png.download/photo.png",
+        "__MACOSX/photo.png",
+        "x.TMP",
+        "photo.png:Zone.Identifier",
+    ] {
         study.write(&format!("report/templates/{name}"), "mine");
     }
     assert_eq!(study.run(&["run"]).lines(), ["nothing to do"]);

@@ -9,6 +9,7 @@ mod times;
 use super::solutions::Solutions;
 use super::{artifact, figures, results, to_json};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
+use crate::pipeline::names::alike;
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Task, hash};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
@@ -77,7 +78,12 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let mut graph = Graph::of(earlier);
     graph.0.push(GraphNode::new(ID, &needs));
     // By hash, because `explain` prints changed parameters, old and new.
-    let parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
+    let mut parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
+    if let Some(book_toml) = project.templates.get("book.toml") {
+        let programs = report::program_hashes(book_toml);
+        parameters
+            .extend(programs.into_iter().map(|(name, hash)| (format!("program {name}"), hash)));
+    }
     let commands = project.commands;
     let task = Task::new(ID, parameters, needs, move |inputs| {
         if let Some(reason) = &left_out {
@@ -138,20 +144,12 @@ fn book(
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
         made.insert(format!("src/{}", results::FILE), csv.into());
     }
-    if let Some(name) = files
-        .keys()
-        .filter(|name| made.contains_key(*name))
-        .find_map(|name| name.strip_prefix("src/"))
-    {
-        return Err(format!(
-            "report/templates/{name}: a run makes a file of this name; rename this one"
-        )
-        .into());
-    }
+    refuse_replaced(&files, &templates, made.keys().chain(pages.keys()))?;
     files.extend(made);
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
-    let built = report::build(&files, inputs.scratch)
-        .map_err(|mistake| report::in_template(mistake, &pages, &templates))?;
+    let built = report::build(&files, inputs.scratch).map_err(|mistake| {
+        report::in_template(mistake, &pages, &templates).replace(['\n', '\r'], " ")
+    })?;
     let mut artifacts = Artifacts::new();
     for (name, page) in pages {
         artifacts.insert(name, page.into_bytes());
@@ -160,6 +158,31 @@ fn book(
         artifacts.insert(format!("book/{name}"), bytes);
     }
     Ok(artifacts)
+}
+
+/// Refuses a file of the user, among `files` or `templates`, with the name of one that the run has `made`. Other names
+/// that some file systems do not tell apart count as the same.
+fn refuse_replaced<'a>(
+    files: &Artifacts,
+    templates: &BTreeMap<String, String>,
+    made: impl Iterator<Item = &'a String>,
+) -> Result<(), Failure> {
+    // A page is made of its template.
+    let own = |name: &&str| {
+        !templates.contains_key(*name) && !templates.contains_key(&format!("{name}.tera"))
+    };
+    let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
+    let made: BTreeMap<String, &str> = made.map(|name| (alike(name), name)).collect();
+    let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
+    for name in users.chain(templates.keys().map(String::as_str)) {
+        if let Some(same) = made.get(&alike(name)) {
+            return Err(format!(
+                "report/templates/{name}: a run makes a file of this name, {same}; rename this one"
+            )
+            .into());
+        }
+    }
+    Ok(())
 }
 
 /// Returns names and versions of the packages that the book names, as the build resolved them.

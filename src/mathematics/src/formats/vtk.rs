@@ -1,5 +1,7 @@
 //! VTK XML files whose arrays are raw little-endian numbers after the text.
 
+use crate::problem::text::is_forbidden;
+
 /// Arrays of a file, each after the number of its bytes.
 #[derive(Default)]
 pub(super) struct Appended {
@@ -23,6 +25,7 @@ impl Appended {
 
     /// Returns a file of a VTK type on the solution of this name, with the tags of the arrays in `body`.
     pub(super) fn file(self, kind: &str, name: &str, body: &str) -> Vec<u8> {
+        let name = name.replace(is_forbidden, " ");
         // Two hyphens end a comment of XML; of three, the first replacement leaves two.
         let name = name.replace("--", "- -").replace("--", "- -");
         let mut bytes = format!(

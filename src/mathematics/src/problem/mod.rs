@@ -11,3 +11,4 @@ pub mod law;
 pub mod region;
 pub mod shape;
 pub mod source;
+pub mod text;

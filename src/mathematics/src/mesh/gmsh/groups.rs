@@ -2,6 +2,7 @@
 
 use super::error::{Fault, GmshError};
 use super::scanner::Scanner;
+use crate::problem::text::is_forbidden;
 use std::collections::{BTreeMap, HashMap};
 
 /// Letters of the longest name.
@@ -39,7 +40,7 @@ impl GroupNames {
 fn name_in_quotes(line: &str) -> Option<&str> {
     let name = line.strip_prefix('"')?.strip_suffix('"')?;
     let is_short = (1..=LONGEST).contains(&name.chars().count());
-    (is_short && !name.contains(char::is_control)).then_some(name)
+    (is_short && !name.contains(is_forbidden)).then_some(name)
 }
 
 /// Groups of one entity: a curve, surface or volume of the geometry.

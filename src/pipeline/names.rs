@@ -1,0 +1,198 @@
+//! Names of files: those of files that no one means to keep, those that are alike, and characters that none may have.
+
+use crate::pipeline::error::{Error, Result};
+use signorini_mathematics::problem::text::is_forbidden;
+use unicode_normalization::UnicodeNormalization;
+
+/// Beginnings of the names of hidden files, of locks and of files of office programs.
+const BEGINNINGS: [&str; 3] = [".", "#", "~"];
+
+/// Endings of backups, of files that are being written or loaded, and of files that merges and patches leave.
+const ENDINGS: [&str; 30] = [
+    "~",
+    "#",
+    ".aria2",
+    ".asv",
+    ".autosave",
+    ".bak",
+    ".bck",
+    ".backup",
+    ".bk",
+    ".crdownload",
+    ".download",
+    ".filepart",
+    ".kate-swp",
+    ".old",
+    ".opdownload",
+    ".ori",
+    ".orig",
+    ".part",
+    ".partial",
+    ".rej",
+    ".save",
+    ".stackdump",
+    ".swo",
+    ".swp",
+    ".temp",
+    ".tmp",
+    ".xlk",
+    ":zone.identifier",
+    "___jb_old___",
+    "___jb_tmp___",
+];
+
+/// Parts of the names of the copies that programs make of a file that two machines have changed.
+const PARTS: [&str; 2] = [".sync-conflict-", "conflicted copy"];
+
+/// Files and folders of operating systems, archives and servers of files.
+const WHOLE: [&str; 14] = [
+    "$recycle.bin",
+    "@eadir",
+    "__macosx",
+    "__pycache__",
+    "auto-save-list",
+    "desktop.ini",
+    "ehthumbs.db",
+    "ehthumbs_vista.db",
+    "icon\r",
+    "lost+found",
+    "network trash folder",
+    "nppbackup",
+    "system volume information",
+    "thumbs.db",
+];
+
+/// Words by which `git mergetool` names the versions of a file, each before the number of a process.
+const VERSIONS: [&str; 4] = ["_BACKUP_", "_BASE_", "_LOCAL_", "_REMOTE_"];
+
+/// True if the name is one that operating systems, editors, office and other programs give to files of their own, which
+/// are neither read nor published. Capitals do not count.
+pub(crate) fn is_left_behind(name: &str) -> bool {
+    let small = name.to_lowercase();
+    // A page whose name does not end with `.md` or `.md.tera` is a copy of that page.
+    let is_copy = small.split_once(".md.").is_some_and(|(_, end)| end != "tera");
+    BEGINNINGS.iter().any(|beginning| small.starts_with(beginning))
+        || ENDINGS.iter().any(|ending| small.ends_with(ending))
+        || PARTS.iter().any(|part| small.contains(part))
+        || WHOLE.contains(&small.as_str())
+        || is_copy
+        || is_version(name)
+        || name.parse().is_ok_and(is_vim_probe)
+}
+
+/// True for one of the versions of a file that `git mergetool` compares.
+fn is_version(name: &str) -> bool {
+    VERSIONS.iter().any(|word| {
+        let number = name.split_once(word).map(|(_, rest)| rest.split('.').next().unwrap_or(rest));
+        number.is_some_and(|number| number.parse::<u32>().is_ok())
+    })
+}
+
+/// True if Vim names a file so to see if it may write to a folder: 4913, or a later number in steps of 123.
+fn is_vim_probe(number: u32) -> bool {
+    number >= 4913 && (number - 4913).is_multiple_of(123)
+}
+
+/// Returns the name in a form that is the same for names that some file systems do not tell apart: there, the file of
+/// one name would overwrite that of the other.
+pub(crate) fn alike(name: &str) -> String {
+    name.nfc().flat_map(char::to_lowercase).nfc().collect()
+}
+
+/// Refuses a text with a character that no line of text may have; `what` names the text.
+pub(crate) fn refuse_forbidden(what: &str, text: &str) -> Result<()> {
+    refuse_with(what, text, "take it out")
+}
+
+/// Refuses a name with a character that no line of text may have; `what` is named by it.
+pub(crate) fn refuse_forbidden_name(what: &str, name: &str) -> Result<()> {
+    refuse_with(&format!("the name of {what} {name:?}"), name, &format!("rename the {what}"))
+}
+
+fn refuse_with(what: &str, text: &str, remedy: &str) -> Result<()> {
+    match text.chars().find(|c| is_forbidden(*c)) {
+        None => Ok(()),
+        Some(c) => Err(Error::input(format!("{what} has {}; {remedy}", described(c)))),
+    }
+}
+
+/// Returns the words for a character that no one sees.
+pub(crate) fn described(c: char) -> String {
+    format!("the character U+{:04X}, which no line of text may have", u32::from(c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_programs_leave_is_told_from_what_people_keep() {
+        for name in [
+            "~$notes.docx",
+            ".~lock.notes.odt#",
+            "~WRL0001.tmp",
+            "photo.png.part",
+            "photo.png.crdownload",
+            "Unconfirmed 4711.crdownload",
+            "photo.PNG.DOWNLOAD",
+            "x.TMP",
+            "x.xlk",
+            "plate.md~",
+            "plate.md.~1~",
+            "#plate.md#",
+            ".plate.md.swp",
+            ".plate.md.kate-swp",
+            "plate.md.sb-0815-abc",
+            "plate.bak",
+            "plate.orig",
+            "plate_BACKUP_4711.toml",
+            "plate.sync-conflict-20240101-101010-ABC.toml",
+            "plate (Ann's conflicted copy 2024-01-01).toml",
+            "photo.png:Zone.Identifier",
+            "THUMBS.DB",
+            "Desktop.ini",
+            ".DS_Store",
+            "._photo.png",
+            "Icon\r",
+            "__MACOSX",
+            "4913",
+            "5036",
+        ] {
+            assert!(is_left_behind(name), "{name:?}");
+        }
+        for name in [
+            "plate.md",
+            "plate.md.tera",
+            "a.old.txt",
+            "2024",
+            "LICENSE",
+            "part.md",
+            "download.svg",
+            "x_LOCAL_min.svg",
+            "template.toml",
+            "Icon",
+            "backup",
+        ] {
+            assert!(!is_left_behind(name), "{name:?}");
+        }
+    }
+
+    #[test]
+    fn names_that_differ_in_capitals_or_in_the_way_to_write_accents_are_alike() {
+        assert_eq!(alike("INDEX.html"), alike("index.HTML"));
+        assert_eq!(alike("e\u{301}.md"), alike("É.md"));
+        assert_ne!(alike("a.md"), alike("b.md"));
+    }
+
+    #[test]
+    fn a_forbidden_character_is_named() {
+        assert!(refuse_forbidden("`title`", "Ein Bild").is_ok());
+        let error = refuse_forbidden("`title`", "a\u{FFFE}").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "`title` has the character U+FFFE, which no line of text may have; take it out"
+        );
+        let error = refuse_forbidden_name("scene", "a\nb").unwrap_err().to_string();
+        assert!(error.ends_with("; rename the scene") && !error.contains('\n'), "{error}");
+    }
+}
