@@ -84,7 +84,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let project = &workplace.project;
     let paths: Vec<&str> = project.files.keys().map(String::as_str).collect();
     let checkout = Checkout::of(&project.root, &paths, LOCK_FILE);
-    let inputs = inputs(project);
+    let inputs = inputs(project)?;
     context.insert("input_files", &inputs);
     files.extend(inputs);
     context.insert("checkout", &checkout.as_ref().ok());
@@ -218,7 +218,10 @@ fn context(
     files: &[File],
 ) -> Result<Context> {
     let project = &workplace.project;
-    let inputs: Vec<_> = project.files.iter().map(|(path, bytes)| (path, hash(bytes))).collect();
+    let mut inputs = Vec::new();
+    for (path, file) in &project.files {
+        inputs.push((path, file.hash()?));
+    }
     let span = workplace.store.span(summary.manifests.keys())?;
     let lock = LockFile::path(&project.root);
     let lock_file = summary.lock_file();

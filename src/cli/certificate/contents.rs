@@ -176,9 +176,9 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
 }
 
 /// Returns the files under `pipeline/` that the run read, with the bytes that it read.
-pub(super) fn inputs(project: &Project) -> Vec<File> {
+pub(super) fn inputs(project: &Project) -> Result<Vec<File>> {
     let mut files = Vec::new();
-    for (path, bytes) in &project.files {
+    for (path, file) in &project.files {
         let comment = match path.as_str() {
             PAPER => "the published tables",
             IDENTIFIED => "the record of the searches for f",
@@ -186,9 +186,9 @@ pub(super) fn inputs(project: &Project) -> Vec<File> {
             recorded::PATH => "recorded run times",
             _ => "a scene: a problem, its grids, and the outputs wanted",
         };
-        files.push(File::new(format!("{INPUTS}{path}"), comment, bytes.clone()));
+        files.push(File::new(format!("{INPUTS}{path}"), comment, file.bytes()?.to_vec()));
     }
-    files
+    Ok(files)
 }
 
 /// Folder of the inputs in the bundle. Their paths in it are those in the project, so that the folder is a project.

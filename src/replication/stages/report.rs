@@ -70,8 +70,8 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     others.retain(|scene| !scene.is_problem() && scene.wants(Output::Table));
     let left_out = left_out(project);
     let mut files = project.files.clone();
-    for (name, bytes) in &project.templates {
-        files.insert(format!("report/{name}"), bytes.clone());
+    for (name, file) in &project.templates {
+        files.insert(format!("report/{name}"), file.clone());
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
@@ -105,15 +105,16 @@ fn book(
 ) -> Result<Artifacts, Failure> {
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
-    for (path, bytes) in inputs.files {
+    for (path, file) in inputs.files {
+        let bytes = file.bytes()?;
         let Some(name) = path.strip_prefix("report/") else {
             // Pages may include files of the project.
-            files.insert(format!("../{path}"), bytes.clone());
+            files.insert(format!("../{path}"), bytes.to_vec());
             continue;
         };
         match name.strip_prefix("templates/") {
             Some(page) if [".md", ".tera", ".js"].iter().any(|ending| page.ends_with(ending)) => {
-                let text = String::from_utf8(bytes.clone());
+                let text = String::from_utf8(bytes.to_vec());
                 let text = text.map_err(|_| format!("{path} is not UTF-8; save it as UTF-8"))?;
                 if let Some(line) = conflict(text.as_bytes()) {
                     return Err(format!("{path}: line {line}: {CONFLICT}; resolve it there").into());
@@ -121,8 +122,8 @@ fn book(
                 templates.insert(page.to_owned(), text);
             }
             // Other files that pages show, such as a photograph.
-            Some(other) => _ = files.insert(format!("src/{other}"), bytes.clone()),
-            None => _ = files.insert(name.into(), bytes.clone()),
+            Some(other) => _ = files.insert(format!("src/{other}"), bytes.to_vec()),
+            None => _ = files.insert(name.into(), bytes.to_vec()),
         }
     }
     let pages = pages(&templates)?;
