@@ -54,7 +54,6 @@ impl Selection {
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     let project = Project::read(Project::find(&current_folder()?)?)?;
-    project.refuse_broken()?;
     let asked = Search::read(args, &project)?;
     let answer = || if args.variants { compare(args, &asked) } else { find(args, &asked) };
     match &asked.pool {

@@ -2,7 +2,7 @@
 
 use super::current_folder;
 use super::output::{columns, say, say_json, talk};
-use crate::pipeline::error::Result;
+use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 use crate::replication::scenes::SceneFolder;
 use clap::Args;
@@ -58,18 +58,19 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
 /// Exit code if a scene cannot be read, as for all wrong input.
 const BROKEN: u8 = 2;
 
-/// Returns the scenes of the project; none outside a project.
+/// Returns the scenes of the project; none, with a note, outside a project and in one without scenes.
 fn scenes() -> Result<SceneFolder> {
-    match Project::find(&current_folder()?) {
-        Ok(root) => {
-            let folder = Project::read_scenes(&root)?;
+    let root = Project::find(&current_folder()?);
+    match root.and_then(|root| Project::read_scenes(&root)) {
+        Ok(folder) => {
             folder.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             Ok(folder)
         }
-        Err(why) => {
+        Err(Error::Input(why)) => {
             talk(&format!("note: no scenes are listed: {why}"));
             Ok(SceneFolder::default())
         }
+        Err(other) => Err(other),
     }
 }
 

@@ -264,7 +264,7 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
 }
 
 /// Remedy for files whose line ends were changed.
-const LINE_ENDS: &str = "put `* -text` into .gitattributes, commit it and clone again with `git clone -c core.autocrlf=false`, or overwrite by `signorini run --force`";
+const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes nobody need do so), or overwrite by `signorini run --force`";
 
 /// Returns a line on a file that was not written.
 pub(super) fn edited(file: &Edited) -> String {

@@ -64,13 +64,6 @@ impl Project {
     /// [`Error::Io`] and [`Error::Input`] from its parts, but not from a single scene.
     pub fn read(root: PathBuf) -> Result<Self> {
         let folder = Self::read_scenes(&root)?;
-        if folder.scenes.is_empty() && folder.broken.is_empty() {
-            let folder = root.join(SCENES);
-            let folder = folder.display();
-            return Err(Error::input(format!(
-                "no scenes in {folder}; add one as the README shows"
-            )));
-        }
         let partial = !folder.broken.is_empty();
         let mut project = Self::with(root, folder, &[PAPER, IDENTIFIED, TRUTH, recorded::PATH])?;
         project.partial = partial;
@@ -88,9 +81,17 @@ impl Project {
     /// Reads the scenes of the project in `root`, and nothing else.
     ///
     /// # Errors
-    /// As [`SceneFolder::read`].
+    /// [`Error::Input`] if there are none; [`Error::Io`] if the folder cannot be listed.
     pub(crate) fn read_scenes(root: &Path) -> Result<SceneFolder> {
-        SceneFolder::read(root, |name| !is_left_behind(&format!("{name}.toml")))
+        let folder = SceneFolder::read(root, |name| !is_left_behind(&format!("{name}.toml")))?;
+        if folder.scenes.is_empty() && folder.broken.is_empty() {
+            let folder = root.join(SCENES);
+            let folder = folder.display();
+            return Err(Error::input(format!(
+                "no scenes in {folder}; add one as the README shows"
+            )));
+        }
+        Ok(folder)
     }
 
     /// Returns the project with these scenes and those `more` files that exist.
@@ -165,7 +166,7 @@ impl Project {
     }
 
     /// Refuses a project with scenes that cannot be read.
-    pub(crate) fn refuse_broken(&self) -> Result<()> {
+    fn refuse_broken(&self) -> Result<()> {
         let mut others: Vec<&str> = self.broken.keys().map(String::as_str).collect();
         let Some((_, first)) = self.broken.first_key_value() else { return Ok(()) };
         others.remove(0);
